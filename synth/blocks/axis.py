@@ -1,12 +1,12 @@
-"""Control axes of a stage, as laws of its controller: from a model and weights to Blocks, gains and bounds.
+"""Servo LQG axes of a stage (MATLAB `lqi` with `kalman`): from a model and weights to Blocks, gains and bounds.
 
     Z = axis.servo(inverse.chain("z"), modes={0.0: 25.0}, weights={"z": 1e8, "vz": 1e3}, effort=1e-2,
                    estimator=axis.kalman(process={"vz": 1e-5}, sensor={"z": 1e-14}), anti_windup=30.0)
     stage.controller("levitator", Discrete(1 / 2000), interface, [Z, ...])
 
-`axis_regulator` states the problem that one axis solves. An axis whose model is a chain of a feedback linearisation
-has its demand turned into actuators' values by the inverse of the plant (`axis_inverse`); that of a linear model
-commands its actuator itself. `axis_blocks` makes the Blocks.
+`axis_regulator` states the optimisation problem of one axis. An axis of a linear model commands its actuator directly.
+For an axis whose model is a chain of a feedback linearisation, the inverse of the plant (`axis_inverse`) converts the
+demand into the actuators' values. `axis_blocks` makes the Blocks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,15 +29,15 @@ from synth.timing import Discrete
 
 @dataclass(frozen=True, eq=False)
 class ServoLaw:
-    """Axes that are synthesised when the rate and the interface are known; several share one inverse of the plant."""
+    """Axes to synthesise once the sample rate and the interface are known; several share one inverse of the plant."""
 
     axes: tuple[Axis, ...]
 
     def law(self, time: Discrete, interface: Interface) -> Law:
-        """Return the Blocks of the axes at a rate, for the delay, ranges and limits of an interface.
+        """Return the Blocks of the axes at a sample rate, for the delay, ranges and limits of an interface.
 
-        Raises SignalError for an output without sensor or set-point, a command without actuator, and for an inverse
-        that takes the demands of other axes too; else as `axis_regulator.synthesise`.
+        Raises SignalError for an output without a sensor or a set-point, a command without an actuator, and an inverse
+        that also needs the demands of other axes; otherwise as `axis_regulator.synthesise`.
         """
         blocks = axis_blocks.blocks(time, self.axes, interface)
         name = "_".join(axis.output for axis in self.axes)
@@ -47,9 +47,9 @@ class ServoLaw:
 
 @arguments.checked
 def kalman(process: Mapping[str, float], sensor: Mapping[str, float]) -> Kalman:
-    """Ask for a Kalman filter, like kalman({"v": 3e-8}, {"z": 1e-14}) in m^2/s^3 and m^2.
+    """Specify a Kalman filter, for example kalman({"v": 3e-8}, {"z": 1e-14}) in m^2/s^3 and m^2.
 
-    Raises SignalError for no noise, or one that is not positive.
+    Raises SignalError for missing noise, or noise that is not positive.
     """
     for what, noise in (("process", process), ("sensor", sensor)):
         if not noise or not all(0 < v < np.inf for v in noise.values()):
@@ -68,20 +68,20 @@ def servo(
     anti_windup: float,
     set_point: float | None = None,
 ) -> ServoLaw:
-    """Ask for one axis: the servo of the one output of `model`, which is measured, by its one input.
+    """Specify one axis: a servo of the measured output of `model` by its input.
 
-    model        a continuous StateSpace of one input and one output, about a resting point, or a Chain of a
+    model        a continuous StateSpace of one input and one output, about an equilibrium, or a Chain of a
                  `feedback_linearisation.Linearisation`; states without influence are left out
-    modes        {frequency in rad/s: speed in 1/s}: the internal model holds constants (frequency 0) and sines, and the
-                 error of each dies out at about its speed, as long as the loop is faster
-    weights      {state or output: weight in 1/unit^2}, one on the output above 0
-    effort       the weight on the command, in 1/unit^2; only ratios of `weights` and `effort` count
-    estimator    the Kalman filter of the model's states from the output, as `kalman` asks for it
-    anti_windup  the rate in 1/s at which the internal model follows the actuator while that is at its limit
-    set_point    the weight b >= 0 of the set-point at the gains K_x, as in K_x (y - b r): 0 for none, 1 for the error;
-                 left out, that whose zero cancels the pole which the mode 0 leaves at its speed, or 1 without that mode
+    modes        {frequency in rad/s: speed in 1/s} of the internal model: a constant for frequency 0, else a sine; the
+                 error of each mode decays at about its speed, as long as the loop is faster
+    weights      {state or output: weight in 1/unit^2}; the output needs a weight above 0
+    effort       weight on the command, in 1/unit^2; only ratios of `weights` and `effort` matter
+    estimator    the Kalman filter of the model's states from the output, from `kalman`
+    anti_windup  rate in 1/s at which the internal model tracks the actuator while the actuator is at its limit
+    set_point    set-point weight b >= 0 of the state feedback K_x (y - b r): 0 for none, 1 for the error; by default
+                 its zero cancels the pole of mode 0 at that mode's speed, and without mode 0 it is 1
 
-    Raises SignalError for what does not fit; `ServoLaw.law` raises what only the sample period can tell.
+    Raises SignalError for arguments that do not fit; `ServoLaw.law` raises errors that depend on the sample period.
     """
     inverse, plant = (model.law, model.model) if isinstance(model, Chain) else (None, realisation.connected(of(model)))
     if (len(plant.inputs), len(plant.outputs)) != (1, 1):
@@ -99,18 +99,16 @@ def servo(
     _require_positive("effort", {plant.inputs[0]: effort}, f"1/{plant.unit(plant.inputs[0]) or 'unit'}^2")
     _require_positive("rate of the anti-windup", {plant.inputs[0]: anti_windup}, "1/s")
     if plant.outputs[0] not in weights:
-        raise SignalError(
-            f"there is no weight on '{plant.outputs[0]}', by which the speeds of the modes count: give one"
-        )
+        raise SignalError(f"there is no weight on '{plant.outputs[0]}', which scales the speeds of the modes: give one")
     if set_point is not None and not 0 <= set_point < np.inf:
-        raise SignalError(f"the part of the set-point is {set_point}: give a finite number of 0 or more")
+        raise SignalError(f"the weight of the set-point is {set_point}: give a finite number of 0 or more")
     return ServoLaw((Axis(plant, inverse, dict(modes), dict(weights), effort, estimator, anti_windup, set_point),))
 
 
-def _require_known(what: str, given: Mapping[str, float], known: Sequence[str]) -> None:
-    if unknown := [name for name in given if name not in known]:
+def _require_known(what: str, values: Mapping[str, float], known: Sequence[str]) -> None:
+    if unknown := [name for name in values if name not in known]:
         raise SignalError(f"{what} of the axis: '{unknown[0]}' is not one of {', '.join(known)}: correct the name")
-    _require_positive(what, given, "the inverse square of the unit")
+    _require_positive(what, values, "the inverse square of the unit")
 
 
 def _require_positive(what: str, values: Mapping[Any, float], unit: str) -> None:
@@ -121,9 +119,9 @@ def _require_positive(what: str, values: Mapping[Any, float], unit: str) -> None
 
 @arguments.checked
 def decoupled(axes: Sequence[ServoLaw]) -> ServoLaw:
-    """Return axes on chains of one feedback linearisation as one law: its inverse takes all their demands.
+    """Return axes on chains of one feedback linearisation as one law; the inverse needs the demands of all of them.
 
-    Raises SignalError for axes of unlike linearisations, or fewer or more than it has outputs.
+    Raises SignalError for axes of different linearisations, or unless there is one axis for each of its outputs.
     """
     joined = tuple(axis for law in axes for axis in law.axes)
     inverses = {id(axis.inverse): axis.inverse for axis in joined}

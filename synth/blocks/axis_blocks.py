@@ -1,12 +1,12 @@
-"""A synthesised axis as a Block, with its signals from a stage's interface and derived bounds of all its states.
+"""Servo LQG axis as a Block: signals from a stage's interface, and a bound derived for each state.
 
     <output>_error, <output>_held, <set point>_held --> [ servo_<output> ] --> command --> [ inverse ] --> limits
                                                               ^                                              v
                                                               '--------- limited command, excess ------------'
 
-While it is told what the actuator really does, an axis is a stable system whether that is at its limit or not: its
-internal model follows the actuator (A - E C), its estimator decays. So its states' bounds are those to which its inputs
-in their ranges can drive it (`reach`), and no tuning.
+The axis receives the limited command, so it is a stable system whether or not the actuator is at its limit: the
+internal model tracks the actuator (A - E C), and the estimator is stable. The bounds of its states are therefore the
+largest values to which inputs in their ranges can drive them (`analyse.reach`); they need no tuning.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ import numpy as np
 from synth.analyse import reach
 from synth.block import Block
 from synth.blocks import axis_inverse, axis_regulator, linear_block
-from synth.blocks.axis_inverse import MARGIN, Command, rounded_up
+from synth.blocks.axis_inverse import MARGIN, Command, round_up
 from synth.blocks.axis_regulator import Axis, Regulator
 from synth.declaration import Interface
 from synth.errors import SignalError
@@ -44,17 +44,17 @@ class _Wires:
 
 
 def blocks(time: Discrete, axes: Sequence[Axis], interface: Interface) -> list[Block]:
-    """Return the Blocks of axes that share one inverse, or of one axis without.
+    """Return the Blocks of axes that share one inverse, or of one axis without an inverse.
 
-    Raises SignalError for an output without sensor or set-point, a command without actuator, and as
-    `axis_inverse.blocks`; else as `axis_regulator.synthesise`.
+    Raises SignalError for an output without a sensor or a set-point, a command without an actuator, and as
+    `axis_inverse.blocks`; otherwise as `axis_regulator.synthesise`.
     """
     wires = {axis.output: _wires(axis, interface) for axis in axes}
     regulators = [axis_regulator.synthesise(axis, time, interface.delay) for axis in axes]
-    made = [_servo(regulator, wires[regulator.axis.output], interface) for regulator in regulators]
+    servo_blocks = [_servo(regulator, wires[regulator.axis.output], interface) for regulator in regulators]
     if axes[0].inverse is not None:
-        made += axis_inverse.blocks(time, axes, {name: w.command for name, w in wires.items()}, interface)
-    return made
+        servo_blocks += axis_inverse.blocks(time, axes, {name: w.command for name, w in wires.items()}, interface)
+    return servo_blocks
 
 
 def _wires(axis: Axis, interface: Interface) -> _Wires:
@@ -84,45 +84,45 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
     """Return the Block of one axis: internal model, estimator, gains."""
     axis, model, command = regulator.axis, regulator.controller, wires.command
     bounds = _state_bounds(model, wires)
-    largest = np.insert(wires.bounds, 3, 0.0)  # the excess does not reach the command
+    largest = np.insert(wires.bounds, 3, 0.0)  # the excess has no feedthrough to the command
     bound = MARGIN * float(np.abs(model.C[0]) @ bounds + np.abs(model.D[0]) @ largest)
     excess = command.excess_signal(bound + wires.bounds[1])
     inputs = (wires.error, command.limited, wires.measured, excess, wires.reference)
-    ahead = axis_inverse.states_ahead(axis)
-    shown = model.select([model.outputs[0], *(f"{name}_ahead" for name in ahead)], model.inputs)
-    renamed = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
+    predicted = axis_inverse.predicted_states(axis)
+    selected = model.select([model.outputs[0], *(f"{name}_ahead" for name in predicted)], model.inputs)
+    names = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
     return linear_block.block(
         f"servo_{axis.output}",
-        _with_error_turned(shown).renamed(renamed),
+        _with_negated_error(selected).renamed(names),
         inputs=inputs,
-        outputs=[command.signal(bound), *ahead.values()],
+        outputs=[command.signal(bound), *predicted.values()],
         states=[Signal(n, model.unit(n) or "1", -b, b) for n, b in zip(model.states, bounds, strict=True)],
         tag=f"servo of {axis.output}",
         start=_start(regulator, interface),
     )
 
 
-def _with_error_turned(model: StateSpace) -> StateSpace:
-    """Return the model with its first input, the error, counted as in a stage: the set-point less the measurement."""
+def _with_negated_error(model: StateSpace) -> StateSpace:
+    """Return the model with its first input, the error, in the sign of a stage: set-point minus measurement."""
     sign = np.where(np.arange(len(model.inputs)) == 0, -1.0, 1.0)
     return replace(model, B=model.B * sign, D=model.D * sign)
 
 
 def _start(regulator: Regulator, interface: Interface) -> linear_block.Start:
-    """Return the start at rest at the first measurement, with the actuator's safe value on its way."""
+    """Return the start at rest at the first measurement, with the actuator's safe value in the delay line."""
     axis, plant = regulator.axis, regulator.servo.plant
-    late = [s for s in plant.states if s not in axis.model.states]
+    delay_line = [s for s in plant.states if s not in axis.model.states]
     safe = {a.of: a.safe for a in interface.actuators}.get(axis.command, 0.0)
-    values = dict.fromkeys(late, safe)
+    values = dict.fromkeys(delay_line, safe)
     return estimator_start.from_measurement(regulator.controller, plant, [axis.output], values=values)
 
 
 def _state_bounds(model: StateSpace, wires: _Wires) -> Array:
-    """Return the bounds of the controller's states, its command limited or not: excess = limited - command."""
+    """Return the bounds of the controller's states, with the command limited or not: excess = limited - command."""
     E, command, direct = model.B[:, [3]], model.C[:1], model.D[:1]
     B = model.B - E @ direct
     B[:, [1]] += E
     others, inputs = [0, 1, 2, 4], tuple(model.inputs[i] for i in (0, 1, 2, 4))
     form = (model.A - E @ command, B[:, others], command, direct[:, others])
     held = StateSpace(*form, model.states, inputs, model.outputs[:1], model.time)
-    return np.array([rounded_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])
+    return np.array([round_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])

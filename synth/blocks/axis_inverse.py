@@ -1,11 +1,11 @@
-"""The inverse of a plant as Blocks: demands on derivatives of outputs to actuators, and back what their limits leave.
+"""Input-output linearising inverse as Blocks: demanded output derivatives to actuators, and limited actuators back.
 
     w ---> [ i = D(x)^-1 (w - a(x)) ] ---> <actuator>_demand ---> limits ---> <actuator>_excess
                                                                                    v
     <w>_limited, <w>_excess  <-----  [ <w>_excess = D(x) <actuator>_excess,  <w>_limited = a(x) + D(x) <actuator> ]
 
-x are the states that the axes predict for the time when the actuators act, or else measure, limited to the plant's
-domain: outside, the law is not defined. Source: `feedback_linearisation`.
+x is the plant's state at the time when the actuators act: predicted by the axes where they estimate it, measured
+otherwise, and limited to the plant's domain, outside which the law is not defined. Source: `feedback_linearisation`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,31 +24,31 @@ from synth.statespace import Array
 from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
 from synth.timing import Discrete
 
-MARGIN = 1.1  # of a bound: room for rounding, and for what lies between the points at which it is taken
-POINTS, SEED = 256, 11  # scattered over the plant's box, beside its vertices
-BEYOND = 4.0  # times what the actuators can make: demands up to which the law's inputs are bounded
-UNBOUNDED = 1e30  # an inner signal of which no range is promised
+MARGIN = 1.1  # factor on a bound: room for rounding, and for maxima between the sample points
+POINTS, SEED = 256, 11  # scattered over the plant's box, in addition to its vertices
+DEMAND_FACTOR = 4.0  # largest demand for which the law's inputs are bounded, relative to what the actuators achieve
+UNBOUNDED = 1e30  # of an internal signal without a guaranteed range
 
 
 @dataclass(frozen=True)
 class Command:
-    """The names of a command and of its excess, and the signal of the command as the actuators make it."""
+    """The names of a command and of its excess, and the signal of the command that the actuators achieve."""
 
     name: str
     excess: str
     limited: Signal
 
     def signal(self, bound: float = UNBOUNDED) -> Signal:
-        """Return the command's signal, up to +-`bound`."""
+        """Return the command's signal, in -bound .. bound."""
         return replace(self.limited, name=self.name, low=-bound, high=bound, about="before the limits")
 
     def excess_signal(self, bound: float = UNBOUNDED) -> Signal:
-        """Return the signal of what the limits add to the command, up to +-`bound`."""
+        """Return the signal of the excess, limited minus commanded, in -bound .. bound."""
         return replace(self.limited, name=self.excess, low=-bound, high=bound, about="limited less commanded")
 
 
 def command(axis: Axis, interface: Interface) -> Command:
-    """Return the demand of an axis on the inverse, limited to what the actuators can make in the plant's box.
+    """Return the demand of an axis on the inverse, limited to what the actuators can achieve in the plant's box.
 
     Raises SignalError for an axis without an inverse.
     """
@@ -64,16 +64,16 @@ def _inverse(axis: Axis) -> Linearisation:
     return axis.inverse
 
 
-def states_ahead(axis: Axis) -> dict[str, Signal]:
-    """Return the signals of those predicted states of an axis that the inverse takes, by the plant's name."""
+def predicted_states(axis: Axis) -> dict[str, Signal]:
+    """Return {plant state: signal} for the states that an axis predicts and the inverse needs."""
     if axis.inverse is None:
         return {}
-    taken = _entering(axis.inverse)
-    return {s.name: replace(s, name=f"{s.name}_ahead") for s in taken if s.name in axis.model.states}
+    needed = _states_in_law(axis.inverse)
+    return {s.name: replace(s, name=f"{s.name}_ahead") for s in needed if s.name in axis.model.states}
 
 
-def _entering(inverse: Linearisation) -> list[Signal]:
-    """Return the plant's states that the law or the decoupling matrix takes."""
+def _states_in_law(inverse: Linearisation) -> list[Signal]:
+    """Return the plant's states on which the law, the drift or the decoupling matrix depends."""
     model = inverse.degree.model
     exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling), inverse.degree.drift)
     return [model.states[k] for k in box.entering(exprs, inverse.x, model.states)]
@@ -82,54 +82,61 @@ def _entering(inverse: Linearisation) -> list[Signal]:
 def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command], interface: Interface) -> list[Block]:
     """Return the Blocks from the commands {output: Command} of axes to the actuators' demands, and back.
 
-    Raises SignalError for an output without axis, an input without actuator, or a state that is neither estimated by an
-    axis nor measured.
+    Raises SignalError for an output without an axis, an input without an actuator, or a state that is neither estimated
+    by an axis nor measured.
     """
     inverse = _inverse(axes[0])
     outputs = inverse.degree.outputs
     if missing := [name for name in outputs if name not in commands]:
         raise SignalError(
-            f"the feedback linearisation takes the demand of '{missing[0]}' too: join the axes of "
+            f"the feedback linearisation also needs the demand of '{missing[0]}': join the axes of "
             f"{', '.join(outputs)} by axis.decoupled"
         )
-    at = _Places(inverse, _states(inverse, axes, interface))
+    state_signals = _StateSignals(inverse, _states(inverse, axes, interface))
     actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)
     demands = [commands[name].signal() for name in outputs]
-    sent = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    actuator_demands = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
     excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
     computed = [interface.computed(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w = ca.vertcat(*(u[s.name] for s in demands))
-        i = ca.substitute(at.signals(inverse.u, u), inverse.w, w)
-        return Step({s.name: i[k] for k, s in enumerate(sent)})
+        i = ca.substitute(state_signals.signals(inverse.u, u), inverse.w, w)
+        return Step({s.name: i[k] for k, s in enumerate(actuator_demands)})
 
-    def give_back(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        a, D = (at.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
-        added = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
-        made = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
-        output = {commands[name].excess: added[i] for i, name in enumerate(outputs)}
+    def limited_demands(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        a, D = (state_signals.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
+        excess_demands = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
+        achieved = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
+        output = {commands[name].excess: excess_demands[i] for i, name in enumerate(outputs)}
         limited = [commands[name].limited for name in outputs]
-        return Step(output | {s.name: clip(made[i], s) for i, s in enumerate(limited)})
+        return Step(output | {s.name: clip(achieved[i], s) for i, s in enumerate(limited)})
 
-    states, name = list(at.states.values()), "_".join(outputs)
-    back = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
+    states, name = list(state_signals.states.values()), "_".join(outputs)
+    limited_signals = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
     tag = f"feedback linearisation of {', '.join(outputs)}"
     return [
-        build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=sent, tag=tag),
-        build(f"made_{name}", time, give_back, inputs=[*states, *excess, *computed], outputs=back, tag=tag),
+        build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=actuator_demands, tag=tag),
+        build(
+            f"made_{name}",
+            time,
+            limited_demands,
+            inputs=[*states, *excess, *computed],
+            outputs=limited_signals,
+            tag=tag,
+        ),
     ]
 
 
 @dataclass(frozen=True, eq=False)
-class _Places:
-    """The signals that stand for the plant's states in the law, by state."""
+class _StateSignals:
+    """The signal that supplies each of the plant's states to the law, by state."""
 
     inverse: Linearisation
     states: Mapping[str, Signal]
 
     def signals(self, expr: ca.SX, u: Exprs) -> ca.SX:
-        """Return an expression of the plant's states at their signals, limited to the plant's domain."""
+        """Return an expression of the plant's states in terms of their signals, limited to the plant's domain."""
         domain = self.inverse.degree.model.states
         for symbol, state in zip(ca.vertsplit(self.inverse.x), domain, strict=True):
             if state.name in self.states:
@@ -138,17 +145,17 @@ class _Places:
 
 
 def _states(inverse: Linearisation, axes: Sequence[Axis], interface: Interface) -> dict[str, Signal]:
-    ahead = {name: s for axis in axes for name, s in states_ahead(axis).items()}
+    signals = {name: s for axis in axes for name, s in predicted_states(axis).items()}
     sensors = {s.of: s.name for s in interface.sensors}
-    for state in _entering(inverse):
-        if state.name not in ahead:
+    for state in _states_in_law(inverse):
+        if state.name not in signals:
             if state.name not in sensors:
                 raise SignalError(
-                    f"the feedback linearisation takes '{state.name}', which no axis estimates and no sensor measures: "
+                    f"the feedback linearisation needs '{state.name}', which no axis estimates and no sensor measures: "
                     "linearise its output too, or measure it"
                 )
-            ahead[state.name] = interface.held(sensors[state.name])
-    return ahead
+            signals[state.name] = interface.held(sensors[state.name])
+    return signals
 
 
 def _actuators(inverse: Linearisation, interface: Interface) -> list[str]:
@@ -160,8 +167,8 @@ def _actuators(inverse: Linearisation, interface: Interface) -> list[str]:
     return [actuators[name] for name in inverse.inputs]
 
 
-def _scattered(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
-    """Return points of the plant's box and of further ranges: states (n, k) and the others (m, k), vertices first."""
+def _sample_points(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+    """Return k points of the plant's box and of `ranges`: states (n, k) and the other values (m, k), vertices first."""
     states = inverse.degree.model.states
     signals = [*states, *(Signal(name, "1", low, high) for name, (low, high) in ranges.items())]
     corners = np.array(np.meshgrid(*([0.0, 1.0] for _ in signals))).reshape(len(signals), -1)
@@ -170,27 +177,27 @@ def _scattered(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]
 
 
 def _demand_bound(inverse: Linearisation, output: str, interface: Interface) -> float:
-    """Return how large the actuators can make the derivative that is demanded."""
+    """Return the largest magnitude of the demanded derivative that the actuators can achieve."""
     signals = {a.of: interface.signals[a.name] for a in interface.actuators}
     degree, i = inverse.degree, inverse.degree.outputs.index(output)
     ranges = [signals.get(s.name, s) for s in degree.model.inputs]
-    x, u = _scattered(inverse, {s.name: (s.low, s.high) for s in ranges})
+    x, u = _sample_points(inverse, {s.name: (s.low, s.high) for s in ranges})
     symbols = ca.SX.sym("u", len(u))
-    made = degree.drift[i] + ca.mtimes(degree.decoupling[i, :], symbols)
-    function = ca.Function("made", [inverse.x, symbols], [ca.densify(made)])
-    return rounded_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
+    achieved = degree.drift[i] + ca.mtimes(degree.decoupling[i, :], symbols)
+    function = ca.Function("achieved", [inverse.x, symbols], [ca.densify(achieved)])
+    return round_up(MARGIN * float(np.abs(np.asarray(function(x, u))).max()))
 
 
 def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) -> list[float]:
-    """Return how large the law's inputs become in the plant's box, for demands beyond what the actuators can make."""
+    """Return the largest inputs of the law in the plant's box, for demands up to DEMAND_FACTOR times the achievable."""
     outputs = names(inverse.degree.model.outputs)
-    reached = {name: BEYOND * commands[name].limited.high for name in outputs}
-    x, w = _scattered(inverse, {f"w_{name}": (-b, b) for name, b in reached.items()})
-    return [rounded_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]
+    largest = {name: DEMAND_FACTOR * commands[name].limited.high for name in outputs}
+    x, w = _sample_points(inverse, {f"w_{name}": (-b, b) for name, b in largest.items()})
+    return [round_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]
 
 
-def rounded_up(value: float) -> float:
-    """Return a bound in two digits, so that it is alike on every machine; 1e-30 for none."""
+def round_up(value: float) -> float:
+    """Return a bound rounded up to two digits, which is the same on every machine; 1e-30 for a bound of 0."""
     if not value:
         return 1e-30
     scale = 10.0 ** (np.floor(np.log10(value)) - 1)

@@ -1,8 +1,8 @@
-"""One control axis: exact sampled-data servo LQG of one output by one command, with the loop's delay and anti-windup.
+"""Sampled-data servo LQG of one axis (MATLAB `lqi` with `kalman`), with the loop's delay and anti-windup.
 
-    r --->(+)--- e ---> [ internal model of the modes ] --- xi --->[ K_xi ]---+          (MATLAB `lqi` with `kalman`)
+    r --->(+)--- e ---> [ internal model of the modes ] --- xi --->[ K_xi ]---+
          - ^                                                                  v
-           y -------> [ Kalman filter, predicts x(k + d) ] --- x^ ---->[ K_x ]+--- u ---> limit ---> late by d samples
+           y -------> [ Kalman filter, predicts x(k + d) ] --- x^ ---->[ K_x ]+--- u ---> limit ---> delay, d samples
                                 ^-------------- u as limited ------------------------------'
 
 The command is held over each period T and acts d samples after it is computed. K minimises
@@ -10,11 +10,12 @@ The command is held over each period T and acts d samples after it is computed. 
     int ( sum_s w_s s^2  +  effort u^2  +  sum_i 2^(f_i > 0) v_i^2 w_y |z_i|^2 ) dt
 
 with the weights w_s of the states and w_y of the output y, and for each mode of frequency f_i the oscillator
-z_i' = j f_i z_i + e, an integrator for 0. While the loop is fast, e = -k z costs least in the mean over a turn when z_i
-decays at the rate v_i: the value of a mode is the speed in 1/s at which its error dies out, and not a weight.
+z_i' = j f_i z_i + e (an integrator for f_i = 0). While the loop is fast, e = -k z has the least mean cost over one
+period when z_i decays at the rate v_i. A mode is therefore specified by the speed v_i in 1/s at which its error decays,
+not by a weight.
 
-The cost before u acts is not in its power. So the gain for the delay d is that of the undelayed loop on the state d
-samples ahead, which the model predicts from the estimate and from the commands on their way:
+u cannot change the cost before it acts. The gain for the delay d is therefore the gain of the undelayed loop, applied
+to the state d samples later. The model predicts that state from the estimate and from the commands in the delay line:
 
     u(k) = K [x; xi](k + d),    [x; xi](k + 1) = [A 0; N C Phi] [x; xi](k) + [B; 0] u(k - d).
 
@@ -42,10 +43,10 @@ from synth.timing import Discrete
 
 @dataclass(frozen=True)
 class Kalman:
-    """A Kalman filter to design: densities of white noise on states' derivatives, variances of the samples.
+    """Noise for which a Kalman filter is designed.
 
-    `process` {state: density} is in the unit of the state's derivative squared times s, like m^2/s^3 for a speed;
-    `sensor` {output: variance} in the output's unit squared.
+    `process` {state: density} is white noise on the state's derivative, in the derivative's unit squared times s, for
+    example m^2/s^3 for a speed; `sensor` {output: variance} is that of the samples, in the output's unit squared.
     """
 
     process: Mapping[str, float]
@@ -54,9 +55,9 @@ class Kalman:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """What one axis is asked for; `axis.servo` says what each field means.
+    """Specification of one axis; `axis.servo` documents each field.
 
-    The command of `model` is an input of the plant, or what `inverse` makes of the plant's inputs.
+    The input of `model` is an input of the plant or, with an `inverse`, the demand on it.
     """
 
     model: StateSpace
@@ -100,7 +101,7 @@ class Regulator:
     controller: StateSpace
 
     def document(self) -> dict[str, Any]:
-        """Return gains, weights, plant, rate and certificate for gains.json, alike on every machine."""
+        """Return gains, weights, plant, rate and certificate for gains.json, the same on every machine."""
         axis, plant = self.axis, self.axis.model
         certificate = self.filter.certificate
         return {
@@ -115,16 +116,16 @@ class Regulator:
             "weights": dict(axis.weights),
             "weights_of_internal_model": internal_weights(axis.modes, axis.weights[axis.output]).tolist(),
             "effort": axis.effort,
-            "K": [_cut(v) for v in self.servo.K[0]],
-            "set_point_gain": _cut(self.feedforward),
+            "K": [_six_digits(v) for v in self.servo.K[0]],
+            "set_point_gain": _six_digits(self.feedforward),
             "process_noise": dict(axis.estimator.process),
             "sensor_noise": dict(axis.estimator.sensor),
-            "L": [_cut(v) for v in self.filter.L[:, 0]],
-            "M": [_cut(v) for v in self.filter.M[:, 0]],
+            "L": [_six_digits(v) for v in self.filter.L[:, 0]],
+            "M": [_six_digits(v) for v in self.filter.M[:, 0]],
             "anti_windup_per_s": axis.anti_windup,
-            "E": [_cut(v) for v in self.anti_windup.E[: len(self.servo.K_xi[0]), 0]],
+            "E": [_six_digits(v) for v in self.anti_windup.E[: len(self.servo.K_xi[0]), 0]],
             "certificate": {
-                "slowest_decay_per_s": _cut(self.slowest_decay()),
+                "slowest_decay_per_s": _six_digits(self.slowest_decay()),
                 "error_dies_out": self.servo.steady.vanishes,
                 "kalman_residual_is_small": bool(certificate.defect.max() <= 1e-9 * np.abs(certificate.X).max()),
             },
@@ -135,16 +136,16 @@ class Regulator:
         return float(-np.log(np.abs(self.servo.poles).max()) / self.time.period_s)
 
 
-def _cut(value: float) -> float:
+def _six_digits(value: float) -> float:
     return float(f"{value:.6g}")
 
 
 def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
-    """Return the weight (k, k) on xi that lets the error of each mode die out at its speed in 1/s.
+    """Return the weight (k, k) on xi for which the error of each mode decays at its speed in 1/s.
 
-    `modes` is {frequency in rad/s: speed}, `weight` that on the output. The oscillators z_i are combinations of xi:
-    with p(s) the product of all modes' factors and p_i without that of mode i, z_i = p_i(d/dt) d/dt xi1 and
-    p_i(d/dt) f_i xi1, the integrator p_i(d/dt) xi1.
+    `modes` is {frequency in rad/s: speed}; `weight` is the weight on the output. The oscillators z_i are combinations
+    of xi. With p(s) the product of all modes' factors and p_i the product without mode i, the two parts of z_i are
+    p_i(d/dt) d/dt xi1 and p_i(d/dt) f_i xi1; an integrator is p_i(d/dt) xi1.
 
     Raises SignalError as `internal_model.exosystem`.
     """
@@ -161,7 +162,7 @@ def internal_weights(modes: Mapping[float, float], weight: float) -> Array:
 
 
 def _product(frequencies: Sequence[float]) -> list[Fraction]:
-    """Return the coefficients, lowest first, of the product of s for 0 and s^2 + f^2 for each other frequency."""
+    """Return the coefficients, lowest first, of the product over f of s for f = 0 and s^2 + f^2 otherwise."""
     coefficients = [Fraction(1)]
     for f in frequencies:
         factor = [Fraction(f) ** 2, Fraction(0), Fraction(1)] if f else [Fraction(0), Fraction(1)]
@@ -176,7 +177,7 @@ def _product(frequencies: Sequence[float]) -> list[Fraction]:
 def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     """Return the axis at a sample period, for a command that acts `delay` whole samples after its measurement.
 
-    Every number of it is alike on every machine.
+    All its numbers are the same on every machine.
 
     Raises SignalError for a delay below 0 or a mode at or above the Nyquist frequency; ModelError as `kalman.sampled`,
     `optimal_servo.lqrd` and `anti_windup.back_calculation`.
@@ -186,14 +187,14 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     model, T, frequencies = axis.model, time.period_s, list(axis.modes)
     undelayed = optimal_servo.lqrd(model, frequencies, _weight(axis), [axis.effort], T, exact=True)
     held = loop.sampled(model, T, delay * T)
-    regulator = servos.of_gain(held, undelayed.model, _delayed(undelayed, delay))
+    regulator = servos.of_gain(held, undelayed.model, _gain_for_delay(undelayed, delay))
     filter, form = _filter(axis, held, T)
     observed = servos.estimated(regulator, form)
-    wound = windup.back_calculation(observed, axis.anti_windup)
+    compensator = windup.back_calculation(observed, axis.anti_windup)
     feedforward = _feedforward(axis, regulator, T)
-    controller = _with_reference(leapfrog_form.controller(observed, wound.controller), axis, feedforward)
-    controller = _with_states_ahead(controller, undelayed.plant, form, delay)
-    return Regulator(axis, time, delay, undelayed, observed, filter, wound, feedforward, controller)
+    controller = _with_reference(leapfrog_form.controller(observed, compensator.controller), axis, feedforward)
+    controller = _with_predicted_states(controller, undelayed.plant, form, delay)
+    return Regulator(axis, time, delay, undelayed, observed, filter, compensator, feedforward, controller)
 
 
 def _weight(axis: Axis) -> Array:
@@ -208,8 +209,8 @@ def _weight(axis: Axis) -> Array:
     return Q
 
 
-def _delayed(undelayed: servos.Servo, delay: int) -> Array:
-    """Return K on the states, the commands on their way, the oldest first, and xi: each entry rounded once."""
+def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
+    """Return K on the states, the delay line (oldest command first) and xi, each entry rounded once."""
     plant, model = undelayed.plant, undelayed.model
     n, k = len(plant.A), len(model.Phi)
 
@@ -221,24 +222,24 @@ def _delayed(undelayed: servos.Servo, delay: int) -> Array:
         for i in range(k):
             for j in range(n):
                 step[n + i, j] = driven[i, j]
-        late = []
+        delay_gains = []
         for _ in range(delay):
-            late.append((row * into)[0, 0])
+            delay_gains.append((row * into)[0, 0])
             row = row * step
-        ahead = [row[0, j] for j in range(n + k)]
-        return type(row)([[*ahead[:n], *reversed(late), *ahead[n:]]])
+        advanced = [row[0, j] for j in range(n + k)]
+        return type(row)([[*advanced[:n], *reversed(delay_gains), *advanced[n:]]])
 
     return precise.resolved(compute, "the gain for the delay")
 
 
 def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Estimator, StateSpace]:
-    """Return the Kalman filter, and the estimator of the states and of the commands on their way."""
+    """Return the Kalman filter, and the estimator of the states and of the delay line."""
     model, process = axis.model, axis.estimator.process
     G = np.eye(len(model.states))[:, [model.states.index(name) for name in process]]
-    found = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
+    estimator = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
     none = np.zeros((len(held.states) - len(model.states), 1))
-    L, M = (readonly(np.vstack([gain, none])) for gain in (found.L, found.M))
-    return found, replace(found, model=held, L=L, M=M).current()
+    L, M = (readonly(np.vstack([gain, none])) for gain in (estimator.L, estimator.M))
+    return estimator, replace(estimator, model=held, L=L, M=M).current()
 
 
 def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
@@ -260,7 +261,7 @@ def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
 
 
 def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> StateSpace:
-    """Return the controller with the further input ``<output>_reference``, straight to the command."""
+    """Return the controller with an additional input ``<output>_reference`` that feeds through to the command."""
     name, unit = f"{axis.output}_reference", axis.model.unit(axis.output)
     B = np.hstack([controller.B, np.zeros((len(controller.states), 1))])
     D = np.hstack([controller.D, [[feedforward]]])
@@ -268,13 +269,13 @@ def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> S
     return replace(controller, B=B, D=D, inputs=(*controller.inputs, name), units=units)
 
 
-def _with_states_ahead(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
-    """Return the controller with the further outputs ``<state>_ahead``: the model's states when its command acts."""
+def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
+    """Return the controller with additional outputs ``<state>_ahead``: the model's states when its command acts."""
     n = len(plant.states)
-    ahead = np.linalg.matrix_power(plant.A, delay)
-    late = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]
-    onto = np.hstack([ahead, *late])
-    C, D = onto @ form.C, onto @ form.D
+    advance = np.linalg.matrix_power(plant.A, delay)
+    from_commands = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]
+    prediction = np.hstack([advance, *from_commands])
+    C, D = prediction @ form.C, prediction @ form.D
     rows, direct = np.zeros((n, len(controller.states))), np.zeros((n, len(controller.inputs)))
     rows[:, [controller.states.index(name) for name in form.states]] = C
     for j, name in enumerate(form.inputs):

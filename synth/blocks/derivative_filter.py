@@ -1,16 +1,16 @@
-"""Rate of a signal: the critically damped filter D(s) = s w^2 / (s + w)^2, sampled without approximation.
+"""Filtered derivative: the critically damped filter D(s) = s w^2 / (s + w)^2 under a first-order hold (`c2d`, 'foh').
 
-With p the filtered signal and v its rate, dp/dt = v, dv/dt = w^2 (q - p) - 2 w v. Between samples q is taken to be
-linear (first-order hold), so that with d = q_k - q_{k-1} and x = (p, v)
+With p the filtered signal and v its rate, dp/dt = v, dv/dt = w^2 (q - p) - 2 w v. Between samples q is assumed to be
+linear (first-order hold). With d = q_k - q_{k-1} and x = (p, v) this gives
 
     x_k = F x_{k-1} + Gamma q_{k-1} + H d,   F = exp(A T), Gamma = (1 - F_11, -F_21)^T.
 
-Both poles lie at lambda = exp(-w T), and from the differences d to v this is the cascade
+Both poles lie at lambda = exp(-w T). From the differences d to v this is the cascade
 
     s_k = lambda s_{k-1} + d_k,    r_k = lambda r_{k-1} + s_k + rho s_{k-1},    v_k = H_2 r_k
 
-with rho H_2 = -(H_2 F_11 + F_21 (1 - H_1)). q enters only by its differences: single precision loses nothing. By
-induction |s| <= max|d| / (1 - lambda) and |v| <= max|d| / T, so no state needs a limit.
+with rho H_2 = -(H_2 F_11 + F_21 (1 - H_1)). q enters only by its differences, so single precision loses no digits to
+its offset. By induction |s| <= max|d| / (1 - lambda) and |v| <= max|d| / T, so no state needs a limit.
 """
 
 from dataclasses import replace
@@ -25,15 +25,15 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
-SLACK = 1e-4  # of a state's bound, so that rounding in single precision cannot pass it
+SLACK = 1e-4  # relative margin of a state's bound for rounding in single precision
 
 
 @arguments.checked
 def block(name: str, time: Discrete, signal: Signal, rate: Signal, bandwidth: float) -> Block:
     """Return the filter from `signal` to its `rate` with w = `bandwidth` in rad/s.
 
-    It starts without a jump: until the input ``ready`` is 1 the rate stays 0. The width of the signal's range bounds
-    the kept states.
+    The rate stays 0 until the input ``ready`` is 1, so it starts without a jump. The width of the signal's range bounds
+    the states.
 
     Raises SignalError when the bandwidth is not positive or not below the Nyquist frequency, or when the unit of the
     rate is not the signal's per second.

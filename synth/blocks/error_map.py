@@ -1,11 +1,11 @@
-"""Error map: what a reference tells of the errors of measured coordinates, tabulated over the first two of them.
+"""Error map (2-D lookup table): corrections of estimated coordinates from a reference, over the first two of them.
 
-    x_k estimated, X_k by the reference, (m,),  k = 1 .. N              scattered over the travel
+    x_k estimates, X_k references, (m,),  k = 1 .. N                    scattered over the travel
     D(x) = X - x                                                        linear on the triangles between samples
     table_ij = D(low + i h, low + j h),   corrected = estimate + (bilinear between the nearest four of the table)
 
-It serves an estimate that is absolute and repeatable, so that what is mapped once holds. Values are rounded to a unit,
-far below the noise: the C then holds short numbers, alike on every machine.
+The estimate must be absolute and repeatable; then a map measured once stays valid. Values are rounded to a unit far
+below the noise. The C then holds short numbers, which are the same on every machine.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ from synth.timing import Discrete
 
 @dataclass(frozen=True, eq=False)
 class ErrorMap:
-    """What is added to m coordinates at the points of a grid, `added` (m, n_x, n_y), in the coordinates' units.
+    """Corrections of m coordinates at the points of a grid: `added` (m, n_x, n_y), in the coordinates' units.
 
-    Raises ModelError for values of another shape, or that are not finite.
+    Raises ModelError for values of another shape or values that are not finite.
     """
 
     grid: Grid
@@ -43,14 +43,14 @@ class ErrorMap:
 def fit(estimated: Array, reference: Array, grid: Grid, units: ArrayLike) -> ErrorMap:
     """Return the map of estimates and references (N, m), rounded to `units` (m,).
 
-    Raises ModelError for samples that are none, and as `lookup_table.fitted`.
+    Raises ModelError for samples of the wrong shape or count, and as `lookup_table.interpolate_samples`.
     """
     units = np.asarray(units, dtype=np.float64)
     estimated = numeric.table("the samples' estimates", estimated, len(units))
     reference = numeric.table("the samples' references", reference, len(units))
     if len(estimated) != len(reference):
         raise ModelError(f"{len(estimated)} estimates meet {len(reference)} references: give one for each")
-    errors = lookup_table.fitted(estimated[:, :2], reference - estimated, grid)
+    errors = lookup_table.interpolate_samples(estimated[:, :2], reference - estimated, grid)
     return ErrorMap(grid, readonly(np.moveaxis(np.rint(errors / units) * units, -1, 0)))
 
 

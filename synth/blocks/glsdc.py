@@ -1,20 +1,20 @@
-"""Gaussian least squares differential correction (GLSDC): damped Gauss-Newton with a descent check, in a fixed time.
+"""Gaussian least squares differential correction (GLSDC): damped Gauss-Newton of fixed length with a descent check.
 
     minimise  J(d) = |V - h(q + d)|^2 + d' damping d
 
     d_0 = 0;   J(d_i) <= J(best) + slack ?   yes: best = d_i, d_i+1 = d_i + correction, within its bounds
                                              no:  d_i+1 = (best + d_i) / 2
 
-for any measurement model h and any number of unknowns: i = 0 .. n-1, so that J is computed n times whatever the
-voltages. d_n is not tried any more: it counts only where the last correction is small, less than a part of a standard
-deviation in the metric of the normal equations, (gradient' N^-1 gradient)^(1/2) / deviation; else the best one counts.
+for any measurement model h and any number of unknowns, i = 0 .. n-1: J is computed n times whatever the voltages are.
+J(d_n) is not computed. d_n is the result only if the last correction is a small fraction of a standard deviation in the
+metric of the normal equations, (gradient' N^-1 gradient)^(1/2) / deviation; otherwise the best d_i is the result.
 
-A model gives each trial with its own normal equations. `fixed_jacobian` makes those of one Jacobian for all trials,
-factorised without pivots:
+A model supplies each trial with its normal equations. `fixed_jacobian` uses one Jacobian for all trials, factorised
+without pivoting:
 
     N = H'H + damping = L D L',    D_j >= damping_j,    |L_ij| <= (N_ii / damping_j)^(1/2)
 
-Both inequalities hold but for rounding; they are enforced, which bounds all that follows.
+Both inequalities hold up to rounding. The code enforces them, which bounds every quantity computed from the factors.
 
 Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "Multi-Degree-of-Freedom Precision
 Position Sensing", Fig. 9.
@@ -35,7 +35,7 @@ from synth.signals import Signal
 Vector = Sequence[ca.SX]
 Named = list[tuple[Signal, ca.SX]]
 Choose = Callable[[int, ca.SX], tuple[ca.SX, ca.SX]]
-"""From an unknown and the step computed for it to where it ends and how far that is."""
+"""Maps an unknown's index and its computed step to its limited value and the step actually taken."""
 
 
 class Normal(Protocol):
@@ -43,10 +43,10 @@ class Normal(Protocol):
 
     @property
     def decrease(self) -> ca.SX:
-        """gradient' N^-1 gradient: what a whole correction takes off the cost, to first order."""
+        """gradient' N^-1 gradient: the decrease of the cost by a full correction, to first order."""
 
     def solve(self, choose: Choose) -> list[ca.SX]:
-        """Return where N^-1 gradient leads: `choose` limits one unknown after the other, and the next ones fit it."""
+        """Return the unknowns after the step N^-1 gradient, by back substitution; `choose` limits each of them."""
 
 
 N = TypeVar("N", bound=Normal)
@@ -54,7 +54,7 @@ N = TypeVar("N", bound=Normal)
 
 @dataclass(frozen=True, eq=False)
 class Trial(Generic[N]):
-    """A displacement (n,) with its residuals (m,), their squared sum, the cost, and the normal equations there."""
+    """A displacement (n,) with its residuals (m,), their sum of squares, its cost and its normal equations."""
 
     at: Vector
     residuals: Vector
@@ -65,7 +65,7 @@ class Trial(Generic[N]):
 
 @dataclass(frozen=True, eq=False)
 class Solution(Generic[N]):
-    """Where the corrections end (n,), the first and the last trial, and whether they have converged."""
+    """The resulting displacement (n,), the first and the last trial, and whether the corrections have converged."""
 
     at: Vector
     first: Trial[N]
@@ -75,33 +75,34 @@ class Solution(Generic[N]):
 
 @dataclass(frozen=True)
 class Descent:
-    """How many `corrections`, and the `bounds` of each unknown of d.
+    """The number of `corrections`, and the `bounds` of each unknown of d.
 
-    By rounding a cost may rise by `slack` and by the part `rounding` of itself. A decrease up to `settled` is small.
+    A cost counts as no higher than the lowest one if it exceeds it by at most `slack` plus the relative `rounding`.
+    The corrections have converged when the predicted decrease is at most `decrease_tolerance`.
     """
 
     corrections: int
     bounds: tuple[Signal, ...]
     slack: float
-    settled: float
+    decrease_tolerance: float
     rounding: float = 0.0
 
 
-def descend(weigh: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
-    """Return what the corrections lead to; `weigh` makes the i-th trial, whose displacement is 0 for i = 0."""
-    trial = first = weigh(0, [ca.SX(0)] * len(of.bounds))
+def descend(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
+    """Return the result of the corrections; `evaluate` makes the i-th trial, whose displacement is 0 for i = 0."""
+    trial = first = evaluate(0, [ca.SX(0)] * len(of.bounds))
     best, lowest, better = trial.at, trial.cost, ca.SX(1)
     for i in range(1, of.corrections):
-        trial = weigh(i, _next(trial, better, best, of))
+        trial = evaluate(i, _next(trial, better, best, of))
         better = trial.cost <= (1 + of.rounding) * lowest + of.slack
         best, lowest = _choose(better, trial.at, best), ca.if_else(better, trial.cost, lowest)
     untried = _next(trial, ca.SX(1), best, of)
-    converged = ca.logic_and(better, trial.normal.decrease <= of.settled)
+    converged = ca.logic_and(better, trial.normal.decrease <= of.decrease_tolerance)
     return Solution(_choose(converged, untried, best), first, trial, converged)
 
 
 def _next(trial: Trial[N], better: ca.SX, best: Vector, of: Descent) -> list[ca.SX]:
-    """Return the next displacement: from a better one where the correction leads, else halfway back to the best."""
+    """Return the next displacement: the corrected trial if the trial is better, else halfway back to the best."""
 
     def choose(i: int, step: ca.SX) -> tuple[ca.SX, ca.SX]:
         end = clip(ca.if_else(better, trial.at[i] + step, (trial.at[i] + best[i]) / 2), of.bounds[i])
@@ -124,7 +125,7 @@ class Factors:
 
 @dataclass(frozen=True, eq=False)
 class Factorised:
-    """Normal equations by factors of N and `forward`, L^-1 gradient."""
+    """Normal equations as factors of N and `forward` = L^-1 gradient."""
 
     factors: Factors
     forward: Vector
@@ -135,14 +136,14 @@ class Factorised:
         return total(z**2 * d for z, d in zip(self.forward, self.factors.inverse, strict=True))
 
     def solve(self, choose: Choose) -> list[ca.SX]:
-        """Return where the gradient leads, from the last unknown on."""
+        """Return the unknowns after the step, by back substitution from the last unknown on."""
         n = len(self.forward)
-        ends, moved = [ca.SX(0)] * n, [ca.SX(0)] * n
+        ends, moves = [ca.SX(0)] * n, [ca.SX(0)] * n
         for i in reversed(range(n)):
             step = self.forward[i] * self.factors.inverse[i]
             for k in range(i + 1, n):
-                step -= self.factors.lower[k][i] * moved[k]
-            ends[i], moved[i] = choose(i, step)
+                step -= self.factors.lower[k][i] * moves[k]
+            ends[i], moves[i] = choose(i, step)
         return ends
 
 
@@ -153,9 +154,9 @@ def fixed_jacobian(
     damping: Sequence[float],
     named: Named,
 ) -> Callable[[int, Vector], Trial[Factorised]]:
-    """Return what weighs trials by the Jacobian's rows (m, n) and factors at d = 0 and by residuals at each d."""
+    """Return the function that evaluates a trial: Jacobian rows (m, n) and factors at d = 0, residuals at each d."""
 
-    def weigh(i: int, at: Vector) -> Trial[Factorised]:
+    def evaluate(i: int, at: Vector) -> Trial[Factorised]:
         e = residuals(i, at)
         squares = total(v**2 for v in e)
         damped = [weight * v for weight, v in zip(damping, at, strict=True)]
@@ -164,11 +165,11 @@ def fixed_jacobian(
         gradient = [total(r[j] * v for r, v in zip(rows, e, strict=True)) - damped[j] for j in range(len(at))]
         return Trial(at, e, squares, cost, Factorised(factors, _forward(factors, gradient)))
 
-    return weigh
+    return evaluate
 
 
 def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> Factors:
-    """Return L and D of H'H + damping (n,); no column of H is longer than the root of `most` times its damping."""
+    """Return L and D of H'H + diag(damping (n,)); each column of H satisfies |h_i|^2 <= `most` damping_i."""
     left = [
         [total(r[i] * r[j] for r in rows) + (damping[i] if i == j else 0) for j in range(i + 1)]
         for i in range(len(damping))
@@ -210,6 +211,6 @@ def dot(a: Vector, b: Vector) -> ca.SX:
 
 
 def total(terms: Iterable[ca.SX]) -> ca.SX:
-    """Return the sum, 0 without any term."""
+    """Return the sum of the terms, 0 if there are none."""
     terms = list(terms)
     return reduce(add, terms) if terms else ca.SX(0)

@@ -1,10 +1,10 @@
-"""A sampled linear model as a Block: x+ = A x + B u, y = C x + D u.
+"""Discrete state-space model as a Block (Simulink "Discrete State-Space"): x+ = A x + B u, y = C x + D u.
 
-An entry of 0 costs nothing and one of 1 or -1 no multiplication. Every other entry is a Constant, ``<output>_from_<u>``
-or ``next_<state>_from_<u>``, so that emission rounds it once and the C shows where it belongs.
+An entry of 0 produces no code, and an entry of 1 or -1 no multiplication. Every other entry is a Constant,
+``<output>_from_<u>`` or ``next_<state>_from_<u>``: emission rounds it once, and the C shows which entry it is.
 
-With a Start the state is a after init, and the first step takes x = a + G u, limited to its range, with its own inputs:
-an estimate then begins at the first measurement (`estimator_start`), not with a transient from 0.
+With a Start the state is a after init. The first step takes x = a + G u, limited to its range, with its own inputs u.
+An estimate then begins at the first measurement (`estimator_start`), without a transient from 0.
 """
 
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ STARTED = Signal("started", "1", 0, 1, "the first sample is over")
 
 @dataclass(frozen=True, eq=False)
 class _Row:
-    """What one row of [A, B] or [C, D] computes, `values` (n + m,) over states and inputs."""
+    """The signal that one row of [A, B] or [C, D] computes, and its `values` (n + m,) over states and inputs."""
 
     label: str
     signal: Signal
@@ -44,22 +44,22 @@ def block(
     tag: str,
     start: Start | None = None,
 ) -> Block:
-    """Return the step of a sampled model whose signals are given in its order and by its names.
+    """Return the step of a sampled model; the signals have its names and its order.
 
-    States are limited to their ranges. They start at 0, or with the first inputs as `start` says, which a further state
-    ``started`` tells apart.
+    States are limited to their ranges. They start at 0 or, with a `start`, from the first inputs; an additional state
+    ``started`` then marks that the first sample is over.
 
-    Raises TimingError for a continuous model; SignalError when a signal is not the model's, a name stands twice, or a
-    start does not fit the model.
+    Raises TimingError for a continuous model; SignalError when a signal is not the model's, a name is listed twice, or
+    a start does not fit the model.
     """
     model = of(system)
     time = Discrete(period(model.time))
-    for kind, given in (("inputs", inputs), ("outputs", outputs), ("states", states)):
-        _require_same(name, kind, names(given), getattr(model, kind))
+    for kind, signals in (("inputs", inputs), ("outputs", outputs), ("states", states)):
+        _require_same(name, kind, names(signals), getattr(model, kind))
     columns = (*states, *inputs)
     next = [_Row(f"next_{s.name}", s, v) for s, v in zip(states, np.hstack([model.A, model.B]), strict=True)]
     out = [_Row(s.name, s, v) for s, v in zip(outputs, np.hstack([model.C, model.D]), strict=True)]
-    first = [] if start is None else _first(name, model, start, states)
+    first = [] if start is None else _start_rows(name, model, start, states)
     constants = [
         Constant(_name(row, c), float(v), _unit(row.signal, c), f"{tag}: {row.label} from {c.name}")
         for row in (*next, *out, *first)
@@ -68,26 +68,26 @@ def block(
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        now = {**x, **u}
+        current = {**x, **u}
 
         def total(row: _Row, begin: ca.SX) -> ca.SX:
             terms = [(c, float(v)) for c, v in zip(columns, row.values, strict=True) if v]
-            return sum((k.get(_name(row, c), v) * now[c.name] for c, v in terms), start=begin)
+            return sum((k.get(_name(row, c), v) * current[c.name] for c, v in terms), start=begin)
 
-        begun = {row.signal.name: clip(total(row, x[row.signal.name]), row.signal) for row in first}
-        now |= {name: ca.if_else(x[STARTED.name], x[name], value) for name, value in begun.items()}
-        after = {row.signal.name: total(row, ca.SX(0)) for row in next}
-        after |= {} if start is None else {STARTED.name: ca.SX(1)}
-        return Step({row.signal.name: total(row, ca.SX(0)) for row in out}, after)
+        initial = {row.signal.name: clip(total(row, x[row.signal.name]), row.signal) for row in first}
+        current |= {name: ca.if_else(x[STARTED.name], x[name], value) for name, value in initial.items()}
+        next_values = {row.signal.name: total(row, ca.SX(0)) for row in next}
+        next_values |= {} if start is None else {STARTED.name: ca.SX(1)}
+        return Step({row.signal.name: total(row, ca.SX(0)) for row in out}, next_values)
 
     after_init = np.zeros(len(states)) if start is None else start.a
-    kept = [State(s, float(v)) for s, v in zip(states, after_init, strict=True)]
-    kept += [] if start is None else [State(STARTED, 0, integer=True)]
-    return build(name, time, law, inputs=inputs, outputs=outputs, states=kept, constants=constants, tag=tag)
+    block_states = [State(s, float(v)) for s, v in zip(states, after_init, strict=True)]
+    block_states += [] if start is None else [State(STARTED, 0, integer=True)]
+    return build(name, time, law, inputs=inputs, outputs=outputs, states=block_states, constants=constants, tag=tag)
 
 
-def _first(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
-    """Return what the first inputs add to each state that they move, over states and inputs."""
+def _start_rows(name: str, model: StateSpace, start: Start, states: Sequence[Signal]) -> list[_Row]:
+    """Return the rows of G, over states and inputs, of the states on which the first inputs act."""
     n, m = model.B.shape
     if not isinstance(start, Start):
         raise SignalError(f"block '{name}': the start is a {type(start).__name__}: give a Start")
@@ -100,11 +100,11 @@ def _first(name: str, model: StateSpace, start: Start, states: Sequence[Signal])
     return [row for row in rows if row.values.any()]
 
 
-def _require_same(name: str, kind: str, given: Sequence[str], known: Sequence[str]) -> None:
-    if tuple(given) != tuple(known):
+def _require_same(name: str, kind: str, actual: Sequence[str], required: Sequence[str]) -> None:
+    if tuple(actual) != tuple(required):
         raise SignalError(
-            f"block '{name}': the {kind} given are {', '.join(given) or 'none'}, but the model's are "
-            f"{', '.join(known) or 'none'}: give one signal for each, in this order"
+            f"block '{name}': the {kind} given are {', '.join(actual) or 'none'}, but the model's are "
+            f"{', '.join(required) or 'none'}: give one signal for each, in this order"
         )
 
 

@@ -1,9 +1,9 @@
-"""Two-dimensional lookup table: bilinear between the nearest four values of a grid (Simulink "2-D Lookup Table").
+"""Two-dimensional lookup table with bilinear interpolation (Simulink "2-D Lookup Table").
 
     v(x, y) = v_00 + f (v_10 - v_00) + g (v_01 - v_00 + f (v_11 - v_01 - v_10 + v_00)),    f, g = 0 .. 1 in a cell
 
-Beyond the grid's ends the values on its edge count. `fitted` makes the values of scattered samples, linear on their
-Delaunay triangles (SciPy `LinearNDInterpolator`).
+Beyond the grid's ends the values on its edge are used. `interpolate_samples` computes the grid's values from scattered
+samples, linearly on their Delaunay triangles (SciPy `LinearNDInterpolator`).
 """
 
 from collections.abc import Mapping
@@ -19,14 +19,14 @@ from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array, readonly
 
-MOST = 2**20  # points: whole numbers of single precision tell as many apart, and a controller holds no more
+MAX_POINTS = 2**20  # single precision represents every index exactly, and a controller has no memory for more
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Points low + (i, j) spacing, i < n_x, j < n_y, in the unit of x and y, with numbers `size` = (n_x, n_y).
+    """Points low + (i, j) spacing, i < n_x, j < n_y, in the unit of x and y; `size` = (n_x, n_y).
 
-    Raises ModelError for a spacing that is not positive, or fewer than two points along a side, or more than MOST.
+    Raises ModelError for a spacing that is not positive, fewer than two points along a side, or more than MAX_POINTS.
     """
 
     low: tuple[float, float]
@@ -37,8 +37,8 @@ class Grid:
         numeric.positive("the grid's spacing", self.spacing)
         for n in self.size:
             numeric.whole("the number of points along a side of the grid", n, 2)
-        if self.size[0] * self.size[1] > MOST:
-            raise ModelError(f"the grid has {self.size} points: give a wider spacing, {MOST} points are the most")
+        if self.size[0] * self.size[1] > MAX_POINTS:
+            raise ModelError(f"the grid has {self.size} points: give a wider spacing, {MAX_POINTS} points are the most")
 
     @property
     def axes(self) -> tuple[Array, Array]:
@@ -49,19 +49,19 @@ class Grid:
 
 @arguments.checked
 def square(reach: float, spacing: float) -> Grid:
-    """Return a grid of at least `reach` to either side of the origin.
+    """Return a square grid that extends at least `reach` to either side of the origin.
 
-    Raises ModelError for figures that are no positive numbers, and as `Grid`.
+    Raises ModelError for arguments that are not positive numbers, and as `Grid`.
     """
     reach, spacing = numeric.positive("the reach", reach), numeric.positive("the grid's spacing", spacing)
     n = int(np.ceil(reach / spacing - 1e-9))
     return Grid((-n * spacing, -n * spacing), spacing, (2 * n + 1, 2 * n + 1))
 
 
-def fitted(at: Array, values: Array, grid: Grid) -> Array:
-    """Return values (n_x, n_y, m) on a grid from samples (N, m) at scattered places (N, 2).
+def interpolate_samples(at: Array, values: Array, grid: Grid) -> Array:
+    """Return values (n_x, n_y, m) on a grid from samples (N, m) at scattered positions (N, 2).
 
-    Raises ModelError for samples that make no triangle, or a grid that reaches beyond them.
+    Raises ModelError for samples that form no triangle, or a grid that extends beyond them.
     """
     try:
         between = interpolate.LinearNDInterpolator(at, values)
@@ -78,19 +78,19 @@ def fitted(at: Array, values: Array, grid: Grid) -> Array:
 
 
 def bilinear(tables: Mapping[str, ca.Function], grid: Grid, x: ca.SX, y: ca.SX) -> dict[str, ca.SX]:
-    """Return what `block.table`s of values (n_x n_y,), y changing fastest, have at a place, by name."""
+    """Return the interpolated values of `block.table`s (n_x n_y values, y changing fastest) at a position, by name."""
     (i, f), (j, g) = (_cell(place, grid, side) for side, place in enumerate((x, y)))
     columns, looked_up = grid.size[1], {}
     corners = [i * columns + j + step for step in (0, 1, columns, columns + 1)]
     for name, table in tables.items():
-        here, above, right, across = (table(corner) for corner in corners)
-        rise, turn = above - here, (across - right) - (above - here)
-        looked_up[name] = here + f * (right - here) + g * (rise + f * turn)
+        v_00, v_01, v_10, v_11 = (table(corner) for corner in corners)
+        dy, dxdy = v_01 - v_00, (v_11 - v_10) - (v_01 - v_00)
+        looked_up[name] = v_00 + f * (v_10 - v_00) + g * (dy + f * dxdy)
     return looked_up
 
 
 def _cell(place: ca.SX, grid: Grid, side: int) -> tuple[ca.SX, ca.SX]:
-    """Return the number of the cell at a place, and how far in it the place lies, 0 .. 1."""
+    """Return the index of the cell that contains a coordinate, and its position inside the cell, 0 .. 1."""
     last = grid.size[side] - 1
     along = clip((place - grid.low[side]) / grid.spacing, Signal("along", "1", 0, last))
     cell = ca.floor(ca.fmin(along, last - 1))

@@ -1,11 +1,12 @@
-"""Angles as phasors: sine and cosine are computed once, then turned by products; a vector of the plane is one as well.
+"""Phasors: cosine and sine of an angle, computed once and rotated by products; range reduction by angle doubling.
 
-A sine of a large angle has zeros that no polynomial can follow to a relative error. So angles are divided by 2^m, and
+A sine over a large range of angles has zeros, which no polynomial can follow to a relative error. The angle is
+therefore divided by 2^m, and m doublings recover its sine and cosine:
 
     s <- s c,  c <- 1 - s^2/2^(2n+1),   n = m-1 .. 0,   from  s = 2^m sin(angle/2^m),  c = cos(angle/2^m)
 
-lead back, which multiplies errors by 2^m at most. Every s is limited, to 2 and the last one to 1: intervals would take
-it to grow twofold each time.
+The doublings multiply errors by at most 2^m. Every s is limited, the last one to 1 and the others to 2, because
+interval arithmetic would otherwise double its bound at each step.
 """
 
 from dataclasses import dataclass
@@ -17,19 +18,19 @@ from synth.block import clip
 from synth.blocks.glsdc import Named
 from synth.signals import Signal
 
-PART = 1.2  # rad: angles whose sine and cosine become polynomials are smaller
+MAX_ANGLE = 1.2  # rad: the largest angle whose sine and cosine are approximated by polynomials
 UNIT, TWICE = Signal("unit", "1", -1, 1), Signal("twice", "1", -2, 2)
 
 
 @dataclass(frozen=True, eq=False)
 class Phasor:
-    """Cosine and sine of an angle, times a length."""
+    """Cosine and sine of an angle, times a length: also a vector in the plane."""
 
     cosine: ca.SX
     sine: ca.SX
 
     def times(self, by: "Phasor") -> "Phasor":
-        """Return the phasor turned by another one's angle."""
+        """Return the product with another phasor: this one rotated by its angle."""
         sine = self.sine * by.cosine + self.cosine * by.sine
         return Phasor(self.cosine * by.cosine - self.sine * by.sine, sine)
 
@@ -40,12 +41,12 @@ def of(angle: ca.SX) -> Phasor:
 
 
 def halvings(limit: float) -> int:
-    """Return how often an angle up to a limit in rad is halved before its sine becomes a polynomial."""
-    return max(1, ceil(log2(limit / PART)))
+    """Return the number of halvings that bring an angle of up to `limit` rad below MAX_ANGLE, at least 1."""
+    return max(1, ceil(log2(limit / MAX_ANGLE)))
 
 
 def reduced(angle: ca.SX, halvings: int, name: str, named: Named) -> Phasor:
-    """Return the phasor of an angle; the cosine of its 2^halvings-th part and 2^halvings its sine are `named`."""
+    """Return the phasor of an angle by range reduction; `named` receives cos(angle/2^m) and 2^m sin(angle/2^m)."""
     s, c = 2**halvings * ca.sin(angle / 2**halvings), ca.cos(angle / 2**halvings)
     for function, value in (("sine", s), ("cosine", c)):
         about = f"of 1/{2**halvings} of it" + (f", times {2**halvings}" if function == "sine" else "")

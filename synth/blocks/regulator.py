@@ -1,9 +1,9 @@
-"""The internal-model regulator as a Block: F(14)-(17) for one axis, exactly discretised.
+"""Internal-model regulator (servo compensator) of one axis as a Block: F(14)-(17), exactly discretised.
 
     w = K (e, de, xi),   xi' = Phi_d xi + N_d e + E_d (u_limited - u_demanded)
 
-in the coordinates of `internal_model.Leapfrog`: xi = T eta, so that the gain on eta is K T. The last term is the
-anti-windup; an axis without it leaves it out.
+in the coordinates of `internal_model.Leapfrog`: xi = T eta, and the gain on eta is K T. The last term is the
+anti-windup (back-calculation); it is optional.
 """
 
 from collections.abc import Sequence
@@ -39,11 +39,11 @@ def block(
     """Return the regulator of one axis, from the error e = q - q_ref and its rate de to the demand w.
 
     `gain` is (1, 2 + n) on (e, de, xi) for the exosystem of `frequencies` in rad/s, of order n; `bounds` (n,) limits
-    |eta| in the error's unit: a state that would leave them stands still. `anti_windup` is the signal
-    u_limited - u_demanded and E (n,).
+    |eta| in the error's unit: a state whose next value would exceed its bound keeps its value. `anti_windup` is the
+    signal u_limited - u_demanded and E (n,).
 
-    Raises SignalError when the gain's or the bounds' size does not fit the exosystem, or the units of rate and demand
-    not the error's.
+    Raises SignalError when the size of the gain or of the bounds does not fit the exosystem, or the units of rate and
+    demand do not fit the error's.
     """
     _require_units(error, rate, demand)
     excess, E = anti_windup or (None, None)
@@ -67,17 +67,19 @@ def block(
         w = k["k_e"] * u[error.name] + k["k_de"] * u[rate.name]
         return Step({demand.name: sum((k[f"k_{s}"] * x[s] for s in eta), start=w)}, next)
 
-    gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_transformed(gain.K[0, 2:], model.T)], strict=True)
+    gains = zip(("e", "de", *eta), [*gain.K[0, :2], *_exact_product(gain.K[0, 2:], model.T)], strict=True)
     constants = [Constant(f"k_{s}", float(v), "1/s" if s == "de" else "1/s^2", f"{tag}: gain on {s}") for s, v in gains]
-    turns = [f * time.period_s for f in sorted(frequencies) if f]
+    phases = [f * time.period_s for f in sorted(frequencies) if f]
     constants += [
-        Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {turn:.6g}")
-        for j, (c, turn) in enumerate(zip(model.c, turns, strict=True), 1)
+        Constant(f"c{j}", float(c), "1", f"{tag}: 2 - 2 cos(w T), w T = {phase:.6g}")
+        for j, (c, phase) in enumerate(zip(model.c, phases, strict=True), 1)
     ]
     if excess:
         per = f"{error.unit}/" + excess.unit.translate({ord(" "): "/", ord("/"): " "})
-        wound = zip(eta, model.E[:, 0], strict=True)
-        constants += [Constant(f"{s}_excess", float(v), per, f"{tag}: anti-windup into {s}") for s, v in wound]
+        anti_windup_gains = zip(eta, model.E[:, 0], strict=True)
+        constants += [
+            Constant(f"{s}_excess", float(v), per, f"{tag}: anti-windup into {s}") for s, v in anti_windup_gains
+        ]
     return build(
         name,
         time,
@@ -90,16 +92,16 @@ def block(
     )
 
 
-def _transformed(K: Array, T: Array) -> list[float]:
+def _exact_product(K: Array, T: Array) -> list[float]:
     """Return K T, each entry rounded once."""
     exact = [[Fraction(float(v)) for v in row] for row in T.T]
     return [float(sum(Fraction(float(k)) * t for k, t in zip(K, column, strict=True))) for column in exact]
 
 
 def _require_units(error: Signal, rate: Signal, demand: Signal) -> None:
-    """Refuse a rate that is not in the error's unit per s, or a demand that is not in that per s^2."""
+    """Raise SignalError unless the rate is in the error's unit per s and the demand in that unit per s^2."""
     for signal, per in ((rate, "/s"), (demand, "/s^2")):
         if dimension(signal.unit) != dimension(error.unit + per):
             raise SignalError(
-                f"'{signal.name}' is in {signal.unit}, but the error '{error.name}' asks for {error.unit}{per}"
+                f"'{signal.name}' is in {signal.unit}, but the error '{error.name}' needs {error.unit}{per}"
             )

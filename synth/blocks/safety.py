@@ -1,18 +1,19 @@
-"""Guard and safe output: what a controller does with inputs that cannot be true.
+"""Input range check with hold, fault latch and safe output: fault handling of a controller.
 
-An input is accepted when low <= value <= high; NaN fails both comparisons. While it is refused its last accepted value
-serves, before the first the declared initial one. An input that is not held has the initial one in its place each time:
-that is enough where the consumer passes over samples that are not ``complete``. After `bad_samples` samples in a row in
-which a *measurement* is refused, the same one or not, it latches: the outputs then slew at a declared rate to the
-declared safe output and stay there until `init`. A *set-point* never latches.
+An input is accepted when low <= value <= high; NaN fails both comparisons. While an input is refused, its last accepted
+value replaces it; before the first accepted value, the declared initial one does. For an input that is not held, the
+initial value always does, which is enough where the consumer ignores samples that are not ``complete``. After
+`bad_samples` consecutive samples in which a *measurement* is refused, not necessarily the same one, the controller
+latches: the outputs slew at a declared rate to the declared safe output and stay there until `init`. A *set-point*
+never causes a latch.
 
     inputs --->[ guard ]---> <name>_held ---> controller ---> <name>_computed --->[ safe output ]---> outputs
                  ^ |------------------------- latched -------------------------------^
-                 '-- suspected, suspect_<name> <---- [ states of whoever compares measurements ]
+                 '-- suspected, suspect_<name> <---- [ states of a Block that compares measurements ]
 
-A measurement in its range may still contradict the others. Whoever finds so says ``suspected`` from the next sample on,
-and ``suspect_<name>`` of those that may be wrong. Their values are passed on as they are, but no sample is ``complete``
-while `suspected` lasts, so that it latches.
+A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
+sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
+is ``complete`` while `suspected` is set, so a persistent suspicion causes a latch.
 """
 
 import math
@@ -33,14 +34,14 @@ __all__ = [
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
-NO_SAFE_OUTPUT = "no output has a safe value: once latched it goes on and tells so in the fault word"
+NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
 
 @dataclass(frozen=True)
 class Guarded:
-    """An input with its value before the first good sample; only a measurement latches.
+    """An input with its value before the first good sample; only a measurement causes a latch.
 
-    One that is not `held` has that value whenever it is refused, and no state.
+    An input that is not `held` takes that value whenever it is refused, and needs no state.
     """
 
     signal: Signal
@@ -59,27 +60,27 @@ def guard(
 ) -> Block:
     """Return the Block that accepts or replaces each input.
 
-    It drives ``<name>_held`` and ``fault_<name>``. With a measurement among the inputs it drives ``complete`` as well:
-    whether every measurement is accepted and none is suspected; ``ready``: whether a sample before this one was
-    complete; and ``latched``, this sample included. For measurements that may be `suspected` it has the further inputs
-    ``suspected`` and ``suspect_<name>`` and drives a ``fault_suspect_<name>`` for each: both of its inputs hold.
-    ``complete`` then speaks of these measurements alone, which are compared whatever becomes of others.
+    Its outputs are ``<name>_held`` and ``fault_<name>`` and, with a measurement among the inputs, also ``complete``
+    (every measurement is accepted and none is suspected), ``ready`` (an earlier sample was complete) and ``latched``
+    (this sample included). For measurements that may be `suspected` it has the additional inputs ``suspected`` and
+    ``suspect_<name>``, and an output ``fault_suspect_<name>`` for each: ``suspected`` and ``suspect_<name>`` are both
+    set. ``complete`` then depends on these measurements alone, so they are compared even while others are refused.
 
-    `reason` says why there is no safe output, where the guard is composed with none.
+    `reason` explains why there is no safe output, for a guard that is composed with none.
 
-    Bits of the fault word are those of the inputs in their order, of the suspects in theirs, and LATCH_BIT.
+    The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, and LATCH_BIT.
 
     Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for an
-    initial value outside its range, or for a suspected name that is no measurement or stands twice.
+    initial value outside its range, or for a suspected name that is not a measurement or is listed twice.
     """
-    _require(inputs, bad_samples, suspected)
-    kept = [g for g in inputs if g.held]
+    _check_guard(inputs, bad_samples, suspected)
+    held_inputs = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
     suspects = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         good = {s.name: ca.logic_and(u[s.name] >= s.low, u[s.name] <= s.high) for s in (g.signal for g in inputs)}
-        last = {g.signal.name: x[f"last_{g.signal.name}"] for g in kept}
+        last = {g.signal.name: x[f"last_{g.signal.name}"] for g in held_inputs}
         held = {n: ca.if_else(good[n], u[n], last[n] if n in last else k[f"refused_{n}"]) for n in good}
         next = {f"last_{n}": held[n] for n in last}
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
@@ -99,7 +100,7 @@ def guard(
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
 
-    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in kept]
+    states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in held_inputs]
     left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
     states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if measured else []
@@ -117,7 +118,7 @@ def guard(
         ],
         outputs=outputs,
         states=states,
-        constants=[_in_place(g) for g in inputs if not g.held],
+        constants=[_replacement(g) for g in inputs if not g.held],
         tag="range acceptance, hold, latch",
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
@@ -130,8 +131,8 @@ def guard(
 def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Block:
     """Return the Block that passes ``<name>_computed`` on as ``<name>`` and, once latched, slews to the safe output.
 
-    What is computed is limited to the output's range; the slew, from there to the safe output, stays inside it.
-    ``<name>_before`` is the output of the sample before.
+    The computed value is limited to the output's range; the slew from there to the safe output stays inside the range.
+    ``<name>_before`` is the output of the previous sample.
 
     Raises SignalError when a safe output or a rate is missing, a rate is not positive, or a safe output lies outside
     its range.
@@ -153,8 +154,8 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         value = {}
         for s in outputs:
-            move, last = safety.slew_per_s[s.name] * time.period_s, x[f"last_{s.name}"]
-            slewed = ca.fmax(ca.fmin(safety.safe_output[s.name], last + move), last - move)
+            step, last = safety.slew_per_s[s.name] * time.period_s, x[f"last_{s.name}"]
+            slewed = ca.fmax(ca.fmin(safety.safe_output[s.name], last + step), last - step)
             computed = clip(u[f"{s.name}_computed"], s)
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
@@ -178,9 +179,9 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
 
 @arguments.checked
 def frozen(block: Block) -> Block:
-    """Return a guarded composition whose states, but for the guard's and the last outputs, stand still once latched.
+    """Return a guarded composition whose states, except the guard's and the last outputs, are frozen once latched.
 
-    What they would become has no influence any more, so that a latched step computes nothing but the slew.
+    These states no longer influence the outputs, so a latched step computes only the slew.
 
     Raises SignalError for a Block that does not latch.
     """
@@ -192,7 +193,7 @@ def frozen(block: Block) -> Block:
     return replace(block, next={**block.next, **held})
 
 
-def _require(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str]) -> None:
+def _check_guard(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str]) -> None:
     if len(inputs) + len(suspected) > LATCH_BIT:
         raise SignalError(
             f"{len(inputs)} inputs are guarded and {len(suspected)} may be suspects, but the fault word has "
@@ -204,12 +205,12 @@ def _require(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[st
     for name in suspected:
         if name not in measured or len(set(suspected)) < len(suspected):
             raise SignalError(
-                f"suspected are {', '.join(suspected)}, but '{name}' is no measurement or one of them stands twice: "
+                f"suspected are {', '.join(suspected)}, but '{name}' is not a measurement or one is listed twice: "
                 f"name each once, among {', '.join(measured) or 'no measurements'}"
             )
 
 
-def _in_place(g: Guarded) -> Constant:
+def _replacement(g: Guarded) -> Constant:
     if not g.signal.low <= g.initial <= g.signal.high:
         raise SignalError(
             f"the initial value {g.initial} of '{g.signal.name}' is outside {g.signal.low} .. {g.signal.high}: "

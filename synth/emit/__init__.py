@@ -1,1 +1,1 @@
-"""Emission: a Block becomes C99, a manifest and gains. `pipeline` shows every pass."""
+"""Code generation: compiles a Block to C99, a manifest and gains. `pipeline` lists every pass."""

@@ -1,7 +1,7 @@
-"""Lowering: a Block becomes a straight-line program, one node a value, in the order in which CasADi computes it.
+"""Lowering: from a Block's CasADi expressions to a straight-line program in SSA form, in CasADi's order of computation.
 
-Common subexpressions are eliminated first; the intermediate signals of the composition are marked. CasADi's pair of
-`if_else_zero` and a negated condition is read back as the choice that it was. The fault word is built bit by bit.
+Common subexpressions are eliminated first. Marks record the intermediate signals of the composition. CasADi's pair of
+`if_else_zero` and a negated condition becomes a single choice again. The fault word is built bit by bit.
 """
 
 from collections.abc import Mapping, Sequence
@@ -51,8 +51,8 @@ BINARY = {
     ca.OP_OR: "or",
     ca.OP_IF_ELSE_ZERO: "when",
 }
-LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # what `block.table` is made of
-# what only libm computes
+LOOKUP = (ca.OP_CONST, ca.OP_INPUT, ca.OP_GETNONZEROS_PARAM, ca.OP_OUTPUT)  # the instructions of a `block.table`
+# Operations that need libm.
 LIBM = frozenset(
     {"exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "fabs", "atan2"}
 )
@@ -71,13 +71,12 @@ class Node:
 
 @dataclass(frozen=True)
 class Program:
-    """Nodes in the order of computation, and where each named signal, output, next state and the fault word is found.
+    """Nodes in the order of computation, and the node of each named signal, output, next state and the fault word.
 
     `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
-    `polynomials` are those that nodes of the operation "polynomial" evaluate, by the name of the node. `products` are
-    constants that folding made of two others, by name; `tables` the numbers that nodes of the operation "table" look
-    up, by the name of the node. `titles` says for each Block of the composition, by name, what it is and the equation
-    that it computes.
+    `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
+    numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
+    `titles` maps each Block of the composition to its description and the equation that it computes.
     """
 
     nodes: tuple[Node, ...]
@@ -91,49 +90,49 @@ class Program:
     titles: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
-    def moved(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
-        """Return the program with new nodes, where the old node k is now the node index[k]; dead nodes are dropped."""
+    def with_nodes(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
+        """Return the program with new nodes, where the old node k becomes node index[k], without dead nodes."""
         outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (self.outputs, self.next))
         marks = tuple((named, index[k]) for named, k in self.marks)
         word = None if self.word is None else index[self.word]
-        return _pruned(replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word))
+        return _without_dead_nodes(replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word))
 
     def substituted(self, equal: Mapping[int, int]) -> "Program":
-        """Return the program in which each node of `equal` is read as the earlier node that it equals."""
+        """Return the program in which `equal` maps nodes to the earlier nodes that replace them."""
         index: list[int] = []
         for k in range(len(self.nodes)):
             index.append(index[equal[k]] if k in equal else k)
         nodes = tuple(replace(n, args=tuple(index[a] for a in n.args)) for n in self.nodes)
-        return self.moved(nodes, index)
+        return self.with_nodes(nodes, index)
 
     def owner(self, state: str) -> str:
-        """Return the Block of the composition that a state belongs to: the longest name that leads its own, or ""."""
+        """Return the Block of the composition that owns a state: the longest Block name before its own, or ""."""
         parts = state.split("_")
         leading = ("_".join(parts[:n]) for n in range(len(parts) - 1, 0, -1))
         return next((name for name in leading if name in self.titles), "")
 
     def ends(self) -> list[int]:
-        """Return the nodes that are stored or returned."""
+        """Return the nodes that are stored or returned: the live-out values."""
         return [*self.outputs.values(), *self.next.values(), *([] if self.word is None else [self.word])]
 
     def users(self) -> list[list[int]]:
-        """Return for each node the nodes that read it, once for each reading."""
-        found: list[list[int]] = [[] for _ in self.nodes]
+        """Return for each node the nodes that read it, once for each operand (use lists)."""
+        users: list[list[int]] = [[] for _ in self.nodes]
         for k, node in enumerate(self.nodes):
             for a in node.args:
-                found[a].append(k)
-        return found
+                users[a].append(k)
+        return users
 
 
 def program(block: Block) -> Program:
     """Lower a Block.
 
-    Raises EmitError for an operation that C emission does not know, naming it, and for a table whose name is taken.
+    Raises EmitError for an operation without a form in C, by name, and for a table whose name is already used.
     """
     loads = [*(("input", s.name) for s in block.inputs), *(("state", s.name) for s in block.states)]
     loads += [("constant", c.name) for c in block.constants]
-    wanted = [e for _, e in block.inside] + list(block.output.values()) + list(block.next.values())
-    shared = ca.cse(wanted)
+    exprs = [e for _, e in block.inside] + list(block.output.values()) + list(block.next.values())
+    shared = ca.cse(exprs)
     f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     tables: dict[str, tuple[float, ...]] = {}
     nodes, results = walk(f, loads, tables)
@@ -142,17 +141,19 @@ def program(block: Block) -> Program:
     tail = results[count:]
     outputs = dict(zip(block.output, tail, strict=False))
     next = dict(zip(block.next, tail[len(outputs) :], strict=True))
-    word = _word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
+    word = _fault_word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
     outputs = {s.name: outputs[s.name] for s in block.outputs}
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.inside}
     integers = frozenset([s.name for s in block.states if s.integer])
-    return _pruned(Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables))
+    return _without_dead_nodes(
+        Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables)
+    )
 
 
-def _word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
-    """Append the fault word: each bit is set where its flag is; return its place, None without faults.
+def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
+    """Append the fault word, in which each flag sets its bit, and return its node; None without faults.
 
-    Flags in a row that hold under a common condition alone are looked at under that condition.
+    Consecutive flags that are conjunctions with a common condition are tested inside one choice on that condition.
     """
     if not faults:
         return None
@@ -179,11 +180,11 @@ def walk(
     unary: Mapping[int, str] = UNARY,
     binary: Mapping[int, str] = BINARY,
 ) -> tuple[list[Node], list[int]]:
-    """Turn the instruction list into nodes in single-assignment form; return also the node of each output.
+    """Convert a function's instructions to nodes in static single-assignment form; return nodes and output nodes.
 
-    `f` has one column of inputs, whose kinds and names are `loads`. Tables that it looks up are added to `tables`.
+    `f` has one column of inputs, whose kinds and names are `loads`. The tables that it calls are added to `tables`.
 
-    Raises EmitError for an operation that is in neither of the two sets, and for a call of what is no table.
+    Raises EmitError for an operation in neither of the two sets, and for a call of a function that is not a table.
     """
     nodes: list[Node] = []
     terms = f.instructions_sx()
@@ -208,20 +209,20 @@ def walk(
             slot[o[0]] = add(Node("literal", value=f.instruction_constant(k)))
         elif op == ca.OP_CALL:
             called = terms[k].which_function()
-            _keep(called, tables, [name for _, name in loads])
+            _add_table(called, tables, [name for _, name in loads])
             slot[o[0]] = add(Node("table", (slot[i[0]],), name=called.name()))
         else:
             slot[o[0]] = add(_operation(op, tuple(slot[a] for a in i), nodes, unary, binary))
     return nodes, results
 
 
-def _keep(called: ca.Function, tables: dict[str, tuple[float, ...]], taken: Sequence[str]) -> None:
+def _add_table(called: ca.Function, tables: dict[str, tuple[float, ...]], used_names: Sequence[str]) -> None:
     """Add a function's numbers to `tables`; raise EmitError unless it is a table of its own name."""
     name, steps = called.name(), range(called.n_instructions())
     if [called.instruction_id(k) for k in steps] != list(LOOKUP):
-        raise EmitError(f"a law calls the function '{name}', which is no table: write it out, or use block.table")
+        raise EmitError(f"a law calls the function '{name}', which is not a table: write it out, or use block.table")
     numbers = tuple(called.instruction_MX(0).to_DM().full().ravel().tolist())
-    if name in taken or tables.get(name, numbers) != numbers:
+    if name in used_names or tables.get(name, numbers) != numbers:
         raise EmitError(f"table '{name}' has the name of another table, signal or constant: rename one of them")
     tables[name] = numbers
 
@@ -245,8 +246,8 @@ def _operation(
     return Node(binary[op], args)
 
 
-def _pruned(p: Program) -> Program:
-    """Drop nodes that nothing needs any more, and marks on them."""
+def _without_dead_nodes(p: Program) -> Program:
+    """Dead-code elimination: return the program without nodes that no output needs, and without marks on them."""
     live = set(p.ends())
     for k in range(len(p.nodes) - 1, -1, -1):
         if k in live:

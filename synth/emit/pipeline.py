@@ -1,7 +1,16 @@
-"""Emission, pass by pass: a Block becomes the program that is printed, and that its C.
+"""Pass pipeline of the code generator: from a Block to a reduced program, and from that to C.
 
-Each pass keeps what is computed, to rounding or to a surrogate's certificate. The ranges of the result are proved: no
-division by zero, no root of a negative number, and every next state and output inside its declared range.
+    ranges.bounds                  declared range of each load
+    lower.program                  CasADi expressions to nodes in SSA form, common subexpression elimination
+    fold.folded                    constant folding, algebraic simplification, shared reciprocals
+    safe.require_safe              proof on the program as written: no division by 0, no argument outside a domain
+    replace.replace_functions      surrogates: minimax polynomials for functions of one variable
+    limits.without_idle            dead limits by range analysis
+    fold.with_constant_products    products of named constants
+    limits.without_certified       dead limits by a certificate
+    safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
+
+Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +31,7 @@ from synth.emit.proof import ranges, safe
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """What is printed: the Block with the constants that folding made, its program, and the program's surrogates."""
+    """A program ready for printing: the Block with the constants from folding, the program, and its surrogates."""
 
     block: Block
     program: Program
@@ -30,37 +39,37 @@ class Reduced:
 
 
 def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: float | None = None) -> Reduced:
-    """Reduce a Block with rounded constants; there are no surrogates where `libm` is to compute.
+    """Run all passes on a Block with rounded constants; with `libm` there are no surrogates.
 
-    `error` is the relative error allowed to a surrogate, that of `surrogate.fit` when it is left out.
+    `error` is the relative error allowed for a surrogate, by default that of `surrogate.fit`.
 
     Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or an output
     that may leave its declared range.
     """
-    constants, program, polynomials = _reduced(block, scalar, libm, error)
+    constants, program, polynomials = _run_passes(block, scalar, libm, error)
     return Reduced(replace(block, constants=constants), program, polynomials)
 
 
 @cache.kept
-def _reduced(
+def _run_passes(
     block: Block, scalar: type[np.floating], libm: bool, error: float | None
 ) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
-    """Return the constants, program and surrogates of a Reduced: all of it that is data, and can be kept."""
+    """Return the constants, program and surrogates of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
     program = fold.folded(program)
     safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
-        program, polynomials = surrogates.replaced(program, bounds, scalar, error)
+        program, polynomials = surrogates.replace_functions(program, bounds, scalar, error)
     program = limits.without_idle(program, bounds, scalar)
-    program = fold.gathered(program)
+    program = fold.with_constant_products(program)
     program = limits.without_certified(program, polynomials, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     narrowed = safe.require_safe(program, proved, block, scalar)
-    ranges.inductive(program, proved, block, scalar)
-    safe.require_declared(program, narrowed, block, scalar)
+    ranges.require_inductive(program, proved, block, scalar)
+    safe.require_output_ranges(program, narrowed, block, scalar)
     kinds.require_whole(program, proved)
     return block.constants, _without_certificates(program), polynomials
 
@@ -77,7 +86,7 @@ def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:
 
 
 def _products(block: Block, program: Program, scalar: type[np.floating]) -> list[Constant]:
-    """Return the products that folding made of the Block's constants, rounded once."""
+    """Return the constants that are products of two of the Block's constants, rounded once."""
     by_name = {c.name: c for c in block.constants}
     pairs = {name: (by_name[first], by_name[second]) for name, (first, second) in program.products.items()}
     return [

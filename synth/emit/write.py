@@ -1,4 +1,4 @@
-"""Emission as a whole: Block in, `{file name: text}` out; one function touches the disk."""
+"""Code generation as a whole (Embedded Coder): Block in, `{file name: text}` out; only `save` writes to disk."""
 
 import json
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from synth.emit.lower import Program
 
 @dataclass(frozen=True)
 class Emitted:
-    """The emitted text files, the manifest that describes them, and the program that was printed, where it is known."""
+    """The generated text files, the manifest that describes them, and the printed program, where it is known."""
 
     files: Mapping[str, str]
     manifest: Mapping[str, Any]
@@ -32,34 +32,32 @@ def emit(
 ) -> Emitted:
     """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
 
-    Constants are rounded to the scalar type here, once. `gains` is the document that becomes gains.json. Functions of
-    one variable become polynomials with a relative `error` of at most 2e-7 in float32 and 1e-14 in float64 when it is
-    left out, unless `libm` is to compute them.
+    Constants are rounded to the scalar type here, once. `gains` is the document for gains.json. Functions of one
+    variable become polynomials with a relative error of at most `error`, by default 2e-7 in float32 and 1e-14 in
+    float64; with `libm` they remain calls of the C library.
 
-    The manifest tells the safety that the Block carries, where it latches.
+    For a Block that latches, the manifest documents its safety.
 
     Raises EmitError for a scalar type or an operation without a form in C, and for an operation that is not proved safe
     over the declared ranges.
     """
-    shipped = block.rounded(scalar)
-    memory = layout.layout(shipped, scalar)
-    printed = pipeline.reduce(shipped, scalar, libm, error)
+    rounded = block.rounded(scalar)
+    memory = layout.layout(rounded, scalar)
+    printed = pipeline.reduce(rounded, scalar, libm, error)
     source = pipeline.source(printed, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
-        f"{block.name}.h": c_text.header(shipped, memory),
+        f"{block.name}.h": c_text.header(rounded, memory),
     }
-    document = manifest.manifest(shipped, memory, texts, printed.surrogates, source)
-    shipped_gains = {
-        "constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in shipped.constants}
-    }
+    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source)
+    constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
-    texts["gains.json"] = manifest.dumps(shipped_gains | dict(gains or {}))
+    texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
     return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:
-    """Write each text to `folder`, which is made if need be; a file that holds the text already is left alone."""
+    """Write each text to `folder`, which is created if needed; a file that already holds its text is not rewritten."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         path = folder / name

@@ -1,4 +1,4 @@
-"""From a Block to its compiled controller: emission, compilation and loading in one call."""
+"""Build a controller from a Block: emit its C, compile it and load it, in one call."""
 
 import numpy as np
 

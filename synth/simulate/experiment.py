@@ -1,4 +1,4 @@
-"""Experiments: a simulated run, what of it is shown, and the figures that it must keep."""
+"""Result of an experiment: a simulated run, the signals to plot, measured values and checks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,9 +12,9 @@ from synth.simulate.scenario import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """One run. `shown` names the trajectory's columns to plot, `references` the set-points (N,) beside them.
+    """One run. `shown` names the columns of the trajectory to plot, `references` their set-points (N,).
 
-    `figures` are measured values in the units of their names' endings, free of any limit; `checks` have limits.
+    `figures` are measured values without limits, in the unit at the end of each name; `checks` have limits.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Evidence: what was measured when a design was verified, with the limits that it had to keep."""
+"""Verification evidence of a design: measured values with their limits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -10,7 +10,7 @@ from synth.verify.agree import Agreement
 
 @dataclass(frozen=True)
 class Evidence:
-    """The agreements between witnesses and the checks drawn from them."""
+    """The agreements between witnesses and the checks that follow from them."""
 
     design: str
     agreements: Sequence[Agreement]
@@ -18,7 +18,7 @@ class Evidence:
 
     @property
     def passed(self) -> bool:
-        """Whether every check keeps its limit."""
+        """Whether every check passes."""
         return all(c.passed for c in self.checks)
 
     def document(self) -> Mapping[str, Any]:

@@ -1,9 +1,9 @@
-"""The independent witnesses of a Block side by side: reference, CasADi, CasADi's own C, and the emitted C.
+"""Back-to-back tests of a Block with independent witnesses: reference, CasADi, C of CasADi, and the emitted C.
 
-    reference, casadi, casadi_c --- against --- c64     exactly: 1e-12 of max(floor, |output|), states of their range
-    c64 ------------------------- against --- c32       from the same bits, where both decide alike
+    reference, casadi, casadi_c --- against --- c64     to 1e-12 of max(floor, |output|), or of the range of a state
+    c64 ------------------------- against --- c32       from the same bits, where both take the same decisions
 
-over steps that are drawn (`sampling`) and over recorded inputs that are replayed from `init`.
+The stimuli are random steps (`sampling`) and recorded inputs that are replayed from `init`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,10 +19,8 @@ from synth.execute import build, host
 from synth.verify import agree
 from synth.verify.agree import Agreement, Columns, Stepped
 
-EXACT = (
-    1e-12  # of max(floor, |output|), and of a state's range: what double precision leaves of some hundred operations
-)
-OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
+EXACT = 1e-12  # of max(floor, |output|), and of the range of a state: rounding of some hundred operations in double
+OTHERS = ("reference", "casadi", "casadi_c")  # witnesses that are compared with the C in double precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,28 +45,30 @@ def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floatin
     return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
 
 
-def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
+def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over N steps (x, u)."""
-    c64 = by.of["c64"](states, inputs)
+    c64 = witness_set.of["c64"](states, inputs)
     return [
-        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, by.block)
-        for name, witness in by.others.items()
+        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, witness_set.block)
+        for name, witness in witness_set.others.items()
     ]
 
 
-def replay(by: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
+def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
-    start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.recorded_runs(witness, start, list(runs.values())) for name, witness in by.others.items()}
+    start = {s.name: s.initial for s in witness_set.block.states}
+    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.others.items()}
     return [
-        agree.compare(what, (name, stepped[k]), ("c64", agree.replayed(by.c64, inputs)), floor, by.block)
+        agree.compare(
+            what, (name, stepped[k]), ("c64", agree.replayed(witness_set.c64, inputs)), floor, witness_set.block
+        )
         for k, (what, inputs) in enumerate(runs.items())
         for name, stepped in others.items()
     ]
 
 
 def exact(agreements: Sequence[Agreement], unit: str) -> list[Check]:
-    """Return three checks of each agreement in double precision: outputs, in `unit`, next states, and fault words."""
+    """Return three checks for each agreement in double precision: outputs in `unit`, next states, and fault words."""
     checks = []
     for a in agreements:
         about, pair = f"worst of {a.samples} steps, {a.signal}", f"{a.first} and {a.second}"
@@ -80,10 +80,10 @@ def exact(agreements: Sequence[Agreement], unit: str) -> list[Check]:
     return checks
 
 
-def in_single(by: Witnesses, states: Columns, inputs: Columns) -> tuple[Stepped, Stepped]:
-    """Return what the C computes in double and in single precision from the same bits, rounded to single first."""
+def in_single(witness_set: Witnesses, states: Columns, inputs: Columns) -> tuple[Stepped, Stepped]:
+    """Return the steps of the C in double and in single precision, from the same values rounded to single."""
     x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
-    return agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+    return agree.emitted(witness_set.c64)(x, u), agree.emitted(witness_set.c32)(x, u)
 
 
 def decide_alike(block: Block, first: Stepped, second: Stepped) -> NDArray[np.bool_]:
@@ -95,6 +95,6 @@ def decide_alike(block: Block, first: Stepped, second: Stepped) -> NDArray[np.bo
 
 
 def part(stepped: Stepped, chosen: NDArray[np.bool_]) -> Stepped:
-    """Return the chosen ones of N steps."""
+    """Return the chosen steps among N."""
     outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
     return Stepped(outputs, states, stepped.faults[chosen])

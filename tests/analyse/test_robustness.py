@@ -30,7 +30,7 @@ def test_every_actuator_and_sensor_is_opened_at_every_point(nominal: list[robust
     assert nominal[0].label == "at i1, low"
 
 
-def test_the_controller_holds_the_plant_where_it_rests(nominal: list[robustness.OpenLoop]) -> None:
+def test_the_equilibrium_is_that_of_the_plant_and_the_controller(nominal: list[robustness.OpenLoop]) -> None:
     rest = robustness.rest(loops(), "side")
     point = trim.trim(DESIGN.PLANT, {"x": 8e-4}, ["i1", "i2"])
     assert rest.point["i2"] == pytest.approx(400 * 8e-4 / 8, rel=1e-6)
@@ -46,7 +46,7 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
     K = loop.linearised(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
     P = loop.sampled(model, T, T)
     inputs = {name: i for i, name in enumerate(K.inputs)}
-    # The measurement reaches the error too; the command comes back as limited.
+    # The measurement also enters the error; the limited command is fed back.
     on_y = K.B[:, [inputs["x_held"]]] - K.B[:, [inputs["x_error"]]]
     D = float(K.D[0, inputs["x_held"]] - K.D[0, inputs["x_error"]])
     on_u, C = K.B[:, [inputs["i2_computed"]]], K.C[:1]
@@ -54,25 +54,25 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
     z = np.exp(1j * T * np.geomspace(1.0, 3000.0, 40))
     controller = np.array([(C @ np.linalg.solve(v * np.eye(len(A)) - A, on_y + on_u * D))[0, 0] + D for v in z])
     L = -P.response(z)[:, 0, 0] * controller
-    found = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
-    np.testing.assert_allclose(found, L, rtol=1e-5)
+    response = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
+    np.testing.assert_allclose(response, L, rtol=1e-5)
 
 
 def test_the_worst_loop_is_named_with_its_parameters() -> None:
     cases = [robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["k", "m"])]
-    found = robustness.opened(loops({"mid": {"z": 0.0}}, cases), ["i2"])
-    (check,) = robustness.checks(found, {"modulus_margin": 0.5})
-    least = min(found, key=lambda o: o.margins.modulus_margin)
+    open_loops = robustness.opened(loops({"mid": {"z": 0.0}}, cases), ["i2"])
+    (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
+    least = min(open_loops, key=lambda o: o.margins.modulus_margin)
     assert check.passed and check.found == 0.5 - least.margins.modulus_margin
     assert dict(least.case) == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
     assert f"of 5 loops is {least.margins.modulus_margin:.4g} at i2, mid, k = 8.8, m = 0.285" in check.about
 
 
-def test_a_margin_that_is_missed_fails_and_so_does_a_loop_that_is_not_stable() -> None:
-    found = robustness.opened(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
+def test_an_insufficient_margin_fails_and_so_does_an_unstable_loop() -> None:
+    open_loops = robustness.opened(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
     require = {"phase_margin": 30.0, "gain_margin": 1.5, "modulus_margin": 0.5}
-    lost = {c.name: c for c in robustness.checks(found, require)}
-    assert not found[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
+    lost = {c.name: c for c in robustness.checks(open_loops, require)}
+    assert not open_loops[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
     assert lost["phase margin falls short by"].found == 30.0 and lost["modulus margin falls short by"].found == 0.5
     assert lost["gain margin falls short by"].found == 0.5 and not any(c.passed for c in lost.values())
     sound = robustness.checks(robustness.opened(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
@@ -80,10 +80,10 @@ def test_a_margin_that_is_missed_fails_and_so_does_a_loop_that_is_not_stable() -
 
 
 def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robustness.OpenLoop]) -> None:
-    found = robustness.disks(loops(), "low")
+    disk_margins = robustness.disks(loops(), "low")
     single = min(disk.of_loop(o.L).upper for o in nominal if o.point == "low" and o.signal in ("i1", "i2"))
-    assert found["actuators"].lower <= single * (1 + 1e-6)
-    assert found["both"].upper < found["sensors"].lower
+    assert disk_margins["actuators"].lower <= single * (1 + 1e-6)
+    assert disk_margins["both"].upper < disk_margins["sensors"].lower
 
 
 def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
@@ -96,7 +96,7 @@ def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
     assert robustness.corners(plant, []) == []
 
 
-def test_what_is_not_known_is_refused_by_name(nominal: list[robustness.OpenLoop]) -> None:
+def test_unknown_names_are_refused(nominal: list[robustness.OpenLoop]) -> None:
     with pytest.raises(SignalError, match=r"parameter 'g' is 9.81 .* with the tolerance 0"):
         robustness.corners(DESIGN.PLANT, ["g"])
     with pytest.raises(SignalError, match="2\\^11 corners"):
@@ -105,7 +105,7 @@ def test_what_is_not_known_is_refused_by_name(nominal: list[robustness.OpenLoop]
         robustness.rest(loops(), "mid")
     with pytest.raises(SignalError, match="no operating points"):
         loops({})
-    with pytest.raises(SignalError, match="'phase' is no margin"):
+    with pytest.raises(SignalError, match="'phase' is not a known margin"):
         robustness.checks(nominal, {"phase": 1.0})
     with pytest.raises(SignalError, match="no loop to check"):
         robustness.checks([], {"phase_margin": 1.0})
@@ -121,7 +121,7 @@ def coordinates(**weights: dict[str, float]) -> Loops:
     return robustness.of_controller(CONTROLLER, DESIGN.PLANT, {"mid": {"z": 0.0}}, coordinates=weights)
 
 
-def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
+def test_loops_open_at_coordinates_instead_of_sensors() -> None:
     """A scaled sensor is cut as it is; all of them cut at once leave det(1 + L) in any coordinates."""
     z = np.exp(1j * np.array([0.02, 0.3, 1.5]))
     at = robustness.rest(loops({"mid": {"z": 0.0}}), "mid")
@@ -139,7 +139,7 @@ def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
 @pytest.mark.parametrize(
     ("weights", "message"),
     [
-        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b depend on each other"),
+        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b are linearly dependent"),
         ({"x": {"z": 1.0}}, "at 'x', which is a sensor and a coordinate"),
         ({"a": {"w": 1.0}}, "the wire from 'w' to 'a': 'w' is not one of"),
     ],

@@ -1,4 +1,4 @@
-"""One control axis: its gains against an independent reference, its promises, and what it refuses."""
+"""Servo LQG axis: gains against an independent reference, specified properties, and refusals."""
 
 from dataclasses import replace
 from typing import Any
@@ -43,44 +43,44 @@ def mass(stiffness: float = 0.0) -> StateSpace:
     return linearise.linearise(body, trim.trim(body, {}, []))
 
 
-def asked(model: Any = None, **changed: Any) -> axis.ServoLaw:
-    given = {
+def default_axis(model: Any = None, **changed: Any) -> axis.ServoLaw:
+    arguments = {
         "modes": {0.0: 5.0},
         "weights": {"q": 1e8, "v": 1e2},
         "effort": 1e-2,
         "estimator": NOISE,
         "anti_windup": 10.0,
     }
-    return axis.servo(mass() if model is None else model, **(given | changed))
+    return axis.servo(mass() if model is None else model, **(arguments | changed))
 
 
-def made(delay: int = 1, **changed: Any) -> Regulator:
-    return axis_regulator.synthesise(asked(**changed).axes[0], TIME, delay)
+def regulator_for(delay: int = 1, **changed: Any) -> Regulator:
+    return axis_regulator.synthesise(default_axis(**changed).axes[0], TIME, delay)
 
 
 @pytest.mark.parametrize("name", ["z", "x"])
 def test_all_gains_are_those_of_the_reference(name: str) -> None:
     """Doubling, a filter and Ackermann's formula in 60 digits, written without the toolkit."""
     law = DESIGN.Z if name == "z" else DESIGN.X
-    found, gains = axis_regulator.synthesise(law.axes[0], TIME, 1), REFERENCE.gains(name)
-    controller, k = found.controller, len(gains.on_eta[0])
+    regulator, gains = axis_regulator.synthesise(law.axes[0], TIME, 1), REFERENCE.gains(name)
+    controller, k = regulator.controller, len(gains.on_eta[0])
     expected = {
         "on_eta": controller.C[:1, :k],
         "E": controller.B[:k, 3:4],
-        "L": found.filter.L,
-        "M": found.filter.M,
-        "on_x": found.servo.K_x[:, :2],
-        "on_late": found.servo.K_x[:, 2:],
+        "L": regulator.filter.L,
+        "M": regulator.filter.M,
+        "on_x": regulator.servo.K_x[:, :2],
+        "on_late": regulator.servo.K_x[:, 2:],
     }
     for field, values in expected.items():
         np.testing.assert_allclose(values, getattr(gains, field), rtol=1e-13, err_msg=field)
-    assert found.feedforward == pytest.approx(gains.on_r, rel=1e-13)
+    assert regulator.feedforward == pytest.approx(gains.on_r, rel=1e-13)
 
 
 def test_the_delay_costs_poles_at_zero_and_nothing_else() -> None:
-    undelayed = np.sort_complex(made(0).servo.poles)
+    undelayed = np.sort_complex(regulator_for(0).servo.poles)
     for delay in (1, 3):
-        poles = sorted(made(delay).servo.poles, key=abs)
+        poles = sorted(regulator_for(delay).servo.poles, key=abs)
         zeros = 2 * delay  # the commands on their way, in the plant and in the estimator
         assert np.abs(poles[:zeros]).max() < 5e-2  # several at 0 scatter by the root of the precision
         np.testing.assert_allclose(np.sort_complex(poles[zeros:]), undelayed, atol=1e-6)
@@ -88,7 +88,7 @@ def test_the_delay_costs_poles_at_zero_and_nothing_else() -> None:
 
 def test_without_an_internal_model_of_weight_the_gain_tends_to_the_delayed_lqr() -> None:
     """With slow modes the gain on the states and the command on its way is that of `lqrd` with the delay."""
-    slow = made(1, modes={0.0: 1e-4}).servo.K_x
+    slow = regulator_for(1, modes={0.0: 1e-4}).servo.K_x
     optimal = lqr.lqrd(mass(), [1e8, 1e2], [1e-2], TIME.period_s, exact=True, delay_s=TIME.period_s).K
     np.testing.assert_allclose(slow, optimal, rtol=1e-4)
 
@@ -96,24 +96,24 @@ def test_without_an_internal_model_of_weight_the_gain_tends_to_the_delayed_lqr()
 @pytest.mark.parametrize(
     ("modes", "tolerance"), [({0.0: 5.0}, 0.01), ({60.0: 4.0}, 0.05), ({0.0: 5.0, 60.0: 4.0}, 0.25)]
 )
-def test_the_error_of_a_mode_dies_out_at_its_speed(modes: dict[float, float], tolerance: float) -> None:
-    rates = np.log(made(0, modes=modes).undelayed.poles) / TIME.period_s
+def test_the_error_of_a_mode_decays_at_its_speed(modes: dict[float, float], tolerance: float) -> None:
+    rates = np.log(regulator_for(0, modes=modes).undelayed.poles) / TIME.period_s
     for frequency, speed in modes.items():
         nearest = rates[np.argmin(np.abs(rates - complex(-speed, frequency)))]
         assert -nearest.real == pytest.approx(speed, rel=tolerance)
         assert abs(abs(nearest.imag) - frequency) < speed / 2
 
 
-def test_nothing_of_the_modes_is_left_in_another_plant() -> None:
-    found = made(1, modes={0.0: 5.0, 60.0: 4.0}, model=mass(50.0))
-    assert found.servo.steady.vanishes
+def test_the_modes_leave_no_error_in_another_plant() -> None:
+    regulator = regulator_for(1, modes={0.0: 5.0, 60.0: 4.0}, model=mass(50.0))
+    assert regulator.servo.steady.vanishes
     other = loop.sampled(mass(500.0), TIME.period_s, TIME.period_s)
-    assert found.servo.around(other).vanishes
+    assert regulator.servo.around(other).vanishes
 
 
-def test_the_left_out_set_point_weight_cancels_the_pole_of_the_integrator() -> None:
+def test_the_default_set_point_weight_cancels_the_pole_of_the_integrator() -> None:
     """The response to a step then has no slow tail: it is within 1 % long before exp(-5 t)."""
-    tails = {b: settling(made(1, set_point=b)) for b in (None, 0.0, 1.0)}
+    tails = {b: settling(regulator_for(1, set_point=b)) for b in (None, 0.0, 1.0)}
     assert tails[None] < 0.1 < min(tails[0.0], tails[1.0])
 
 
@@ -131,34 +131,34 @@ def settling(regulator: Regulator, samples: int = 4000) -> float:
     return float((outside[-1] + 1) * TIME.period_s)
 
 
-def test_the_states_ahead_are_those_of_the_plant() -> None:
+def test_the_predicted_states_are_those_of_the_plant() -> None:
     for delay in (0, 1, 2):
-        found = made(delay)
-        plant, law = loop.sampled(mass(), TIME.period_s, delay * TIME.period_s), found.controller
-        x, c, seen, ahead = np.zeros(len(plant.A)), np.zeros(len(law.A)), [], []
+        regulator = regulator_for(delay)
+        plant, law = loop.sampled(mass(), TIME.period_s, delay * TIME.period_s), regulator.controller
+        x, c, seen, predicted = np.zeros(len(plant.A)), np.zeros(len(law.A)), [], []
         x[0] = 1e-3
         for _ in range(600):
             q = float(plant.C[0] @ x)
             u = np.array([q, 0.0, q, 0.0, 0.0])
             u[1] = law.C[0] @ c + law.D[0] @ u
             seen.append(x[:2])
-            ahead.append(law.C[1:] @ c + law.D[1:] @ u)
+            predicted.append(law.C[1:] @ c + law.D[1:] @ u)
             c, x = law.A @ c + law.B @ u, plant.A @ x + plant.B[:, 0] * u[1]
-        late = np.array(seen)[200 + delay :] - np.array(ahead)[200 : 600 - delay]
-        assert np.abs(late).max() < 1e-9
+        errors = np.array(seen)[200 + delay :] - np.array(predicted)[200 : 600 - delay]
+        assert np.abs(errors).max() < 1e-9
 
 
 def around(**changed: Any) -> Interface:
-    given = {
+    arguments = {
         "sensors": [Sensor("z"), Sensor("x")],
         "set_points": [SetPoint("z_ref", "z", -5e-4, 5e-4), SetPoint("x_ref", "x", -8e-4, 8e-4)],
         "actuators": [Actuator("i1", 0.0, 100.0), Actuator("i2", 0.0, 100.0)],
         "disturbances": ["hum"],
     }
-    return stage.interface(DESIGN.PLANT, **(given | changed))
+    return stage.interface(DESIGN.PLANT, **(arguments | changed))
 
 
-def test_a_saturated_axis_keeps_its_states_within_bounds_that_it_reaches_a_good_part_of() -> None:
+def test_the_state_bounds_of_a_saturated_axis_hold_and_have_the_right_magnitude() -> None:
     """The derived bounds hold for any input in range without the Block's own limits."""
     block = DESIGN.X.law(TIME, around()).blocks[0]
     bounds = np.array([s.signal.high for s in block.states if not s.integer])
@@ -177,16 +177,16 @@ def test_a_saturated_axis_keeps_its_states_within_bounds_that_it_reaches_a_good_
 
 
 def test_a_loop_that_forgets_the_delay_loses_its_margin() -> None:
-    """A planted defect: the axis is made for no delay, the loop has one sample."""
+    """Planted defect: the axis is designed without delay, the loop has a delay of one sample."""
     forgetful = stage.controller("late", TIME, around(delay=0), [DESIGN.Z, DESIGN.X])
     sound = stage.controller("sound", TIME, around(), [DESIGN.Z, DESIGN.X])
     late = replace(forgetful, interface=around())
     points = {"mid": {"z": 0.0}}
     require = {"phase_margin": 30.0, "modulus_margin": 0.5}
-    found = {c.name: robustness.checks(robustness.opened(robustness.of_controller(c, DESIGN.PLANT, points)), require)
+    checks = {c.name: robustness.checks(robustness.opened(robustness.of_controller(c, DESIGN.PLANT, points)), require)
              for c in (late, sound)}  # fmt: skip
-    assert all(check.passed for check in found["sound"])
-    assert not all(check.passed for check in found["late"])
+    assert all(check.passed for check in checks["sound"])
+    assert not all(check.passed for check in checks["late"])
 
 
 def two_coils() -> plants.Plant:
@@ -222,19 +222,19 @@ def beam() -> tuple[plants.Plant, Interface, list[axis.ServoLaw]]:
     return plant, interface, [beam_axis(inverse, name) for name in ("h", "a")]
 
 
-def test_axes_of_one_inverse_are_decoupled_wherever_they_stand() -> None:
+def test_axes_of_one_inverse_are_decoupled_at_every_operating_point() -> None:
     plant, interface, laws = beam()
     controller = stage.controller("beam", TIME, interface, [axis.decoupled(laws)])
     points = {"mid": {}, "corner": {"h": 5e-4, "a": 5e-3}}
-    found = robustness.opened(robustness.of_controller(controller, plant, points), ["h", "a"])
-    by = {(o.point, o.signal): o.margin("modulus_margin") for o in found}
+    loops = robustness.opened(robustness.of_controller(controller, plant, points), ["h", "a"])
+    by = {(o.point, o.signal): o.margin("modulus_margin") for o in loops}
     for name in ("h", "a"):
         assert by["mid", name] > 0.5 and by["corner", name] == pytest.approx(by["mid", name], rel=1e-3)
 
 
 def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
     _, interface, laws = beam()
-    with pytest.raises(SignalError, match=r"takes the demand of 'a' too: join the axes of h, a by axis\.decoupled"):
+    with pytest.raises(SignalError, match=r"also needs the demand of 'a': join the axes of h, a by axis\.decoupled"):
         laws[0].law(TIME, interface)
     with pytest.raises(SignalError, match="do not share one feedback linearisation"):
         axis.decoupled([laws[0], beam()[2][1]])
@@ -256,9 +256,9 @@ def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
         ({"estimator": axis.kalman({"x": 1.0}, {"q": 1.0})}, "process noise of the axis: 'x' is not one of q, v"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_by_name(changed: dict[str, Any], message: str) -> None:
+def test_invalid_arguments_are_refused_by_name(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(SignalError, match=message):
-        asked(**changed)
+        default_axis(**changed)
 
 
 def test_noise_that_is_not_positive_is_refused() -> None:
@@ -268,12 +268,12 @@ def test_noise_that_is_not_positive_is_refused() -> None:
 
 def test_a_mode_beyond_nyquist_and_a_negative_delay_are_refused() -> None:
     with pytest.raises(SignalError, match="must lie below"):
-        made(modes={7000.0: 5.0})
+        regulator_for(modes={7000.0: 5.0})
     with pytest.raises(SignalError, match="the delay is -1 samples"):
-        made(-1)
+        regulator_for(-1)
 
 
-def test_a_plant_that_the_command_does_not_reach_is_refused() -> None:
+def test_a_plant_that_the_command_does_not_influence_is_refused() -> None:
     stuck = StateSpace(
         np.array([[0.0, 1.0], [0.0, 0.0]]),
         np.array([[1.0], [0.0]]),
@@ -285,7 +285,7 @@ def test_a_plant_that_the_command_does_not_reach_is_refused() -> None:
         mass().time,
     )
     with pytest.raises((ModelError, SignalError), match="v"):
-        axis_regulator.synthesise(asked(stuck).axes[0], TIME)
+        axis_regulator.synthesise(default_axis(stuck).axes[0], TIME)
 
 
 def test_an_output_without_a_sensor_or_set_point_is_refused() -> None:
@@ -294,7 +294,7 @@ def test_an_output_without_a_sensor_or_set_point_is_refused() -> None:
             DESIGN.X.law(TIME, around(**changed))
 
 
-def test_a_document_tells_what_ships() -> None:
+def test_the_document_contains_the_synthesised_gains() -> None:
     document = DESIGN.X.law(TIME, around()).gains(np.float32)["x"]
     assert document["delay_samples"] == 1 and document["speeds_per_s"] == [25.0, 20.0, 20.0]
     assert document["certificate"]["error_dies_out"] and document["states"][2] == "i2_late1"

@@ -30,7 +30,7 @@ def run(filter: Block, q: np.ndarray, ready: np.ndarray) -> np.ndarray:
 
 
 def from_rest(n: int) -> np.ndarray:
-    """Ready from the second sample on, as a guard tells it."""
+    """Return the input ``ready`` of a guard: set from the second sample on."""
     return (np.arange(n) > 0).astype(float)
 
 
@@ -52,13 +52,13 @@ def test_a_sine_is_answered_as_the_first_order_hold_of_D(omega: float) -> None:
     z = np.exp(1j * omega * T)
     response = (C @ np.linalg.solve(z * np.eye(2) - A, B) + D)[0, 0]
     tail = slice(100, None)
-    wanted = 0.5 * np.imag(response * z**k)
-    np.testing.assert_allclose(rates[tail], wanted[tail], rtol=0, atol=tolerances.of("settled") * omega)
+    exact = 0.5 * np.imag(response * z**k)
+    np.testing.assert_allclose(rates[tail], exact[tail], rtol=0, atol=tolerances.of("settled") * omega)
     continuous = 1j * omega * W**2 / (1j * omega + W) ** 2
     # a sine is linear between samples, and free of images of itself, to some (w T)^2
     assert abs(response / continuous - 1) < (omega * T) ** 2
     if omega >= 300:
-        assert np.abs(rates[tail] - 0.5 * np.imag(continuous * z**k)[tail]).max() > 1e-3  # the two are told apart
+        assert np.abs(rates[tail] - 0.5 * np.imag(continuous * z**k)[tail]).max() > 1e-3  # the two differ
 
 
 def test_it_starts_without_a_jump() -> None:
@@ -93,7 +93,7 @@ def test_states_carry_bounds_by_induction() -> None:
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 @pytest.mark.parametrize("bandwidth", [50.0, 1000.0, 3000.0])
-def test_no_motion_takes_the_states_to_their_bounds(bandwidth: float, scalar: type[np.floating]) -> None:
+def test_no_motion_drives_the_states_to_their_bounds(bandwidth: float, scalar: type[np.floating]) -> None:
     """The differences that stretch a state most are full widths of one sign, more than any q can make.
 
     The states come to rest inside by half of the slack and more, so that the limits of the Block never act.

@@ -1,4 +1,4 @@
-"""The map of errors: exact where they are linear, in the C as in NumPy."""
+"""Error map: exact for linear errors, in the C as in NumPy."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ RNG = np.random.default_rng(0)
 RANDOM = ErrorMap(GRID, 1e-4 * RNG.standard_normal((3, *GRID.size)))
 
 
-def scattered(n: int = 400) -> tuple[np.ndarray, np.ndarray]:
+def scattered_samples(n: int = 400) -> tuple[np.ndarray, np.ndarray]:
     """Return estimates and references (n, 3) whose difference is linear in the estimated place."""
     estimated = np.column_stack([RNG.uniform(-6e-3, 6e-3, (n, 2)), RNG.uniform(-1e-3, 1e-3, n)])
     tilt = np.array([[3e-3, -2e-3, 0.1], [1e-3, 5e-3, 0.2]])
@@ -46,37 +46,39 @@ def places() -> np.ndarray:
     return np.vstack([inside, np.column_stack([points, np.zeros(len(points))])])
 
 
-def answered(of: ErrorMap, scalar: type[np.floating], at: np.ndarray) -> np.ndarray:
+def correct_in_c(of: ErrorMap, scalar: type[np.floating], at: np.ndarray) -> np.ndarray:
     made = write.emit(unranged(error_map.block(of, TIME, SIGNALS)), scalar)
-    found = host.load(made.files, made.manifest).replay(dict(zip(NAMES, at.T, strict=True))).outputs
-    return np.stack([found[f"{name}_corrected"] for name in NAMES], axis=1)
+    outputs = host.load(made.files, made.manifest).replay(dict(zip(NAMES, at.T, strict=True))).outputs
+    return np.stack([outputs[f"{name}_corrected"] for name in NAMES], axis=1)
 
 
-def test_linear_errors_are_taken_off_to_the_maps_unit() -> None:
-    estimated, reference = scattered()
-    found = error_map.fit(estimated, reference, GRID, UNITS)
+def test_linear_errors_are_corrected_to_the_unit_of_the_map() -> None:
+    estimated, reference = scattered_samples()
+    fitted = error_map.fit(estimated, reference, GRID, UNITS)
     inside = np.all([np.abs(estimated[:, k]) < -GRID.low[k] for k in (0, 1)], axis=0)
-    left = (correct(found, estimated) - reference)[inside]
+    left = (correct(fitted, estimated) - reference)[inside]
     assert np.all(np.abs(left) <= UNITS)
     assert np.abs(estimated - reference)[inside].max() > 1e-4
-    np.testing.assert_allclose(np.rint(found.added / UNITS[:, None, None]) * UNITS[:, None, None], found.added, atol=0)
+    np.testing.assert_allclose(
+        np.rint(fitted.added / UNITS[:, None, None]) * UNITS[:, None, None], fitted.added, atol=0
+    )
 
 
 @pytest.mark.parametrize(("scalar", "most"), [(np.float64, 1e-15), (np.float32, 1e-8)])
 def test_the_c_corrects_as_the_map_does(scalar: type[np.floating], most: float) -> None:
     at = places()
-    assert np.abs(answered(RANDOM, scalar, at) - correct(RANDOM, at)).max() < most
+    assert np.abs(correct_in_c(RANDOM, scalar, at) - correct(RANDOM, at)).max() < most
     mirrored = replace(RANDOM, added=RANDOM.added[:, ::-1])
-    assert np.abs(answered(mirrored, scalar, at) - correct(RANDOM, at)).max() > 1e-5
+    assert np.abs(correct_in_c(mirrored, scalar, at) - correct(RANDOM, at)).max() > 1e-5
 
 
-def test_beyond_the_table_its_edge_counts() -> None:
+def test_beyond_the_table_the_edge_values_are_used() -> None:
     far = np.array([[9.0, -9.0, 0.0]])
-    np.testing.assert_allclose(answered(RANDOM, np.float64, far)[0] - far[0], RANDOM.added[:, -1, 0], atol=1e-14)
+    np.testing.assert_allclose(correct_in_c(RANDOM, np.float64, far)[0] - far[0], RANDOM.added[:, -1, 0], atol=1e-14)
 
 
-def test_what_makes_no_map_is_refused() -> None:
-    estimated, reference = scattered()
+def test_a_grid_beyond_the_samples_is_refused() -> None:
+    estimated, reference = scattered_samples()
     with pytest.raises(ModelError, match="no samples lie about "):
         error_map.fit(estimated, reference, lookup_table.square(7e-3, 1e-3), UNITS)
     with pytest.raises(ModelError, match=r"estimates have the shape .400, 3., not all finite"):
@@ -86,18 +88,18 @@ def test_what_makes_no_map_is_refused() -> None:
 @pytest.mark.parametrize(("n", "message"), [(0, "a row or more"), (1, "1 samples make no triangle"), (2, "2 samples")])
 def test_fewer_than_three_samples_make_no_map(n: int, message: str) -> None:
     with pytest.raises(ModelError, match=message):
-        error_map.fit(*scattered(n), GRID, UNITS)
+        error_map.fit(*scattered_samples(n), GRID, UNITS)
 
 
 @pytest.mark.parametrize("along", [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.0]])
 def test_samples_on_a_line_make_no_map(along: list[float]) -> None:
-    estimated, reference = scattered(20)
+    estimated, reference = scattered_samples(20)
     with pytest.raises(ModelError, match="20 samples make no triangle: measure at three places or more, not on a line"):
         error_map.fit(estimated * along, reference, GRID, UNITS)
 
 
-def test_samples_of_unlike_numbers_are_refused() -> None:
-    estimated, reference = scattered(20)
+def test_different_numbers_of_estimates_and_references_are_refused() -> None:
+    estimated, reference = scattered_samples(20)
     with pytest.raises(ModelError, match="1 estimates meet 20 references"):
         error_map.fit(estimated[:1], reference, GRID, UNITS)
 

@@ -1,4 +1,4 @@
-"""GLSDC of a place from waves of four sources: the least-squares solution, in its bounds, at no higher cost."""
+"""GLSDC of a position from waves of four sources: the least-squares solution, within its bounds, at no higher cost."""
 
 from functools import cache
 
@@ -16,7 +16,7 @@ SOURCES = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0], [5.0, 5.0]])
 DAMPING = (1e-6, 1e-6)
 MOST = 4 / DAMPING[0]  # a column holds four cosines
 BOUNDS = tuple(Signal(name, "m", -2, 2) for name in "xy")
-USUAL = Descent(6, BOUNDS, slack=1e-8, settled=1e-8)  # of a deviation of 1 mm
+USUAL = Descent(6, BOUNDS, slack=1e-8, decrease_tolerance=1e-8)  # of a deviation of 1 mm
 
 
 @cache
@@ -34,10 +34,10 @@ def solver(of: Descent) -> ca.Function:
     H = ca.jacobian(waves([ca.SX(0), ca.SX(0)]), q)
     rows = [ca.horzsplit(row) for row in ca.vertsplit(H)]
     factors = glsdc.factorise(rows, DAMPING, MOST)
-    found = glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, DAMPING, named), of)
+    solution = glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, DAMPING, named), of)
     assert len(named) == of.corrections
     variances = ca.vcat(glsdc.variances(factors))
-    return ca.Function("f", [q, V], [ca.vcat(found.at), found.converged, found.first.cost, variances, H])
+    return ca.Function("f", [q, V], [ca.vcat(solution.at), solution.converged, solution.first.cost, variances, H])
 
 
 def read(at: Array) -> Array:
@@ -48,7 +48,7 @@ def cost(q: Array, d: Array, V: Array) -> float:
     return float(((V - read(q + d)) ** 2).sum() + (DAMPING * d) @ d)
 
 
-def test_it_finds_the_least_squares_solution() -> None:
+def test_the_result_is_the_least_squares_solution() -> None:
     rng = np.random.default_rng(1)
     for at in rng.uniform(1, 2, (20, 2)):
         V, q = read(at) + 1e-3 * rng.standard_normal(len(SOURCES)), at + rng.uniform(-0.05, 0.05, 2)
@@ -58,7 +58,7 @@ def test_it_finds_the_least_squares_solution() -> None:
 
 
 def rises(of: Descent) -> float:
-    """Return by how much the cost rises at most, over waves that no place has."""
+    """Return the largest rise of the cost, for waves that no position produces."""
     rng = np.random.default_rng(2)
     worst = -np.inf
     for _ in range(300):
@@ -71,15 +71,15 @@ def rises(of: Descent) -> float:
 
 def test_no_sample_raises_the_cost() -> None:
     assert rises(USUAL) <= 5e-8
-    assert rises(Descent(6, BOUNDS, slack=1e9, settled=1e-8)) > 0.1  # without the check it does
+    assert rises(Descent(6, BOUNDS, slack=1e9, decrease_tolerance=1e-8)) > 0.1  # without the check it does
 
 
 @pytest.mark.parametrize("most", [1e4 * MOST, 1e-3])
 def test_variances_are_those_of_the_inverse(most: float) -> None:
-    """Unless the entries of L come to their bound, as they do where columns are longer than is said."""
+    """They differ if the entries of L are at their bound, as for columns longer than `most` allows."""
     q = np.array([1.0, 2.0])
     H = np.asarray(solver(USUAL)(q, read(q))[-1]) * [1, 100]
     rows = [[ca.SX(v) for v in row] for row in H]
-    found = [float(v) for v in glsdc.variances(glsdc.factorise(rows, DAMPING, most))]
+    variances = [float(v) for v in glsdc.variances(glsdc.factorise(rows, DAMPING, most))]
     exact = np.linalg.inv(H.T @ H + np.diag(DAMPING)).diagonal()
-    assert np.allclose(found, exact, rtol=1e-12) == (most > 1)
+    assert np.allclose(variances, exact, rtol=1e-12) == (most > 1)

@@ -31,8 +31,8 @@ MODEL = StateSpace(
 )  # fmt: skip
 
 
-def made(model: StateSpace = MODEL, **given: list[Signal]) -> Block:
-    signals = {"inputs": INPUTS, "outputs": OUTPUTS, "states": STATES} | given
+def make_block(model: StateSpace = MODEL, **changes: list[Signal]) -> Block:
+    signals = {"inputs": INPUTS, "outputs": OUTPUTS, "states": STATES} | changes
     return linear_block.block("linear", model, tag="(1)", **signals)
 
 
@@ -63,15 +63,15 @@ def by_c(block: Block, u: np.ndarray) -> np.ndarray:
 def test_the_block_steps_the_model() -> None:
     u = np.random.default_rng(0).uniform(-1, 1, (200, 2))
     expected = recursion(MODEL, u)
-    for found in (by_casadi(made(), u), by_c(made(), u)):
-        np.testing.assert_allclose(found, expected, rtol=DOUBLE, atol=DOUBLE)
+    for outputs in (by_casadi(make_block(), u), by_c(make_block(), u)):
+        np.testing.assert_allclose(outputs, expected, rtol=DOUBLE, atol=DOUBLE)
 
 
 @pytest.mark.parametrize("letter", "ABCD")
 def test_a_planted_entry_is_found(letter: str) -> None:
     u = np.random.default_rng(0).uniform(-1, 1, (200, 2))
     wrong = getattr(MODEL, letter) + np.array([[0, 0], [0, 1e-9]])
-    assert np.abs(by_casadi(made(replace(MODEL, **{letter: wrong})), u) - recursion(MODEL, u)).max() > DOUBLE
+    assert np.abs(by_casadi(make_block(replace(MODEL, **{letter: wrong})), u) - recursion(MODEL, u)).max() > DOUBLE
 
 
 def test_random_models() -> None:
@@ -90,7 +90,7 @@ def test_random_models() -> None:
 
 
 def test_only_entries_that_multiply_are_constants() -> None:
-    block = made()
+    block = make_block()
     expected = {
         "next_p_from_p": (0.5, "m/m"),
         "next_q_from_q": (-0.25, "m/s/m s"),
@@ -103,16 +103,16 @@ def test_only_entries_that_multiply_are_constants() -> None:
     assert text.count(" * ") == len(expected)
 
 
-def test_what_it_steps_is_read_back() -> None:
-    found = loop.linearised(made(), {}, {"u": 0.0, "v": 0.0})
+def test_the_linearisation_returns_the_model() -> None:
+    linear = loop.linearised(make_block(), {}, {"u": 0.0, "v": 0.0})
     for letter in "ABCD":
-        np.testing.assert_array_equal(getattr(found, letter), getattr(MODEL, letter))
+        np.testing.assert_array_equal(getattr(linear, letter), getattr(MODEL, letter))
 
 
 def test_states_stay_in_their_ranges() -> None:
     narrow = [Signal("p", "m", -0.2, 0.1), Signal("q", "m/s", -50, 50)]
     u = np.random.default_rng(2).uniform(-1, 1, (100, 2))
-    p = by_c(made(states=narrow), u)[:, 0]
+    p = by_c(make_block(states=narrow), u)[:, 0]
     assert p.min() == -0.2 and p.max() == 0.1
 
 
@@ -123,8 +123,8 @@ def test_arrays_and_python_control_are_models_too() -> None:
     for system in (arrays, control.ss(*arrays[:4], 1e-3, **labels)):
         model = of(system)
         signals = {
-            kind: [replace(s, name=name) for s, name in zip(given, getattr(model, kind), strict=True)]
-            for kind, given in (("inputs", INPUTS), ("outputs", OUTPUTS), ("states", STATES))
+            kind: [replace(s, name=name) for s, name in zip(wired, getattr(model, kind), strict=True)]
+            for kind, wired in (("inputs", INPUTS), ("outputs", OUTPUTS), ("states", STATES))
         }
         block = linear_block.block("linear", system, tag="(1)", **signals)
         np.testing.assert_allclose(by_casadi(block, u), recursion(MODEL, u), rtol=DOUBLE, atol=DOUBLE)
@@ -132,10 +132,10 @@ def test_arrays_and_python_control_are_models_too() -> None:
 
 def test_refusals() -> None:
     with pytest.raises(TimingError, match="discretise"):
-        made(replace(MODEL, time=Continuous()))
+        make_block(replace(MODEL, time=Continuous()))
     with pytest.raises(SignalError, match="the inputs given are v, u, but the model's are u, v"):
-        made(inputs=INPUTS[::-1])
+        make_block(inputs=INPUTS[::-1])
     with pytest.raises(SignalError, match="the states given are p, but"):
-        made(states=STATES[:1])
+        make_block(states=STATES[:1])
     with pytest.raises(SignalError, match="outside its bounds"):
-        made(states=[Signal("p", "m", 1, 2), STATES[1]])
+        make_block(states=[Signal("p", "m", 1, 2), STATES[1]])

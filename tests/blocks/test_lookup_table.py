@@ -16,11 +16,11 @@ GRID = Grid((-1.0, 2.0), 0.5, (5, 3))
 
 def bilinear(values: np.ndarray, x: float, y: float) -> float:
     place = [ca.SX.sym(name) for name in "xy"]
-    found = lookup_table.bilinear({"v": table("v", values.ravel())}, GRID, *place)["v"]
-    return float(ca.Function("f", place, [found])(x, y))
+    value = lookup_table.bilinear({"v": table("v", values.ravel())}, GRID, *place)["v"]
+    return float(ca.Function("f", place, [value])(x, y))
 
 
-def test_a_bilinear_function_is_kept_and_its_edge_counts_beyond() -> None:
+def test_a_bilinear_function_is_reproduced_and_its_edge_extended() -> None:
     x, y = np.meshgrid(*GRID.axes, indexing="ij")
     values = 1 + 2 * x - 3 * y + 0.5 * x * y
     assert bilinear(values, 0.3, 2.2) == pytest.approx(1 + 0.6 - 6.6 + 0.33)
@@ -31,15 +31,15 @@ def test_a_bilinear_function_is_kept_and_its_edge_counts_beyond() -> None:
 def test_linear_samples_are_fitted_exactly() -> None:
     at = np.random.default_rng(0).uniform((-2, 1), (2, 4), (200, 2))
     values = np.column_stack([at @ [1.0, 2.0], at @ [-3.0, 0.5] + 1])
-    fitted = lookup_table.fitted(at, values, GRID)
+    fitted = lookup_table.interpolate_samples(at, values, GRID)
     x, y = np.meshgrid(*GRID.axes, indexing="ij")
     np.testing.assert_allclose(fitted, np.stack([x + 2 * y, -3 * x + 0.5 * y + 1], axis=-1), rtol=1e-12, atol=1e-12)
     with pytest.raises(ModelError, match="no samples lie about"):
-        lookup_table.fitted(at, values, lookup_table.square(5.0, 1.0))
+        lookup_table.interpolate_samples(at, values, lookup_table.square(5.0, 1.0))
 
 
 @pytest.mark.parametrize("spacing", [0, -1e-3, float("nan"), None, "1", True])
-def test_a_grid_of_no_spacing_or_reach_is_refused(spacing: Any) -> None:
+def test_a_grid_without_spacing_or_extent_is_refused(spacing: Any) -> None:
     with pytest.raises((ModelError, SignalError), match=r"spacing.* is "):
         lookup_table.square(1e-3, spacing)
     with pytest.raises((ModelError, SignalError), match=r"reach.* is "):
@@ -48,7 +48,7 @@ def test_a_grid_of_no_spacing_or_reach_is_refused(spacing: Any) -> None:
         Grid((0.0, 0.0), spacing, (3, 3))
 
 
-def test_a_grid_has_two_points_along_each_side_and_no_more_than_a_controller_holds() -> None:
+def test_a_grid_has_at_least_two_points_along_each_side_and_a_maximum() -> None:
     for size, message in (((1, 3), "whole number of at least 2"), ((3.5, 3), "whole"), ((2048, 2048), "wider spacing")):
         with pytest.raises(ModelError, match=message):
             Grid((0.0, 0.0), 1e-3, size)  # type: ignore[arg-type]

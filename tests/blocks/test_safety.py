@@ -104,7 +104,7 @@ def recursion(u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> tuple[np.nd
 
 
 def columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-    """Samples of inputs, each good unless given otherwise."""
+    """Return samples of the inputs, each good unless overridden."""
     return {n: np.array([{**GOOD, **row}[n] for row in rows], f32) for n in NAMES}
 
 
@@ -112,13 +112,13 @@ def from_bits(bits: np.ndarray) -> dict[str, np.ndarray]:
     return dict(zip(NAMES, np.ascontiguousarray(bits.T).view(f32), strict=True))
 
 
-def disagreements(found: host.Controller, u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> int:
-    replay, (force, faults) = found.replay(u), recursion(u, safety)
+def disagreements(controller: host.Controller, u: Mapping[str, np.ndarray], safety: Safety = SAFE) -> int:
+    replay, (force, faults) = controller.replay(u), recursion(u, safety)
     return int((replay.outputs["force"] != force).sum() + (replay.faults != faults).sum())
 
 
 def edge_rows(seed: int, count: int = 600) -> dict[str, np.ndarray]:
-    """Mostly good samples, with runs of edges or random bits strewn in."""
+    """Return mostly good samples, with runs of edge values or random bits in between."""
     rng = np.random.default_rng(seed)
     good = np.array([rng.uniform(g.signal.low, g.signal.high, count) for g in INPUTS], f32).view(np.uint32)
     odd = np.where(rng.random((3, count)) < 0.3, rng.choice(EDGES, (3, count)), rng.integers(0, 2**32, (3, count)))
@@ -167,7 +167,7 @@ def test_long_mixtures_equal_the_recursion(guarded: host.Controller) -> None:
         ("state->guard_last_wish = ", "state->guard_last_wish = 0.5f * "),
     ],
 )
-def test_a_planted_change_of_the_c_is_seen(old: str, new: str) -> None:
+def test_a_planted_change_of_the_c_is_detected(old: str, new: str) -> None:
     def change(text: str) -> str:
         assert old in text
         return text.replace(old, new)
@@ -188,7 +188,9 @@ def test_both_bounds_are_accepted_and_their_neighbours_refused(guarded: host.Con
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e-40, -1e-40, 3e38, -3e38])
 @pytest.mark.parametrize("name", ["reading", "wish"])
-def test_a_bad_value_is_flagged_and_the_last_good_one_serves(guarded: host.Controller, name: str, value: float) -> None:
+def test_a_bad_value_is_flagged_and_replaced_by_the_last_good_one(
+    guarded: host.Controller, name: str, value: float
+) -> None:
     bit = 1 << NAMES.index(name)
     # Before the first good sample the declared initial value serves.
     initial = INPUTS[NAMES.index(name)].initial
@@ -204,7 +206,7 @@ def test_subnormals_in_range_are_accepted(guarded: host.Controller) -> None:
 
 
 @pytest.mark.parametrize("name", ["reading", "angle"])
-def test_five_bad_samples_on_end_latch_and_four_do_not(guarded: host.Controller, name: str) -> None:
+def test_five_consecutive_bad_samples_latch_and_four_do_not(guarded: host.Controller, name: str) -> None:
     bad, bit = {name: np.nan}, 1 << NAMES.index(name)
     four = guarded.replay(columns(([bad] * 4 + [{}]) * 6)).faults
     assert four.tolist() == ([bit] * 4 + [0]) * 6
@@ -212,7 +214,7 @@ def test_five_bad_samples_on_end_latch_and_four_do_not(guarded: host.Controller,
     assert five.tolist() == [0] + [bit] * 4 + [bit | LATCHED] + [LATCHED] * 3
 
 
-def test_bad_samples_of_two_measurements_add_up_and_one_whole_sample_forgives(guarded: host.Controller) -> None:
+def test_bad_samples_of_two_measurements_add_up_until_a_complete_sample(guarded: host.Controller) -> None:
     reading, angle = {"reading": np.nan}, {"angle": np.nan}
     turns = guarded.replay(columns([reading, reading, angle, angle, reading, {}])).faults
     assert turns.tolist() == [1, 1, 2, 2, 1 | LATCHED, LATCHED]
@@ -274,12 +276,12 @@ def test_ready_follows_the_first_complete_sample() -> None:
     assert seen == [(0, 0), (0, 0), (1, 0), (0, 1), (0, 1)]
 
 
-def test_what_is_compared_is_complete_whatever_becomes_of_others() -> None:
-    """A bad angle counts for the latch and for ready, but the reading, which may be suspected, is there to compare."""
+def test_complete_depends_on_the_compared_measurements_alone() -> None:
+    """A bad angle counts for the latch and for ready; the reading, which may be suspected, can still be compared."""
     block = guard(TIME, INPUTS, 2, ("reading",))
     step, x, seen = block.function(), block.initial, []
     at = [[s.name for s in block.outputs].index(n) for n in ("complete", "ready", "latched")]
-    for reading, angle, told in (
+    for reading, angle, suspected in (
         (0.02, 9, 0),
         (0.02, 0.1, 0),
         (9, 0.1, 0),
@@ -288,7 +290,7 @@ def test_what_is_compared_is_complete_whatever_becomes_of_others() -> None:
         (0.02, 9, 0),
     ):
         next, y = step(
-            x, [{"reading": reading, "angle": angle, "suspected": told}.get(s.name, 0) for s in block.inputs]
+            x, [{"reading": reading, "angle": angle, "suspected": suspected}.get(s.name, 0) for s in block.inputs]
         )
         x = next.full().ravel()
         seen.append(tuple(float(y[i]) for i in at))
@@ -296,21 +298,21 @@ def test_what_is_compared_is_complete_whatever_becomes_of_others() -> None:
 
 
 def readings(held: bool, values: Sequence[float]) -> list[float]:
-    """Return what takes the place of a reading, held or not, in compiled C."""
+    """Return the value that replaces a refused reading, held or not, in compiled C."""
     inputs = [replace(INPUTS[0], held=held), *INPUTS[1:]]
     made = emit(guard(TIME, inputs, SAFE.bad_samples), f32)
     u = {n: np.full(len(values), v) for n, v in GOOD.items()} | {"reading": np.array(values)}
     return host.load(made.files, made.manifest).replay(u).outputs["reading_held"].tolist()
 
 
-def test_what_is_not_held_is_the_initial_value_whenever_it_is_refused() -> None:
+def test_a_refused_input_without_hold_takes_its_initial_value() -> None:
     values = [np.nan, 0.02, np.nan, 0.0322 + 1e-6, 0.03, -np.inf]
-    initial, found = INPUTS[0].initial, f32([0.031, 0.02, 0.031, 0.031, 0.03, 0.031]).tolist()
-    assert readings(False, values) == found and found[0] == f32(initial)
+    initial, expected = INPUTS[0].initial, f32([0.031, 0.02, 0.031, 0.031, 0.03, 0.031]).tolist()
+    assert readings(False, values) == expected and expected[0] == f32(initial)
     assert readings(True, values) == f32([0.031, 0.02, 0.02, 0.02, 0.03, 0.03]).tolist()
 
 
-def test_what_is_not_held_is_not_remembered_and_latches_all_the_same() -> None:
+def test_an_input_without_hold_has_no_state_and_still_latches() -> None:
     block = guard(TIME, [replace(INPUTS[0], held=False), *INPUTS[1:]], 2)
     assert [s.name for s in block.states] == ["last_angle", "last_wish", "left", "latched", "ready"]
     assert block.faults == guard(TIME, INPUTS, 2).faults
@@ -340,14 +342,14 @@ def counting() -> Block:
 def states_after(block: Block, rows: Sequence[Mapping[str, Any]]) -> list[dict[str, float]]:
     made = emit(block, f32)
     loaded = host.load(made.files, made.manifest)
-    state, found = loaded.init(), []
+    state, states = loaded.init(), []
     for row in rows:
         loaded.step(state, {**GOOD, **row})
-        found.append({n: float(state[n]) for n in state.dtype.names or ()})
-    return found
+        states.append({n: float(state[n]) for n in state.dtype.names or ()})
+    return states
 
 
-def test_once_latched_nothing_but_the_guard_and_the_slew_moves() -> None:
+def test_once_latched_only_the_guard_and_the_slew_change() -> None:
     rows = [{}] * 4 + [{"angle": np.nan}] * 5 + [{"wish": 0.03, "reading": 0.025}] * 3
     held, free = states_after(frozen(counting()), rows), states_after(counting(), rows)
     assert held[:8] == free[:8] and held[7]["law_total"] > held[6]["law_total"]  # not latched: it counts on
@@ -359,8 +361,8 @@ def test_once_latched_nothing_but_the_guard_and_the_slew_moves() -> None:
     np.testing.assert_allclose(np.abs(np.diff(outputs[7:])), 0.1, rtol=1e-5)
 
 
-def passed_on(width: float) -> Emitted:
-    """A law that limits the force itself, to what may be outside its range."""
+def emit_self_limited(width: float) -> Emitted:
+    """Emit a law that limits the force itself, possibly to more than the output's range."""
     wide, wish = Signal("force_computed", "A", -width, width), Signal("wish_held", "m", -1, 1)
     law = build(
         "law",
@@ -374,17 +376,17 @@ def passed_on(width: float) -> Emitted:
 
 
 @pytest.mark.parametrize(("width", "limits"), [(4.0, 1), (40.0, 2)])
-def test_what_is_computed_in_range_is_limited_no_more(width: float, limits: int) -> None:
-    made = passed_on(width)
+def test_an_output_proved_in_range_is_not_limited_again(width: float, limits: int) -> None:
+    made = emit_self_limited(width)
     code = made.files["passed.c"]
     assert code[code.index("passed_step(") :].count("limit(") == limits
-    found = host.load(made.files, made.manifest)
+    controller = host.load(made.files, made.manifest)
     wishes = np.repeat([0.018, 0.031, 0.018], 20)
     u = {n: np.full(60, v) for n, v in GOOD.items()} | {
         "wish": wishes,
         "angle": np.where(np.arange(60) > 30, np.nan, 0.1),
     }
-    force = found.replay(u).outputs["force"]
+    force = controller.replay(u).outputs["force"]
     reach = f32(min(width, FORCE.high))
     assert force.min() == -reach and force.max() == reach and force[-1] == 2.5
 
@@ -409,7 +411,7 @@ def many(count: int) -> list[Guarded]:
         ([Guarded(Signal("u", "1", 0, 1), np.nan, True, held=False)], 5, "initial value nan of 'u' is outside"),
     ],
 )
-def test_what_cannot_be_guarded_is_refused(inputs: list[Guarded], bad_samples: int, text: str) -> None:
+def test_invalid_guards_are_refused(inputs: list[Guarded], bad_samples: int, text: str) -> None:
     with pytest.raises(SignalError, match=text):
         guard(TIME, inputs, bad_samples)
     assert len(guard(TIME, many(31), 1).faults) == len(guard(TIME, many(16), 1, [f"u{i}" for i in range(15)]).faults)
@@ -438,16 +440,18 @@ SUSPICIOUS = ("suspected", "suspect_reading", "suspect_angle")
 READING, ANGLE = 1 << 3, 1 << 4  # after the bits of the inputs
 
 
-def watched() -> Block:
-    """The guarded law with a Block that suspects, from the next sample on, what it is told to."""
-    told = [Signal(f"tell_{n}", "1", 0, 1) for n in SUSPICIOUS]
-    kept = [State(Signal(f"told_{n}", "1", 0, 1), 0, True) for n in SUSPICIOUS]
+def suspicious_block() -> Block:
+    """Return the guarded law with a Block that passes its inputs on as suspicions, one sample later."""
+    flags = [Signal(f"raise_{n}", "1", 0, 1) for n in SUSPICIOUS]
+    kept = [State(Signal(f"delayed_{n}", "1", 0, 1), 0, True) for n in SUSPICIOUS]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({n: x[f"told_{n}"] for n in SUSPICIOUS}, {f"told_{n}": u[f"tell_{n}"] > 0.5 for n in SUSPICIOUS})
+        return Step(
+            {n: x[f"delayed_{n}"] for n in SUSPICIOUS}, {f"delayed_{n}": u[f"raise_{n}"] > 0.5 for n in SUSPICIOUS}
+        )
 
     outputs = [Signal(n, "1", 0, 1) for n in SUSPICIOUS]
-    watch = build("watch", TIME, law, inputs=told, outputs=outputs, states=kept)
+    watch = build("watch", TIME, law, inputs=flags, outputs=outputs, states=kept)
     force = build(
         "law",
         TIME,
@@ -456,18 +460,21 @@ def watched() -> Block:
         outputs=[Signal("force_computed", "A", -1, 1)],
     )
     blocks = [guard(TIME, INPUTS, 5, ("reading", "angle")), watch, force, safe_output(TIME, [FORCE], SAFE)]
-    return compose("watched", blocks, inputs=[*NAMES, *(s.name for s in told)], outputs=["force"])
+    return compose("watched", blocks, inputs=[*NAMES, *(s.name for s in flags)], outputs=["force"])
 
 
-def answered(
-    told: Sequence[str], change: Callable[[str], str] = str, **given: Sequence[float]
+def run_with_suspects(
+    suspects: Sequence[str], change: Callable[[str], str] = str, **inputs: Sequence[float]
 ) -> tuple[list[int], np.ndarray]:
-    """Return fault words and forces where each sample tells of those that the letters s, r, a name."""
-    made = emit(watched(), f32)
-    found = host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
-    u = {n: np.full(len(told), v, f32) for n, v in GOOD.items()} | {n: np.array(v, f32) for n, v in given.items()}
-    u |= {f"tell_{n}": np.array([letter in t for t in told], f32) for letter, n in zip("sra", SUSPICIOUS, strict=True)}
-    run = found.replay(u)
+    """Return fault words and forces; the letters s, r, a of a sample raise the three flags of SUSPICIOUS."""
+    made = emit(suspicious_block(), f32)
+    controller = host.load(dict(made.files) | {"watched.c": change(made.files["watched.c"])}, made.manifest)
+    u = {n: np.full(len(suspects), v, f32) for n, v in GOOD.items()} | {n: np.array(v, f32) for n, v in inputs.items()}
+    u |= {
+        f"raise_{n}": np.array([letter in t for t in suspects], f32)
+        for letter, n in zip("sra", SUSPICIOUS, strict=True)
+    }
+    run = controller.replay(u)
     return run.faults.tolist(), run.outputs["force"]
 
 
@@ -476,7 +483,7 @@ SPELL = ["", "", "sr", "sr", "sra", "ra", "s", ""]
 
 def follows(change: Callable[[str], str] = str) -> bool:
     values = np.linspace(0.02, 0.027, 8)
-    faults, force = answered(SPELL, change, reading=values)
+    faults, force = run_with_suspects(SPELL, change, reading=values)
     right = [0, 0, 0, READING, READING, READING | ANGLE, 0, 0]
     return faults == right and bool((force == f32(values) + f32(0.1)).all())
 
@@ -485,22 +492,22 @@ def test_a_suspect_sets_its_bit_as_long_as_it_is_suspected_and_its_value_is_pass
     assert follows()
 
 
-@pytest.mark.parametrize(("told", "bits"), [("sr", READING), ("sa", ANGLE), ("sra", READING | ANGLE), ("s", 0)])
-def test_whatever_is_suspected_it_latches(told: str, bits: int) -> None:
-    faults, _ = answered([told] * 8)
+@pytest.mark.parametrize(("suspects", "bits"), [("sr", READING), ("sa", ANGLE), ("sra", READING | ANGLE), ("s", 0)])
+def test_any_suspicion_latches(suspects: str, bits: int) -> None:
+    faults, _ = run_with_suspects([suspects] * 8)
     assert faults == [0, *[bits] * 4, *[bits | LATCHED] * 3]
 
 
-def test_who_is_named_while_nothing_is_suspected_changes_nothing() -> None:
-    faults, force = answered(["ra"] * 8)
+def test_suspect_inputs_without_suspicion_change_nothing() -> None:
+    faults, force = run_with_suspects(["ra"] * 8)
     assert faults == [0] * 8 and len(set(force)) == 1
 
 
 def test_samples_that_are_refused_and_samples_that_are_suspected_add_up_to_the_latch() -> None:
     bad = [0.02, np.nan, np.nan, 0.02, 0.02, 0.02, 0.02, np.nan]
-    faults, _ = answered(["", "", "sr", "sr", "sr", "", "", ""], reading=bad)
+    faults, _ = run_with_suspects(["", "", "sr", "sr", "sr", "", "", ""], reading=bad)
     assert faults == [0, 1, 1, READING, READING, READING | LATCHED, LATCHED, 1 | LATCHED]
-    faults, force = answered(["sr", "sr", "", ""], reading=[0.02, 9.0, 9.0, 0.021])
+    faults, force = run_with_suspects(["sr", "sr", "", ""], reading=[0.02, 9.0, 9.0, 0.021])
     assert faults == [0, 1 | READING, 1 | READING, 0]
     assert (force == f32([0.02, 0.02, 0.02, 0.021]) + f32(0.1)).all()
 
@@ -508,15 +515,15 @@ def test_samples_that_are_refused_and_samples_that_are_suspected_add_up_to_the_l
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("(watch_told_suspected != 0u)", "(true)"),
-        ("(watch_told_suspected != 0u)", "(false)"),
-        ("(watch_told_suspect_reading != 0u)", "(true)"),
-        ("(watch_told_suspect_angle != 0u)", "(watch_told_suspect_reading != 0u)"),
+        ("(watch_delayed_suspected != 0u)", "(true)"),
+        ("(watch_delayed_suspected != 0u)", "(false)"),
+        ("(watch_delayed_suspect_reading != 0u)", "(true)"),
+        ("(watch_delayed_suspect_angle != 0u)", "(watch_delayed_suspect_reading != 0u)"),
         ("0x00000008u", "0x00000020u"),
-        ("state->watch_told_suspect_reading = ", "state->watch_told_suspect_angle = "),
+        ("state->watch_delayed_suspect_reading = ", "state->watch_delayed_suspect_angle = "),
     ],
 )
-def test_a_planted_change_of_suspicion_is_seen(old: str, new: str) -> None:
+def test_a_planted_change_of_suspicion_is_detected(old: str, new: str) -> None:
     def change(text: str) -> str:
         assert old in text
         return text.replace(old, new)
@@ -525,7 +532,7 @@ def test_a_planted_change_of_suspicion_is_seen(old: str, new: str) -> None:
 
 
 def test_manifest_and_header_name_the_suspects() -> None:
-    made = emit(watched(), f32)
+    made = emit(suspicious_block(), f32)
     named = [{"bit": 3, "suspect": "reading"}, {"bit": 4, "suspect": "angle"}, {"bit": 31, "latched": True}]
     inputs = [{"bit": i, "input": n} for i, n in enumerate(NAMES)]
     assert made.manifest["faults"] == [*inputs, *named]
@@ -534,16 +541,14 @@ def test_manifest_and_header_name_the_suspects() -> None:
 
 
 @pytest.mark.parametrize("suspected", [("wish",), ("reading", "reading"), ("nobody",)])
-def test_what_cannot_be_suspected_is_refused(suspected: tuple[str, ...]) -> None:
-    with pytest.raises(
-        SignalError, match=f"'{suspected[-1]}' is no measurement or one of them stands twice: name each"
-    ):
+def test_invalid_suspects_are_refused(suspected: tuple[str, ...]) -> None:
+    with pytest.raises(SignalError, match=f"'{suspected[-1]}' is not a measurement or one is listed twice: name each"):
         guard(TIME, INPUTS, 5, suspected)
     with pytest.raises(SignalError, match="among no measurements"):
         guard(TIME, INPUTS[2:], 5, suspected)
 
 
-def test_nobody_suspected_changes_nothing() -> None:
+def test_without_suspects_nothing_changes() -> None:
     plain, none = guard(TIME, INPUTS, 5), guard(TIME, INPUTS, 5, ())
     assert emit(plain, f32).files == emit(none, f32).files
     assert [s.name for s in plain.inputs] == list(NAMES)

@@ -1,8 +1,8 @@
 """Random Blocks in dyadic arithmetic, where no scalar type rounds: any difference from CasADi is a defect.
 
-A value is m 2^-places with |m| 2^-places <= bound; what would need more than BITS bits is not drawn. The Blocks are
-full of what a scheduler can get wrong: few conditions for many choices, choices that carry on earlier ones, states that
-hold, swap, are read by later signals or go straight to an output, and names that the C needs for itself.
+A value is m 2^-places with |m| 2^-places <= bound; no value that needs more than BITS bits is drawn. The Blocks contain
+many cases that a scheduler can get wrong: few conditions for many choices, choices that start from earlier ones, states
+that hold, swap, are read by later signals or feed through to an output, and names that the C reserves.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,24 +45,24 @@ class Value:
 
 @dataclass
 class Draw:
-    """What has been drawn for one Block so far."""
+    """A generator of random expressions for one Block, with the values and conditions drawn so far."""
 
     rng: np.random.Generator
     x: Mapping[str, SX]
     pool: list[Value]
-    spare: list[Value]  # read once at most
+    single_use: list[Value]  # read once at most
     conditions: list[SX] = field(default_factory=list)
 
     def one(self, count: int) -> int:
         return int(self.rng.integers(count))
 
     def value(self) -> Value:
-        """Return a value, a recent one as often as any."""
+        """Return a random value; with a probability of 0.4 one of the last six."""
         recent = self.rng.random() < 0.4
         return self.pool[-1 - self.one(min(6, len(self.pool)))] if recent else self.pool[self.one(len(self.pool))]
 
     def condition(self) -> SX:
-        """Return a condition, mostly one of the few that are used already."""
+        """Return a condition, in most cases one that is already used."""
         if self.conditions and self.rng.random() < 0.9:
             return self.conditions[self.one(len(self.conditions))]
         a, b = self.value().e, self.value().e
@@ -74,10 +74,10 @@ class Draw:
         a, b = self.value(), self.value()
         kind = self.one(16)
         if kind < 6:
-            return chosen(self.condition(), a, b)
+            return choose(self.condition(), a, b)
         if kind == 6:
             return Value(self.logic(), 1, 0)
-        return combined(kind - 7, a, b, self.condition())
+        return combine(kind - 7, a, b, self.condition())
 
     def logic(self) -> SX:
         a, b = self.condition(), self.condition()
@@ -86,39 +86,39 @@ class Draw:
         return made
 
     def group(self) -> list[Value]:
-        """Return choices on one condition: one has something to compute, others carry on what there is."""
+        """Return choices on one condition: one computes new values in its arms, others select existing values."""
         c, made = self.condition(), [self.operation() for _ in range(3)]
         arms = [
             (made[0], made[1]),
             (made[2], self.value()),
             *((self.value(), self.value()) for _ in range(self.one(3))),
         ]
-        if self.spare and self.rng.random() < 0.3:
-            arms.append((self.value(), self.spare.pop()))
-        return [chosen(c, *arms[i][:: 1 if self.rng.random() < 0.5 else -1]) for i in self.rng.permutation(len(arms))]
+        if self.single_use and self.rng.random() < 0.3:
+            arms.append((self.value(), self.single_use.pop()))
+        return [choose(c, *arms[i][:: 1 if self.rng.random() < 0.5 else -1]) for i in self.rng.permutation(len(arms))]
 
-    def carried(self) -> list[Value]:
-        """Return choices that carry on another one, which nothing else reads."""
+    def chained(self) -> list[Value]:
+        """Return choices that start from another choice, which no other value reads."""
         c, d, made = self.condition(), self.condition(), [self.operation() for _ in range(6)]
-        first = chosen(c, made[0], made[1])
-        last = [chosen(d, made[2], first), chosen(d, combined(1, first, made[2], d), self.value())]
-        return [chosen(c, made[3], made[4]), chosen(d, made[5], first), last[self.one(2)]]
+        first = choose(c, made[0], made[1])
+        last = [choose(d, made[2], first), choose(d, combine(1, first, made[2], d), self.value())]
+        return [choose(c, made[3], made[4]), choose(d, made[5], first), last[self.one(2)]]
 
     def real(self) -> SX:
-        """Return a value that a real state can hold; mostly one that needs no limit."""
+        """Return a value with the resolution of a real state; in most cases one that needs no limit."""
         while True:
             v = self.value()
             if v.places <= PLACES and (v.bound <= BOUND or self.rng.random() < 0.1):
                 return v.e
 
-    def next_real(self, own: SX) -> SX:
+    def next_real(self, state: SX) -> SX:
         c, d = self.condition(), self.condition()
         return [
-            lambda: own,
+            lambda: state,
             lambda: self.x[REALS[self.one(len(REALS))]],
-            lambda: ca.if_else(c, own, self.real()),
-            lambda: ca.if_else(c, self.real(), own),
-            lambda: ca.if_else(c, self.real(), ca.if_else(d, own, self.real())),
+            lambda: ca.if_else(c, state, self.real()),
+            lambda: ca.if_else(c, self.real(), state),
+            lambda: ca.if_else(c, self.real(), ca.if_else(d, state, self.real())),
             self.real,
             self.real,
         ][self.one(7)]()
@@ -141,11 +141,11 @@ class Draw:
         return [f, c != 0, ca.if_else(c, 1, f), ca.if_else(c, f, 0), ca.logic_not(f)][self.one(5)]
 
 
-def chosen(c: SX, a: Value, b: Value) -> Value:
+def choose(c: SX, a: Value, b: Value) -> Value:
     return Value(ca.if_else(c, a.e, b.e), max(a.bound, b.bound), max(a.places, b.places))
 
 
-def combined(kind: int, a: Value, b: Value, c: SX) -> Value:
+def combine(kind: int, a: Value, b: Value, c: SX) -> Value:
     """Return one of nine combinations."""
     top, places = max(a.bound, b.bound), max(a.places, b.places)
     return [
@@ -161,7 +161,7 @@ def combined(kind: int, a: Value, b: Value, c: SX) -> Value:
     ][kind]
 
 
-def part(
+def random_law(
     rng: np.random.Generator, name: str, inputs: Sequence[Signal], outputs: Sequence[str], named: list[str]
 ) -> Block:
     """Return a random Block; up to all of `named` become names of intermediate signals. An input `v` is read once."""
@@ -174,7 +174,7 @@ def part(
         d.conditions += [d.value().e < d.value().e for _ in range(d.one(3) + 1)] + [x["f"]]
         for _ in range(d.one(12) + 4):
             kind = d.one(10)
-            made = d.group() if kind < 2 else d.carried() if kind < 4 else [d.operation()]
+            made = d.group() if kind < 2 else d.chained() if kind < 4 else [d.operation()]
             d.pool += [v for v in made if v.exact()]
         y = {n: d.real() for n in outputs} | {f"flag_{name}": d.condition() != 0}
         next = {n: d.next_real(x[n]) for n in REALS} | {"g": d.real(), "n": d.next_count(), "f": d.next_flag()}
@@ -189,30 +189,30 @@ def part(
     return build(name, TIME, law, inputs=inputs, outputs=outs, states=states, constants=constants, tag=f"law of {name}")
 
 
-def drawn(seed: int) -> Block:
-    """Return a random Block: one, or three wired to each other; with two faults."""
+def random_block(seed: int) -> Block:
+    """Return a random Block with two faults: a single law, or a composition of three."""
     rng = np.random.default_rng(seed)
     names = [str(n) for n in rng.permutation(AWKWARD)] if seed % 3 == 0 else [f"m{i}" for i in range(len(AWKWARD))]
-    given = [signal(n, -4, 4) for n in (names[:3] if seed % 2 else ("a", "b", "c"))]
+    inputs = [signal(n, -4, 4) for n in (names[:3] if seed % 2 else ("a", "b", "c"))]
     if seed % 4 < 2:
-        block, flags = part(rng, "rb", given, ["y", "z", "w"], names[3:12]), ("flag_rb", "flag_rb")
+        block, flags = random_law(rng, "rb", inputs, ["y", "z", "w"], names[3:12]), ("flag_rb", "flag_rb")
     else:
         link = {n: signal(n, -BOUND, BOUND) for n in ("y", "z", "w", "v")}
-        first = part(rng, "one", given, ["y", "z"], names[3:7])
-        second = part(rng, "two", [*given[:1], link["y"], link["v"]], ["w"], names[7:10])
+        first = random_law(rng, "one", inputs, ["y", "z"], names[3:7])
+        second = random_law(rng, "two", [*inputs[:1], link["y"], link["v"]], ["w"], names[7:10])
         third = build("hold", TIME, _hold, inputs=[link["z"]], outputs=[link["v"]], states=[State(link["v"], 1)])
         wired, flags = [(first, second, third)[i] for i in rng.permutation(3)], ("flag_one", "flag_two")
-        block = compose("rb", wired, inputs=[s.name for s in given], outputs=["w", "y", "z", "v", *flags])
+        block = compose("rb", wired, inputs=[s.name for s in inputs], outputs=["w", "y", "z", "v", *flags])
     faults = (Fault(int(rng.integers(31)), flags[0], None), Fault(31, flags[1], None))
     return replace(block, name=f"rb{seed}", faults=faults, safety=Safety(1, {}, {}, "test"))
 
 
-def withheld(seed: int) -> Block:
-    """Return a random Block whose states stay as they are under further conditions, those of its faults among them.
+def random_holding_block(seed: int) -> Block:
+    """Return a random Block whose states hold their values under additional conditions, such as those of its faults.
 
-    So do the states of a guarded controller once it has latched.
+    The states of a guarded controller do the same once it has latched.
     """
-    block, rng = drawn(seed), np.random.default_rng(seed)
+    block, rng = random_block(seed), np.random.default_rng(seed)
     conditions = [block.output[f.output] for f in block.faults]
     conditions += [block.symbol[block.inputs[0].name] < 1, block.symbol[block.states[0].name] < 1]
     next = dict(block.next)

@@ -1,4 +1,4 @@
-"""Functions of one variable, in ball arithmetic and in mpmath, and their polynomials, each fitted once."""
+"""Functions of one variable, in ball arithmetic and in mpmath, and their polynomials (cached fits)."""
 
 from collections.abc import Callable
 from functools import cache
@@ -73,17 +73,17 @@ def on_balls(name: str) -> enclosure.Analytic:
 
 
 @cache
-def fitted(name: str, ends: tuple[float, float], scalar: type[np.floating], eps: float) -> Polynomial:
+def fit_function(name: str, ends: tuple[float, float], scalar: type[np.floating], eps: float) -> Polynomial:
     low, high = (float(scalar(v)) for v in ends)
     return surrogate.fit(on_balls(name), low, high, scalar, eps, name)
 
 
 @cache
-def enclosed(name: str, ends: tuple[float, float]) -> enclosure.Enclosure:
+def enclose_function(name: str, ends: tuple[float, float]) -> enclosure.Enclosure:
     with precision(enclosure.BITS):
         return enclosure.enclose(on_balls(name), *(float(np.float32(v)) for v in ends), name)
 
 
-def certified(p: Polynomial, g: enclosure.Enclosure, allowed: float) -> certificate.Certificate:
+def certify(p: Polynomial, g: enclosure.Enclosure, allowed: float) -> certificate.Certificate:
     with precision(enclosure.BITS):
         return certificate.certify(p, g, allowed)

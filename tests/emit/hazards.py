@@ -1,4 +1,4 @@
-"""Blocks each of which a scheduler, a printer or a folder may get wrong in a way of its own, in dyadic arithmetic."""
+"""Blocks in dyadic arithmetic, each of which a scheduler, a printer or a folding rule can get wrong in its own way."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -70,7 +70,7 @@ def stored_by_an_earlier_block() -> Block:
 
 
 def _pair(u: Exprs) -> tuple[SX, SX]:
-    """Return two choices on a < b; a scheduler that splits them leaves the first for later choices to carry on."""
+    """Return two choices on a < b; a scheduler that splits them leaves the first as the start of later choices."""
     a, b, c = u["a"], u["b"], u["c"]
     return ca.if_else(a < b, a * b * c + a * 2, b * c * 5 - a), ca.if_else(a < b, a * b + c, c * c + b)
 
@@ -97,7 +97,7 @@ def carried_on_as_another_kind(u: Exprs, x: Exprs, k: Exprs) -> Step:
 
 
 def crossing_choices(u: Exprs, x: Exprs, k: Exprs) -> Step:
-    """Of p, q on one condition and r, s on another r needs p and q needs s: written as wholes each needs the other."""
+    """r depends on p and q on s, with p, q on one condition and r, s on another: as whole groups they are circular."""
     a, b, c = u["a"], u["b"], u["c"]
     p = ca.if_else(a < b, a * c + b * 3, b * c - a * 3)
     s = ca.if_else(b < c, c * 5 - a * b, a * a + c)
@@ -205,7 +205,7 @@ LATCHING = Safety(1, {}, {}, "test")
 
 
 def flags() -> Block:
-    """Return a Block whose fault word has bits that are always set, never, twice from one flag, and now and then."""
+    """Return a Block with fault bits that are always set, never set, set twice by one flag, and set sometimes."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         wide = ca.logic_not(ca.logic_and(u["a"] >= -1, u["a"] <= 1))
@@ -219,16 +219,16 @@ def flags() -> Block:
 
 
 def suspects() -> Block:
-    """Return a Block whose fault word has bits under a common condition, in a row and not, of numbers as well."""
+    """Return a Block with fault bits under a common condition, consecutive and separate, also of numbers."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        a, b, c, told = u["a"], u["b"], u["c"], x["told"]
-        under = {n: ca.logic_and(told, e) for n, e in (("p", a < 0), ("q", c), ("r", x["n"]))}
+        a, b, c, flag = u["a"], u["b"], u["c"], x["flag"]
+        under = {n: ca.logic_and(flag, e) for n, e in (("p", a < 0), ("q", c), ("r", x["n"]))}
         return Step(
-            under | {"wide": b > 1, "other": ca.logic_and(a < 0, told)}, {"told": a < b, "n": ca.fmin(x["n"], 3)}
+            under | {"wide": b > 1, "other": ca.logic_and(a < 0, flag)}, {"flag": a < b, "n": ca.fmin(x["n"], 3)}
         )
 
-    block = make("suspects", law, "p q r wide other", [State(signal("told", 0, 1), 0, True), *count()])
+    block = make("suspects", law, "p q r wide other", [State(signal("flag", 0, 1), 0, True), *count()])
     bits = [(0, "wide"), (1, "p"), (2, "q"), (7, "r"), (8, "other"), (9, "q"), (31, "wide")]
     return replace(block, faults=tuple(Fault(bit, name) for bit, name in bits), safety=LATCHING)
 

@@ -1,4 +1,4 @@
-"""An output is proved to stay in its declared range, or it is refused by name with the mend."""
+"""An output is proved to stay in its declared range, or refused by name with the remedy."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,7 +21,7 @@ A, Y = Signal("a", "m", -1, 1), Signal("y", "m", -1, 1)
 HELD = Signal("a_held", "m", -1, 1)
 
 
-def made(law: Callable[[ca.SX], Any], guarded: bool = False) -> Block:
+def make_block(law: Callable[[ca.SX], Any], guarded: bool = False) -> Block:
     seen = HELD if guarded else A
 
     def step(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -36,7 +36,7 @@ def made(law: Callable[[ca.SX], Any], guarded: bool = False) -> Block:
 @pytest.mark.parametrize("guarded", [False, True])
 def test_an_output_that_leaves_its_range_is_refused_by_name(guarded: bool, scalar: type[np.floating]) -> None:
     with pytest.raises(EmitError) as caught:
-        emit(made(lambda a: 3 * a, guarded), scalar)
+        emit(make_block(lambda a: 3 * a, guarded), scalar)
     text = str(caught.value)
     for words in ("output 'y' = `(3 * ", "its declared range -1 .. 1 m; violated: it is -3 at ", "limit it in the law"):
         assert words in text
@@ -45,16 +45,16 @@ def test_an_output_that_leaves_its_range_is_refused_by_name(guarded: bool, scala
 @pytest.mark.parametrize(
     "law", [lambda a: clip(3 * a, Y), lambda a: a, lambda a: a - a**3, lambda a: a * a, lambda a: 0.5 + a / 2]
 )
-def test_what_is_limited_or_proved_is_emitted(law: Callable[[ca.SX], Any]) -> None:
-    """a - a^3 by bisection: its terms reach -2 .. 2 each on its own."""
-    assert emit(made(law), np.float64).manifest["structs"]["output"]["fields"][0]["high"] == 1.0
+def test_limited_or_proved_outputs_are_emitted(law: Callable[[ca.SX], Any]) -> None:
+    """a - a^3 needs bisection, because its separate terms add up to -2 .. 2."""
+    assert emit(make_block(law), np.float64).manifest["structs"]["output"]["fields"][0]["high"] == 1.0
 
 
-def test_what_no_proof_reaches_is_refused_too() -> None:
-    with pytest.raises(EmitError, match=r"output 'y' .* not proved in .* cells: it comes nearest"):
-        emit(made(lambda a: ca.sin(3 * a)), np.float32)
+def test_an_unproved_output_is_refused() -> None:
+    with pytest.raises(EmitError, match=r"output 'y' .* not proved in .* cells: it is .* at the worst point"):
+        emit(make_block(lambda a: ca.sin(3 * a)), np.float32)
 
 
 def test_without_the_proof_the_manifest_would_claim_what_the_c_does_not_keep(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(safe, "require_declared", lambda *_: None)
-    assert emit(made(lambda a: 3 * a), np.float64).manifest["structs"]["output"]["fields"][0]["high"] == 1.0
+    monkeypatch.setattr(safe, "require_output_ranges", lambda *_: None)
+    assert emit(make_block(lambda a: 3 * a), np.float64).manifest["structs"]["output"]["fields"][0]["high"] == 1.0

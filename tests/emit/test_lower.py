@@ -14,7 +14,7 @@ from synth.emit import lower
 from synth.errors import EmitError
 from synth.signals import Signal
 from synth.timing import Discrete
-from tests.emit.meaning import interpret
+from tests.emit.semantics import interpret
 
 TIME = Discrete(1e-3)
 
@@ -48,7 +48,7 @@ def test_the_program_computes_what_casadi_computes() -> None:
         np.testing.assert_array_equal(computed, [*y.full().ravel(), float(next)])
 
 
-def test_nodes_follow_their_arguments_and_stand_once() -> None:
+def test_nodes_follow_their_arguments_and_are_unique() -> None:
     program = lower.program(make(everything, "y z", **FULL))
     assert all(a < k for k, node in enumerate(program.nodes) for a in node.args)
     assert len(set(program.nodes)) == len(program.nodes)
@@ -62,7 +62,7 @@ def test_a_choice_is_read_back(condition: Callable[[ca.SX], ca.SX]) -> None:
     assert [n.op for n in program.nodes if n.op in ("choose", "when")] == ["choose"]
 
 
-def test_two_gates_of_unlike_conditions_are_no_choice() -> None:
+def test_two_gates_of_different_conditions_are_not_a_choice() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         return Step({"y": ca.if_else(u["a"] < 1, 3 * u["b"], 0) + ca.if_else(u["b"] < 1, 5 * u["a"], 0)})
 
@@ -77,7 +77,7 @@ def test_common_expressions_are_computed_once() -> None:
     assert [n.op for n in program.nodes].count("sin") == 1 == [n.name for n in program.nodes].count("a")
 
 
-def test_marks_stand_in_the_order_of_computation() -> None:
+def test_marks_are_in_the_order_of_computation() -> None:
     inner = make(lambda u, x, k: Step({"y": u["a"] * u["b"]}, named=[(signal("sum"), u["a"] + u["b"])]))
     outer = build("outer", TIME, lambda u, x, k: Step({"z": u["y"] * 3}), inputs=[signal("y")], outputs=[signal("z")])
     program = lower.program(compose("both", [outer, inner], inputs=["a", "b"], outputs=["z"]))
@@ -86,7 +86,7 @@ def test_marks_stand_in_the_order_of_computation() -> None:
     assert made["y"] == "mul" and made["z"] == "mul" and program.titles == {"lowered": "lowered", "outer": "outer"}
 
 
-def test_what_equals_an_earlier_node_is_read_as_it() -> None:
+def test_substitution_reads_the_earlier_of_equal_nodes() -> None:
     program = lower.program(make(everything, "y z", **FULL))
     sine = next(k for k, n in enumerate(program.nodes) if n.op == "sin")
     a = program.nodes[sine].args[0]
@@ -94,24 +94,24 @@ def test_what_equals_an_earlier_node_is_read_as_it() -> None:
     assert not any(n.op == "sin" for n in without.nodes) and len(without.nodes) == len(program.nodes) - 1
 
 
-def marked(program: lower.Program) -> dict[str, lower.Node]:
+def marked_nodes(program: lower.Program) -> dict[str, lower.Node]:
     return {named.signal.name: program.nodes[k] for named, k in program.marks}
 
 
-def test_nodes_that_nothing_needs_any_more_are_dropped_with_their_marks() -> None:
+def test_dead_nodes_are_dropped_with_their_marks() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         e = ca.exp(u["b"])
         return Step({"y": ca.sin(e)}, named=[(signal("e"), e)])
 
     program = lower.program(make(law))
     e, y = next(k for k, n in enumerate(program.nodes) if n.op == "exp"), program.outputs["y"]
-    assert marked(program) == {"e": program.nodes[e], "y": program.nodes[y]}
-    shortened, gone = program.substituted({e: program.nodes[e].args[0]}), program.substituted({y: 0})
-    assert [n.op for n in shortened.nodes] == ["input", "sin"] and marked(shortened)["e"].name == "b"
-    assert [n.op for n in gone.nodes] == ["input"] and list(marked(gone)) == ["y"]
+    assert marked_nodes(program) == {"e": program.nodes[e], "y": program.nodes[y]}
+    shortened, emptied = program.substituted({e: program.nodes[e].args[0]}), program.substituted({y: 0})
+    assert [n.op for n in shortened.nodes] == ["input", "sin"] and marked_nodes(shortened)["e"].name == "b"
+    assert [n.op for n in emptied.nodes] == ["input"] and list(marked_nodes(emptied)) == ["y"]
 
 
-def test_users_count_each_reading() -> None:
+def test_users_count_each_operand() -> None:
     program = lower.program(make(lambda u, x, k: Step({"y": u["a"] * u["a"] + u["a"]})))
     a = next(k for k, n in enumerate(program.nodes) if n.name == "a")
     assert len(program.users()[a]) == sum(n.args.count(a) for n in program.nodes) >= 2
@@ -121,7 +121,7 @@ def test_users_count_each_reading() -> None:
     ("state", "owner"),
     [("lag_x", "lag"), ("lag_filter_x", "lag_filter"), ("lag_filters_x", "lag"), ("lagging_x", ""), ("x", "")],
 )
-def test_a_state_belongs_to_the_longest_block_name_that_leads_its_own(state: str, owner: str) -> None:
+def test_a_state_belongs_to_the_longest_block_name_that_prefixes_its_name(state: str, owner: str) -> None:
     titles = dict.fromkeys(("lag", "lag_filter", "other"), "")
     assert lower.Program((), (), {}, {}, titles=titles).owner(state) == owner
 
@@ -137,12 +137,12 @@ def test_each_fault_sets_its_bit_of_the_word() -> None:
         assert word == (a > 1) * 0b1001 | (b < 0) << 31
 
 
-def grouped() -> tuple[lower.Program, int]:
-    """Return a program with bits 1 and 2 in a row under a < 1, bit 3 alone, bit 4 under a < 1; and that condition."""
+def grouped_faults() -> tuple[lower.Program, int]:
+    """Return a program with consecutive bits 1, 2 under a < 1, bit 3 alone, bit 4 under a < 1; and that condition."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
-        told, b = u["a"] < 1, u["b"]
-        return Step({n: ca.logic_and(told, b < i) for i, n in enumerate("pqr")} | {"s": ca.logic_or(told, b < 0)})
+        flag, b = u["a"] < 1, u["b"]
+        return Step({n: ca.logic_and(flag, b < i) for i, n in enumerate("pqr")} | {"s": ca.logic_or(flag, b < 0)})
 
     block = make(law, "p q r s")
     faults = [Fault(bit, name) for bit, name in ((1, "p"), (2, "q"), (3, "s"), (4, "r"))]
@@ -161,16 +161,16 @@ def wrong_words(program: lower.Program) -> int:
     return sum(interpret(program, {"a": a, "b": b})[program.word] != word for (a, b), word in right.items())
 
 
-def test_faults_in_a_row_under_one_condition_are_looked_at_under_it() -> None:
-    program, told = grouped()
+def test_consecutive_faults_under_one_condition_share_a_branch() -> None:
+    program, condition = grouped_faults()
     assert wrong_words(program) == 0
-    under = [n for n in program.nodes if n.op == "choose" and n.args[0] == told]
+    under = [n for n in program.nodes if n.op == "choose" and n.args[0] == condition]
     assert len(under) == 2 and not any(n.op == "and" for n in program.nodes)
 
 
-def test_a_group_of_faults_under_a_condition_that_is_not_theirs_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_group_of_faults_under_a_wrong_condition_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lower, "_condition", lambda flag: flag.args[0])
-    assert wrong_words(grouped()[0]) > 0
+    assert wrong_words(grouped_faults()[0]) > 0
 
 
 def test_a_block_without_faults_has_no_word() -> None:

@@ -1,4 +1,4 @@
-"""Experiments as data: the checks that they imply, on a loop that is known and with what must fail."""
+"""Experiments as data: their checks on a known loop, and cases that must fail."""
 
 from dataclasses import replace
 from typing import Any

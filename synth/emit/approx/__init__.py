@@ -1,1 +1,1 @@
-"""Approximation: functions of one variable become polynomials with a certificate."""
+"""Function approximation: certified minimax polynomials for functions of one variable."""

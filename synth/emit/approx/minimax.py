@@ -1,10 +1,10 @@
-"""Best polynomials: of a degree n, the one whose largest relative error is least, and its rounding to a scalar type.
+"""Minimax polynomial by the Remez exchange (Sollya `remez`), and rounding of its coefficients to a scalar type.
 
     minimise  max_i |q(y_i) / g_i - 1|    over q of degree n;    y_i Chebyshev points of [-1, 1], g_i of one sign
 
-At the optimum the error has equal size and alternating sign in n + 2 points (Chebyshev); the exchange of Remez finds
-them. Rounding the coefficients one after the other would add their errors up; here those not yet rounded are fitted
-again, in least squares, to make up for each that was. All in ball arithmetic, so that every machine finds the same.
+At the optimum the error has equal size and alternating sign in n + 2 points (Chebyshev); the Remez exchange finds them.
+If each coefficient were rounded on its own, the errors would add up. Here, after each rounding, the coefficients not
+yet rounded are fitted again by least squares to compensate. Ball arithmetic makes the result the same on every machine.
 """
 
 import itertools
@@ -28,12 +28,12 @@ class Fit:
 
 
 def fit(y: Sequence[flint.arb], g: Sequence[flint.arb], degree: int) -> Fit:
-    """Return a near-minimax polynomial of a degree for values g at rising points y, both exact."""
+    """Return a near-minimax polynomial of a degree for values g at increasing points y, both exact."""
     last = len(y) - 1
     reference = [round(k * last / (degree + 1)) for k in range(degree + 2)]
     best = Fit(flint.arb_poly([]), np.inf)
     for _ in range(ROUNDS):
-        series, level = _levelled(y, g, reference)
+        series, level = _solve_on_reference(y, g, reference)
         errors = [float(q / v - 1) for q, v in zip(series.evaluate(list(y), "iter"), g, strict=True)]
         worst = max(map(abs, errors))
         best = Fit(series, worst) if worst < best.error else best
@@ -43,16 +43,18 @@ def fit(y: Sequence[flint.arb], g: Sequence[flint.arb], degree: int) -> Fit:
     return best
 
 
-def _levelled(y: Sequence[flint.arb], g: Sequence[flint.arb], reference: list[int]) -> tuple[flint.arb_poly, float]:
-    """Solve q(y_i) + (-1)^i e g_i = g_i at the points of reference for q and e."""
+def _solve_on_reference(
+    y: Sequence[flint.arb], g: Sequence[flint.arb], reference: list[int]
+) -> tuple[flint.arb_poly, float]:
+    """Solve q(y_i) + (-1)^i e g_i = g_i at the reference points for q and the level error e."""
     count = len(reference) - 1
     rows = [[*_powers(y[i], flint.arb(1), count), g[i] if j % 2 else -g[i]] for j, i in enumerate(reference)]
-    found = flint.arb_mat(rows).solve(flint.arb_mat([[g[i]] for i in reference])).mid().entries()
-    return flint.arb_poly(found[:-1]), abs(float(found[-1]))
+    solution = flint.arb_mat(rows).solve(flint.arb_mat([[g[i]] for i in reference])).mid().entries()
+    return flint.arb_poly(solution[:-1]), abs(float(solution[-1]))
 
 
 def _peaks(errors: list[float], count: int) -> list[int]:
-    """Return the largest error in each stretch of one sign, of these the `count` neighbours that are largest."""
+    """Return the index of the extremum in each interval of one sign; of these, the `count` largest neighbours."""
     peaks: list[int] = []
     for i, e in enumerate(errors):
         if peaks and e * errors[peaks[-1]] > 0:
@@ -64,24 +66,25 @@ def _peaks(errors: list[float], count: int) -> list[int]:
     return peaks
 
 
-def rounded(
+def round_coefficients(
     coefficients: Sequence[flint.arb], v: Sequence[flint.arb], g: Sequence[flint.arb], scalar: type[np.floating]
 ) -> tuple[float, ...]:
-    """Round the coefficients of q(v) to the scalar type, c_0 first; q / g at the points v is to change little.
+    """Round the coefficients of q(v) to the scalar type, c_0 first, with little change of q / g at the points v.
 
-    With H the inverse of the normal matrix of the free coefficients, moving c_k by d moves them all by H e_k d / H_kk.
+    With H the inverse of the normal matrix of the free coefficients, a change of c_k by d changes them all by
+    H e_k d / H_kk.
     """
-    c, n, found = list(coefficients), len(coefficients), list[float]()
+    c, n, fixed = list(coefficients), len(coefficients), list[float]()
     basis = flint.arb_mat([_powers(x, 1 / value, n) for x, value in zip(v, g, strict=True)])
     H = (basis.transpose() * basis).inv()
     for k in range(n):
-        found.append(float(scalar(float(c[k]))))
-        pivot, moved = H[k, k], found[k] - c[k]
+        fixed.append(float(scalar(float(c[k]))))
+        pivot, error = H[k, k], fixed[k] - c[k]
         change = [H[j, k] / pivot for j in range(k, n)]
-        c[k:] = [a + b * moved for a, b in zip(c[k:], change, strict=True)]
+        c[k:] = [a + b * error for a, b in zip(c[k:], change, strict=True)]
         column = flint.arb_mat(n, 1, [flint.arb(0)] * k + change)
-        H = (H - column * column.transpose() * pivot).mid()  # c_k is free no more
-    return tuple(found)
+        H = (H - column * column.transpose() * pivot).mid()  # c_k is no longer free
+    return tuple(fixed)
 
 
 def _powers(x: flint.arb, first: flint.arb, count: int) -> list[flint.arb]:

@@ -1,12 +1,12 @@
-"""Polynomial programs in one scalar type: what they compute, and a bound of how far rounding takes them.
+"""Polynomial evaluation by Horner's rule in one scalar type, with a bound of its rounding error.
 
-    t = (x - centre) scale        no centre: nothing is subtracted; no scale: nothing is multiplied
-    p = c_0 + t (c_1 + t (... + t c_n))               parity "none"; where c_0 = 0 nothing is added
+    t = (x - centre) scale        centre 0: no subtraction; scale 1: no multiplication
+    p = c_0 + t (c_1 + t (... + t c_n))               parity "none"; c_0 = 0: no addition
     p = c_0 + s (c_1 + s (... + s c_n)),  s = t t     parity "even"
     p = t (c_0 + s (c_1 + ... + s c_n))               parity "odd"
 
-Every operation is rounded to nearest, in this order; a compiler may contract each c + v q into a fused multiply-add.
-c - x in place of x - c would give the same numbers: rounding does not see signs.
+Every operation is rounded to nearest, in this order. A compiler may contract each c + v q into a fused multiply-add.
+c - x in place of x - c would give the same magnitudes, because rounding to nearest is symmetric.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth.emit.approx.enclosure import Parity, size
+from synth.emit.approx.enclosure import Parity, one_norm
 
 Scalars = NDArray[np.floating]
 MultiplyAdd = Callable[[Scalars, Scalars, np.floating], Scalars]
@@ -24,13 +24,14 @@ MultiplyAdd = Callable[[Scalars, Scalars, np.floating], Scalars]
 
 @dataclass(frozen=True)
 class Polynomial:
-    """A polynomial in place of a function on [low, high]; its numbers are exact in `scalar`.
+    """A polynomial approximation of a function on [low, high]; its numbers are exact in `scalar`.
 
-    `coefficients` are c_0 ... c_n. `scale` is a power of two, and 1 unless the coefficients would leave the type.
+    `coefficients` are c_0 ... c_n. `scale` is a power of two; it is 1 unless the coefficients would leave the type's
+    range.
 
-    What C computes is within `max_relative_error` of the function at every x of the type in the range at which the
-    function is not subnormal; `checked_values` of these x, with a parity of these |x|, were tried one by one, and an
-    argument covers the others.
+    The value that C computes is within `max_relative_error` of the function at every x of the type in the range at
+    which the function is not subnormal. `checked_values` of these x (with a parity, of these |x|) were checked one by
+    one; a proof in ball arithmetic covers the others.
     """
 
     low: float
@@ -50,13 +51,13 @@ class Polynomial:
         return {"none": n, "even": 2 * n, "odd": 2 * n + 1}[self.parity]
 
     def evaluate(self, x: ArrayLike) -> Scalars:
-        """Return what C computes at x (any shape), multiplication and addition rounded separately."""
-        return run(self, np.asarray(x, self.scalar), separate)
+        """Return the values that C computes at x (any shape), with separate rounding of products and sums."""
+        return run(self, np.asarray(x, self.scalar), multiply_then_add)
 
     def enclose(self, x: flint.arb) -> flint.arb:
-        """Return a ball around everything that C may compute in the ball x, contracted or not."""
-        first, *others = about(self, x.mid(), x.rad())
-        return first + flint.arb(0, (size(others) + rounding(self, x)).upper())
+        """Return a ball that contains every value that C may compute for the ball x, contracted or not."""
+        first, *others = expansion(self, x.mid(), x.rad())
+        return first + flint.arb(0, (one_norm(others) + rounding_bound(self, x)).upper())
 
 
 def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
@@ -71,32 +72,32 @@ def run(p: Polynomial, x: Scalars, multiply_add: MultiplyAdd) -> Scalars:
     return t * q if p.parity == "odd" else q
 
 
-def separate(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
-    """Return c + a b, the product rounded before the sum."""
+def multiply_then_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+    """Return c + a b, with the product rounded before the sum."""
     return c + a * b
 
 
-def fused(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
+def fused_multiply_add(a: Scalars, b: Scalars, c: np.floating) -> Scalars:
     """Return c + a b in float32, rounded once.
 
-    The product is exact in double. Where rounding the sum to double makes it a tie between two floats that it is not,
-    the double is moved off the tie before it is rounded again.
+    The product is exact in double. Rounding the sum to double may produce a false tie between two floats; the double is
+    then moved off the tie before it is rounded to float32 (correction of double rounding).
     """
     product = a.astype(np.float64) * b
     total = product + np.float64(c)
     tie = (total.view(np.int64) & 0x1FFFFFFF) == 0x10000000
     if tie.any():
-        part, whole = product[tie], total[tie]
-        taken = whole - part
-        lost = (part - (whole - taken)) + (np.float64(c) - taken)
-        total[tie] = np.where(lost == 0, whole, np.nextafter(whole, np.copysign(np.inf, lost)))
+        a_b, s = product[tie], total[tie]
+        c_in_s = s - a_b
+        error = (a_b - (s - c_in_s)) + (np.float64(c) - c_in_s)  # of the sum: Knuth's TwoSum
+        total[tie] = np.where(error == 0, s, np.nextafter(s, np.copysign(np.inf, error)))
     return total.astype(np.float32)
 
 
-def about(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[flint.arb]:
-    """Return the coefficients b_k of p(x + half w) / (x + half w)^power = sum b_k w^k, without rounding.
+def expansion(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[flint.arb]:
+    """Return the coefficients b_k of p(x + half w) / (x + half w)^power = sum b_k w^k, in exact arithmetic.
 
-    The power is 1 only for a polynomial that has t = scale x as a factor.
+    The power may be 1 only for a polynomial with the factor t = scale x.
     """
     t = flint.arb_poly([(x - p.centre) * p.scale, half * p.scale])
     terms = p.coefficients[1:] if power and p.parity == "none" else p.coefficients
@@ -105,29 +106,29 @@ def about(p: Polynomial, x: flint.arb, half: flint.arb, power: int = 0) -> list[
     return (q * factor).coeffs() or [flint.arb(0)]
 
 
-def rounding(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
-    """Bound |computed - exact| / |x|^power in the ball x, products that underflow included.
+def rounding_bound(p: Polynomial, x: flint.arb, power: int = 0) -> flint.arb:
+    """Bound |computed - exact| / |x|^power in the ball x, including the underflow of products.
 
-    With power 1 the last operation is the product with t, and its underflow is left out.
+    With power 1 the last operation is the product with t; its underflow is not included.
     """
     tiny = flint.arb(float(np.finfo(p.scalar).tiny))
     t = (x - p.centre) * p.scale
-    dt = _half_unit(t, p.scalar) if p.centre else flint.arb(0)
-    v, dv = (t, dt) if p.parity == "none" else (t * t, _half_unit(t * t, p.scalar) + tiny)
+    dt = _half_ulp(t, p.scalar) if p.centre else flint.arb(0)
+    v, dv = (t, dt) if p.parity == "none" else (t * t, _half_ulp(t * t, p.scalar) + tiny)
     first = 1 if power and p.parity == "none" else 0
     q, dq = flint.arb(p.coefficients[-1]), flint.arb(0)
     for c in p.coefficients[-2 : first - len(p.coefficients) - 1 : -1]:
-        product, lost = v * q, abs(v) * dq + (abs(q) + dq) * dv
-        lost += _half_unit(abs(product) + lost, p.scalar) + tiny
-        q, dq = c + product, lost + _half_unit(abs(c + product) + lost, p.scalar)
+        product, error = v * q, abs(v) * dq + (abs(q) + dq) * dv
+        error += _half_ulp(abs(product) + error, p.scalar) + tiny
+        q, dq = c + product, error + _half_ulp(abs(c + product) + error, p.scalar)
     last = dq + (abs(q) + dq) * float(np.finfo(p.scalar).eps) / 2
     if power:
         return p.scale * last
     return abs(t) * last + tiny if p.parity == "odd" else dq
 
 
-def _half_unit(size: flint.arb, scalar: type[np.floating]) -> flint.arb:
-    """Bound what rounding to nearest moves a number of at most this size: half a unit in its last place."""
+def _half_ulp(size: flint.arb, scalar: type[np.floating]) -> flint.arb:
+    """Bound the error of rounding a number of at most this size to nearest: half a unit in its last place."""
     mantissa, exponent = abs(size).upper().man_exp()
     if mantissa == 0:
         return flint.arb(0)

@@ -1,10 +1,10 @@
-"""Polynomials in place of functions of one variable: the cheapest of which every value computed is close enough.
+"""Polynomial surrogate of a function of one variable: the cheapest one with a certified relative error.
 
-    |p(x) - f(x)| <= eps |f(x)|    for every x of the scalar type in [low, high], all rounding included
+    |p(x) - f(x)| <= eps |f(x)|    for every x of the scalar type in [low, high], including all rounding
 
-The degree is the least for which a centre is found. Of the centres for one degree those with the smallest errors (of a
-sample in float32, of a bound of the rounding in float64) are certified first, and the first that holds is taken. Odd
-and even functions become polynomials in x^2.
+The degree is the smallest for which some centre of expansion gives a certificate. For each degree the candidate centres
+are sorted by estimated error (of a sample in float32, of a rounding bound in float64), and the first that is certified
+is the result. Odd and even functions become polynomials in x^2.
 """
 
 import math
@@ -23,20 +23,20 @@ from synth.emit.approx.polynomial import Polynomial, Scalars
 from synth.errors import EmitError
 
 EPS: dict[type[np.floating], float] = {np.float32: 2e-7, np.float64: 1e-14}
-EXPONENTS: dict[type[np.floating], int] = {np.float32: 96, np.float64: 960}  # of the coefficients, at most, either sign
+EXPONENTS: dict[type[np.floating], int] = {np.float32: 96, np.float64: 960}  # largest |exponent| of a coefficient
 DEGREE = 24
-POINTS = 16 * (DEGREE + 1)  # at least 16 in each swing of the error
-STEPS: dict[type[np.floating], int] = {np.float32: 6, np.float64: 4}  # up to 2^these centres, and few bits for each
+POINTS = 16 * (DEGREE + 1)  # at least 16 in each oscillation of the error
+STEPS: dict[type[np.floating], int] = {np.float32: 6, np.float64: 4}  # up to 2^STEPS centres, each of few bits
 SAMPLES = (64, 1024)  # pieces of the range, and values in each
-NOTHING = flint.arb(2) ** -100
+NEGLIGIBLE = flint.arb(2) ** -100
 FAR = 8
-TRIALS = 3  # certificates for one degree: where these fail, so will the others
-ROUNDING = 64  # where approximation takes less than this part of eps and none holds, more terms will not help
+TRIALS = 3  # certificates attempted for one degree: if these fail, the others fail too
+ROUNDING = 64  # if the approximation error is below eps / 64 and no certificate holds, more terms do not help
 
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is approximated: `values` of g at points y in [-1, 1] that stand for x or x^2; a sample of x and f in it."""
+    """An approximation problem: `values` of g at points y in [-1, 1], scaled x or x^2; a sample of x and f at it."""
 
     low: float
     high: float
@@ -60,12 +60,12 @@ def fit(
     what: str = "function",
     like: Polynomial | None = None,
 ) -> Polynomial:
-    """Return a polynomial for f, called `what`, on [low, high]; `eps` is 2e-7 in float32 and 1e-14 in float64.
+    """Return a polynomial for f, called `what`, on [low, high]; `eps` defaults to 2e-7 in float32, 1e-14 in float64.
 
-    With `like` it is one in the same t as that polynomial. f keeps the promise that `enclosure` asks for.
+    With `like` it is a polynomial in the same t as `like`. f satisfies the contract of `enclosure`.
 
-    Raises EmitError for ends that are not two rising numbers of the type, where f is not analytic in the range and
-    around it or has a zero there other than a simple one at x = 0, and where no degree up to 24 reaches eps.
+    Raises EmitError for ends that are not two increasing numbers of the type, if f is not analytic in the range and
+    around it or has a zero there other than a simple one at x = 0, and if no degree up to 24 achieves eps.
     """
     allowed = EPS.get(scalar, 0.0) if eps is None else eps
     low, high = float(low), float(high)
@@ -77,7 +77,7 @@ def fit(
 def least_degree(
     f: Analytic, low: float, high: float, scalar: type[np.floating], eps: float | None = None, what: str = "function"
 ) -> int:
-    """Return the least degree at which a polynomial without rounding comes within `eps` of f; arguments as for `fit`.
+    """Return the smallest degree of a polynomial, without rounding, within `eps` of f; arguments as for `fit`.
 
     Raises EmitError as `fit`.
     """
@@ -85,7 +85,7 @@ def least_degree(
     _check(low, high, scalar, allowed, what)
     with precision(enclosure.BITS):
         task = _task(f, low, high, scalar, what, None)
-        for n in range(_terms(task.g)):
+        for n in range(_max_terms(task.g)):
             if minimax.fit(task.y, task.values, n).error <= allowed:
                 return (n if task.g.parity == "none" else 2 * n) + task.g.power
     raise EmitError(
@@ -124,28 +124,28 @@ def _sample(g: Enclosure, low: float, high: float) -> tuple[Scalars, NDArray[np.
         middle = low + (2 * k + 1) * half
         x = (middle + half * ((2 * np.arange(count) + 1) / count - 1)).astype(np.float32)
         x = x[x != 0]
-        parts.append((x, certificate.values(g, x)[0]))
+        parts.append((x, certificate.reference_values(g, x)[0]))
     return np.concatenate([x for x, _ in parts]), np.concatenate([v for _, v in parts])
 
 
 def _search(task: _Task, allowed: float) -> Polynomial:
-    """Try degree after degree; return the first polynomial that is certified."""
-    approximation, found = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
-    for n in range(_terms(task.g)):
+    """Return the first polynomial that is certified, for increasing degrees."""
+    approximation, closest = np.inf, Polynomial(task.low, task.high, 0.0, 1.0, "none", (0.0,), task.scalar)
+    for n in range(_max_terms(task.g)):
         best = minimax.fit(task.y, task.values, n)
         approximation = min(approximation, best.error)
         if best.error > allowed:
             continue
         for p in sorted(_candidates(task, best.series), key=lambda p: p.max_relative_error)[:TRIALS]:
             if p.max_relative_error <= allowed:
-                p = _certified(p, task.g, allowed)
+                p = _certify(p, task.g, allowed)
             if p.max_relative_error <= allowed:
                 return p
-            found = min(found, p, key=lambda p: p.max_relative_error)
+            closest = min(closest, p, key=lambda p: p.max_relative_error)
         if best.error * ROUNDING < allowed:
             break
-    reached = f"; with rounding within {found.max_relative_error:.3g} (degree {found.degree})"
-    if not np.isfinite(found.max_relative_error):
+    reached = f"; with rounding within {closest.max_relative_error:.3g} (degree {closest.degree})"
+    if not np.isfinite(closest.max_relative_error):
         reached = "; their coefficients leave the type" if approximation <= allowed else ""
     raise EmitError(
         f"{task.what} on [{task.low:.9g}, {task.high:.9g}] in {task.scalar.__name__}: polynomials of degree up to "
@@ -154,14 +154,14 @@ def _search(task: _Task, allowed: float) -> Polynomial:
     )
 
 
-def _terms(g: Enclosure) -> int:
+def _max_terms(g: Enclosure) -> int:
     return (DEGREE - g.power) // (1 if g.parity == "none" else 2) + 1
 
 
 def _candidates(task: _Task, series: flint.arb_poly) -> list[Polynomial]:
-    """Return the polynomial rounded about each centre, with an estimate of its error; without a centre first."""
+    """Return the rounded polynomial about each centre, with an estimate of its error; the one without centre first."""
     width = task.high - task.low
-    # Far from 0 the terms of a polynomial in x itself cancel to nothing.
+    # Far from 0 the terms of a polynomial in x itself cancel.
     centres = [0.0] if max(-task.low, task.high) <= FAR * width else []
     if task.g.parity == "none" and not task.g.power:
         # Multiples of a power of two: x - centre is then mostly exact.
@@ -169,67 +169,69 @@ def _candidates(task: _Task, series: flint.arb_poly) -> list[Polynomial]:
         steps = range(math.floor(task.low / step), math.ceil(task.high / step) + 1)
         centres += [float(task.scalar(k * step)) for k in steps]
     centres = [task.like.centre] if task.like else centres
-    found = [_rounded(task, series, c) for c in dict.fromkeys(centres)]
-    return [_estimated(p, task) for p in found if p is not None]
+    polynomials = [_fit_about_centre(task, series, c) for c in dict.fromkeys(centres)]
+    return [_with_error_estimate(p, task) for p in polynomials if p is not None]
 
 
-def _rounded(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial | None:
-    """Take the fit about a centre and round it; where coefficients would leave the type, scale t to [-1, 1].
+def _fit_about_centre(task: _Task, series: flint.arb_poly, centre: float) -> Polynomial | None:
+    """Expand the fit about a centre and round it; if coefficients would leave the type's range, scale t to [-1, 1].
 
-    Return None where they leave it nevertheless.
+    Return None if they leave it even then.
     """
     g, even = task.g, task.g.parity != "none"
-    reach = max(abs(task.low - centre), abs(task.high - centre))
-    some = slice(None, None, POINTS // (2 * (DEGREE + 1)))
-    for scale in (task.like.scale,) if task.like else (1.0, 2.0 ** -math.frexp(reach)[1]):
+    half_width = max(abs(task.low - centre), abs(task.high - centre))
+    subset = slice(None, None, POINTS // (2 * (DEGREE + 1)))
+    for scale in (task.like.scale,) if task.like else (1.0, 2.0 ** -math.frexp(half_width)[1]):
         # y = shift + slope v, where v is the variable of the program: t or t^2
         shift = flint.arb(-1) if even else (centre - g.middle) / g.radius
         slope = 2 / (g.high * scale) ** 2 if even else 1 / (g.radius * scale)
-        v = [(y - shift) / slope for y in task.y[some]]
-        values = [value / scale**g.power for value in task.values[some]]
+        v = [(y - shift) / slope for y in task.y[subset]]
+        values = [value / scale**g.power for value in task.values[subset]]
         c = [term / scale**g.power for term in series(flint.arb_poly([shift, slope])).coeffs()]
-        c = _cleared(c, flint.arb(reach * scale) ** (2 if even else 1), max(map(abs, values), key=float))
+        c = _without_negligible(
+            c, flint.arb(half_width * scale) ** (2 if even else 1), max(map(abs, values), key=float)
+        )
         if all(_fits(term, task.scalar) for term in c):
-            found = minimax.rounded(c, v, values, task.scalar)
+            coefficients = minimax.round_coefficients(c, v, values, task.scalar)
             vanishing = (0.0,) if g.power and not even else ()
-            return Polynomial(task.low, task.high, centre, scale, g.parity, vanishing + found, task.scalar)
+            return Polynomial(task.low, task.high, centre, scale, g.parity, vanishing + coefficients, task.scalar)
     return None
 
 
-def _cleared(c: Sequence[flint.arb], reach: flint.arb, largest: flint.arb) -> list[flint.arb]:
-    """Return the coefficients, 0 in place of those that never count where |v| <= reach."""
-    return [flint.arb(0) if abs(term) * reach**k < NOTHING * largest else term for k, term in enumerate(c)]
+def _without_negligible(c: Sequence[flint.arb], bound: flint.arb, largest: flint.arb) -> list[flint.arb]:
+    """Return the coefficients with 0 in place of those that are negligible for |v| <= bound."""
+    return [flint.arb(0) if abs(term) * bound**k < NEGLIGIBLE * largest else term for k, term in enumerate(c)]
 
 
 def _fits(c: flint.arb, scalar: type[np.floating]) -> bool:
     return c == 0 or abs(math.frexp(float(c))[1]) <= EXPONENTS[scalar]
 
 
-def _estimated(p: Polynomial, task: _Task) -> Polynomial:
-    """Return the polynomial with an estimate of its error, to two digits, so that near ties go by the order.
+def _with_error_estimate(p: Polynomial, task: _Task) -> Polynomial:
+    """Return the polynomial with an estimate of its error, to two digits, so that the order decides near ties.
 
-    float32: the largest in the sample. float64: the largest bound of its rounding at some of the points.
+    float32: the largest error in the sample. float64: the largest rounding bound at some of the points.
     """
     if p.scalar is np.float32:
         error = float(np.max(np.abs(p.evaluate(task.sample) / task.truth - 1)))
     else:
-        some = list(zip(task.x, task.values, strict=True))[:: POINTS // 20]
-        error = max(float(polynomial.rounding(p, x, task.g.power) / abs(v)) for x, v in some)
-    return replace(p, max_relative_error=_up(error))
+        points = list(zip(task.x, task.values, strict=True))[:: POINTS // 20]
+        error = max(float(polynomial.rounding_bound(p, x, task.g.power) / abs(v)) for x, v in points)
+    return replace(p, max_relative_error=_round_up(error))
 
 
-def _certified(p: Polynomial, g: Enclosure, allowed: float) -> Polynomial:
-    found = certificate.certify(p, g, allowed)
-    error = found.max_relative_error
+def _certify(p: Polynomial, g: Enclosure, allowed: float) -> Polynomial:
+    bound = certificate.certify(p, g, allowed)
+    error = bound.max_relative_error
     return replace(
         p,
-        max_relative_error=min(_up(error), allowed) if error <= allowed else error,
-        checked_values=found.checked_values,
+        max_relative_error=min(_round_up(error), allowed) if error <= allowed else error,
+        checked_values=bound.checked_values,
     )
 
 
-def _up(value: float) -> float:
-    """Round up to two digits; what is not a number is inf."""
+def _round_up(value: float) -> float:
+    """Round up to two digits; NaN and infinity become inf."""
     if not np.isfinite(value):
         return np.inf
     return float(Context(prec=2, rounding=ROUND_CEILING).create_decimal(Decimal(value)))

@@ -1,14 +1,14 @@
-"""Functions of one variable inside a program, found by its shape alone.
+"""Univariate subexpressions of a program, identified by dominators.
 
-Node v dominates node k when every way from the loads to k leads through v; then k = f(v), with numbers and constants.
-Where a function of libm lies between v and k, f can be replaced as a whole:
+Node v dominates node k if every path from the loads to k passes through v. Then k = f(v), with numbers and constants.
+If a function of libm lies between v and k, f can be replaced as a whole:
 
     loads ... -> v -> (h + v) -> sinh(k (h + v)) -> c / sinh(...) -> root -> ...
               \\______________________ f ______________________/
 
-Each root is taken as high, and its variable as low, as f stays analytic: factors, sums of functions of one variable
-and changes of scale are all absorbed, up to a named signal. Dominators form a tree; in the order of computation the
-immediate dominator of a node is the nearest common ancestor, in that tree, of its arguments.
+Each f is maximal: the root is as high and the variable as low as f stays analytic. It absorbs factors, sums of
+functions of the same variable and changes of scale, up to a named signal. Dominators form a tree; in the order of
+computation the immediate dominator of a node is the nearest common ancestor of its arguments in that tree.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,144 +25,149 @@ Key = tuple[tuple[str, tuple[int, ...], float], ...]
 
 TRANSCENDENTAL = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "sinh", "cosh", "tanh"})
 _NUMBERS = frozenset({"literal", "constant"})
-_NOWHERE = flint.acb("nan")
+_NOT_ANALYTIC = flint.acb("nan")
 
 
 @dataclass(frozen=True)
 class Univariate:
-    """Node `root` is a function of node `variable` and of nothing else but numbers and constants."""
+    """Node `root` is a function of node `variable` and of numbers and constants alone."""
 
     root: int
     variable: int
 
 
 @dataclass(frozen=True)
-class _Trail:
-    """How a node comes from its variable: whether a function of libm lies between them."""
+class _Dependence:
+    """The variable on which a node depends, and whether a function of libm lies between them."""
 
     variable: int
     transcendental: bool
 
 
 def find(program: Program, ranges: Sequence[Range]) -> tuple[Univariate, ...]:
-    """Return the functions of one variable that contain a function of libm and cannot be extended.
+    """Return the maximal functions of one variable that contain a function of libm.
 
-    Of roots that differ by a factor and an offset only, what they share is returned instead. Where a part of one is
-    read elsewhere too, it is a root of its own.
+    Roots that differ only by a factor and an offset are replaced by the node that they share. A subexpression that is
+    also read elsewhere is a root of its own.
     """
-    trails = _trails(program, ranges)
+    dependences = _dependences(program, ranges)
     users = program.users()
-    kept = set(program.ends())
+    live_out = set(program.ends())
     roots = [
         k
-        for k, trail in trails.items()
-        if trail.transcendental and (k in kept or not all(_absorbs(trails, u, k) for u in users[k]))
+        for k, dependence in dependences.items()
+        if dependence.transcendental and (k in live_out or not all(_absorbs(dependences, u, k) for u in users[k]))
     ]
-    return tuple(Univariate(k, trails[k].variable) for k in sorted(_merged(program, trails, roots)))
+    return tuple(
+        Univariate(k, dependences[k].variable) for k in sorted(_merge_scaled_roots(program, dependences, roots))
+    )
 
 
-def _varying(program: Program) -> list[bool]:
+def _depends_on_signals(program: Program) -> list[bool]:
     """Return for each node whether it depends on an input or a state."""
-    found: list[bool] = []
+    varies: list[bool] = []
     for node in program.nodes:
-        found.append(node.op in ("input", "state") or any(found[a] for a in node.args))
-    return found
+        varies.append(node.op in ("input", "state") or any(varies[a] for a in node.args))
+    return varies
 
 
-def _common(above: list[int | None], depth: list[int], a: int | None, b: int | None) -> int | None:
+def _common_dominator(above: list[int | None], depth: list[int], a: int | None, b: int | None) -> int | None:
     while a is not None and b is not None and a != b:
         a, b = (above[a], b) if depth[a] >= depth[b] else (a, above[b])
     return a if a == b else None
 
 
-def _trails(program: Program, ranges: Sequence[Range]) -> dict[int, _Trail]:
-    """Return the trail of each node that is an analytic function of another one.
+def _dependences(program: Program, ranges: Sequence[Range]) -> dict[int, _Dependence]:
+    """Return the dependence of each node that is an analytic function of another one.
 
-    A named signal that is such a function with libm in it stands by itself: what is computed from it takes it as it is.
-    So naming decides which functions are kept apart.
+    A named signal that is such a function and contains libm ends it: nodes computed from the signal use it as their
+    variable. Naming a signal therefore separates functions.
     """
-    found: dict[int, _Trail] = {}
+    dependences: dict[int, _Dependence] = {}
     above: list[int | None] = []
     depth: list[int] = []
-    varies = _varying(program)
+    varies = _depends_on_signals(program)
     named = {k for _, k in program.marks}
     for k, node in enumerate(program.nodes):
         args = [a for a in node.args if varies[a]]
         v = args[0] if args else None
         for a in args[1:]:
-            v = _common(above, depth, v, a)
-        if v is not None and ranges[v].finite and (trail := _trail(program, ranges, varies, found, named, k, v)):
-            found[k] = trail
-        if k in named and k in found and found[k].transcendental:
+            v = _common_dominator(above, depth, v, a)
+        dependence = None
+        if v is not None and ranges[v].finite:
+            dependence = _dependence(program, ranges, varies, dependences, named, k, v)
+        if dependence is not None:
+            dependences[k] = dependence
+        if k in named and k in dependences and dependences[k].transcendental:
             v = None
         above.append(v)
         depth.append(0 if v is None else depth[v] + 1)
-    return found
+    return dependences
 
 
-def _trail(
+def _dependence(
     program: Program,
     ranges: Sequence[Range],
     varies: list[bool],
-    found: dict[int, _Trail],
+    dependences: dict[int, _Dependence],
     named: set[int],
     k: int,
     v: int,
-) -> _Trail | None:
-    """Return how node k comes from its dominator v, and on from v's own variable; None where it is not analytic."""
+) -> _Dependence | None:
+    """Return the dependence of node k through its dominator v on v's own variable; None if it is not analytic."""
     inside = [n for n in cone(program, k, v) if n != v]
     ops = {n: program.nodes[n].op for n in inside}
     if not all((op in _COMPLEX or op in _NUMBERS) and ranges[n].finite for n, op in ops.items()):
         return None
-    below = found.get(v, _Trail(v, False))
-    below = _Trail(v, False) if v in named and below.transcendental else below
+    below = dependences.get(v, _Dependence(v, False))
+    below = _Dependence(v, False) if v in named and below.transcendental else below
     transcendental = any(op in TRANSCENDENTAL and varies[n] for n, op in ops.items())
-    return _Trail(below.variable, below.transcendental or transcendental)
+    return _Dependence(below.variable, below.transcendental or transcendental)
 
 
 def cone(program: Program, root: int, variable: int) -> list[int]:
-    """Return the nodes that `root` needs beyond `variable`, in order, both included."""
-    found, waiting = {variable}, [root]
+    """Return the nodes between `variable` and `root`, in order, both included."""
+    nodes, waiting = {variable}, [root]
     while waiting:
         k = waiting.pop()
-        if k not in found:
-            found.add(k)
+        if k not in nodes:
+            nodes.add(k)
             waiting += program.nodes[k].args
-    return sorted(found)
+    return sorted(nodes)
 
 
-def _absorbs(trails: dict[int, _Trail], user: int, k: int) -> bool:
-    """Return whether k lies between a user of it and the user's variable."""
-    return user in trails and trails[user].transcendental and trails[user].variable != k
+def _absorbs(dependences: dict[int, _Dependence], user: int, k: int) -> bool:
+    """Return whether k lies between one of its users and the user's variable."""
+    return user in dependences and dependences[user].transcendental and dependences[user].variable != k
 
 
-def _merged(program: Program, trails: dict[int, _Trail], roots: list[int]) -> set[int]:
-    """Replace roots that are a number times the same node, plus a number, by the last node that they share."""
-    varies = _varying(program)
-    chains = {k: _scaled(program, trails, varies, k) for k in roots}
+def _merge_scaled_roots(program: Program, dependences: dict[int, _Dependence], roots: list[int]) -> set[int]:
+    """Replace roots that are affine functions of the same node by the last node that they share."""
+    varies = _depends_on_signals(program)
+    chains = {k: _linear_chain(program, dependences, varies, k) for k in roots}
     groups: dict[int, list[int]] = {}
     for k in roots:
         groups.setdefault(chains[k][-1], []).append(k)
     return {max(set(chains[group[0]]).intersection(*(chains[k] for k in group))) for group in groups.values()}
 
 
-def _scaled(program: Program, trails: dict[int, _Trail], varies: list[bool], k: int) -> list[int]:
-    """Return k and the nodes below it that it is a multiple of, plus a number, as long as libm is below them."""
+def _linear_chain(program: Program, dependences: dict[int, _Dependence], varies: list[bool], k: int) -> list[int]:
+    """Return k and the nodes below it of which it is an affine function, as long as libm is below them."""
     node = program.nodes[k]
     varying = [a for a in node.args if varies[a]]
     linear = node.op in ("add", "sub", "mul", "neg", "twice") or (node.op == "div" and varying == [node.args[0]])
-    if not linear or len(varying) != 1 or varying[0] not in trails or not trails[varying[0]].transcendental:
+    if not linear or len(varying) != 1 or varying[0] not in dependences or not dependences[varying[0]].transcendental:
         return [k]
-    return [k, *_scaled(program, trails, varies, varying[0])]
+    return [k, *_linear_chain(program, dependences, varies, varying[0])]
 
 
 def key(program: Program, ranges: Sequence[Range], root: int, variable: int) -> Key:
     """Return `root` as operations on earlier rows (operation, rows, number), the variable first.
 
-    Numbers and constants are those of the scalar type. Equal functions of unlike variables have equal keys: the rows
-    follow the expression, not the program.
+    Numbers and constants are rounded to the scalar type. Equal functions of different variables have equal keys: the
+    rows follow the expression, not the program.
 
-    Raises EmitError where the root depends on more than the variable, or is not analytic.
+    Raises EmitError if the root depends on more than the variable, or is not analytic.
     """
     rows: list[tuple[str, tuple[int, ...], float]] = [("variable", (), 0.0)]
     place, waiting = {variable: 0}, [root]
@@ -176,8 +181,8 @@ def key(program: Program, ranges: Sequence[Range], root: int, variable: int) -> 
             continue
         if node.op not in _COMPLEX and node.op not in _NUMBERS:
             raise EmitError(
-                f"node {root} is no analytic function of node {variable}: it needs '{node.name or node.op}'; choose "
-                "another variable"
+                f"node {root} is not an analytic function of node {variable}: it needs '{node.name or node.op}'; "
+                "choose another variable"
             )
         waiting += missing[::-1]
         if not missing:
@@ -191,7 +196,7 @@ def key(program: Program, ranges: Sequence[Range], root: int, variable: int) -> 
 def function(key: Key) -> Analytic:
     """Return the function of a key on complex balls, in the precision that is set when it is called.
 
-    A ball on which the function is not analytic gives no finite ball.
+    For a ball on which the function is not analytic the result is not finite.
     """
 
     def f(x: flint.acb) -> flint.acb:
@@ -203,8 +208,8 @@ def function(key: Key) -> Analytic:
     return f
 
 
-def _off(x: flint.arb, y: flint.arb) -> bool:
-    """Return whether x + i y is surely not on the real axis from 1 or -1 outwards."""
+def _off_branch_cut(x: flint.arb, y: flint.arb) -> bool:
+    """Return whether x + i y is provably off the branch cuts: the real axis beyond 1 and -1."""
     return not y.contains(0) or bool(abs(x) < 1)
 
 
@@ -219,9 +224,9 @@ _COMPLEX: dict[str, Callable[..., flint.acb]] = {
     "div": lambda a, b: a / b,
     "sqrt": lambda a: a.sqrt(analytic=True),
     "log": lambda a: a.log(analytic=True),
-    "asin": lambda a: a.asin() if _off(a.real, a.imag) else _NOWHERE,
-    "acos": lambda a: a.acos() if _off(a.real, a.imag) else _NOWHERE,
-    "atan": lambda a: a.atan() if _off(a.imag, a.real) else _NOWHERE,
+    "asin": lambda a: a.asin() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
+    "acos": lambda a: a.acos() if _off_branch_cut(a.real, a.imag) else _NOT_ANALYTIC,
+    "atan": lambda a: a.atan() if _off_branch_cut(a.imag, a.real) else _NOT_ANALYTIC,
     **{
         name: (lambda a, name=name: getattr(a, name)()) for name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh")
     },

@@ -1,1 +1,1 @@
-"""The text of C: layout of the structs, locals, expressions, statements, header and manifest."""
+"""C back end: layout of the structs, local variables, expressions, statements, header and manifest."""

@@ -1,9 +1,9 @@
-"""C99 text of a lowered Block: a header with three structs, and one straight-line step.
+"""C99 files of a lowered Block: a header with three structs, and one step function without loops.
 
     void     <name>_init(<name>_state_t *state);
     uint32_t <name>_step(<name>_state_t *state, const <name>_input_t *in, <name>_output_t *out);   fault bits
 
-The constants stand in the step, which alone reads them.
+The constants are local to the step, their only reader.
 """
 
 from collections.abc import Sequence
@@ -73,7 +73,7 @@ def source(
         t = layout.ctype
         size, zero = "fabsf" if layout.ctype == "float" else "fabs", literal(0.0, layout.scalar).c
         parts += [f"static inline {t} limit({t} x, {t} high)", "{"]
-        # max(min(x, high), -high) is -high throughout where high is negative
+        # for a negative high, max(min(x, high), -high) is -high for every x
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
     if any("flag(" in line.text for line in body if "/*" not in line.text):
         parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
@@ -85,7 +85,7 @@ def source(
 
 
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
-    """Return the function that evaluates a surrogate by Horner's rule, in t, or in t^2 for an odd or even one."""
+    """Return the C function that evaluates a surrogate by Horner's rule in t; in t^2 for an odd or even polynomial."""
     p, t = s.polynomial, "t"
     about = f"{s.variable} {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else s.variable
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about

@@ -1,4 +1,4 @@
-"""Figures for a document that is alike on every machine: cut to digits in which last bits do not show."""
+"""Rounding to significant digits, for documents that are the same on every machine despite differing last bits."""
 
 import math
 
@@ -8,11 +8,11 @@ from synth.synthesise.riccati import riccati
 
 
 def cut(value: float, digits: int) -> float:
-    """Return `value` rounded to so many significant digits."""
+    """Return `value` rounded to a number of significant digits (MATLAB `round(x, n, 'significant')`)."""
     return float(f"{value:.{digits}g}")
 
 
-def bound(value: float) -> float:
+def round_up(value: float) -> float:
     """Return a value of 0 or more rounded up to two digits."""
     if value == 0:
         return 0.0
@@ -21,14 +21,14 @@ def bound(value: float) -> float:
 
 
 def pole(value: complex) -> str:
-    """Return a pole in six digits; an imaginary part of less than 1e-9 is none."""
+    """Return a pole in six digits; an imaginary part below 1e-9 is omitted."""
     return f"{value.real:.6g}{value.imag:+.6g}i" if abs(value.imag) > 1e-9 else f"{value.real:.6g}"
 
 
 def certificate(solution: riccati.Riccati) -> dict[str, float]:
-    """Return how far a Riccati solution is from one, of its largest weight and of its largest entry."""
+    """Return a Riccati solution's residual relative to its largest weight, and error relative to its largest entry."""
     weight = max(float(np.abs(solution.Q).max()), float(np.abs(solution.R).max()))
     return {
-        "relative_residual_below": bound(float(solution.defect.max()) / weight),
-        "relative_forward_error_estimate": bound(float((solution.step / np.abs(solution.X).max()).max())),
+        "relative_residual_below": round_up(float(solution.defect.max()) / weight),
+        "relative_forward_error_estimate": round_up(float((solution.step / np.abs(solution.X).max()).max())),
     }

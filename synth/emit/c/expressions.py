@@ -1,4 +1,4 @@
-"""Expressions of C: the text of each node of a program, in parentheses where operators or compilers want them."""
+"""C expressions: the text of each node of a program, with parentheses where precedence or compilers need them."""
 
 from dataclasses import dataclass
 
@@ -19,28 +19,31 @@ INLINE = ("literal", "constant")  # printed wherever they are read
 
 @dataclass(frozen=True)
 class Text:
-    """An expression and how strongly its outermost operator binds."""
+    """An expression and the precedence of its outermost operator."""
 
     c: str
     strength: int = ATOM
 
     def inside(self, strength: int) -> str:
-        """Return the text, in parentheses where it binds less than `strength`."""
+        """Return the text, in parentheses if its precedence is below `strength`."""
         return self.c if self.strength >= strength else f"({self.c})"
 
     def beside(self, strength: int) -> str:
-        """Return the text as the side of an operator of this strength: another operator there stands in parentheses."""
+        """Return the text as an operand of an operator of this precedence; other operators in it need parentheses."""
         return self.c if self.strength in (strength, *range(6, ATOM + 1)) else f"({self.c})"
 
 
 def constant(name: str) -> str:
-    """Return what a constant or a table of a Block is called in C, where it must not hide what the text needs."""
+    """Return the C name of a constant or a table of a Block; it must not shadow a name that the text uses."""
     bare = name.rstrip("_")
     return f"{name}_" if bare in RESERVED or bare.endswith("_polynomial") else name
 
 
 def literal(value: float, scalar: type[np.floating]) -> Text:
-    """Return the shortest literal that reads back as `value` in the scalar type; raise EmitError if none is finite."""
+    """Return the shortest literal that reads back as `value` in the scalar type.
+
+    Raises EmitError for a value that is not finite in that type.
+    """
     with np.errstate(over="ignore"):
         rounded = scalar(value)
     if not np.isfinite(rounded):
@@ -63,14 +66,14 @@ class Expressions:
         return {"logical": "bool", "integer": "uint32_t"}.get(self.kinds[k], CTYPES[self.scalar])
 
     def as_kind(self, k: int, kind: str) -> Text:
-        """Return node k as a value of a kind."""
+        """Return node k converted to a kind."""
         if kind == "logical":
             node = self.p.nodes[k]
             return Text(str(bool(node.value)).lower()) if node.op == "literal" else self.condition(k)
         return self.integer(k) if kind == "integer" else self.value(k)
 
     def of(self, k: int) -> Text:
-        """Return the operation of node k on the texts of its arguments."""
+        """Return the expression of node k from the texts of its operands."""
         node = self.p.nodes[k]
         op, args = node.op, node.args
         if op == "literal":
@@ -99,7 +102,7 @@ class Expressions:
         return self._operation(node, sides)
 
     def _counts(self, node: Node) -> bool:
-        """Tell whether a comparison is one of integers; with 0, or itself, C may call it always true or false."""
+        """Tell whether to compare as integers; compilers warn about a comparison with 0 or itself as always true."""
         kinds = {self.kinds[a] for a in node.args}
         numbers = [self.p.nodes[a] for a in node.args if self.kinds[a] == "number"]
         whole = "integer" in kinds and kinds <= {"integer", "number"} and all(map(carriers.is_whole, numbers))
@@ -132,8 +135,8 @@ class Expressions:
             one, zero = (literal(v, self.scalar).c for v in (1.0, 0.0))
             return Text(f"{self.condition(k).inside(6)} ? {one} : {zero}", -1)
         if self.kinds[k] == "integer":
-            return Text(f"({CTYPES[self.scalar]}){self.known(k).inside(7)}", 7)
-        return self.known(k)
+            return Text(f"({CTYPES[self.scalar]}){self.operand(k).inside(7)}", 7)
+        return self.operand(k)
 
     def integer(self, k: int) -> Text:
         """Return node k as a uint32_t."""
@@ -142,21 +145,21 @@ class Expressions:
             return Text(f"{int(node.value)}u")
         if self.kinds[k] == "logical":
             return Text(f"flag({self.condition(k).c})")
-        return self.known(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
+        return self.operand(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
 
     def condition(self, k: int) -> Text:
         """Return node k as a truth value."""
         if self.kinds[k] == "logical":
-            return self.known(k)
+            return self.operand(k)
         zero = "0u" if self.kinds[k] == "integer" else literal(0.0, self.scalar).c
-        return Text(f"{self.known(k).inside(3)} != {zero}", 2)
+        return Text(f"{self.operand(k).inside(3)} != {zero}", 2)
 
-    def known(self, k: int) -> Text:
-        """Return the text of node k, which stands already or is printed wherever it is read."""
+    def operand(self, k: int) -> Text:
+        """Return the text of node k as an operand: its local or expression, or the literal or constant itself."""
         node = self.p.nodes[k]
         return self.of(k) if node.op in INLINE else self.text[k]
 
 
 def mask(node: Node) -> str:
-    """Return the number that has the node's bit alone."""
+    """Return the mask of the node's bit."""
     return f"0x{int(node.value):08x}u"

@@ -1,4 +1,4 @@
-"""What C holds each node of a program in: a truth value, an unsigned integer or a number of the scalar type."""
+"""Type inference: the C type of each node of a program, a truth value, an unsigned integer or the scalar type."""
 
 from collections.abc import Sequence
 
@@ -9,14 +9,14 @@ from synth.errors import EmitError
 
 
 def kinds(p: Program) -> list[str]:
-    """Return for each node what C holds it in: "logical", "integer", "real", or "number" for a literal of either.
+    """Return the kind of each node: "logical", "integer", "real", or "number" for a literal of either of the last two.
 
-    A difference of integers may be below 0: it is one only where nothing but an integer state takes it.
+    A difference of integers may be negative. It is an integer only if integer states alone use it.
     """
-    found: list[str] = []
-    counted = _counted(p)
+    kind_of: list[str] = []
+    counted = _only_in_counters(p)
     for k, node in enumerate(p.nodes):
-        args = [found[a] for a in node.args]
+        args = [kind_of[a] for a in node.args]
         whole = all(
             k == "integer" or (k == "number" and is_whole(p.nodes[a])) for a, k in zip(node.args, args, strict=True)
         )
@@ -28,15 +28,15 @@ def kinds(p: Program) -> list[str]:
         elif node.op == "bit" or (node.op == "state" and node.name in p.integers):
             kind = "integer"
         elif node.op == "choose":
-            kind = _chosen(p, node, args[1:])
+            kind = _kind_of_choice(p, node, args[1:])
         elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):
             kind = "integer"
-        found.append(kind)
-    return found
+        kind_of.append(kind)
+    return kind_of
 
 
-def _counted(p: Program) -> set[int]:
-    """Return the nodes that reach nothing but integer states, and these through arms of choices alone."""
+def _only_in_counters(p: Program) -> set[int]:
+    """Return the nodes that only integer states use, either directly or as arms of choices."""
     other = {*p.outputs.values(), *(k for name, k in p.next.items() if name not in p.integers)}
     for k in range(len(p.nodes) - 1, -1, -1):
         node = p.nodes[k]
@@ -48,7 +48,7 @@ def is_whole(node: Node) -> bool:
     return 0 <= node.value < 2**32 and node.value == int(node.value)
 
 
-def _chosen(p: Program, node: Node, arms: Sequence[str]) -> str:
+def _kind_of_choice(p: Program, node: Node, arms: Sequence[str]) -> str:
     literals = [p.nodes[a] for a, kind in zip(node.args[1:], arms, strict=True) if kind == "number"]
     flags = all(n.value in (0.0, 1.0) for n in literals)
     if set(arms) <= {"logical", "number"} and flags:
@@ -59,9 +59,9 @@ def _chosen(p: Program, node: Node, arms: Sequence[str]) -> str:
 
 
 def require_whole(program: Program, proved: Sequence[ranges.Range]) -> None:
-    """Raise EmitError where what C holds in 32 bits without a sign may exceed them.
+    """Raise EmitError for an unsigned 32-bit integer that may overflow.
 
-    One that may be below 0 reaches nothing but an integer state, through choices: if taken it is what that state holds.
+    A possibly negative one is used only by an integer state through choices; the proof of that state's range covers it.
     """
     for k, kind in enumerate(kinds(program)):
         if kind == "integer" and not proved[k].high < 2**32:

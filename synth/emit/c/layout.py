@@ -1,6 +1,6 @@
-"""Memory layout of the three structs: members ordered by size, no padding, the same on every target.
+"""Memory layout of the three structs: members sorted by size, no padding, the same on every target.
 
-With 8-byte scalars an odd count of 4-byte members is filled up by an explicit `reserved`.
+With 8-byte scalars an explicit member `reserved` follows an odd number of 4-byte members.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ _SIZE = {"float": 4, "double": 8, "uint32_t": 4}
 
 @dataclass(frozen=True)
 class Member:
-    """One member: `low` and `high` are exact in the scalar type, as the step enforces them."""
+    """One member; `low` and `high` are rounded to the scalar type, and the step enforces them in that form."""
 
     name: str
     offset: int
@@ -65,10 +65,10 @@ class Layout:
 
 
 def layout(block: Block, scalar: type[np.floating]) -> Layout:
-    """Lay out a Block's structs for a scalar type.
+    """Return the layout of a Block's structs for a scalar type.
 
     Raises EmitError for a type that is neither float32 nor float64, for a Block without input or output, and for a
-    bound that the type cannot hold.
+    bound that the type cannot represent.
     """
     if scalar not in CTYPES:
         raise EmitError(f"scalar type {scalar} cannot be emitted: choose numpy.float32 or numpy.float64")
@@ -82,7 +82,7 @@ def layout(block: Block, scalar: type[np.floating]) -> Layout:
     )
 
 
-def _bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
+def _rounded_bound(value: float, signal: Signal, scalar: type[np.floating]) -> float:
     with np.errstate(over="ignore"):
         bound = float(scalar(value))
     if not np.isfinite(bound):
@@ -102,6 +102,10 @@ def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar:
         ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
     fields, offset = [], 0
     for s, c in ordered:
-        fields.append(Member(s.name, offset, c, s.unit, _bound(s.low, s, scalar), _bound(s.high, s, scalar), s.about))
+        fields.append(
+            Member(
+                s.name, offset, c, s.unit, _rounded_bound(s.low, s, scalar), _rounded_bound(s.high, s, scalar), s.about
+            )
+        )
         offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

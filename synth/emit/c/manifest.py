@@ -1,4 +1,4 @@
-"""The manifest: what any program needs to drive the C without reading it."""
+"""Manifest: the C interface as JSON (functions, struct layouts, faults, safety, surrogates, trace, checksums)."""
 
 import hashlib
 import json
@@ -23,8 +23,8 @@ def manifest(
 ) -> dict[str, Any]:
     """Return the manifest of the emitted `texts` (file name to text) as a JSON document.
 
-    `trace` holds for each Block of the composition, with its equation, the lines of <name>.c that compute it, as runs
-    [first, last], counted from 1.
+    `trace` maps each Block of the composition, with its equation, to the lines of <name>.c that compute it, as ranges
+    [first, last] of line numbers from 1.
     """
     return {
         "design": block.name,

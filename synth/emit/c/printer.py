@@ -1,6 +1,6 @@
-"""Printing: scheduled statements become lines of C, each with the tag of the equation that it came from.
+"""Code printer: scheduled statements to lines of C, each tagged with the equation that it computes.
 
-Locals are `const` unless an `if` gives them their value.
+Locals are `const` unless an `if` assigns their value.
 """
 
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from synth.emit.c.expressions import Expressions, Text, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
-from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
+from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
 
 
 @dataclass(frozen=True)
 class Line:
-    """One line of C and the Block, with its equation, that it computes; empty for none."""
+    """One line of C, tagged with its Block and equation; the tag may be empty."""
 
     text: str
     tag: str = ""
@@ -56,8 +56,8 @@ class _Printer:
 
     def _block(self, block: Sequence[Statement], depth: int) -> None:
         for s in block:
-            if isinstance(s, About):
-                self._about(s, depth)
+            if isinstance(s, Annotation):
+                self._annotate(s, depth)
             elif isinstance(s, Let):
                 self._let(s.node, depth)
             elif isinstance(s, Assign):
@@ -70,11 +70,11 @@ class _Printer:
 
     def _assignment(self, s: Assign, variable: str) -> str:
         node = self.p.nodes[s.node]
-        if node.op == "bit" and self.c.known(node.args[0]).c == variable:
+        if node.op == "bit" and self.c.operand(node.args[0]).c == variable:
             return f"{variable} |= {mask(node)};"
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
-    def _about(self, s: About, depth: int) -> None:
+    def _annotate(self, s: Annotation, depth: int) -> None:
         owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
         tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
         if tag != self.tag:
@@ -88,7 +88,7 @@ class _Printer:
             self._put(f"/* {tag} */", depth)
 
     def _let(self, k: int, depth: int) -> None:
-        """Give node k a line of its own, or let it wait to be printed inside its reader."""
+        """Print node k as a local variable, or keep its text for the expression that reads it."""
         if not self.locals.reads[k]:
             return
         node = self.p.nodes[k]
@@ -97,10 +97,10 @@ class _Printer:
         if waits and len(text.c) < _WIDTH:
             self.c.text[k] = text
             return
-        if k in self.locals.handed and self.locals.reads[k] == 1:
+        if k in self.locals.direct_loads and self.locals.reads[k] == 1:
             self.c.text[k] = text
             return
-        name = self.locals.name.get(k) or self._fresh(node)
+        name = self.locals.name.get(k) or self._new_name(node)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {text.c};", depth)
         if node.op == "within":
@@ -143,10 +143,10 @@ class _Printer:
     def _put(self, text: str, depth: int) -> None:
         self.printed.append(Line("    " * depth + text, self.tag))
 
-    def _fresh(self, node: Node) -> str:
+    def _new_name(self, node: Node) -> str:
         return self.locals.names.free(node.name) if node.op in LOADS else self.locals.names.next()
 
 
 def prose(text: str) -> str:
-    """Return a text that neither opens nor closes a comment."""
+    """Return a text in which C comment delimiters are broken up."""
     return text.replace("*/", "* /").replace("/*", "/ *")

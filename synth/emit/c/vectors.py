@@ -1,4 +1,4 @@
-"""Test vectors: what the emitted C answers to recorded inputs, step by step from `init`, for anyone's harness."""
+"""Test vectors: recorded inputs and the responses of the emitted C, step by step from `init`, for any test harness."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,7 +14,7 @@ Columns = Mapping[str, NDArray[Any]]
 def document(inputs: Columns, outputs: Columns, faults: NDArray[np.uint32]) -> str:
     """Return vectors.json: columns (N,) by name, numbers in the fewest digits that read back in their scalar type."""
 
-    def listed(columns: Columns) -> dict[str, list[float]]:
+    def lists(columns: Columns) -> dict[str, list[float]]:
         return {name: [float(str(v)) for v in column] for name, column in columns.items()}
 
-    return manifest.dumps({"inputs": listed(inputs), "outputs": listed(outputs), "faults": [int(f) for f in faults]})
+    return manifest.dumps({"inputs": lists(inputs), "outputs": lists(outputs), "faults": [int(f) for f in faults]})

@@ -1,4 +1,4 @@
-"""Words for a program's nodes: which signal is being computed, the expression as C has it, names with units."""
+"""Descriptions of a program's nodes for messages: the signal, the expression in C syntax, values with units."""
 
 from collections.abc import Sequence
 
@@ -9,11 +9,11 @@ from synth.emit.proof.interval import Array
 _INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "lt": "<", "le": "<=", "eq": "==", "ne": "!="}
 _INFIX |= {"and": "&&", "or": "||", "sq": "*"}
 _PREFIX = {"neg": "-", "not": "!", "twice": "2 * ", "inv": "1 / "}
-_DEEPEST, _LONGEST = 8, 160  # operations inside one another, and characters, that are spelled out
+_DEEPEST, _LONGEST = 8, 160  # limits of nesting depth and of characters
 
 
 def signal(program: Program, k: int) -> str:
-    """Return the first signal, in the order of the composition, that node k serves to compute."""
+    """Return the first signal, in the order of the composition, that depends on node k."""
     named = next((named for named, at in program.marks if k in _cone(program, at)), None)
     if named is None:
         return "the next states"
@@ -21,17 +21,17 @@ def signal(program: Program, k: int) -> str:
 
 
 def _cone(program: Program, k: int) -> set[int]:
-    found, waiting = set[int](), [k]
+    nodes, waiting = set[int](), [k]
     while waiting:
         k = waiting.pop()
-        if k not in found:
-            found.add(k)
+        if k not in nodes:
+            nodes.add(k)
             waiting += program.nodes[k].args
-    return found
+    return nodes
 
 
 def expression(program: Program, k: int, spelled: bool = True) -> str:
-    """Return node k as text, `spelled` out even where it has a name; what lies too deep inside is left out."""
+    """Return node k as text, `spelled` out even if it has a name; deeply nested operands become (...)."""
     names = {at: named.signal.name for named, at in program.marks}
     names |= {at: node.name for at, node in enumerate(program.nodes) if node.name}
     if k in names and (not spelled or program.nodes[k].name):
@@ -64,6 +64,6 @@ def values(block: Block, program: Program, leaves: Sequence[int], low: Array, hi
     rows = []
     for leaf, first, last in zip(leaves, low, high, strict=True):
         name = expression(program, leaf, spelled=False)
-        found = f"{first:.9g}" if first == last else f"{first:.9g} .. {last:.9g}"
-        rows.append(f"{name} = {found}" + (f" {units[name]}" if name in units else ""))
+        text = f"{first:.9g}" if first == last else f"{first:.9g} .. {last:.9g}"
+        rows.append(f"{name} = {text}" + (f" {units[name]}" if name in units else ""))
     return ", ".join(rows)

@@ -1,1 +1,1 @@
-"""Passes over a lowered program: folding, polynomials, limits that never act, the order of statements."""
+"""Passes over a lowered program: constant folding, surrogates, elimination of idle limits, scheduling."""

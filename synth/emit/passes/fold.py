@@ -1,14 +1,14 @@
-"""Folding: the same values from fewer operations. Each rule rewrites one node; a second pass shares divisions.
+"""Constant folding and algebraic simplification. Each rule rewrites one node; a second pass shares reciprocals.
 
     numbers         l1 op l2,  l1 (l2 x) = (l1 l2) x,  x / l = (1/l) x,  l1 / (l2 x) = (l1/l2) / x,  x + 0, 1 x
     signs           a - (-b),  -(l x) = (-l) x
     choices         not c ? a : b = c ? b : a,  c ? a : (c ? b : d) = c ? a : d,  a gate is a choice with 0
-    limits          max(min(x, h), -h)  is a limit of x to +-h, with one comparison while x is inside
-    intervals       -h <= x && x <= h  is  |x| <= h, also for what is no number
+    limits          max(min(x, h), -h)  is a clamp of x to -h .. h, with one comparison while x is inside
+    intervals       -h <= x && x <= h  is  |x| <= h, also for NaN
     constants       k1 (k2 x) = (k1 k2) x for named constants, the product rounded to the scalar type once
     divisions       a / d and b / d, or 1/d: one reciprocal, and products
 
-Numbers are folded in double and rounded once, where they are printed.
+Numbers are folded in double and rounded once, when they are printed.
 """
 
 import operator
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from synth.emit.lower import LOGICAL, Node, Program
-from synth.emit.proof.safe import Guard, arms
+from synth.emit.proof.safe import Guard, node_guards
 
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
     "add": operator.add,
@@ -28,7 +28,7 @@ _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
 
 
 class _Folder:
-    """Nodes so far, each once, in the order of computation."""
+    """The nodes of the new program, each once (value numbering), in the order of computation."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
@@ -47,8 +47,8 @@ class _Folder:
         node = self.nodes[k]
         return node.value if node.op == "literal" else None
 
-    def scaled(self, k: int) -> tuple[float, int]:
-        """Read node k as l x; l is 1 where no number stands before it."""
+    def split_factor(self, k: int) -> tuple[float, int]:
+        """Split node k into a number l and a node x with k = l x; l is 1 for a node without a numeric factor."""
         node = self.nodes[k]
         if node.op == "neg":
             return -1.0, node.args[0]
@@ -57,24 +57,24 @@ class _Folder:
         return 1.0, k
 
     def make(self, node: Node) -> int:
-        """Return the place of a node with folded arguments, or of what equals it."""
+        """Return the index of a node with folded arguments, after simplification."""
         rule = _RULES.get(node.op)
-        found = rule(self, *node.args) if rule else None
-        return self.place(node) if found is None else found
+        replacement = rule(self, *node.args) if rule else None
+        return self.place(node) if replacement is None else replacement
 
 
 def _neg(f: _Folder, a: int) -> int | None:
     if (l := f.number(a)) is not None:
         return f.literal(-l)
-    l, x = f.scaled(a)
+    l, x = f.split_factor(a)
     return None if l == 1 else times(f, -l, x)
 
 
 def times(f: _Folder, l: float, x: int) -> int:
-    """Return l x."""
+    """Return the index of l x."""
     if (number := f.number(x)) is not None:
         return f.literal(l * number)
-    m, x = f.scaled(x)
+    m, x = f.split_factor(x)
     l *= m
     if l == 1:
         return x
@@ -89,7 +89,7 @@ def times(f: _Folder, l: float, x: int) -> int:
 
 
 def _mul(f: _Folder, a: int, b: int) -> int | None:
-    (l, x), (m, y) = f.scaled(a), f.scaled(b)
+    (l, x), (m, y) = f.split_factor(a), f.split_factor(b)
     for number, other in ((f.number(a), b), (f.number(b), a)):
         if number is not None:
             return times(f, number, other)
@@ -102,7 +102,7 @@ def _div(f: _Folder, a: int, b: int) -> int | None:
     top, bottom = f.number(a), f.number(b)
     if bottom is not None and bottom != 0:
         return times(f, 1 / bottom, a) if top is None else f.literal(top / bottom)
-    (l, x), (m, y) = (top, a) if top is not None else f.scaled(a), f.scaled(b)
+    (l, x), (m, y) = (top, a) if top is not None else f.split_factor(a), f.split_factor(b)
     if m in (0.0, 1.0):
         return None
     if top is not None:
@@ -111,7 +111,7 @@ def _div(f: _Folder, a: int, b: int) -> int | None:
 
 
 def _inv(f: _Folder, a: int) -> int | None:
-    return _div(f, f.literal(1.0), a) if f.number(a) or f.scaled(a)[0] != 1 else None
+    return _div(f, f.literal(1.0), a) if f.number(a) or f.split_factor(a)[0] != 1 else None
 
 
 def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
@@ -122,10 +122,10 @@ def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
         return a
     if first == 0:
         return b if op == "add" else _neg(f, b) or f.place(Node("neg", (b,)))
-    l, x = f.scaled(b)
+    l, x = f.split_factor(b)
     if l < 0:
         return f.make(Node("sub" if op == "add" else "add", (a, times(f, -l, x))))
-    l, x = f.scaled(a)
+    l, x = f.split_factor(a)
     if l < 0 and op == "add":
         return f.make(Node("sub", (b, times(f, -l, x))))
     return None
@@ -140,9 +140,9 @@ def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
 
 
 def _limit(f: _Folder, a: int, b: int) -> int | None:
-    """Read max(min(x, h), -h) as a limit of x to h on both sides."""
-    if (found := _extreme("max")(f, a, b)) is not None:
-        return found
+    """Recognise max(min(x, h), -h) as a clamp of x to -h .. h."""
+    if (number := _extreme("max")(f, a, b)) is not None:
+        return number
     for inner, low in ((f.nodes[a], b), (f.nodes[b], a)):
         if inner.op == "min":
             for x, high in (inner.args, inner.args[::-1]):
@@ -211,18 +211,18 @@ _RULES: dict[str, Callable[..., int | None]] = {
 
 
 def folded(p: Program) -> Program:
-    """Return a program that computes the same values, to rounding, from fewer operations."""
-    return _shared_divisions(_rebuilt(p, lambda f, node, _: f.make(node)))
+    """Return a program that computes the same values, up to rounding, with fewer operations."""
+    return _share_divisions(_rebuild(p, lambda f, node, _: f.make(node)))
 
 
-def gathered(p: Program) -> Program:
-    """Return the program that multiplies by two named constants at once: k1 (k2 x) = (k1 k2) x.
+def with_constant_products(p: Program) -> Program:
+    """Return the program with one factor in place of two named constants: k1 (k2 x) = (k1 k2) x.
 
-    Nothing else may read k2 x. A product of constants stands in `products`, and is no factor of another one.
+    This requires that no other node reads k2 x. The products are listed in `products`; none is a factor of another.
     """
-    users, kept = p.users(), set(p.ends())
+    users, live_out = p.users(), set(p.ends())
     products = dict(p.products)
-    taken = {n.name for n in p.nodes}
+    used_names = {n.name for n in p.nodes}
     merged: dict[Node, str] = {}
     for node in p.nodes:
         first, second = (p.nodes[a] for a in node.args) if node.op == "mul" else (node, node)
@@ -230,8 +230,8 @@ def gathered(p: Program) -> Program:
             continue
         pair = (first.name, p.nodes[second.args[0]].name)
         name = "_x_".join(pair)
-        free = name not in taken and products.get(name, pair) == pair
-        if free and len(users[node.args[1]]) == 1 and node.args[1] not in kept:
+        unused = name not in used_names and products.get(name, pair) == pair
+        if unused and len(users[node.args[1]]) == 1 and node.args[1] not in live_out:
             merged[node] = name
             products[name] = pair
 
@@ -240,26 +240,30 @@ def gathered(p: Program) -> Program:
             return f.place(node)
         return f.place(Node("mul", (f.place(Node("constant", name=merged[old])), f.nodes[node.args[1]].args[1])))
 
-    return _rebuilt(replace(p, products=products), make)
+    return _rebuild(replace(p, products=products), make)
 
 
-def _rebuilt(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
-    """Return the program with every node passed through `make`, arguments first, beside what it was."""
+def _rebuild(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
+    """Return the program rebuilt node by node: `make` gets the node with new arguments, and the old node."""
     f = _Folder()
     index: list[int] = []
     for node in p.nodes:
         index.append(make(f, replace(node, args=tuple(index[a] for a in node.args)), node))
-    return p.moved(tuple(f.nodes), index)
+    return p.with_nodes(tuple(f.nodes), index)
 
 
-def _shared_divisions(p: Program) -> Program:
-    """Divide once by what is divided by more than once, where it is divided by it anyway."""
-    guards = arms(p)
+def _share_divisions(p: Program) -> Program:
+    """Replace divisions by the same divisor by one reciprocal, if one of them is executed whenever any other is."""
+    guards = node_guards(p)
     divisors: dict[int, list[frozenset[Guard]]] = {}
     for k, n in enumerate(p.nodes):
         if n.op in ("div", "inv"):
             divisors.setdefault(n.args[-1], []).append(guards[k])
-    shared = {d for d, where in divisors.items() if len(where) > 1 and frozenset.intersection(*where) in where}
+    shared = {
+        d
+        for d, guard_sets in divisors.items()
+        if len(guard_sets) > 1 and frozenset.intersection(*guard_sets) in guard_sets
+    }
 
     def make(f: _Folder, node: Node, old: Node) -> int:
         if node.op != "div" or old.args[1] not in shared:
@@ -269,4 +273,4 @@ def _shared_divisions(p: Program) -> Program:
             return f.make(Node("mul", (top, inverse)))
         return inverse if number == 1 else f.place(Node("mul", (top, inverse)))
 
-    return _rebuilt(p, make)
+    return _rebuild(p, make)

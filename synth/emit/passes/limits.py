@@ -1,4 +1,4 @@
-"""Limits that never act: those that ranges prove idle, and those of which an author's certificate proves it."""
+"""Elimination of limits that never act, as proved by range analysis or by a certificate of the author."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,15 +14,16 @@ from synth.emit.proof.ranges import SELECTIONS
 
 def without_idle(program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating]) -> Program:
     """Return the program without the limits that its ranges prove idle."""
-    while idle := redundant(program, ranges.analyse(program, bounds, scalar)):
+    while idle := find_redundant(program, ranges.analyse(program, bounds, scalar)):
         program = fold.folded(program.substituted(idle))
     return program
 
 
 def without_certified(program: Program, surrogates: Sequence[Surrogate], scalar: type[np.floating]) -> Program:
-    """Return the program without the limits that a certificate proves idle: what they limit is said to be `within`.
+    """Return the program with `within` (an assertion) in place of the limits that a certificate proves idle.
 
-    A certificate counts on polynomials: what libm is left to compute has no error that is known.
+    A certificate needs the errors of all functions. It applies only if polynomials have replaced libm, whose errors are
+    unknown.
     """
     known = not any(node.op in LIBM - {"sqrt", "fabs"} for node in program.nodes)
     error = max((s.polynomial.max_relative_error for s in surrogates), default=0.0) if known else np.inf
@@ -36,18 +37,18 @@ def without_certified(program: Program, surrogates: Sequence[Surrogate], scalar:
     return replace(program, nodes=tuple(nodes))
 
 
-def redundant(program: Program, proved: tuple[ranges.Range, ...]) -> dict[int, int]:
-    """Return for each min, max, clamp or choice that always equals one of its arguments that argument.
+def find_redundant(program: Program, proved: tuple[ranges.Range, ...]) -> dict[int, int]:
+    """Map each min, max, clamp or choice that always equals one of its arguments to that argument.
 
-    The argument is followed through others that are redundant. (a < b) ? a : b is b where either is no number, and of
-    two zeros of unlike sign it gives the second: a tie at 0 replaces nothing by the first.
+    Chains of redundant nodes are followed to their end. (a < b) ? a : b is b if either is NaN, and it is the second of
+    two zeros of different sign; a tie at 0 therefore never selects the first argument.
     """
-    found: dict[int, int] = {}
+    equal: dict[int, int] = {}
     for k in range(len(program.nodes)):
         same = _same(program, k, proved)
         if same is not None:
-            found[k] = found.get(same, same)
-    return found
+            equal[k] = equal.get(same, same)
+    return equal
 
 
 def _same(program: Program, k: int, proved: tuple[ranges.Range, ...]) -> int | None:

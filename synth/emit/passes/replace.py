@@ -1,9 +1,9 @@
-"""Replacement: functions of one variable in a program become certified polynomials.
+"""Surrogate pass: certified polynomials replace functions of one variable in a program.
 
-    root = f(v)   ->   root = p(v - c),   or   root = p(l/(v + d) - c)   where the program computes l/(v + d) anyway
+    root = f(v)   ->   root = p(v - c),   or   root = p(l/(v + d) - c)   if the program computes l/(v + d) anyway
 
-A reciprocal takes poles and branch points below the range away from it, so that a much lower degree may do. Functions
-of one variable share it, and equal functions share their polynomial.
+A reciprocal moves poles and branch points below the range away from it, and a much lower degree may suffice. Functions
+of one variable share its argument, and equal functions share their polynomial.
 """
 
 import functools
@@ -27,7 +27,7 @@ from synth.errors import EmitError
 
 @dataclass(frozen=True)
 class Surrogate:
-    """A polynomial that stands for signal `tag` as a function of `variable`, with its name in C."""
+    """A polynomial that approximates signal `tag` as a function of `variable`, with its name in C."""
 
     name: str
     tag: str
@@ -43,28 +43,30 @@ class _Reciprocal:
     d: float
 
 
-def replaced(
+def replace_functions(
     program: Program, bounds: Mapping[str, ranges.Range], scalar: type[np.floating], error: float | None = None
 ) -> tuple[Program, tuple[Surrogate, ...]]:
-    """Return the program with polynomials for its functions of one variable, and these polynomials.
+    """Return the program with polynomials in place of its functions of one variable, and these polynomials.
 
-    A function that no polynomial replaces at the relative error, such as one with a zero inside its range, stays.
+    A function that no polynomial approximates to the relative error, such as one with a zero in its range, stays.
     """
-    found = ranges.analyse(program, bounds, scalar)
+    node_ranges = ranges.analyse(program, bounds, scalar)
     names, users = _names(program), program.users()
     best: dict[int, tuple[int, Polynomial]] = {}
     first: dict[int, Polynomial] = {}
-    for f in univariate.find(program, found):
-        key = univariate.key(program, found, f.root, f.variable)
+    for f in univariate.find(program, node_ranges):
+        key = univariate.key(program, node_ranges, f.root, f.variable)
         tasks = {
-            k: _Task(key, reciprocal, found[k].low, found[k].high, scalar, error, names.get(f.root, "function"))
-            for k, reciprocal in _arguments(program, users, found, f).items()
+            k: _Task(
+                key, reciprocal, node_ranges[k].low, node_ranges[k].high, scalar, error, names.get(f.root, "function")
+            )
+            for k, reciprocal in _candidate_variables(program, users, node_ranges, f).items()
         }
         with suppress(EmitError):
             k = min(tasks, key=lambda k: (_degree(tasks[k]), k == f.variable))
-            best[f.root] = (k, _shared(tasks[k], first.get(k)))
+            best[f.root] = (k, _fit_in_argument_of(tasks[k], first.get(k)))
             first.setdefault(k, best[f.root][1])
-    return _rewritten(program, names, best)
+    return _rewrite(program, names, best)
 
 
 def _names(program: Program) -> dict[int, str]:
@@ -72,15 +74,15 @@ def _names(program: Program) -> dict[int, str]:
     return names | {k: named.signal.name for named, k in reversed(program.marks)}
 
 
-def _arguments(
-    program: Program, users: Sequence[Sequence[int]], found: Sequence[ranges.Range], f: univariate.Univariate
+def _candidate_variables(
+    program: Program, users: Sequence[Sequence[int]], node_ranges: Sequence[ranges.Range], f: univariate.Univariate
 ) -> dict[int, _Reciprocal | None]:
-    """Return the nodes in which a root may be written: its variable, and reciprocals of it that are computed anyway."""
+    """Return the nodes as functions of which a root may be written: its variable, and reciprocals of it."""
     cone = set(univariate.cone(program, f.root, f.variable))
-    own = {k for k in cone if cone.issuperset(users[k])} | {f.root}
-    near = sorted({k for a in users[f.variable] for k in users[a]} - own)
-    candidates = {k: _reciprocal(program, k, f.variable) for k in near}
-    return {f.variable: None} | {k: c for k, c in candidates.items() if c and found[k].finite}
+    internal = {k for k in cone if cone.issuperset(users[k])} | {f.root}
+    neighbours = sorted({k for a in users[f.variable] for k in users[a]} - internal)
+    candidates = {k: _reciprocal(program, k, f.variable) for k in neighbours}
+    return {f.variable: None} | {k: c for k, c in candidates.items() if c and node_ranges[k].finite}
 
 
 def _reciprocal(program: Program, k: int, variable: int) -> _Reciprocal | None:
@@ -98,7 +100,7 @@ def _reciprocal(program: Program, k: int, variable: int) -> _Reciprocal | None:
 
 @dataclass(frozen=True)
 class _Task:
-    """What is fitted: the function of `key` of a variable, in that or in its reciprocal, on a range of it."""
+    """A fit: the function of `key`, in its variable or in its reciprocal, on a range of either."""
 
     key: Key
     reciprocal: _Reciprocal | None
@@ -109,20 +111,20 @@ class _Task:
     what: str
 
 
-def _shared(task: _Task, like: Polynomial | None) -> Polynomial:
-    """Fit in the t of another polynomial of the same argument, unless that takes a higher degree."""
+def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
+    """Fit in the scaled argument t of `like`, unless that needs a higher degree."""
     if like is not None and like.parity == "none":
         with suppress(EmitError):
-            found = _fitted(task, like)
-            if found.parity == "none" and found.degree <= _degree(task):
-                return found
+            polynomial = _fitted(task, like)
+            if polynomial.parity == "none" and polynomial.degree <= _degree(task):
+                return polynomial
     return _fitted(task, None)
 
 
 @functools.cache
 @cache.kept
 def _degree(task: _Task) -> float:
-    """Return about the degree that a polynomial will need, infinite where none will do."""
+    """Estimate the degree that a polynomial needs; infinity if none suffices."""
     try:
         return surrogate.least_degree(_function(task), task.low, task.high, task.scalar, task.error, task.what)
     except EmitError:
@@ -132,28 +134,28 @@ def _degree(task: _Task) -> float:
 @functools.cache
 @cache.kept
 def _fitted(task: _Task, like: Polynomial | None) -> Polynomial:
-    """Fit a function, once: designs evaluate one function at many signals, and are emitted many times."""
+    """Fit a function; the results are cached, because designs evaluate one function at many signals."""
     return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, task.what, like)
 
 
 def _function(task: _Task) -> Analytic:
     f = univariate.function(task.key)
-    return _of(f, task.reciprocal, task.scalar) if task.reciprocal else f
+    return _in_reciprocal(f, task.reciprocal, task.scalar) if task.reciprocal else f
 
 
-def _of(f: Analytic, reciprocal: _Reciprocal, scalar: type[np.floating]) -> Analytic:
-    """Return f as a function of u = l / (v + d), with l and d as they are printed."""
+def _in_reciprocal(f: Analytic, reciprocal: _Reciprocal, scalar: type[np.floating]) -> Analytic:
+    """Return f as a function of u = l / (v + d), with l and d rounded to the scalar type."""
     l, d = (flint.acb(float(scalar(value))) for value in (reciprocal.l, reciprocal.d))
     return lambda u: f(l / u - d)
 
 
-def _rewritten(
+def _rewrite(
     program: Program, names: Mapping[int, str], best: Mapping[int, tuple[int, Polynomial]]
 ) -> tuple[Program, tuple[Surrogate, ...]]:
     nodes: list[Node] = []
     known: dict[Node, int] = {}
     index: dict[int, int] = {}
-    made: dict[Polynomial, Surrogate] = {}
+    surrogates: dict[Polynomial, Surrogate] = {}
 
     def place(op: str, *args: int, value: float = 0.0, name: str = "") -> int:
         node = Node(op, args, value, name)
@@ -162,16 +164,16 @@ def _rewritten(
             nodes.append(node)
         return known[node]
 
-    def evaluated(k: int) -> int:
+    def place_polynomial(k: int) -> int:
         variable, p = best[k]
-        if p not in made:
-            name = _free(names.get(k, f"f{len(made) + 1}"), {s.name for s in made.values()})
-            made[p] = Surrogate(name, names.get(k, name), _variable(program, names, variable), p)
+        if p not in surrogates:
+            name = _unused_name(names.get(k, f"f{len(surrogates) + 1}"), {s.name for s in surrogates.values()})
+            surrogates[p] = Surrogate(name, names.get(k, name), _describe_variable(program, names, variable), p)
         t = index[variable]
         t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
         t = place("mul", place("literal", value=p.scale), t) if p.scale != 1 else t
         v = t if p.parity == "none" else place("sq", t)
-        q = place("polynomial", v, name=made[p].name)
+        q = place("polynomial", v, name=surrogates[p].name)
         return place("mul", t, q) if p.parity == "odd" else q
 
     waiting = list(range(len(program.nodes)))[::-1]
@@ -183,23 +185,24 @@ def _rewritten(
         elif k not in index:
             n = program.nodes[k]
             args = tuple(index[a] for a in n.args) if k not in best else ()
-            index[k] = evaluated(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
-    moved = program.moved(tuple(nodes), [index[k] for k in range(len(program.nodes))])
-    return replace(moved, polynomials={s.name: s.polynomial for s in made.values()}), tuple(made.values())
+            index[k] = place_polynomial(k) if k in best else place(n.op, *args, value=n.value, name=n.name)
+    rewritten = program.with_nodes(tuple(nodes), [index[k] for k in range(len(program.nodes))])
+    polynomials = {s.name: s.polynomial for s in surrogates.values()}
+    return replace(rewritten, polynomials=polynomials), tuple(surrogates.values())
 
 
-def _free(signal: str, taken: set[str]) -> str:
-    """Return a name for the polynomial of a signal; signals of unlike Blocks may have one name."""
-    candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(taken) + 3))))
-    return next(name for name in candidates if name not in taken)
+def _unused_name(signal: str, used_names: set[str]) -> str:
+    """Return an unused name for the polynomial of a signal; signals of different Blocks may have the same name."""
+    candidates = (f"{signal}{n}_polynomial" for n in ("", *(f"_{i}" for i in range(2, len(used_names) + 3))))
+    return next(name for name in candidates if name not in used_names)
 
 
-def _variable(program: Program, names: Mapping[int, str], k: int) -> str:
-    """Say what a node is: a signal, a reciprocal, a sum or a difference of others, or else an expression."""
+def _describe_variable(program: Program, names: Mapping[int, str], k: int) -> str:
+    """Describe a node: as a signal, a reciprocal, a sum or difference of others, or else as an expression."""
     node = program.nodes[k]
     sides = [names.get(a) or wording.expression(program, a, spelled=False) for a in node.args]
     if k in names or node.op not in ("inv", "div", "add", "sub"):
         return names.get(k) or wording.expression(program, k, spelled=False)
     if node.op in ("add", "sub"):
         return f"{sides[0]} {'+' if node.op == 'add' else '-'} {sides[1]}"
-    return f"{sides[0] if node.op == 'div' else 1} / ({_variable(program, names, node.args[-1])})"
+    return f"{sides[0] if node.op == 'div' else 1} / ({_describe_variable(program, names, node.args[-1])})"

@@ -1,18 +1,18 @@
-"""Scheduling: a lowered program becomes statements, in the order in which a person would write them.
+"""Instruction scheduling: a lowered program becomes statements in a readable order with short live ranges.
 
-Signals of the composition come in its order; each next state is stored as soon as the signals that it needs stand, so
-that little is kept alive. Choices on one condition become one `if`: what only one side needs is computed on that side
-only, and a state that a side leaves as it is is not stored there.
+Signals of the composition are computed in its order. Each next state is stored as soon as the signals that it needs
+are computed. Choices on one condition become one `if`: a value that only one side needs is computed on that side only,
+and a side that leaves a state unchanged does not store it.
 
-No state is loaded after it is stored: at a level of statements its load comes before its store, unless the load is sunk
-into an `if`; that it is only where the store, if the level has one, waits for a choice of this `if`.
+No state is loaded after it is stored. On each level of statements the load precedes the store, unless the load is sunk
+into an `if`. It is sunk only if the store, where the level has one, depends on a choice of this `if`.
 """
 
 from collections.abc import Sequence
 
 from synth.emit.lower import Node, Program
-from synth.emit.passes.regions import Demand, Region, Regions, Written
-from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store, reads
+from synth.emit.passes.regions import Demand, Region, Regions, WrittenRegion
+from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store, reads
 
 INLINE = ("literal", "constant")
 
@@ -23,11 +23,11 @@ def statements(p: Program) -> tuple[Statement, ...]:
     demands += [Demand(k, ("out", name)) for name, k in p.outputs.items()]
     demands += [] if p.word is None else [Demand(p.word, ("word", ""))]
     whole = {k for k, node in enumerate(p.nodes) if node.op not in INLINE}
-    return tuple(_Level(p, p.users(), whole, demands).written())
+    return tuple(_Level(p, p.users(), whole, demands).statements())
 
 
 class _Level:
-    """One block of statements: the nodes that belong to it and what is demanded of it."""
+    """One level of statements: the nodes that belong to it and its demands."""
 
     def __init__(self, p: Program, users: list[list[int]], members: set[int], demands: Sequence[Demand]) -> None:
         self.p, self.users, self.members = p, users, members
@@ -40,16 +40,16 @@ class _Level:
         self.done: set[int] = set()
         self.out: list[Statement] = []
 
-    def written(self) -> list[Statement]:
-        """Return the statements: signals in order, each demand as soon as the signals below it stand."""
+    def statements(self) -> list[Statement]:
+        """Return the statements: signals in order, each demand as soon as the signals that it needs are computed."""
         marked: dict[int, int] = {}
         for i, (_, k) in enumerate(self.p.marks):
             if k in self.members and k not in self.sunk:
                 marked.setdefault(k, i)
-        waiting = self._waiting(marked)
+        waiting = self._demands_by_last_signal(marked)
         for place, (k, i) in enumerate(marked.items()):
             if k not in self.done:
-                self.out.append(About(i))
+                self.out.append(Annotation(i))
                 self._compute(k)
             for d in waiting.get(place, ()):
                 self._meet(d)
@@ -57,8 +57,8 @@ class _Level:
             self._meet(d)
         return self.out
 
-    def _waiting(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
-        """Return by the place of a marked node in the order the demands for which it is the last that they wait for.
+    def _demands_by_last_signal(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
+        """Group the demands by the last marked node, counted in order, for which each of them waits.
 
         A next state waits for the signals that it needs, and for those of its own Block.
         """
@@ -67,29 +67,29 @@ class _Level:
         last: dict[int, int] = {}
         waiting: dict[int, list[Demand]] = {}
         for d in self.pending:
-            own = by_block.get(self.p.owner(str(d.place[1])), -1) if d.place[0] == "state" else -1
-            waiting.setdefault(max(own, self._last(d.node, places, last)), []).append(d)
+            block_place = by_block.get(self.p.owner(str(d.destination[1])), -1) if d.destination[0] == "state" else -1
+            waiting.setdefault(max(block_place, self._last_signal(d.node, places, last)), []).append(d)
         return waiting
 
-    def _last(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
-        """Return the place of the last marked node that node k needs or is, -1 for none; `known` has earlier ones."""
+    def _last_signal(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
+        """Return the place of the last marked node among node k and its operands, -1 for none; `known` is a memo."""
         first = self.first_of.get
         stack = [first(k, k)]
         while stack:
             n = stack[-1]
-            needs = [first(a, a) for a in self._needs(n) if a in self.members] if n in self.members else []
+            needs = [first(a, a) for a in self._dependencies(n) if a in self.members] if n in self.members else []
             missing = [a for a in needs if a not in known]
             stack += missing
             if not missing:
                 known[stack.pop()] = max([places.get(n, -1), *(known[a] for a in needs)])
         return known[first(k, k)]
 
-    def _needs(self, k: int) -> Sequence[int]:
-        """Return what must stand before node k is computed: for a choice, all that its `if` needs from outside."""
+    def _dependencies(self, k: int) -> Sequence[int]:
+        """Return the nodes to compute before node k; for a choice, all that its `if` needs from outside."""
         if k not in self.first_of:
             return self.p.nodes[k].args
         written = self.written_of[k]
-        stored = [self.loads.get(str(d.place[1])) for d in written.met if d.place[0] == "state"]
+        stored = [self.loads.get(str(d.destination[1])) for d in written.met if d.destination[0] == "state"]
         return [*written.reads, *(load for load in stored if load is not None and load not in self.sunk)]
 
     def _compute(self, k: int) -> None:
@@ -97,7 +97,9 @@ class _Level:
         while stack:
             n = stack[-1]
             missing = (
-                [a for a in self._needs(n) if a in self.members and a not in self.done] if n in self.members else []
+                [a for a in self._dependencies(n) if a in self.members and a not in self.done]
+                if n in self.members
+                else []
             )
             if n in self.done or n not in self.members:
                 stack.pop()
@@ -121,19 +123,19 @@ class _Level:
     def _meet(self, d: Demand) -> None:
         if d not in self.pending:
             return
-        struct, name = d.place
+        struct, name = d.destination
         if struct == "state":
             if d.node not in self.done:
-                self.out.append(About(None, str(name)))
+                self.out.append(Annotation(None, str(name)))
             if (load := self.loads.get(str(name))) is not None and load not in self.sunk:
                 self._compute(load)
         self._compute(d.node)
         if d in self.pending:  # a branch may have met it
             del self.pending[d]
-            self.out.append(_stored(d))
+            self.out.append(_store_statement(d))
 
-    def _branch(self, region: Region) -> Written:
-        """Write one `if`: demands that only a choice feeds, or that a side leaves as they are, are met inside."""
+    def _branch(self, region: Region) -> WrittenRegion:
+        """Write one `if`; demands that only a choice supplies, or that a side leaves unchanged, are met inside it."""
         inner: tuple[list[Demand], list[Demand]] = ([], [])
         declared: list[tuple[int, int | None]] = []
         met: list[Demand] = []
@@ -142,29 +144,29 @@ class _Level:
             if self.regions.is_read(c) or c == self.p.word:
                 start = next((a for a, side in zip(arms, region.sides, strict=True) if a not in side), None)
                 declared.append((c, start))
-                for arm, found in zip(arms, inner, strict=True):
+                for arm, arm_demands in zip(arms, inner, strict=True):
                     if arm != start:
-                        found.append(Demand(arm, ("choice", c)))
+                        arm_demands.append(Demand(arm, ("choice", c)))
             for d in self.regions.demands.get(c, ()):
-                held = any(self.regions.is_load(a, d.place) for a in arms)
-                if d.place[0] == "word" or (self.regions.is_read(c) and not held):
+                held = any(self.regions.is_load(a, d.destination) for a in arms)
+                if d.destination[0] == "word" or (self.regions.is_read(c) and not held):
                     continue
                 met.append(d)
-                for arm, found in zip(arms, inner, strict=True):
-                    if not self.regions.is_load(arm, d.place):
-                        found.append(Demand(arm, d.place))
+                for arm, arm_demands in zip(arms, inner, strict=True):
+                    if not self.regions.is_load(arm, d.destination):
+                        arm_demands.append(Demand(arm, d.destination))
         then, other = (
-            tuple(_Level(self.p, self.users, members, demands).written())
+            tuple(_Level(self.p, self.users, members, demands).statements())
             for members, demands in zip(region.sides, inner, strict=True)
         )
         branch = Branch(region.condition, tuple(declared), then, other)
         inside = region.sides[0].union(region.sides[1], region.choices)
         outside = dict.fromkeys(k for k in reads(self.p, [branch]) if k not in inside)
-        return Written(region.choices, branch, outside, met)
+        return WrittenRegion(region.choices, branch, outside, met)
 
 
-def _stored(d: Demand) -> Statement:
-    struct, name = d.place
+def _store_statement(d: Demand) -> Statement:
+    struct, name = d.destination
     if struct == "choice":
         assert isinstance(name, int)
         return Assign(name, d.node)

@@ -1,4 +1,4 @@
-"""Statements: what a step does, in order, before it has the words of any language."""
+"""Statements: language-independent intermediate representation of a scheduled step."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class Assign:
 
 @dataclass(frozen=True)
 class Branch:
-    """Choices on one condition: `declared` holds each choice's variable with the node that it starts from, or None."""
+    """An `if` for choices on one condition; `declared` holds each choice and the node of its initial value, or None."""
 
     condition: int
     declared: tuple[tuple[int, int | None], ...]
@@ -41,14 +41,14 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class About:
-    """What follows computes a named signal (by its place among the marks), or else the next state of this name."""
+class Annotation:
+    """The next statements compute a named signal (by its index in the marks), or the next state of this name."""
 
     mark: int | None
     state: str = ""
 
 
-Statement = Let | Store | Assign | Branch | About
+Statement = Let | Store | Assign | Branch | Annotation
 
 
 def reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:

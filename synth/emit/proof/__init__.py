@@ -1,1 +1,1 @@
-"""Proofs about a program over its declared ranges: intervals, safe operations, induction over a step."""
+"""Static analysis of a program over its declared ranges: interval arithmetic, safety proofs, inductive state bounds."""

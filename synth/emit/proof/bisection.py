@@ -1,8 +1,8 @@
-"""Bisection: a claim about every point of a box, proved on cells that are halved until it holds on each.
+"""Branch and bound: proves a claim on every point of a box by bisection into cells on each of which it holds.
 
-    box = low..high (d,) -> cells -> the claim holds on a cell, or the cell is halved along the side that matters most
+    box = low..high (d,) -> cells -> the claim holds on a cell, or the cell is halved along its most influential side
 
-Meanwhile the middle of every open cell is tried: a point where the claim fails ends the search, and so do two points
+Meanwhile the centre of every open cell is evaluated. The search ends at a point where the claim fails, or at two points
 between which the quantity that must not vanish changes its sign.
 """
 
@@ -16,16 +16,16 @@ import numpy as np
 from synth.emit.proof.interval import Array, Interval, Mask
 
 BUDGET = 20_000
-_CORNERS = 8  # sides up to which all corners are tried
+_CORNERS = 8  # largest dimension for which all corners are evaluated
 _SECTIONS = 64
-_VANISHED = 1e-3  # of the larger value between the points: a quantity that jumps over 0 stays larger
+_VANISHING_RATIO = 1e-3  # to the larger value at the ends: a quantity that jumps over 0 stays larger
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """What is known of n cells: whether the claim holds, or fails, on all of each; `value` (n,) must not vanish.
+    """Evaluation of n cells: whether the claim holds, or fails, on the whole cell; `value` (n,) must not vanish.
 
-    `watched` are intervals (n,) by node, empty on cells that count for nothing.
+    `watched` are intervals (n,) by node; they are empty on infeasible cells.
     """
 
     holds: Mask
@@ -34,13 +34,13 @@ class Judgement:
     watched: dict[int, Interval]
 
 
-# From cells low (d, n), high (d, n), and whether they are points that are to be computed as C would, not enclosed.
+# Arguments: cells low (d, n), high (d, n), and whether they are points to compute as C does, without enclosure.
 Judge = Callable[[Array, Array, bool], Judgement]
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """Whether the claim is proved, and the hull of what was watched; else the worst cell and a point (d,) in it.
+    """Whether the claim is proved, with the hull of the watched intervals; else the worst cell and a point (d,) in it.
 
     `fails`: the claim fails at the point, or the quantity changes its sign there.
     """
@@ -56,38 +56,38 @@ class Verdict:
 
 
 def prove(low: Array, high: Array, whole: Mask, judge: Judge, signed: bool, budget: int = BUDGET) -> Verdict:
-    """Prove a claim on the box low..high (d,) of the scalar type, or find where it fails; `whole` (d,) are whole.
+    """Prove a claim on the box low..high (d,) of the scalar type, or find where it fails.
 
-    `signed`: the judged value may have either sign but not both.
+    `whole` (d,) marks coordinates with whole values only. `signed`: the value may have either sign but not both.
     """
     weight = _weights(low, high, judge)
     low, high = low[:, None], high[:, None]
     points = _corners(low, high, whole)
     cells, hulls, signs = 0, list[dict[int, Interval]](), dict[bool, Array]()
     while True:
-        found = judge(low, high, False)
+        judgement = judge(low, high, False)
         cells += low.shape[1]
-        hulls.append({k: _hull(a, found.holds) for k, a in found.watched.items()})
-        if found.holds.all():
-            return Verdict(True, cells, {k: _joined([h[k] for h in hulls]) for k in hulls[0]})
-        low, high = low[:, ~found.holds], high[:, ~found.holds]
+        hulls.append({k: _hull(a, judgement.holds) for k, a in judgement.watched.items()})
+        if judgement.holds.all():
+            return Verdict(True, cells, {k: _join([h[k] for h in hulls]) for k in hulls[0]})
+        low, high = low[:, ~judgement.holds], high[:, ~judgement.holds]
         points = np.hstack([points, _middle(low, high, whole)])
-        tried = judge(points, points, True)
-        worst = _worst(tried, points, low, high, cells)
+        at_points = judge(points, points, True)
+        worst = _worst(at_points, points, low, high, cells)
         if worst.fails:
             return worst
-        signs |= {side: points[:, mask.argmax()] for side, mask in _sides(tried) if mask.any()}
+        signs |= {side: points[:, mask.argmax()] for side, mask in _sides(at_points) if mask.any()}
         if signed and len(signs) == 2 and (crossing := _crossing(signs, judge)):
             return Verdict(False, cells, {}, True, crossing[0], crossing[0], *crossing)
         open_ = (high > low).any(axis=0)
         if not open_.all() or cells + 2 * low.shape[1] > budget:
             return worst
-        low, high = _halved(low, high, whole, weight)
+        low, high = _halve(low, high, whole, weight)
         points = np.zeros((len(low), 0), low.dtype)
 
 
-def _sides(tried: Judgement) -> list[tuple[bool, Mask]]:
-    return [(True, tried.value > 0), (False, tried.value < 0)]
+def _sides(at_points: Judgement) -> list[tuple[bool, Mask]]:
+    return [(True, at_points.value > 0), (False, at_points.value < 0)]
 
 
 def _middle(low: Array, high: Array, whole: Mask) -> Array:
@@ -102,26 +102,26 @@ def _corners(low: Array, high: Array, whole: Mask) -> Array:
 
 
 def _weights(low: Array, high: Array, judge: Judge) -> Array:
-    """Return (d,) how much what is watched varies along one side alone, over its length: what to halve first."""
+    """Return (d,) the variation of the watched intervals along each side alone, per length: bisection priorities."""
     middle = low + (high - low) / 2
     free = np.eye(len(low), dtype=bool)
-    found = judge(np.where(free, low, middle).T, np.where(free, high, middle).T, False)
-    spread = [a.high.astype(np.float64) - a.low for a in found.watched.values()]
+    judgement = judge(np.where(free, low, middle).T, np.where(free, high, middle).T, False)
+    spread = [a.high.astype(np.float64) - a.low for a in judgement.watched.values()]
     weight = np.max([np.where(np.isfinite(s), s, 0) for s in spread], axis=0) * np.ones(len(low))
-    # Every side gets a little weight, so that none stays long for ever.
+    # Every side has a minimum weight, so that each is halved eventually.
     weight = weight / weight.max() + 1e-3 if weight.max() > 0 else np.ones(len(low))
     return weight / np.maximum((high - low).astype(np.float64), np.finfo(low.dtype).tiny)
 
 
-def _halved(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array, Array]:
+def _halve(low: Array, high: Array, whole: Mask, weight: Array) -> tuple[Array, Array]:
     side = (weight[:, None] * (high - low).astype(np.float64)).argmax(axis=0)
     at = (side, np.arange(low.shape[1]))
     middle = _middle(low, high, whole)[at]
     upper, lower = low.copy(), high.copy()
-    # Between neighbours in the scalar type nothing lies: each becomes a cell of its own.
-    apart = (middle <= low[at]) | (middle >= high[at])
-    lower[at] = np.where(apart, low[at], middle)
-    upper[at] = np.where(apart, high[at], np.where(whole[side], middle + 1, middle))
+    # No number of the scalar type lies between neighbours: each of them becomes a cell.
+    adjacent = (middle <= low[at]) | (middle >= high[at])
+    lower[at] = np.where(adjacent, low[at], middle)
+    upper[at] = np.where(adjacent, high[at], np.where(whole[side], middle + 1, middle))
     return np.hstack([low, upper]), np.hstack([lower, high])
 
 
@@ -130,24 +130,24 @@ def _hull(a: Interval, mask: Mask) -> Interval:
     return Interval(low.min(keepdims=True), high.max(keepdims=True), np.array([(a.nan & mask).any()]))
 
 
-def _joined(parts: list[Interval]) -> Interval:
+def _join(parts: list[Interval]) -> Interval:
     low, high = np.minimum.reduce([p.low for p in parts]), np.maximum.reduce([p.high for p in parts])
     return Interval(low, high, np.logical_or.reduce([p.nan for p in parts]))
 
 
-def _worst(tried: Judgement, points: Array, low: Array, high: Array, cells: int) -> Verdict:
-    """Return the lowest point that fails, else the open cell, and its middle, where the value is nearest to 0."""
-    if tried.fails.any():
-        k = int(np.where(tried.fails, tried.value, inf).argmin())
+def _worst(at_points: Judgement, points: Array, low: Array, high: Array, cells: int) -> Verdict:
+    """Return the failing point of the smallest value; else the open cell whose value at its centre is closest to 0."""
+    if at_points.fails.any():
+        k = int(np.where(at_points.fails, at_points.value, inf).argmin())
         at = points[:, k]
-        return Verdict(False, cells, {}, True, at, at, at, float(tried.value[k]))
-    value = tried.value[-low.shape[1] :]
+        return Verdict(False, cells, {}, True, at, at, at, float(at_points.value[k]))
+    value = at_points.value[-low.shape[1] :]
     k = int(np.where(np.isnan(value), inf, np.abs(value)).argmin())
     return Verdict(False, cells, {}, False, low[:, k], high[:, k], points[:, k - low.shape[1]], float(value[k]))
 
 
 def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | None:
-    """Return the point between two points where the value changes its sign, and the value; None where it jumps."""
+    """Return a point between two points where the value crosses 0, and the value there; None if it jumps."""
     ends = [signs[False].astype(np.float64), signs[True].astype(np.float64)]
     span, first, last = ends[1] - ends[0], 0.0, 1.0
     size: float | None = None
@@ -157,10 +157,10 @@ def _crossing(signs: dict[bool, Array], judge: Judge) -> tuple[Array, float] | N
         value = judge(points, points, True).value
         size = np.abs(value[[0, -1]]).max() if size is None else size
         k = int(np.nanargmin(np.abs(value)))
-        turn = int((value >= 0).argmax())
-        if turn == 0 or np.isnan(value).any():
+        sign_change = int((value >= 0).argmax())
+        if sign_change == 0 or np.isnan(value).any():
             return None
-        narrower = (t[turn - 1], t[turn])
-        if value[k] == 0 or not narrower[1] - narrower[0] < last - first or narrower[1] - narrower[0] < 1e-17:
-            return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHED * size else None
-        first, last = narrower
+        bracket = (t[sign_change - 1], t[sign_change])
+        if value[k] == 0 or not bracket[1] - bracket[0] < last - first or bracket[1] - bracket[0] < 1e-17:
+            return (points[:, k], float(value[k])) if abs(value[k]) <= _VANISHING_RATIO * size else None
+        first, last = bracket

@@ -1,10 +1,10 @@
-"""Conditions: what is known about values where a condition of the program holds, or fails.
+"""Constraint propagation: narrower intervals of values where a condition of the program holds or fails.
 
-    low <= u && u <= high   true:  low <= u <= high, and u is a number
-                            false: nothing about u that one interval can say
+    low <= u && u <= high   true:  low <= u <= high, and u is not NaN
+                            false: no information that one interval can express
     fabs(u) <= h            true:  -h <= u <= h
 
-A comparison with no number is false, so that only a comparison that holds says that its sides are numbers.
+A comparison with NaN is false. Only a comparison that holds therefore implies that its sides are not NaN.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,96 +13,98 @@ from math import inf
 import numpy as np
 
 from synth.emit.lower import LOGICAL, Node
-from synth.emit.proof.interval import Array, Interval, either, meet
+from synth.emit.proof.interval import Array, Interval, hull, intersection
 
-Known = dict[int, Interval]
+Narrowing = dict[int, Interval]
 
 
-def compared(nodes: Sequence[Node], condition: int) -> frozenset[int]:
-    """Return the nodes of which `known` may say something."""
+def narrowable_nodes(nodes: Sequence[Node], condition: int) -> frozenset[int]:
+    """Return the nodes whose intervals `narrow` may narrow."""
     node = nodes[condition]
     if node.op in ("and", "or", "not"):
-        return frozenset({condition}).union(*(compared(nodes, a) for a in node.args))
+        return frozenset({condition}).union(*(narrowable_nodes(nodes, a) for a in node.args))
     if node.op in LOGICAL:
         return frozenset({condition}).union(*(_chain(nodes, a) for a in node.args))
     return _chain(nodes, condition)
 
 
 def _chain(nodes: Sequence[Node], k: int) -> frozenset[int]:
-    """Return a node and what is reached through signs and absolute values."""
+    """Return a node and its operands through negations and absolute values."""
     return frozenset({k}) | (_chain(nodes, nodes[k].args[0]) if nodes[k].op in ("neg", "fabs") else frozenset())
 
 
-def known(
+def narrow(
     nodes: Sequence[Node], whole: frozenset[int], condition: int, holds: bool, R: Mapping[int, Interval]
-) -> Known:
+) -> Narrowing:
     """Return narrower intervals of nodes where the condition holds, or fails; R maps each node to its interval.
 
-    `whole` are the nodes whose values are whole numbers. Where an interval is empty the condition cannot be so.
+    `whole` are the nodes with whole values only. An empty interval means that the condition cannot hold, or fail.
     """
     node = nodes[condition]
     if node.op == "not":
-        found = known(nodes, whole, node.args[0], not holds, R)
+        narrowed = narrow(nodes, whole, node.args[0], not holds, R)
     elif node.op in ("and", "or"):
-        first, second = (known(nodes, whole, a, holds, R) for a in node.args)
-        found = merged((first, second)) if (node.op == "and") == holds else _hulls(first, second)
+        first, second = (narrow(nodes, whole, a, holds, R) for a in node.args)
+        narrowed = intersect((first, second)) if (node.op == "and") == holds else _hulls(first, second)
     elif node.op in LOGICAL:
-        found = _comparison(nodes, whole, node, holds, R)
+        narrowed = _narrow_comparison(nodes, whole, node, holds, R)
     else:
-        found = _flag(nodes, whole, condition, holds, R)
+        narrowed = _narrow_flag(nodes, whole, condition, holds, R)
     if node.op in LOGICAL:
         side = np.full_like(R[condition].low, holds)
-        found[condition] = meet(R[condition], Interval(side, side, np.zeros_like(R[condition].nan)))
-    return found
+        narrowed[condition] = intersection(R[condition], Interval(side, side, np.zeros_like(R[condition].nan)))
+    return narrowed
 
 
-def merged(parts: Iterable[Known]) -> Known:
-    """Return what is known where all parts are."""
-    found: Known = {}
+def intersect(parts: Iterable[Narrowing]) -> Narrowing:
+    """Return the intersection of several narrowings."""
+    narrowed: Narrowing = {}
     for part in parts:
         for k, a in part.items():
-            found[k] = meet(found[k], a) if k in found else a
-    return found
+            narrowed[k] = intersection(narrowed[k], a) if k in narrowed else a
+    return narrowed
 
 
-def _hulls(first: Known, second: Known) -> Known:
-    return {k: either(first[k], second[k]) for k in first.keys() & second.keys()}
+def _hulls(first: Narrowing, second: Narrowing) -> Narrowing:
+    return {k: hull(first[k], second[k]) for k in first.keys() & second.keys()}
 
 
-def _flag(nodes: Sequence[Node], whole: frozenset[int], k: int, holds: bool, R: Mapping[int, Interval]) -> Known:
-    """Return what is known of a number that stands as a condition: it is 0 or not."""
+def _narrow_flag(
+    nodes: Sequence[Node], whole: frozenset[int], k: int, holds: bool, R: Mapping[int, Interval]
+) -> Narrowing:
+    """Return the narrowing of a number that is used as a condition: it is 0 or not."""
     a = R[k]
     if not holds:
         zero = np.zeros_like(a.low)
-        return _through(nodes, k, meet(a, Interval(zero, zero, np.zeros_like(a.nan))))
+        return _propagate(nodes, k, intersection(a, Interval(zero, zero, np.zeros_like(a.nan))))
     if k in whole:
         low, high = np.where(a.low >= 0, np.maximum(a.low, 1), a.low), np.where(a.high <= 0, -1, a.high)
-        return _through(nodes, k, Interval(low, high, a.nan))
+        return _propagate(nodes, k, Interval(low, high, a.nan))
     return {}
 
 
-def _comparison(
+def _narrow_comparison(
     nodes: Sequence[Node], whole: frozenset[int], node: Node, holds: bool, R: Mapping[int, Interval]
-) -> Known:
+) -> Narrowing:
     (i, j), (a, b) = node.args, (R[k] for k in node.args)
     if node.op in ("eq", "ne"):
         if (node.op == "eq") != holds:
             return {}
-        both = meet(a, b)
+        both = intersection(a, b)
         both = Interval(both.low, both.high, np.zeros_like(both.nan))
-        return merged((_through(nodes, i, both), _through(nodes, j, both)))
+        return intersect((_propagate(nodes, i, both), _propagate(nodes, j, both)))
     steps = i in whole and j in whole
     if holds:
-        a, b = (Interval(s.low, s.high, np.zeros_like(s.nan)) for s in _ordered(a, b, node.op == "lt", steps))
+        a, b = (Interval(s.low, s.high, np.zeros_like(s.nan)) for s in _narrow_by_order(a, b, node.op == "lt", steps))
     else:
-        below, above = _ordered(b, a, node.op == "le", steps)
-        # Where the other side is no number, the comparison fails whatever this side is.
+        below, above = _narrow_by_order(b, a, node.op == "le", steps)
+        # If the other side is NaN, the comparison fails whatever this side is.
         a, b = _unless(b.nan, above, a), _unless(a.nan, below, b)
-    return merged((_through(nodes, i, a), _through(nodes, j, b)))
+    return intersect((_propagate(nodes, i, a), _propagate(nodes, j, b)))
 
 
-def _ordered(a: Interval, b: Interval, strictly: bool, steps: bool) -> tuple[Interval, Interval]:
-    """Narrow a and b by a <= b, or a < b; in `steps` both are whole."""
+def _narrow_by_order(a: Interval, b: Interval, strictly: bool, steps: bool) -> tuple[Interval, Interval]:
+    """Narrow a and b by a <= b, or a < b; `steps`: both are whole."""
     low, high = a.low, b.high
     if strictly:
         bound = low.dtype.type(inf)
@@ -115,11 +117,11 @@ def _unless(mask: Array, narrowed: Interval, before: Interval) -> Interval:
     return Interval(low, high, before.nan)
 
 
-def _through(nodes: Sequence[Node], k: int, a: Interval) -> Known:
-    """Return what an interval of node k says of k and of what k is the negative or the absolute value of."""
+def _propagate(nodes: Sequence[Node], k: int, a: Interval) -> Narrowing:
+    """Propagate an interval of node k back through negations and absolute values."""
     op = nodes[k].op
     if op == "neg":
-        return {k: a} | _through(nodes, nodes[k].args[0], Interval(-a.high, -a.low, a.nan))
+        return {k: a} | _propagate(nodes, nodes[k].args[0], Interval(-a.high, -a.low, a.nan))
     if op == "fabs":
-        return {k: a} | _through(nodes, nodes[k].args[0], Interval(-a.high, a.high, a.nan))
+        return {k: a} | _propagate(nodes, nodes[k].args[0], Interval(-a.high, a.high, a.nan))
     return {k: a}

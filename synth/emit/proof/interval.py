@@ -1,10 +1,10 @@
-"""Interval arithmetic of the scalar type itself: where a computed value lies when its arguments lie in intervals.
+"""Interval arithmetic of floating-point operations: bounds of computed values for arguments in intervals.
 
-For an operation f as the processor computes it, F, and intervals X_1, X_2 this module gives Y with F(x_1, x_2) in Y
-for all x_i in X_i. Rounding to nearest is monotone, so the ends of Y are computed ends: where f grows, F(high) bounds
-F(x) exactly. Subnormal numbers are taken to be computed, not flushed to zero.
+Let F be an operation f as the processor computes it. For intervals X_1, X_2 this module returns Y with F(x_1, x_2) in Y
+for all x_i in X_i. Rounding to nearest is monotone, so the ends of Y are computed ends: where f increases, F(high)
+bounds F(x) exactly. Subnormal numbers are assumed to be computed, not flushed to zero.
 
-An Interval holds n intervals at once, so that many boxes of arguments cost little more than one.
+An Interval holds n intervals at once (vectorised), so many boxes of arguments cost little more than one.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ PIECES = 64  # of a polynomial's range
 
 @dataclass(frozen=True, eq=False)
 class Interval:
-    """Intervals low..high (n,) of the scalar type, ends included; `nan` (n,): the value may also be no number."""
+    """Intervals low..high (n,) of the scalar type, ends included; `nan` (n,): the value may also be NaN."""
 
     low: Array
     high: Array
@@ -32,12 +32,12 @@ class Interval:
 
     @property
     def finite(self) -> Mask:
-        """Whether the value is surely a finite number."""
+        """Whether every value is a finite number."""
         return np.isfinite(self.low) & np.isfinite(self.high) & ~self.nan
 
     @property
     def empty(self) -> Mask:
-        """Whether no value is left."""
+        """Whether the interval contains no value."""
         return (self.low > self.high) & ~self.nan
 
     @property
@@ -62,13 +62,13 @@ def point(value: float, scalar: type[np.floating]) -> Interval:
     return interval(value, value, False, scalar)
 
 
-def meet(a: Interval, b: Interval) -> Interval:
-    """Return what lies in both."""
+def intersection(a: Interval, b: Interval) -> Interval:
+    """Return the intersection of two intervals."""
     return Interval(np.maximum(a.low, b.low), np.minimum(a.high, b.high), a.nan & b.nan)
 
 
-def either(a: Interval, b: Interval) -> Interval:
-    """Return the hull of both, of one alone where the other is empty."""
+def hull(a: Interval, b: Interval) -> Interval:
+    """Return the hull of two intervals; if one is empty, the other."""
     no_a, no_b = a.low > a.high, b.low > b.high
     low = np.where(no_a, b.low, np.where(no_b, a.low, np.minimum(a.low, b.low)))
     high = np.where(no_a, b.high, np.where(no_b, a.high, np.maximum(a.high, b.high)))
@@ -76,13 +76,13 @@ def either(a: Interval, b: Interval) -> Interval:
 
 
 def unrounded(a: Interval) -> Interval:
-    """Return an enclosure of the exact product of which `a` encloses the rounded one."""
+    """Return an enclosure of an exact product whose rounded value lies in `a`."""
     bound = a.low.dtype.type(inf)
     return Interval(np.nextafter(a.low, -bound), np.nextafter(a.high, bound), a.nan)
 
 
 def truth(a: Interval) -> Interval:
-    """Return whether the value counts as true in C, as 0..1; what is no number is unlike 0."""
+    """Return the truth value in C as a subset of 0..1; NaN differs from 0 and is true."""
     never = (a.low == 0) & (a.high == 0) & ~a.nan
     return _logical(~a.zero, ~never, a.low.dtype.type)
 
@@ -97,8 +97,8 @@ def _hull(candidates: list[Array], nan: Mask) -> Interval:
 
 def _add(a: Interval, b: Interval) -> Interval:
     low, high = a.low + b.low, a.high + b.high
-    clash = ((a.high == inf) & (b.low == -inf)) | ((a.low == -inf) & (b.high == inf))
-    return Interval(np.where(np.isnan(low), -inf, low), np.where(np.isnan(high), inf, high), a.nan | b.nan | clash)
+    undefined = ((a.high == inf) & (b.low == -inf)) | ((a.low == -inf) & (b.high == inf))
+    return Interval(np.where(np.isnan(low), -inf, low), np.where(np.isnan(high), inf, high), a.nan | b.nan | undefined)
 
 
 def _neg(a: Interval) -> Interval:
@@ -107,22 +107,22 @@ def _neg(a: Interval) -> Interval:
 
 def _mul(a: Interval, b: Interval) -> Interval:
     ends = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
-    clash = (a.zero & b.infinite) | (a.infinite & b.zero)
-    # 0 times an end that is infinite stands for 0 times the finite numbers before it.
-    return _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan | clash)
+    undefined = (a.zero & b.infinite) | (a.infinite & b.zero)
+    # 0 times an infinite end represents 0 times the finite numbers before it.
+    return _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan | undefined)
 
 
 def _sq(a: Interval) -> Interval:
     ends = [a.low * a.low, a.high * a.high]
-    found = _hull(ends, a.nan)
-    return Interval(np.where(a.zero, 0, found.low), found.high, a.nan)
+    squares = _hull(ends, a.nan)
+    return Interval(np.where(a.zero, 0, squares.low), squares.high, a.nan)
 
 
 def _div(a: Interval, b: Interval) -> Interval:
     ends = [x / y for x in (a.low, a.high) for y in (b.low, b.high)]
-    found = _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan)
-    nan = found.nan | (a.zero & b.zero) | (a.infinite & b.infinite)
-    return Interval(np.where(b.zero, -inf, found.low), np.where(b.zero, inf, found.high), nan)
+    quotient = _hull([np.where(np.isnan(e), 0, e) for e in ends], a.nan | b.nan)
+    nan = quotient.nan | (a.zero & b.zero) | (a.infinite & b.infinite)
+    return Interval(np.where(b.zero, -inf, quotient.low), np.where(b.zero, inf, quotient.high), nan)
 
 
 def _inv(a: Interval) -> Interval:
@@ -136,7 +136,7 @@ def _fabs(a: Interval) -> Interval:
 
 
 def _min(a: Interval, b: Interval) -> Interval:
-    # (a < b) ? a : b gives b when either is no number
+    # (a < b) ? a : b gives b when either is NaN
     high = np.where(a.nan, b.high, np.minimum(a.high, b.high))
     return Interval(np.minimum(a.low, b.low), high, b.nan)
 
@@ -147,17 +147,17 @@ def _max(a: Interval, b: Interval) -> Interval:
 
 
 def _clamp(x: Interval, low: Interval, high: Interval) -> Interval:
-    # fabs(x) <= high ? x : (x < 0) ? low : high, where low is -high; should high be negative, x is never given
-    found, odd = _max(_min(x, high), low), (high.low < 0) | high.nan
-    outer = _hull([found.low, found.high, low.low, low.high, high.low, high.high], low.nan | high.nan)
-    return Interval(np.where(odd, outer.low, found.low), np.where(odd, outer.high, found.high), outer.nan)
+    # fabs(x) <= high ? x : (x < 0) ? low : high, where low is -high; for a negative high the result is never x
+    limited, odd = _max(_min(x, high), low), (high.low < 0) | high.nan
+    outer = _hull([limited.low, limited.high, low.low, low.high, high.low, high.high], low.nan | high.nan)
+    return Interval(np.where(odd, outer.low, limited.low), np.where(odd, outer.high, limited.high), outer.nan)
 
 
 def _sqrt(a: Interval) -> Interval:
     return Interval(np.sqrt(np.maximum(a.low, 0)), np.sqrt(np.maximum(a.high, 0)), a.nan | (a.low < 0))
 
 
-def _ordered(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
+def _comparison(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
     def compared(a: Interval, b: Interval) -> Interval:
         return _logical(below(a.high, b.low) & ~(a.nan | b.nan), below(a.low, b.high), a.low.dtype.type)
 
@@ -190,8 +190,8 @@ EXACT: dict[str, Callable[..., Interval]] = {
     "max": _max,
     "clamp": _clamp,
     "within": _clamp,
-    "lt": _ordered(np.less),
-    "le": _ordered(np.less_equal),
+    "lt": _comparison(np.less),
+    "le": _comparison(np.less_equal),
     "eq": _eq,
     "ne": lambda a, b: _not(_eq(a, b)),
     "not": _not,
@@ -201,7 +201,7 @@ EXACT: dict[str, Callable[..., Interval]] = {
 
 
 def lookup(values: Sequence[float], index: Interval) -> Interval:
-    """Return where the values of a table lie at whole indices, those beyond its ends left out; of none, all of them."""
+    """Return the range of a table's values at the whole indices inside it; of all its values if there are none."""
     numbers, last = np.asarray(values, index.low.dtype), len(values) - 1
     first, end = (np.clip(np.nan_to_num(np.floor(side)), 0, last).astype(int) for side in (index.low, index.high))
     parts = [numbers[a : b + 1] if a <= b else numbers for a, b in zip(first, end, strict=True)]
@@ -210,9 +210,9 @@ def lookup(values: Sequence[float], index: Interval) -> Interval:
 
 
 def polynomial(coefficients: Sequence[float], v: Interval, contracted: bool) -> Interval:
-    """Return where c_0 + v (c_1 + v (... + v c_n)) lies, computed from the inside; a term that is 0 is not added.
+    """Return the range of c_0 + v (c_1 + v (... + v c_n)) by Horner's rule; a coefficient 0 is not added.
 
-    One interval is cut into pieces, so that what v adds and takes away again counts less.
+    A single interval is divided into pieces, which reduces the overestimation by the dependency of terms on v.
     """
     scalar, pieces = v.low.dtype.type, max(1, PIECES // v.low.size)
     parts = np.linspace(0, 1, pieces + 1, dtype=scalar)[:, None]

@@ -1,9 +1,9 @@
-"""Safety of a program: no division by 0, no argument outside a function's domain, no number that is not finite.
+"""Safety proof of a program: no division by 0, no argument outside a function's domain, every result finite.
 
-For each operation with a demand D on its arguments, D(r(x, u)) is to hold for all states x in their box and all inputs.
-The plain enclosure proves most of them. Where it does not, the argument's cone is cut at leaves, signals whose ranges
-are known, and their box is bisected: with cells small enough the enclosures no longer suffer from values that vary
-together. An operation that is used in an arm of a choice only is judged where the condition has the arm taken.
+For each operation with an obligation D on its arguments r, D(r(x, u)) must hold for all states x in their box and all
+inputs u. Interval analysis alone proves most of them. For the others, the argument's cone is cut at leaves, signals
+with known ranges, and their box is bisected: in small cells the overestimation by dependent values vanishes. An
+operation that is used only in an arm of a choice is checked only where the condition selects that arm.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from synth.block import Block
 from synth.emit.c import wording
 from synth.emit.c.layout import layout
 from synth.emit.lower import LOGICAL, Program
-from synth.emit.proof import bisection, demands
+from synth.emit.proof import bisection, obligations
 from synth.emit.proof.interval import Array, Interval, interval
 from synth.emit.proof.ranges import (
     LOADS,
@@ -24,10 +24,10 @@ from synth.emit.proof.ranges import (
     Arithmetic,
     Range,
     Structure,
-    between,
     enclose,
+    narrow_under,
+    nodes_between,
     structure,
-    under,
 )
 from synth.errors import EmitError
 
@@ -37,10 +37,10 @@ Guard = tuple[int, bool]  # a condition, and whether it holds where a value is u
 
 @dataclass(frozen=True, eq=False)
 class _Claim:
-    """A demand on node k, whose deciding nodes are `watched`, where the guards are as they are."""
+    """An obligation of node k, which depends on the nodes `watched`, wherever the guards hold."""
 
     k: int
-    demand: demands.Demand
+    obligation: obligations.Obligation
     watched: tuple[int, ...]
     guards: frozenset[Guard]
 
@@ -48,77 +48,77 @@ class _Claim:
 def require_safe(
     program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]
 ) -> tuple[Range, ...]:
-    """Return the ranges, narrowed by what had to be proved; each output and next state is then finite.
+    """Return the ranges, narrowed by the proofs; each output and next state is then finite.
 
-    Raises EmitError for an operation whose demand is not proved, or an output or next state that may not be finite, or
-    an integer state whose next value is not whole or does not fit 32 bits. It says whether a violation was found or
-    only no proof, and where.
+    Raises EmitError for an operation whose obligation is not proved, an output or next state that may not be finite, or
+    an integer state whose next value is not whole or does not fit 32 bits. The message distinguishes a violation from a
+    missing proof, and says where.
     """
     s, arithmetic = structure(program), Arithmetic(scalar)
     first = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
     R, proved = first, dict[int, Interval]()
     ends = [*program.outputs.values(), *program.next.values()]
-    guards = arms(program)
+    guards = node_guards(program)
     claims = [
         _Claim(k, d, tuple(node.args[i] for i in d.watched), guards[k])
         for k, node in enumerate(program.nodes)
-        if (d := demands.of(node.op, len(program.tables.get(node.name, ()))))
+        if (d := obligations.of(node.op, len(program.tables.get(node.name, ()))))
     ]
-    claims += [_Claim(k, demands.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
+    claims += [_Claim(k, obligations.FINITE, (k,), frozenset()) for k in dict.fromkeys(ends)]
     for claim in claims:
-        if _met(s, claim, R):
+        if _holds(s, claim, R):
             continue
-        found = _proof(s, arithmetic, R, proved, claim, block)
-        if found and not claim.guards:
-            proved |= found
+        narrowed = _prove(s, arithmetic, R, proved, claim, block)
+        if narrowed and not claim.guards:
+            proved |= narrowed
             R = enclose(s, arithmetic, first, range(len(program.nodes)), proved)
     _require_counters(s, R, block)
     return tuple(Range(float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for a in (R[k] for k in range(len(R))))
 
 
-def require_declared(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
+def require_output_ranges(program: Program, ranges: tuple[Range, ...], block: Block, scalar: type[np.floating]) -> None:
     """Raise EmitError, by name, for an output that is not proved to stay in its declared range.
 
-    The range is the layout's, rounded to the scalar type: what the manifest tells.
+    The range is that of the layout and the manifest, rounded to the scalar type.
     """
     s, arithmetic = structure(program), Arithmetic(scalar)
     R = {k: interval(r.low, r.high, r.nan, scalar) for k, r in enumerate(ranges)}
     for field in layout(block, scalar).output.fields:
         if field.name in program.outputs:
             k = program.outputs[field.name]
-            claim = _Claim(k, demands.between(field.low, field.high, field.unit), (k,), frozenset())
-            if not _met(s, claim, R):
-                _proof(s, arithmetic, R, {}, claim, block)
+            claim = _Claim(k, obligations.between(field.low, field.high, field.unit), (k,), frozenset())
+            if not _holds(s, claim, R):
+                _prove(s, arithmetic, R, {}, claim, block)
 
 
-def _met(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
+def _holds(s: Structure, claim: _Claim, R: Mapping[int, Interval]) -> bool:
     with np.errstate(all="ignore"):
-        return bool(claim.demand.met(R[claim.k], [R[a] for a in s.program.nodes[claim.k].args]).all())
+        return bool(claim.obligation.holds(R[claim.k], [R[a] for a in s.program.nodes[claim.k].args]).all())
 
 
-def arms(program: Program) -> list[frozenset[Guard]]:
-    """Return for each node under which conditions alone it is used."""
-    found: list[frozenset[Guard] | None] = [None] * len(program.nodes)
+def node_guards(program: Program) -> list[frozenset[Guard]]:
+    """Return for each node the conditions under which alone it is used."""
+    guards_of: list[frozenset[Guard] | None] = [None] * len(program.nodes)
     for k in program.ends():
-        found[k] = frozenset()
-    for k in range(len(found) - 1, -1, -1):
-        node, own = program.nodes[k], found[k] or frozenset()
+        guards_of[k] = frozenset()
+    for k in range(len(guards_of) - 1, -1, -1):
+        node, inherited = program.nodes[k], guards_of[k] or frozenset()
         for position, a in enumerate(node.args):
             chosen = node.op in SELECTIONS and position > 0
-            way = own | {(node.args[0], position == 1)} if chosen else own
-            before = found[a]
-            found[a] = way if before is None else before & way
-    return [guards or frozenset() for guards in found]
+            along = inherited | {(node.args[0], position == 1)} if chosen else inherited
+            before = guards_of[a]
+            guards_of[a] = along if before is None else before & along
+    return [guards or frozenset() for guards in guards_of]
 
 
-def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: bool) -> tuple[int, ...]:
-    """Return where to cut the cone of `tops`: loads and values that are limited although what they come from is not.
+def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], at_limits: bool) -> tuple[int, ...]:
+    """Return where to cut the cone of `tops`: at loads, and at limited values whose operands are unbounded.
 
-    Cut `near` the tops, at every limited or chosen value: there are fewer leaves, but some that vary together are taken
-    to vary each on its own.
+    With `at_limits` the cut is close to the tops, at every limited or chosen value: this gives fewer leaves, but treats
+    dependent ones as independent.
     """
-    nodes, found, seen = s.program.nodes, set[int](), set[int]()
-    waiting = [a for t in tops for a in (nodes[t].args or (t,))] if near else list(tops)
+    nodes, cut, seen = s.program.nodes, set[int](), set[int]()
+    waiting = [a for t in tops for a in (nodes[t].args or (t,))] if at_limits else list(tops)
     while waiting:
         k = waiting.pop()
         node = nodes[k]
@@ -126,15 +126,15 @@ def leaves(s: Structure, R: Mapping[int, Interval], tops: Sequence[int], near: b
             continue
         seen.add(k)
         bounded = R[k].finite[0]
-        limited = node.op in _LIMITING and bounded and (near or not all(R[a].finite[0] for a in node.args))
+        limited = node.op in _LIMITING and bounded and (at_limits or not all(R[a].finite[0] for a in node.args))
         if limited or (node.op in LOADS and bounded):
-            found.add(k)
+            cut.add(k)
         elif node.op not in LOADS:
             waiting += node.args
-    return tuple(sorted(found))
+    return tuple(sorted(cut))
 
 
-def _proof(
+def _prove(
     s: Structure,
     arithmetic: Arithmetic,
     R: Mapping[int, Interval],
@@ -143,18 +143,18 @@ def _proof(
     block: Block,
 ) -> dict[int, Interval]:
     """Return narrower intervals that prove the claim; raise EmitError where bisection does not."""
-    told, void = under(s, claim.guards, R)
-    inside = enclose(s, arithmetic, {**R, **told}, between(s.behind, told, [claim.k]))
-    if void.any() or _met(s, claim, inside):
+    narrowed, infeasible = narrow_under(s, claim.guards, R)
+    inside = enclose(s, arithmetic, {**R, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
+    if infeasible.any() or _holds(s, claim, inside):
         return {}
     cut, verdict = tuple[int, ...](), bisection.Verdict(False, 0)
-    for near in (True, False):
-        if (wanted := leaves(s, inside, claim.watched, near)) and wanted != cut:
-            cut = wanted
+    for at_limits in (True, False):
+        if (candidate := leaves(s, inside, claim.watched, at_limits)) and candidate != cut:
+            cut = candidate
             low, high = (np.array([getattr(inside[k], side)[0] for k in cut]) for side in ("low", "high"))
             whole = np.array([k in s.whole for k in cut])
             judge = _judge(s, arithmetic, inside, proved, claim, cut)
-            verdict = bisection.prove(low, high, whole, judge, claim.demand.signed)
+            verdict = bisection.prove(low, high, whole, judge, claim.obligation.signed)
             if verdict.proved:
                 return {k: a for k, a in verdict.hull.items() if not a.empty[0]}
     raise EmitError(_refusal(s.program, inside, claim, block, cut, verdict))
@@ -168,10 +168,10 @@ def _judge(
     claim: _Claim,
     cut: tuple[int, ...],
 ) -> bisection.Judge:
-    """Return what judges cells of the leaves `cut`."""
-    args = s.program.nodes[claim.k].args
+    """Return the function that judges cells of the leaves `cut`."""
+    args, obligation = s.program.nodes[claim.k].args, claim.obligation
     ends = [*claim.watched, *(c for c, _ in claim.guards)]
-    cone = between(s.behind, cut, ends)
+    cone = nodes_between(s.ancestors, cut, ends)
     cone = cone if claim.k in cone or claim.k in cut else (*cone, claim.k)
     pointwise = replace(arithmetic, ulps=0, contracted=False)
 
@@ -179,19 +179,19 @@ def _judge(
         mode, n = pointwise if exact else arithmetic, low.shape[1]
         cells = {k: Interval(low[i], high[i], np.zeros(n, bool)) for i, k in enumerate(cut)}
         inside = enclose(s, mode, {**R, **cells}, cone, None if exact else proved)
-        told, void = under(s, claim.guards, inside)
-        if told:
-            inside = enclose(s, mode, {**inside, **told}, between(s.behind, told, [claim.k]))
+        narrowed, infeasible = narrow_under(s, claim.guards, inside)
+        if narrowed:
+            inside = enclose(s, mode, {**inside, **narrowed}, nodes_between(s.ancestors, narrowed, [claim.k]))
         with np.errstate(all="ignore"):
             result, sides = inside[claim.k], [inside[a] for a in args]
-            met, failed = claim.demand.met(result, sides) | void, claim.demand.failed(result, sides) & ~void
-            value = np.where(void, np.nan, claim.demand.value(sides if claim.demand.watched else [result]))
-        kept = {k: inside[k] for k in (*claim.watched, claim.k)}
+            holds, fails = obligation.holds(result, sides) | infeasible, obligation.fails(result, sides) & ~infeasible
+            value = np.where(infeasible, np.nan, obligation.value(sides if obligation.watched else [result]))
         watched = {
-            k: Interval(np.where(void, inf, a.low), np.where(void, -inf, a.high), a.nan) for k, a in kept.items()
+            k: Interval(np.where(infeasible, inf, a.low), np.where(infeasible, -inf, a.high), a.nan)
+            for k, a in ((k, inside[k]) for k in (*claim.watched, claim.k))
         }
-        met, failed, value = (np.broadcast_to(v, (n,)) for v in (met, failed, value))
-        return bisection.Judgement(met, failed, value, watched)
+        holds, fails, value = (np.broadcast_to(v, (n,)) for v in (holds, fails, value))
+        return bisection.Judgement(holds, fails, value, watched)
 
     return judge
 
@@ -205,26 +205,26 @@ def _refusal(
     verdict: bisection.Verdict,
 ) -> str:
     watched = ", ".join(f"`{wording.expression(program, k)}`" for k in claim.watched)
-    if not claim.demand.watched:
+    if not claim.obligation.watched:
         what = f"{_end(program, claim.k)} = {watched} of block '{block.name}'"
-        origin = _origin(program, R, claim.k) if claim.demand is demands.FINITE else claim.k
-        begins = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
+        origin = _origin(program, R, claim.k) if claim.obligation is obligations.FINITE else claim.k
+        origin_text = "" if origin == claim.k else f"; it begins at `{wording.expression(program, origin)}`"
     else:
         op = program.nodes[claim.k].op
         name = "division by" if op in ("div", "inv") else f"{op} of"
-        what, begins = f"the {name} {watched} in {wording.signal(program, claim.k)}", ""
+        what, origin_text = f"the {name} {watched} in {wording.signal(program, claim.k)}", ""
     point = wording.values(block, program, cut, verdict.point, verdict.point) if len(verdict.point) else ""
     cell = wording.values(block, program, cut, verdict.low, verdict.high) if len(verdict.low) else ""
     if not cut:
-        where = "nothing bounds what it is computed from"
+        where = "its operands are unbounded"
     elif verdict.fails:
-        where = f"violated: {claim.demand.quantity} is {verdict.value:.6g} at {point}"
+        where = f"violated: {claim.obligation.quantity} is {verdict.value:.6g} at {point}"
     else:
         where = (
-            f"not proved in {verdict.cells} cells: {claim.demand.quantity} comes nearest, {verdict.value:.6g}, at "
-            f"{point}, in the cell {cell}"
+            f"not proved in {verdict.cells} cells: {claim.obligation.quantity} is {verdict.value:.6g} at the worst "
+            f"point {point}, in the cell {cell}"
         )
-    return f"{what} is not safe: {claim.demand.need}; {where}{begins}; {claim.demand.mend}"
+    return f"{what} is not safe: {claim.obligation.need}; {where}{origin_text}; {claim.obligation.mend}"
 
 
 def _end(program: Program, k: int) -> str:
@@ -234,7 +234,7 @@ def _end(program: Program, k: int) -> str:
 
 
 def _origin(program: Program, R: Mapping[int, Interval], k: int) -> int:
-    """Return the first node behind k that may not be finite."""
+    """Return the first node in the computation of k that may not be finite."""
     for a in program.nodes[k].args:
         if not R[a].finite[0]:
             return _origin(program, R, a)
@@ -247,8 +247,9 @@ def _require_counters(s: Structure, R: Mapping[int, Interval], block: Block) -> 
         if not state.integer or s.program.nodes[k].op in LOGICAL:
             continue
         if k not in s.whole or R[k].low[0] < 0 or R[k].high[0] >= 2.0**32:
-            found = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}" + ("" if k in s.whole else ", not always whole")
+            not_whole = "" if k in s.whole else ", not always whole"
+            range_text = f"{R[k].low[0]:.9g} .. {R[k].high[0]:.9g}{not_whole}"
             raise EmitError(
-                f"integer state '{state.name}' may become {found}: it becomes 32 bits without sign, so limit it to "
-                "0 .. 4294967295 and compute it from whole numbers alone"
+                f"integer state '{state.name}' may become {range_text}: C holds it in 32 bits without sign, so limit "
+                "it to 0 .. 4294967295 and compute it from whole numbers alone"
             )

@@ -1,4 +1,4 @@
-"""Certificates, enclosures and best polynomials: planted defects that each must notice, and closed forms."""
+"""Certificates, enclosures and minimax polynomials: detection of planted defects, and closed forms."""
 
 from dataclasses import replace
 
@@ -10,12 +10,12 @@ import pytest
 from synth.analyse.precise import precision
 from synth.emit.approx import certificate, enclosure, minimax, polynomial, surrogate
 from synth.errors import EmitError
-from tests.emit.functions import NARROW, PHASE, certified, enclosed, fitted, on_balls
+from tests.emit.functions import NARROW, PHASE, certify, enclose_function, fit_function, on_balls
 
 pytestmark = pytest.mark.slow
 
 
-def test_a_best_polynomial_swings_evenly() -> None:
+def test_the_error_of_a_minimax_polynomial_equioscillates() -> None:
     with precision(enclosure.BITS):
         y = [-(flint.arb(k) / 200).cos_pi().mid() for k in range(201)]
         g = [v.exp().mid() for v in y]
@@ -29,7 +29,7 @@ def test_a_best_polynomial_swings_evenly() -> None:
     assert np.abs(peaks) == pytest.approx(best.error, rel=0.03)  # the exchange ends at 2 %
 
 
-def test_fitting_again_after_each_rounding_keeps_a_polynomial_close() -> None:
+def test_refitting_after_each_rounding_keeps_the_error_small() -> None:
     with precision(enclosure.BITS):
         y = [-(flint.arb(k) / 100).cos_pi().mid() for k in range(101)]
         v = [flint.arb(3) / 2 + a / 2 for a in y]
@@ -37,7 +37,7 @@ def test_fitting_again_after_each_rounding_keeps_a_polynomial_close() -> None:
         c = minimax.fit(y, g, 9).series(flint.arb_poly([-3, 2])).coeffs()
         apart = {}
         for way, rounded in (
-            ("again", minimax.rounded(c, v, g, np.float32)),
+            ("again", minimax.round_coefficients(c, v, g, np.float32)),
             ("each", tuple(float(np.float32(float(a))) for a in c)),
         ):
             p = flint.arb_poly(list(rounded))
@@ -53,73 +53,73 @@ def test_a_fused_multiply_add_rounds_once() -> None:
     a[0], b[0] = 2.0**-12 * (1 + 2.0**-18), 2.0**-12 * (1 - 2.0**-18)
     with mpmath.workprec(24):
         for term in (c, np.float32(1 + 2.0**-23), np.float32(-1 - 2.0**-22)):
-            found = polynomial.fused(a, b, term)
+            fused = polynomial.fused_multiply_add(a, b, term)
             exact = [
                 float(mpmath.fsum([mpmath.fmul(float(u), float(v), exact=True), float(term)]))
                 for u, v in zip(a, b, strict=True)
             ]
-            assert found.tolist() == exact
+            assert fused.tolist() == exact
     twice = (a.astype(np.float64) * b + 1 + 2.0**-23).astype(np.float32)
-    assert twice[0] != polynomial.fused(a, b, np.float32(1 + 2.0**-23))[0]
+    assert twice[0] != polynomial.fused_multiply_add(a, b, np.float32(1 + 2.0**-23))[0]
 
 
 def test_a_perturbed_coefficient_is_no_longer_certified() -> None:
     for name, ends, scalar, eps in (("L_h", NARROW, np.float32, 2e-7), ("sin", PHASE, np.float32, 2e-7)):
-        p, g = fitted(name, ends, scalar, eps), enclosed(name, ends)
+        p, g = fit_function(name, ends, scalar, eps), enclose_function(name, ends)
         for k, c in enumerate(p.coefficients[:2]):
             worse = list(p.coefficients)
             worse[k] = float(np.float32(c * (1 + [4e-7, 1e-2][k])))
-            assert certified(replace(p, coefficients=tuple(worse)), g, eps).max_relative_error > eps
-    p, g = fitted("exp", (-3.0, -1.0), np.float64, 1e-14), enclosed("exp", (-3.0, -1.0))
+            assert certify(replace(p, coefficients=tuple(worse)), g, eps).max_relative_error > eps
+    p, g = fit_function("exp", (-3.0, -1.0), np.float64, 1e-14), enclose_function("exp", (-3.0, -1.0))
     for k in range(len(p.coefficients)):
         worse = list(p.coefficients)
         worse[k] += 2e-14 * float(np.exp(p.high))  # |t| is 1.5 at the high end
-        assert certified(replace(p, coefficients=tuple(worse)), g, 1e-14).max_relative_error > 1e-14
+        assert certify(replace(p, coefficients=tuple(worse)), g, 1e-14).max_relative_error > 1e-14
 
 
-@pytest.mark.parametrize("way", ["separate", "fused"])
+@pytest.mark.parametrize("way", ["multiply_then_add", "fused_multiply_add"])
 def test_one_wrong_value_in_millions_is_found(monkeypatch: pytest.MonkeyPatch, way: str) -> None:
-    p, g = fitted("L_h", NARROW, np.float32, 2e-7), enclosed("L_h", NARROW)
+    p, g = fit_function("L_h", NARROW, np.float32, 2e-7), enclose_function("L_h", NARROW)
     planted, right = np.float32(0.0222222), getattr(polynomial, way)
     t = planted - np.float32(p.centre)
     monkeypatch.setattr(
         polynomial, way, lambda a, b, c: np.where(a == t, np.float32(1 + 1e-6), np.float32(1)) * right(a, b, c)
     )
-    assert certified(p, g, 2e-7).max_relative_error > 2e-7
+    assert certify(p, g, 2e-7).max_relative_error > 2e-7
 
 
-def test_a_slip_in_the_rounding_near_zero_is_found() -> None:
+def test_a_wrong_rounding_near_zero_is_found() -> None:
     # c_1 one unit in the last place off, where no value is tried one by one.
-    p = fitted("expm1", (0.0, 0.5), np.float32, 2e-7)
+    p = fit_function("expm1", (0.0, 0.5), np.float32, 2e-7)
     assert p.checked_values < int(np.float32(0.5).view(np.int32))
-    g = enclosed("expm1", (0.0, 0.5))
+    g = enclose_function("expm1", (0.0, 0.5))
     worse = replace(p, coefficients=(0.0, float(np.float32(1 + 3e-7)), *p.coefficients[2:]))
     with precision(enclosure.BITS):
-        assert certificate.argued(p, g, flint.arb(0), flint.arb(2) ** -10) <= 2e-7
-        assert certificate.argued(worse, g, flint.arb(0), flint.arb(2) ** -10) > 2e-7
+        assert certificate.bound_in_balls(p, g, flint.arb(0), flint.arb(2) ** -10) <= 2e-7
+        assert certificate.bound_in_balls(worse, g, flint.arb(0), flint.arb(2) ** -10) > 2e-7
 
 
-def test_what_is_not_known_of_the_truth_counts_as_error() -> None:
-    p, g = fitted("L_h", NARROW, np.float32, 2e-7), enclosed("L_h", NARROW)
-    sure, unsure = certified(p, g, 1.0), certified(p, replace(g, error=flint.arb(0.25) * 1e-6), 1.0)
+def test_the_uncertainty_of_the_reference_counts_as_error() -> None:
+    p, g = fit_function("L_h", NARROW, np.float32, 2e-7), enclose_function("L_h", NARROW)
+    sure, unsure = certify(p, g, 1.0), certify(p, replace(g, error=flint.arb(0.25) * 1e-6), 1.0)
     assert unsure.max_relative_error > sure.max_relative_error + 0.9e-6  # L_h is 0.25 at most
 
 
 @pytest.mark.parametrize("defect", ["short", "sure", "wrong"])
-def test_a_truth_that_is_not_as_close_as_it_says_is_noticed(defect: str) -> None:
-    g = enclosed("L_h", NARROW)
+def test_an_enclosure_with_too_small_a_bound_is_detected(defect: str) -> None:
+    g = enclose_function("L_h", NARROW)
     with precision(enclosure.BITS):
         terms = g.series.coeffs()
-        found = {
+        defects = {
             "short": replace(g, series=flint.arb_poly(terms[:-8])),
             "sure": replace(g, error=g.error * flint.arb(2) ** -60),
             "wrong": replace(g, series=flint.arb_poly([terms[0] * (1 + flint.arb(2) ** -60), *terms[1:]])),
         }[defect]
-        enclosure.check_between(g, on_balls("L_h"), "L_h")
+        enclosure.check_bound(g, on_balls("L_h"), "L_h")
         with pytest.raises(EmitError, match=r"enclosing polynomial is .* away"):
-            enclosure.check_between(found, on_balls("L_h"), "L_h")
+            enclosure.check_bound(defects, on_balls("L_h"), "L_h")
 
 
-def test_a_function_that_hides_its_branch_cut_is_noticed() -> None:
+def test_a_function_that_hides_its_branch_cut_is_detected() -> None:
     with pytest.raises(EmitError, match="must return a ball that is not finite where it is not analytic"):
         surrogate.fit(lambda x: (x * x + 1).sqrt(), -2.0, 2.0, np.float64)

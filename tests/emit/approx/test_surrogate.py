@@ -23,7 +23,7 @@ from tests.emit.functions import (
     WIDE,
     P,
     coefficients,
-    fitted,
+    fit_function,
     on_balls,
 )
 
@@ -53,8 +53,8 @@ SINGLE = [(name, ends, np.float32, eps, degree) for name, ends, eps, degree, _ i
 DOUBLE = [(name, ends, np.float64, 1e-14, degree) for name, ends, _, _, degree in CASES]
 
 
-def drawn(p: Polynomial, count: int) -> Any:
-    """Return numbers of the type in the range, 0 left out, half of them with |x| spread over many binades."""
+def random_arguments(p: Polynomial, count: int) -> Any:
+    """Return numbers of the type in the range except 0, half of them with |x| spread over many binades."""
     rng = np.random.default_rng(7)
     x = rng.uniform(p.low, p.high, count)
     x[::2] *= 2.0 ** -rng.integers(0, 40, len(x[::2])) if p.low <= 0 <= p.high else 1.0
@@ -73,27 +73,29 @@ def test_the_force_coefficients_of_these_tests_are_those_of_the_model() -> None:
     model = pmlsm.coefficients(gap, {name: ca.SX(value) for name, value in P.items()})
     for g in (0.0124, 0.0245, 0.0366):
         for name, value in coefficients(mpmath.mpf(g), POINTS).items():
-            found = float(ca.Function("f", [gap], [getattr(model, name)])(g))
-            assert found == pytest.approx(float(value), rel=1e-14)  # some 30 operations in double, none cancels much
+            coefficient = float(ca.Function("f", [gap], [getattr(model, name)])(g))
+            assert coefficient == pytest.approx(
+                float(value), rel=1e-14
+            )  # some 30 operations in double, none cancels much
 
 
 @pytest.mark.parametrize(("name", "ends", "scalar", "eps", "degree"), SINGLE + DOUBLE)
-def test_every_value_is_as_close_as_certified(
+def test_the_error_of_every_value_is_within_the_certificate(
     name: str, ends: tuple[float, float], scalar: type[np.floating], eps: float, degree: int
 ) -> None:
-    p = fitted(name, ends, scalar, eps)
+    p = fit_function(name, ends, scalar, eps)
     assert p.degree == degree
     assert p.max_relative_error <= eps
-    errors = relative_errors(p, name, drawn(p, 100))
+    errors = relative_errors(p, name, random_arguments(p, 100))
     assert errors.max() <= p.max_relative_error
     # The certificate is no wild overestimate: random rounding comes within a factor of the worst.
     assert errors.max() >= p.max_relative_error / (3 if scalar is np.float32 else 12)
 
 
 @pytest.mark.parametrize("name", ["L_h", "L_v2"])
-def test_every_float_of_a_range_that_keeps_clear_of_zero_is_tried(name: str) -> None:
+def test_every_float_of_a_range_without_zero_is_checked(name: str) -> None:
     low, high = (int(np.float32(v).view(np.int32)) for v in WIDE)
-    assert fitted(name, WIDE, np.float32, 2e-7).checked_values == high - low + 1
+    assert fit_function(name, WIDE, np.float32, 2e-7).checked_values == high - low + 1
 
 
 @pytest.mark.parametrize(("scalar", "bits"), [(np.float32, 24), (np.float64, 53)])
@@ -103,37 +105,40 @@ def test_every_float_of_a_range_that_keeps_clear_of_zero_is_tried(name: str) -> 
 def test_a_polynomial_is_evaluated_in_its_scalar_type(
     name: str, ends: tuple[float, float], scalar: type[np.floating], bits: int
 ) -> None:
-    p = fitted(name, ends, scalar, 2e-7 if scalar is np.float32 else 1e-14)
-    x = drawn(p, 100)
+    p = fit_function(name, ends, scalar, 2e-7 if scalar is np.float32 else 1e-14)
+    x = random_arguments(p, 100)
     with mpmath.workprec(bits):
-        for v, found in zip(x, p.evaluate(x), strict=True):
+        for v, evaluated in zip(x, p.evaluate(x), strict=True):
             t = (mpmath.mpf(float(v)) - p.centre) * p.scale
             variable = t if p.parity == "none" else t * t
             q = mpmath.mpf(p.coefficients[-1])
             for c in p.coefficients[-2::-1]:
                 q = c + variable * q
-            assert float(q * t if p.parity == "odd" else q) == float(found)
+            assert float(q * t if p.parity == "odd" else q) == float(evaluated)
 
 
 def test_odd_and_even_functions_keep_their_symmetry() -> None:
     x = np.geomspace(1e-30, 0.0139, 50).astype(np.float32)
-    sine, cosine = (fitted(name, PHASE, np.float32, 2e-7) for name in ("sin", "cos"))
+    sine, cosine = (fit_function(name, PHASE, np.float32, 2e-7) for name in ("sin", "cos"))
     assert (sine.parity, cosine.parity) == ("odd", "even")
     assert np.array_equal(sine.evaluate(-x), -sine.evaluate(x))
     assert np.array_equal(cosine.evaluate(-x), cosine.evaluate(x))
     assert sine.evaluate(np.float32(0.0)) == 0
-    assert fitted("expm1", (0.0, 0.5), np.float32, 2e-7).coefficients[0] == 0
+    assert fit_function("expm1", (0.0, 0.5), np.float32, 2e-7).coefficients[0] == 0
 
 
 def test_coefficients_that_would_leave_float32_are_scaled() -> None:
-    p = fitted("steep", STEEP, np.float32, 2e-7)
+    p = fit_function("steep", STEEP, np.float32, 2e-7)
     assert p.scale == 2.0**25
     assert max(map(abs, p.coefficients)) < 10
-    assert fitted("steep", STEEP, np.float64, 1e-14).scale == 1
+    assert fit_function("steep", STEEP, np.float64, 1e-14).scale == 1
 
 
-def test_the_same_coefficients_are_found_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    single, double = fitted("csch", NARROW, np.float32, 2e-7), fitted("exp", (-3.0, -1.0), np.float64, 1e-14)
+def test_the_coefficients_do_not_depend_on_the_precision(monkeypatch: pytest.MonkeyPatch) -> None:
+    single, double = (
+        fit_function("csch", NARROW, np.float32, 2e-7),
+        fit_function("exp", (-3.0, -1.0), np.float64, 1e-14),
+    )
     assert (single.centre, double.centre) == (0.025634765625, -2.5)
     assert single.coefficients[:3] == (0.3841340243816376, -22.63251495361328, 752.4581909179688)
     assert double.coefficients[:3] == (0.08208499862389891, 0.08208499862389936, 0.04104249931193416)
@@ -143,16 +148,18 @@ def test_the_same_coefficients_are_found_everywhere(monkeypatch: pytest.MonkeyPa
         assert surrogate.fit(on_balls(name), p.low, p.high, p.scalar, eps) == p
 
 
-def test_an_enclosure_holds_what_is_computed_in_a_ball_and_little_more() -> None:
+def test_an_enclosure_contains_the_computed_values_and_is_tight() -> None:
     for name, ends in (("L_h", WIDE), ("sin", PHASE), ("cos", PHASE)):
-        p = fitted(name, ends, np.float32, 2e-7)
+        p = fit_function(name, ends, np.float32, 2e-7)
         for middle in np.linspace(0.2 * ends[0] + 0.8 * ends[1], ends[1], 5)[:-1]:
             ball = flint.arb(float(middle), 1e-5)
             x = np.linspace(middle - 9e-6, middle + 9e-6, 200).astype(np.float32)
-            values, found = p.evaluate(x), p.enclose(ball)
-            assert all(found.contains(flint.arb(float(v))) for v in values)
+            values, enclosure = p.evaluate(x), p.enclose(ball)
+            assert all(enclosure.contains(flint.arb(float(v))) for v in values)
             spread = float(values.max() - values.min())
-            assert float(found.rad()) < spread + 2e-6 * abs(float(values[0]))  # interval Horner in a ball this small
+            assert float(enclosure.rad()) < spread + 2e-6 * abs(
+                float(values[0])
+            )  # interval Horner in a ball this small
 
 
 @pytest.mark.parametrize(
@@ -174,7 +181,7 @@ def test_an_enclosure_holds_what_is_computed_in_a_ball_and_little_more() -> None
         (lambda x: (x * 10).cosh() * 1e30, (1.0, 2.0), "coefficients leave the type"),
     ],
 )
-def test_functions_that_no_polynomial_replaces_are_refused(
+def test_functions_that_no_polynomial_approximates_are_refused(
     f: enclosure.Analytic, ends: tuple[float, float], message: str
 ) -> None:
     with pytest.raises(EmitError, match=message):
@@ -193,7 +200,7 @@ def test_functions_that_no_polynomial_replaces_are_refused(
         (0.5, 1.0, np.float32, 5e-8, "with rounding within .* need 5e-08"),
     ],
 )
-def test_requests_that_make_no_sense_are_refused(
+def test_invalid_arguments_are_refused(
     low: float, high: float, scalar: type[np.floating], eps: float | None, message: str
 ) -> None:
     with pytest.raises(EmitError, match=message):

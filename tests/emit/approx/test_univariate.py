@@ -1,4 +1,4 @@
-"""Functions of one variable: found by their shape, as high and as low as they go, and evaluated on complex balls."""
+"""Univariate subexpressions: maximal functions found by dominators, and their evaluation on complex balls."""
 
 import cmath
 from collections.abc import Callable
@@ -24,10 +24,10 @@ from synth.timing import Discrete
 F64 = np.float64
 TIME = Discrete(1e-3)
 INPUTS = tuple(Signal(n, "1", 0.25, 2) for n in ("a", "b", "c"))
-Found = tuple[Program, tuple[Range, ...], tuple[Univariate, ...]]
+Analysis = tuple[Program, tuple[Range, ...], tuple[Univariate, ...]]
 
 
-def found_in(law: Callable[[Any, Any], dict[str, ca.SX] | ca.SX], guarded: str = "") -> Found:
+def analyse(law: Callable[[Any, Any], dict[str, ca.SX] | ca.SX], guarded: str = "") -> Analysis:
     """Return program, ranges and functions of a Block with inputs a, b, c in 0.25 .. 2 and a constant k = 3."""
 
     def step(u: Any, x: Any, k: Any) -> Step:
@@ -42,10 +42,10 @@ def found_in(law: Callable[[Any, Any], dict[str, ca.SX] | ca.SX], guarded: str =
     return program, analysed, univariate.find(program, analysed)
 
 
-def shapes(found: Found) -> list[tuple[str, str]]:
+def shapes(analysis: Analysis) -> list[tuple[str, str]]:
     """Return operation of the root, and operation or name of the variable."""
-    nodes = found[0].nodes
-    return [(nodes[f.root].op, nodes[f.variable].name or nodes[f.variable].op) for f in found[2]]
+    nodes = analysis[0].nodes
+    return [(nodes[f.root].op, nodes[f.variable].name or nodes[f.variable].op) for f in analysis[2]]
 
 
 def gap(u: Any) -> ca.SX:
@@ -58,8 +58,8 @@ def force(g: ca.SX, k: Any) -> ca.SX:
 
 
 def test_a_force_law_is_one_function_of_the_gap() -> None:
-    program, analysed, found = found_in(lambda u, k: u["c"] * force(gap(u), k))
-    (f,) = found
+    program, analysed, functions = analyse(lambda u, k: u["c"] * force(gap(u), k))
+    (f,) = functions
     assert program.nodes[f.variable].op == "sub"
     assert {program.nodes[u].op for u in program.users()[f.root]} == {"mul"}
     evaluate = univariate.function(univariate.key(program, analysed, f.root, f.variable))
@@ -88,35 +88,35 @@ def test_a_force_law_is_one_function_of_the_gap() -> None:
     ],
 )
 def test_roots_and_variables(law: Callable[..., ca.SX], expected: list[tuple[str, str]]) -> None:
-    assert sorted(shapes(found_in(law))) == sorted(expected)
+    assert sorted(shapes(analyse(law))) == sorted(expected)
 
 
-def test_a_part_that_is_read_elsewhere_is_a_root_of_its_own() -> None:
+def test_a_subexpression_that_is_read_elsewhere_is_a_root_of_its_own() -> None:
     def law(u: Any, k: Any) -> dict[str, ca.SX]:
         s = ca.sin(u["a"])
         return {"y": ca.exp(s) * u["b"], "z": s * u["c"], "w": 0}
 
-    assert shapes(found_in(law)) == [("sin", "a"), ("exp", "a")]
+    assert shapes(analyse(law)) == [("sin", "a"), ("exp", "a")]
 
 
-def test_roots_that_are_multiples_of_one_node_are_that_node() -> None:
+def test_roots_that_are_multiples_of_one_node_become_that_node() -> None:
     def law(u: Any, k: Any) -> dict[str, ca.SX]:
         s = k["k"] * ca.exp(ca.sin(u["a"]))
         return {"y": 2 * s * u["b"], "z": (7 - s) * u["b"], "w": s * u["c"]}
 
-    program, _, found = found_in(law)
-    assert shapes((program, (), found)) == [("mul", "a")] and len(program.users()[found[0].root]) == 3
+    program, _, functions = analyse(law)
+    assert shapes((program, (), functions)) == [("mul", "a")] and len(program.users()[functions[0].root]) == 3
 
-    def unlike(u: Any, k: Any) -> dict[str, ca.SX]:
+    def multiple_and_square(u: Any, k: Any) -> dict[str, ca.SX]:
         s = ca.sin(u["a"])
         return {"y": 3 * s * u["b"], "z": s**2 * u["b"], "w": 0}
 
-    assert sorted(shapes(found_in(unlike))) == [("mul", "a"), ("sq", "a")]
+    assert sorted(shapes(analyse(multiple_and_square))) == [("mul", "a"), ("sq", "a")]
 
 
-def test_what_may_be_no_number_is_no_variable() -> None:
-    assert shapes(found_in(lambda u, k: ca.sin(u["a"]), guarded="a")) == []
-    held = found_in(lambda u, k: ca.sin(ca.fmax(ca.fmin(u["a"], 1), 0)), guarded="a")
+def test_a_value_that_may_be_nan_is_not_a_variable() -> None:
+    assert shapes(analyse(lambda u, k: ca.sin(u["a"]), guarded="a")) == []
+    held = analyse(lambda u, k: ca.sin(ca.fmax(ca.fmin(u["a"], 1), 0)), guarded="a")
     assert shapes(held) == [("sin", "max")]
 
 
@@ -131,11 +131,11 @@ def test_a_state_is_a_variable_too() -> None:
         states=states,
     )
     program = lower.program(block)
-    found = univariate.find(program, ranges.analyse(program, ranges.bounds(block, F64), F64))
-    assert shapes((program, (), found)) == [(program.nodes[program.outputs["y"]].op, "s")]
+    functions = univariate.find(program, ranges.analyse(program, ranges.bounds(block, F64), F64))
+    assert shapes((program, (), functions)) == [(program.nodes[program.outputs["y"]].op, "s")]
 
 
-def test_a_diamond_meets_again_where_it_opened() -> None:
+def test_a_diamond_has_its_fork_as_dominator() -> None:
     nodes = [
         Node("input", name="a"),
         Node("input", name="b"),
@@ -148,7 +148,7 @@ def test_a_diamond_meets_again_where_it_opened() -> None:
     assert univariate.find(program, [Range(0, 1)] * 7) == (Univariate(5, 2),)
 
 
-def test_a_named_signal_stands_by_itself() -> None:
+def test_a_named_signal_separates_functions() -> None:
     def law(named: bool) -> Block:
         def step(u: Any, x: Any, k: Any) -> Step:
             s = ca.sin(u["a"])
@@ -178,8 +178,8 @@ COMPLEX: dict[str, Callable[[complex], complex]] = {
 @pytest.mark.parametrize("z", [0.5 + 0j, 0.3 - 0.2j, 0.7 + 1.5j])
 def test_operations_on_complex_numbers(op: str, z: complex) -> None:
     f = univariate.function((("variable", (), 0.0), (op, (0,), 0.0)))
-    found = f(flint.acb(z.real, z.imag))
-    assert complex(found) == pytest.approx(COMPLEX[op](z), rel=1e-13)
+    y = f(flint.acb(z.real, z.imag))
+    assert complex(y) == pytest.approx(COMPLEX[op](z), rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,7 @@ def test_operations_on_complex_numbers(op: str, z: complex) -> None:
         ("tanh", flint.acb(flint.arb(0, 0.1), flint.arb(1.5, 0.1))),
     ],
 )
-def test_a_ball_over_a_pole_or_a_cut_gives_nothing_finite(op: str, ball: flint.acb) -> None:
+def test_a_ball_over_a_pole_or_a_branch_cut_is_not_finite(op: str, ball: flint.acb) -> None:
     f = univariate.function((("variable", (), 0.0), (op, (0,), 0.0)))
     assert not f(ball).is_finite()
     beside = flint.acb(ball.real.mid() + 0.25, ball.imag.mid() + 0.25)
@@ -204,12 +204,12 @@ def test_a_ball_over_a_pole_or_a_cut_gives_nothing_finite(op: str, ball: flint.a
 
 
 def test_equal_functions_have_equal_keys_and_others_are_refused() -> None:
-    program, analysed, found = found_in(lambda u, k: force(u["a"], k) * force(u["b"], k) * ca.sin(u["c"]))
-    assert len({f.variable for f in found}) == 3
-    keys = [univariate.key(program, analysed, f.root, f.variable) for f in found]
+    program, analysed, functions = analyse(lambda u, k: force(u["a"], k) * force(u["b"], k) * ca.sin(u["c"]))
+    assert len({f.variable for f in functions}) == 3
+    keys = [univariate.key(program, analysed, f.root, f.variable) for f in functions]
     assert len(keys) == 3 and len(set(keys)) == 2
-    with pytest.raises(EmitError, match=r"no analytic function of node \d+: it needs 'b'"):
-        univariate.key(program, analysed, program.outputs["y"], found[0].variable)
+    with pytest.raises(EmitError, match=r"not an analytic function of node \d+: it needs 'b'"):
+        univariate.key(program, analysed, program.outputs["y"], functions[0].variable)
 
 
 def test_a_block_without_such_functions_has_none() -> None:

@@ -27,8 +27,8 @@ from synth.errors import CompileError, EmitError
 from synth.execute import compile as compiler
 from synth.execute import host
 from tests import tolerances
-from tests.emit import dyadic, stepped
-from tests.emit.dyadic import TIME, Value, chosen, combined, signal
+from tests.emit import dyadic, one_step
+from tests.emit.dyadic import TIME, Value, choose, combine, signal
 
 pytestmark = pytest.mark.slow
 
@@ -78,7 +78,7 @@ INPUTS = [signal(n, -4, 4) for n in "abc"]
 
 
 def single_operations() -> Block:
-    """One output for each operation, applied to inputs directly."""
+    """Return a Block with one output for each operation, applied to inputs directly."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
         made = [f(u["a"]) for f in UNARY] + [f(u["a"], u["b"]) for f in BINARY]
@@ -89,7 +89,7 @@ def single_operations() -> Block:
 
 
 def tree(rng: np.random.Generator, leaves: list[Value], depth: int) -> Value:
-    """Return a random expression, each operation inside another one."""
+    """Return a random expression of nested operations."""
     if depth == 0:
         return leaves[rng.integers(len(leaves))]
     a, b = (tree(rng, leaves, int(d)) for d in rng.permutation([depth - 1, int(rng.integers(depth))]))
@@ -97,9 +97,9 @@ def tree(rng: np.random.Generator, leaves: list[Value], depth: int) -> Value:
     kind = int(rng.integers(20))
     if kind < 6:
         return Value(compared[kind], 1, 0)
-    made = [chosen(compared[int(rng.integers(6))], a, b), Value(ca.logic_not(a.e), 1, 0)]
-    found = made[kind - 6] if kind < 8 else combined((kind - 8) % 9, a, b, b.e)
-    return found if found.exact() else a
+    made = [choose(compared[int(rng.integers(6))], a, b), Value(ca.logic_not(a.e), 1, 0)]
+    value = made[kind - 6] if kind < 8 else combine((kind - 8) % 9, a, b, b.e)
+    return value if value.exact() else a
 
 
 def trees(count: int = 80) -> Block:
@@ -116,7 +116,7 @@ def trees(count: int = 80) -> Block:
 
 
 def memory() -> Block:
-    """Integer states that count, gate and choose, beside clamped real ones."""
+    """Return a Block with integer states that count, gate and choose, and clamped real ones."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
         over = ca.logic_or(x["over"], ca.logic_and(u["a"] > 1, x["count"] >= 2))
@@ -136,36 +136,38 @@ def memory() -> Block:
 BLOCKS = {"single": single_operations, "trees": trees, "memory": memory}
 
 
-def made(block: Block, scalar: type[np.floating]) -> Emitted:
+def emit_cached(block: Block, scalar: type[np.floating]) -> Emitted:
     return emit(block, scalar, libm=True)
 
 
 def c_files(block: Block, scalar: type[np.floating]) -> dict[str, str]:
-    return host.code(made(block, scalar).files)
+    return host.code(emit_cached(block, scalar).files)
 
 
-def unlike(block: Block, scalar: type[np.floating], change: Callable[[str], str] = str, rtol: float = 0.0) -> list[str]:
-    """Return what the C, changed, gives other than CasADi."""
-    found, (x, u) = made(block, scalar), dyadic.samples(block, 800)
-    library = stepped.together([found], change)
-    return stepped.by_c(library, block, found, x, u).unlike(stepped.by_casadi(block, x, u), rtol)
+def differences(
+    block: Block, scalar: type[np.floating], change: Callable[[str], str] = str, rtol: float = 0.0
+) -> list[str]:
+    """Return the names of the results in which the changed C differs from CasADi."""
+    emitted, (x, u) = emit_cached(block, scalar), dyadic.samples(block, 800)
+    library = one_step.compile_together([emitted], change)
+    return one_step.by_c(library, block, emitted, x, u).differences(one_step.by_casadi(block, x, u), rtol)
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
 @pytest.mark.parametrize("name", ["trees", "memory"])
 def test_dyadic_arithmetic_equals_casadi_to_the_last_bit(name: str, scalar: type[np.floating]) -> None:
-    assert not unlike(BLOCKS[name](), scalar)
+    assert not differences(BLOCKS[name](), scalar)
 
 
 def test_operations_equal_casadi_to_rounding() -> None:
-    assert not unlike(single_operations(), F64, rtol=tolerances.of("folded"))
+    assert not differences(single_operations(), F64, rtol=tolerances.of("folded"))
     # The few roundings between an input and an output, and libm's, in units of single precision.
-    assert not unlike(single_operations(), F32, rtol=16 * 2.0**-24)
+    assert not differences(single_operations(), F32, rtol=16 * 2.0**-24)
 
 
 def test_a_replay_from_init_equals_casadi() -> None:
-    block, found = memory(), made(memory(), F32)
-    controller, (_, u) = host.load(found.files, found.manifest), dyadic.samples(block, 1500)
+    block, emitted = memory(), emit_cached(memory(), F32)
+    controller, (_, u) = host.load(emitted.files, emitted.manifest), dyadic.samples(block, 1500)
     replay = controller.replay(dict(zip("abc", u, strict=True)))
     f, x, rows = block.function(), block.initial, []
     for sample in u.T:
@@ -177,7 +179,7 @@ def test_a_replay_from_init_equals_casadi() -> None:
     assert set(replay.outputs["phase"]) == {0, 1, 2, 3, 4, 5} and set(replay.outputs["flag"]) == {0, 1}
 
 
-def test_every_operation_is_tried() -> None:
+def test_every_operation_is_tested() -> None:
     tried = {n.op for make in BLOCKS.values() for n in fold.folded(lower.program(make())).nodes}
     assert tried >= {*lower.UNARY.values(), *lower.BINARY.values(), "choose", "clamp"} - {"twice", "when"}
     assert tried >= LIBM
@@ -195,29 +197,29 @@ def test_every_operation_is_tried() -> None:
         ("trees", "k = 0.25", "k = 0.25000000000000006"),
     ],
 )
-def test_a_planted_change_of_the_c_is_seen(name: str, old: str, new: str) -> None:
+def test_a_planted_change_of_the_c_is_detected(name: str, old: str, new: str) -> None:
     def change(text: str) -> str:
         assert old in text
         return text.replace(old, new)
 
-    assert unlike(BLOCKS[name](), F64, change, tolerances.of("folded") if name == "single" else 0.0)
+    assert differences(BLOCKS[name](), F64, change, tolerances.of("folded") if name == "single" else 0.0)
 
 
-def test_a_lost_parenthesis_is_seen() -> None:
+def test_a_missing_parenthesis_is_detected() -> None:
     block = trees()
     emitted = c_files(block, F64)["trees.c"]
     places = list(re.finditer(r"(?<=[-*] )\((\w+ [-+] [\w.]+)\)", emitted))[:6]
     mutants = [emitted[: m.start()] + m[1] + emitted[m.end() :] for m in places]
-    seen = [bool(unlike(block, F64, lambda text, mutant=mutant: mutant)) for mutant in mutants]
-    # A tree may hide what a part of it is: (x || y) does not tell 3 from 5.
+    seen = [bool(differences(block, F64, lambda text, mutant=mutant: mutant)) for mutant in mutants]
+    # A tree may mask the value of a subtree: (x || y) is the same for 3 and 5.
     assert len(seen) == 6 and sum(seen) >= 4
 
 
 @pytest.mark.parametrize("name", ["inside", "beside"])
-def test_parentheses_that_are_never_written_are_seen(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_parentheses_that_are_never_written_are_detected(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Text, name, lambda self, strength: self.c)
     monkeypatch.setattr(compiler, "STRICT_FLAGS", ("-std=c99", "-w"))
-    assert unlike(trees(), F64)
+    assert differences(trees(), F64)
 
 
 def gcc() -> compiler.Compiler:
@@ -236,7 +238,7 @@ def test_no_warning(name: str, scalar: type[np.floating], find: Callable[[], com
     compiler.check(c_files(BLOCKS[name](), scalar), compiler=find())
 
 
-def test_a_planted_warning_is_seen() -> None:
+def test_a_planted_warning_is_detected() -> None:
     files = c_files(memory(), F32)
     assert "0.375f" in files["memory.c"]
     with pytest.raises(CompileError, match="double"):
@@ -252,8 +254,8 @@ def doubles(text: str) -> list[str]:
     return DOUBLE_CALL.findall(code) + DOUBLE_LITERAL.findall(code)
 
 
-def test_single_precision_holds_nothing_double() -> None:
-    blocks = [make() for make in BLOCKS.values()] + [dyadic.drawn(seed) for seed in (0, 3)]
+def test_single_precision_code_contains_no_double() -> None:
+    blocks = [make() for make in BLOCKS.values()] + [dyadic.random_block(seed) for seed in (0, 3)]
     for block in blocks:
         for text in c_files(block, F32).values():
             assert not doubles(text)
@@ -283,8 +285,8 @@ def test_literals_read_back_exactly(scalar: type[np.floating]) -> None:
     table = f"{c} table[] = {{{rows}}};\nint count(void) {{ return (int)(sizeof table / sizeof table[0]); }}\n"
     library = host.ctypes.CDLL(str(compiler.shared_library({"table.c": table})))
     element = host.ctypes.c_float if scalar is F32 else host.ctypes.c_double
-    found = np.array((element * library.count()).in_dll(library, "table"), dtype=scalar)
-    np.testing.assert_array_equal(found.view(np.uint8), values.astype(scalar).view(np.uint8))
+    compiled = np.array((element * library.count()).in_dll(library, "table"), dtype=scalar)
+    np.testing.assert_array_equal(compiled.view(np.uint8), values.astype(scalar).view(np.uint8))
 
 
 @pytest.mark.parametrize(("value", "scalar"), [(np.nan, F64), (np.inf, F32), (1e39, F32)])
@@ -311,7 +313,7 @@ def test_a_signal_may_share_a_name_of_the_c(name: str) -> None:
         states=[State(signal("n", 0, 7), 0, True)],
         constants=[Constant("unused", 0.5, "1", "text that /* opens and */ closes"), Constant("idle", 1, "1", "test")],
     )
-    assert not unlike(block, F32, rtol=2.0**-20)
+    assert not differences(block, F32, rtol=2.0**-20)
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
@@ -320,7 +322,7 @@ def test_a_block_that_reads_no_input_or_keeps_no_state_compiles_clean(scalar: ty
     files = c_files(still, scalar)
     compiler.check(files)
     assert "(void)in;" in files["still.c"] and "(void)state;" in files["still.c"]
-    controller = host.load(files, made(still, scalar).manifest)
+    controller = host.load(files, emit_cached(still, scalar).manifest)
     assert controller.step(controller.init(), {"a": 1.0}).outputs == {"y": 0.25}
 
 
@@ -335,12 +337,12 @@ def test_comments_carry_tag_unit_range_and_cannot_be_closed_early() -> None:
     compiler.check(files)
 
 
-def test_what_is_not_used_is_not_printed() -> None:
+def test_unused_helpers_are_not_printed() -> None:
     text = c_files(memory(), F64)["memory.c"]
     assert "double min(" in text and "double limit(" not in text and "math.h" not in text
 
 
-def test_a_polynomial_is_printed_by_horner_and_leaves_zeros_out() -> None:
+def test_a_polynomial_is_printed_by_horner_without_zero_terms() -> None:
     memory_ = layout(memory(), F32)
     for coefficients in ((0.5,), (1.0, -2.0), (0.0, 2.0), (1.5, 0.0, 0.0, -0.25), (0.0, 0.0, 1.0)):
         p = Polynomial(-1, 1, 0.0, 1.0, "none", coefficients, F32, 1e-7)

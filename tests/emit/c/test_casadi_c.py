@@ -19,10 +19,10 @@ STRETCH = ca.Function("stretch", [x], [3 * x])
 
 def call(files: dict[str, str], name: str, values: list[float]) -> list[float]:
     double_p = ctypes.POINTER(ctypes.c_double)
-    given, result = (ctypes.c_double * 2)(*values), (ctypes.c_double * 2)()
+    inputs, result = (ctypes.c_double * 2)(*values), (ctypes.c_double * 2)()
     function = getattr(ctypes.CDLL(str(host_compiler.shared_library(files))), name)
     status = function(
-        (double_p * 1)(ctypes.cast(given, double_p)),
+        (double_p * 1)(ctypes.cast(inputs, double_p)),
         (double_p * 1)(ctypes.cast(result, double_p)),
         (ctypes.c_longlong * 1)(),
         (ctypes.c_double * 8)(),
@@ -39,7 +39,7 @@ def test_compiled_functions_compute_what_casadi_does(f: ca.Function) -> None:
     assert call(files, f.name(), [0.3, -2.0]) == pytest.approx(np.array(f([0.3, -2.0])).ravel().tolist(), rel=1e-15)
 
 
-def test_a_planted_sign_error_is_seen() -> None:
+def test_a_planted_sign_error_is_detected() -> None:
     text = casadi_c.functions([TURN], "pair")["pair.c"].replace("(-a", "(a")
     assert call({"pair.c": text}, "turn", [0.3, -2.0])[1] != pytest.approx(np.exp(-0.3), rel=0.1)
 
@@ -57,6 +57,6 @@ def test_the_text_is_the_same_every_time() -> None:
         ([TURN], "1st", "identifier"),
     ],
 )
-def test_names_that_c_cannot_hold_are_refused(functions: list[ca.Function], name: str, says: str) -> None:
+def test_names_that_are_not_c_identifiers_are_refused(functions: list[ca.Function], name: str, says: str) -> None:
     with pytest.raises(EmitError, match=says):
         casadi_c.functions(functions, name)

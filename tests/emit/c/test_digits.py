@@ -1,4 +1,4 @@
-"""Figures cut to digits: rounded as said, bounds from above, poles with and without an imaginary part."""
+"""Significant digits: rounding, bounds from above, poles with and without an imaginary part."""
 
 import math
 
@@ -14,13 +14,13 @@ def test_cut_drops_last_bits() -> None:
 
 
 @pytest.mark.parametrize("value", [1.0, 1e-17, 1.0000001e-17, 9.99e-5, 0.0123, 1.7e300])
-def test_a_bound_is_above_in_two_digits(value: float) -> None:
-    found = digits.bound(value)
-    assert value <= found <= 1.1 * value and found == float(f"{found:.1e}")
+def test_a_bound_is_rounded_up_to_two_digits(value: float) -> None:
+    bound = digits.round_up(value)
+    assert value <= bound <= 1.1 * value and bound == float(f"{bound:.1e}")
 
 
-def test_the_bound_of_nothing_is_nothing() -> None:
-    assert digits.bound(0.0) == 0.0
+def test_the_bound_of_zero_is_zero() -> None:
+    assert digits.round_up(0.0) == 0.0
 
 
 def test_poles() -> None:

@@ -1,4 +1,4 @@
-"""The manifest tells the truth about the C, and its text is JSON with one row a line."""
+"""The manifest describes the C correctly, and its text is JSON with one row a line."""
 
 import hashlib
 import json
@@ -29,7 +29,7 @@ TIME = Discrete(1.25e-3)
 GAP = Signal("gap", "m", 0.01, 0.03, "air gap")
 
 
-def emitted(scalar: type[np.floating]) -> Emitted:
+def emit_guard(scalar: type[np.floating]) -> Emitted:
     block = compose(
         "stage",
         [guard(TIME, [Guarded(GAP, 0.02, True), Guarded(Signal("wish", "m", 0, 1), 0, False)], 5)],
@@ -42,7 +42,7 @@ def emitted(scalar: type[np.floating]) -> Emitted:
 @pytest.mark.slow
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_the_compiler_confirms_the_layout(scalar: type[np.floating]) -> None:
-    made = emitted(scalar)
+    made = emit_guard(scalar)
     controller = host.load(made.files, made.manifest)
     assert controller.scalar is scalar and controller.period_s == 1.25e-3
     state = controller.init()
@@ -52,7 +52,7 @@ def test_the_compiler_confirms_the_layout(scalar: type[np.floating]) -> None:
 
 @pytest.mark.slow
 def test_a_layout_that_lies_is_refused_by_the_compiler() -> None:
-    made = emitted(np.float64)
+    made = emit_guard(np.float64)
     manifest: Any = json.loads(made.files["manifest.json"])
     manifest["structs"]["state"]["fields"][0]["offset"] += 8
     with pytest.raises(CompileError, match="manifest_state"):
@@ -60,7 +60,7 @@ def test_a_layout_that_lies_is_refused_by_the_compiler() -> None:
 
 
 def test_every_entry_stands_as_declared() -> None:
-    made = emitted(np.float32)
+    made = emit_guard(np.float32)
     manifest = made.manifest
     assert (manifest["design"], manifest["scalar"]) == ("stage", "float32")
     assert manifest["functions"] == {"init": "stage_init", "step": "stage_step"}
@@ -76,7 +76,7 @@ def test_every_entry_stands_as_declared() -> None:
 
 
 def test_the_fault_bits_of_the_header_are_those_of_the_manifest() -> None:
-    made = emitted(np.float32)
+    made = emit_guard(np.float32)
     for fault in made.manifest["faults"]:
         assert f" *   bit {fault['bit']:2d}  {fault.get('input', 'latched')}: " in made.files["stage.h"]
 
@@ -111,7 +111,7 @@ def stage() -> Block:
 
 
 # A Block that computes nothing has no line to trace.
-BLOCKS = [stage(), *(b for b in hazards.BLOCKS if b.name != "never"), *(dyadic.drawn(seed) for seed in range(6))]
+BLOCKS = [stage(), *(b for b in hazards.BLOCKS if b.name != "never"), *(dyadic.random_block(seed) for seed in range(6))]
 IDLE = re.compile(r"\s*(\(void\)\w+;|static const .*|return .*;|)")
 
 
@@ -122,16 +122,16 @@ def body(lines: list[str], name: str) -> range:
 
 
 def trace_defects(lines: list[str], trace: Mapping[str, list[list[int]]], name: str) -> list[str]:
-    """Return what is wrong with a trace: lines outside the step, runs out of order or shared, lines left out."""
-    inside, found, covered = body(lines, name), [], list[int]()
+    """Return the defects of a trace: lines outside the step, runs out of order or shared, missing lines."""
+    inside, defects, covered = body(lines, name), [], list[int]()
     for tag, runs in trace.items():
         if not all(first <= last for first, last in runs) or not all(a[1] < b[0] for a, b in pairwise(runs)):
-            found.append(f"{tag}: out of order")
+            defects.append(f"{tag}: out of order")
         covered += [line for first, last in runs for line in range(first, last + 1)]
-    found += [f"{line} twice" for line in set(covered) if covered.count(line) > 1]
-    found += [f"{line} outside" for line in covered if line not in inside]
+    defects += [f"{line} twice" for line in set(covered) if covered.count(line) > 1]
+    defects += [f"{line} outside" for line in covered if line not in inside]
     left = [line for line in inside if line not in covered and not IDLE.fullmatch(lines[line - 1])]
-    return found + [f"{line} left out" for line in left]
+    return defects + [f"{line} left out" for line in left]
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda b: b.name)
@@ -163,8 +163,8 @@ def test_lines_belong_to_the_block_that_computes_them() -> None:
     assert sorted(trace) == titles
 
     def of(text: str) -> list[str]:
-        found = [i for i, line in enumerate(lines, 1) if text in line and i in body(lines, "stage")]
-        return [tag for i in found for tag, runs in trace.items() if any(a <= i <= b for a, b in runs)]
+        numbers = [i for i, line in enumerate(lines, 1) if text in line and i in body(lines, "stage")]
+        return [tag for i in numbers for tag, runs in trace.items() if any(a <= i <= b for a, b in runs)]
 
     assert of("gain_polynomial(") == ["law: F(3), F(4)"]
     assert set(of("state->guard_")) == {titles[0]}
@@ -198,19 +198,19 @@ SCHEMA: dict[str, Any] = {
 }
 
 
-def misfits(found: Any, schema: Any, where: str = "") -> list[str]:
-    """Return where a document has other keys or kinds of values than the schema."""
+def misfits(value: Any, schema: Any, where: str = "") -> list[str]:
+    """Return the places at which a document has other keys or types of values than the schema."""
     if isinstance(schema, list):
-        return [m for i, item in enumerate(found) for m in misfits(item, schema[0], f"{where}[{i}]")]
+        return [m for i, item in enumerate(value) for m in misfits(item, schema[0], f"{where}[{i}]")]
     if isinstance(schema, dict):
-        if not isinstance(found, dict) or found.keys() != schema.keys():
-            return [f"{where}: {found}"]
-        return [m for key in schema for m in misfits(found[key], schema[key], f"{where}.{key}")]
+        if not isinstance(value, dict) or value.keys() != schema.keys():
+            return [f"{where}: {value}"]
+        return [m for key in schema for m in misfits(value[key], schema[key], f"{where}.{key}")]
     kinds = (int, float) if schema is float else (schema,)
-    return [] if isinstance(found, kinds) and not isinstance(found, bool) else [f"{where}: {found}"]
+    return [] if isinstance(value, kinds) and not isinstance(value, bool) else [f"{where}: {value}"]
 
 
-def test_the_document_has_the_keys_and_kinds_that_are_promised() -> None:
+def test_the_document_matches_its_schema() -> None:
     made = emit(stage(), np.float32, error=1e-5)
     document = json.loads(made.files["manifest.json"])
     assert document == made.manifest and not misfits(document, SCHEMA) and document["surrogates"]
@@ -246,7 +246,7 @@ def test_the_text_reads_back_as_the_document(document: dict[str, Any]) -> None:
     assert json.loads(text) == document and text.endswith("\n")
 
 
-def test_a_row_stands_in_one_line() -> None:
+def test_a_row_is_printed_on_one_line() -> None:
     text = dumps({"rows": [{"a": 1, "b": [1, 2]}, {"c": 3}], "empty": {}})
     assert text.splitlines() == [
         "{",
@@ -267,7 +267,7 @@ def test_numbers_that_json_does_not_know_are_refused() -> None:
         dumps({"x": float("nan")})
 
 
-def test_what_does_not_latch_has_no_safety() -> None:
+def test_a_block_that_does_not_latch_has_no_safety() -> None:
     output = Signal("force", "N", -1, 1)
     block = safe_output(TIME, [output], Safety(1, {"force": 0}, {"force": 1}, "rest"))
     assert emit(block, np.float64).manifest["safety"] is None
@@ -276,18 +276,23 @@ def test_what_does_not_latch_has_no_safety() -> None:
 
 def test_the_safety_is_that_of_the_blocks_and_the_c_keeps_it() -> None:
     made = emit(frozen(stage()), np.float64, error=1e-5)
-    told = made.manifest["safety"]
-    assert told == {"bad_samples": 3, "safe_output": {"force": 0.0}, "slew_per_s": {"force": 5.0}, "reason": "at rest"}
+    safety = made.manifest["safety"]
+    assert safety == {
+        "bad_samples": 3,
+        "safe_output": {"force": 0.0},
+        "slew_per_s": {"force": 5.0},
+        "reason": "at rest",
+    }
     replay = host.load(made.files, made.manifest).replay({"gap": [0.5] * 4 + [9.0] * 400, "wish": [1.0] * 404})
     latched, force = np.flatnonzero(replay.faults >> LATCH_BIT)[0], replay.outputs["force"]
-    assert latched == 4 + told["bad_samples"] - 1
+    assert latched == 4 + safety["bad_samples"] - 1
     steps = np.abs(np.diff(force[latched - 1 :]))
-    assert force[-1] == told["safe_output"]["force"]
-    assert steps.max() == pytest.approx(told["slew_per_s"]["force"] * TIME.period_s)
+    assert force[-1] == safety["safe_output"]["force"]
+    assert steps.max() == pytest.approx(safety["slew_per_s"]["force"] * TIME.period_s)
 
 
 def test_an_output_that_passes_a_safe_one_on_has_its_safety() -> None:
-    """And one that is computed from it has none."""
+    """An output that is computed from the safe one has no safety."""
     force = Signal("force", "N", -1, 1)
     both = [Signal("left", "N", -1, 1), Signal("right", "N", -1, 1), Signal("half", "N", -0.5, 0.5)]
     shared = build(

@@ -21,7 +21,7 @@ from synth.emit.passes import fold, regions
 from synth.emit.write import emit
 from synth.execute import compile as compiler
 from synth.execute import host
-from tests.emit import dyadic, hazards, stepped
+from tests.emit import dyadic, hazards, one_step
 from tests.emit.dyadic import TIME, signal
 
 pytestmark = pytest.mark.slow
@@ -32,30 +32,30 @@ SEEDS = range(24)
 
 @pytest.mark.parametrize("scalar", [F32, F64])
 def test_hazards_compute_what_casadi_computes(scalar: type[np.floating]) -> None:
-    assert not stepped.wrong(hazards.BLOCKS, scalar, 600)
+    assert not one_step.differing_from_casadi(hazards.BLOCKS, scalar, 600)
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
 def test_random_blocks_compute_what_casadi_computes(scalar: type[np.floating]) -> None:
-    assert not stepped.wrong([dyadic.drawn(seed) for seed in SEEDS], scalar)
+    assert not one_step.differing_from_casadi([dyadic.random_block(seed) for seed in SEEDS], scalar)
 
 
 def test_random_blocks_replayed_from_init_follow_casadi() -> None:
-    for block in (dyadic.drawn(1), dyadic.drawn(2), dyadic.drawn(6)):
+    for block in (dyadic.random_block(1), dyadic.random_block(2), dyadic.random_block(6)):
         made, f, x = emit(block, F32), block.function(), block.initial
         controller = host.load(made.files, made.manifest)
         state, (_, u) = controller.init(), dyadic.samples(block, 60)
         for sample in u.T:
             next, y = f(x, sample)
             x = next.full().ravel()
-            found = controller.step(state, {s.name: v for s, v in zip(block.inputs, sample, strict=True)})
-            assert [found.outputs[s.name] for s in block.outputs] == list(y.full().ravel())
+            replay = controller.step(state, {s.name: v for s, v in zip(block.inputs, sample, strict=True)})
+            assert [replay.outputs[s.name] for s in block.outputs] == list(y.full().ravel())
             assert [state[s.name] for s in block.states] == list(x)
 
 
-def test_zig_finds_nothing_to_warn_of() -> None:
+def test_zig_reports_no_warning() -> None:
     pytest.importorskip("ziglang", reason="the ziglang wheel is not installed")
-    blocks = [*hazards.BLOCKS[:8], hazards.flags(), *(dyadic.drawn(seed) for seed in range(4))]
+    blocks = [*hazards.BLOCKS[:8], hazards.flags(), *(dyadic.random_block(seed) for seed in range(4))]
     includes = []
     files: dict[str, str] = {}
     for i, block in enumerate(blocks):
@@ -72,19 +72,19 @@ def test_zig_finds_nothing_to_warn_of() -> None:
 
 
 def leads(users: Any, ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
-    """Carry a variable on as soon as nothing outside the `if` reads it."""
+    """Share a variable as soon as nothing outside the `if` reads it."""
     return start not in ends and (inside | {choice}).issuperset(users[start])
 
 
-def handed(p: Program, block: Sequence[Any]) -> list[int]:
-    """Take every load of a state for one that may be read where it is assigned."""
+def every_load(p: Program, block: Sequence[Any]) -> list[int]:
+    """Treat every load of a state as one that may be read where it is assigned."""
     return [k for k, node in enumerate(p.nodes) if node.op == "state"]
 
 
 PLANTED: list[tuple[Any, str, Callable[..., Any]]] = [
-    (variables, "_leads", leads),
-    (variables, "_handed", handed),
-    (carriers, "_counted", lambda p: set(range(len(p.nodes)))),
+    (variables, "_leads_only_to", leads),
+    (variables, "_direct_loads", every_load),
+    (carriers, "_only_in_counters", lambda p: set(range(len(p.nodes)))),
     (carriers, "is_whole", lambda node: True),
     (fold, "_truth", lambda f, a: a),
     (c_text, "literal", lambda value, scalar: expressions.literal(round(value, 1), scalar)),
@@ -99,21 +99,21 @@ def test_a_planted_defect_is_found(
     # Without what else would refuse such C.
     monkeypatch.setattr(carriers, "require_whole", lambda program, proved: None)
     monkeypatch.setattr(compiler, "STRICT_FLAGS", ("-std=c99",))
-    assert stepped.wrong(hazards.BLOCKS, F64, 300)
+    assert one_step.differing_from_casadi(hazards.BLOCKS, F64, 300)
 
 
 def test_a_planted_change_of_the_c_is_found() -> None:
     for seed in (1, 4):
-        block = dyadic.drawn(seed)
+        block = dyadic.random_block(seed)
         made, (x, u) = emit(block, F64), dyadic.samples(block, 300)
-        expected = stepped.by_casadi(block, x, u)
+        expected = one_step.by_casadi(block, x, u)
         conditions = re.findall(r"if \((?!!)(.+)\) \{", made.files[f"{block.name}.c"])
         assert conditions
         for condition in conditions[:3]:
-            library = stepped.together(
+            library = one_step.compile_together(
                 [made], lambda text, c=condition: text.replace(f"if ({c}) {{", f"if (!({c})) {{", 1)
             )
-            assert stepped.by_c(library, block, made, x, u).unlike(expected)
+            assert one_step.by_c(library, block, made, x, u).differences(expected)
 
 
 # --- what the text says ---
@@ -127,14 +127,14 @@ def text(block: Block, scalar: type[np.floating] = F32) -> str:
 
 def side(code: str, condition: str) -> tuple[str, str]:
     """Return the two sides of the `if` on a condition, at the outermost level of the step."""
-    found = re.search(
+    match = re.search(
         rf"^    if \({re.escape(condition)}\) \{{\n(.*?)^    \}}(?: else \{{\n(.*?)^    \}})?$", code, re.M | re.S
     )
-    assert found, code
-    return found[1], found[2] or ""
+    assert match, code
+    return match[1], match[2] or ""
 
 
-def test_what_only_one_side_needs_stands_on_that_side() -> None:
+def test_a_value_that_only_one_side_needs_is_computed_on_that_side() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         a, b, c = u["a"], u["b"], u["c"]
         y = ca.if_else(a < b, ca.sqrt(c * c + 1) * 3, ca.fabs(c - a) * b)
@@ -146,7 +146,7 @@ def test_what_only_one_side_needs_stands_on_that_side() -> None:
     assert "state->x" not in then and "state->x = " in other and code.count("state->") == 1
 
 
-def test_a_choice_carries_on_the_variable_of_another_one() -> None:
+def test_a_choice_reuses_the_variable_of_another_one() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         bad = [u[n] > 1 for n in "abc"]
         late = x["late"]
@@ -157,12 +157,12 @@ def test_a_choice_carries_on_the_variable_of_another_one() -> None:
 
     states = [*hazards.count("p"), *hazards.count("q"), *hazards.count("r"), State(signal("late", 0, 1), 0, True)]
     block = hazards.make("chain", law, "y", states)
-    assert not stepped.wrong([block], F32)
+    assert not one_step.differing_from_casadi([block], F32)
     assert len(re.findall(r"^    uint32_t \w+ = late;$", text(block), re.M)) == 1
 
 
 def composed() -> Block:
-    """Return a Block that keeps a flag of a composed condition and chooses between sums."""
+    """Return a Block that stores a flag of a compound condition and chooses between sums."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
         a, b, c = u["a"], u["b"], u["c"]
@@ -174,10 +174,10 @@ def composed() -> Block:
     return hazards.make("composed", law, "y z", [State(signal("bad", 0, 1), 0, True)])
 
 
-def test_a_flag_becomes_an_integer_in_a_function_and_a_sum_is_no_first_arm(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As MISRA's 10.6 and 12.1 want it, the latter as cppcheck reads it."""
+def test_misra_casts_of_flags_and_compound_arms(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MISRA C rules 10.6 and 12.1, the latter as interpreted by cppcheck."""
     block, arm = composed(), r"\? \([^()]* - [^()]*\) :"
-    assert not stepped.wrong([block], F32)
+    assert not one_step.differing_from_casadi([block], F32)
     code = emit(block, F32).files["composed.c"]
     assert "static inline uint32_t flag(bool holds)" in code and "state->bad = flag(bad_next);" in code
     assert not re.search(arm, code)
@@ -190,7 +190,7 @@ def test_a_choice_between_a_count_and_a_flag_is_a_count() -> None:
         return Step({"y": u["a"]}, {"n": ca.if_else(u["a"] < u["b"], x["n"], ca.if_else(u["c"] < 1, u["a"] < 2, 5))})
 
     block = hazards.make("mixed", law, "y", hazards.count())
-    assert not stepped.wrong([block], F32)
+    assert not one_step.differing_from_casadi([block], F32)
     assert "(uint32_t)" not in text(block) and "flag(" in text(block)
     whole = Program(
         (
@@ -214,22 +214,22 @@ def test_bits_of_the_word_are_set_one_by_one() -> None:
     assert re.search(r"return faults;\n\}\n$", code)
 
 
-def test_a_title_stands_where_the_block_changes() -> None:
+def test_a_title_is_printed_where_the_block_changes() -> None:
     assert re.findall(r"/\* (\w+) \*/", text(hazards.stored_by_an_earlier_block())) == ["hold", "use"]
 
 
 def test_lines_after_a_branch_belong_to_the_block_before_it() -> None:
-    """The tag that a side ends with says nothing of the other side."""
+    """The last tag of one side does not apply to the other side."""
     block = hazards.stored_by_an_earlier_block()
-    shipped = block.rounded(F64)
-    found = pipeline.reduce(shipped, F64)
-    lines = pipeline.source(found, layout.layout(shipped, F64))
+    rounded = block.rounded(F64)
+    reduced = pipeline.reduce(rounded, F64)
+    lines = pipeline.source(reduced, layout.layout(rounded, F64))
     tags = {line.text.strip(): line.tag for line in lines}
     assert tags["state->hold_x = a;"] == "hold" and tags["} else {"] == "use" and tags["out->z = z;"] == "use"
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
-def test_names_that_the_c_needs_may_be_those_of_constants(scalar: type[np.floating]) -> None:
+def test_constants_may_have_names_that_the_c_reserves(scalar: type[np.floating]) -> None:
     names = [
         "min",
         "max",
@@ -266,7 +266,7 @@ def test_names_that_the_c_needs_may_be_those_of_constants(scalar: type[np.floati
         states=hazards.count(),
         constants=[Constant(n, 0.5**i, "1", "test") for i, n in enumerate(names)],
     )
-    assert not stepped.wrong([block], scalar, rtol=2.0**-20)
+    assert not one_step.differing_from_casadi([block], scalar, rtol=2.0**-20)
 
 
 # --- kinds ---
@@ -274,8 +274,8 @@ def test_names_that_the_c_needs_may_be_those_of_constants(scalar: type[np.floati
 
 def kinds(law: Callable[..., Step], states: Sequence[State] = ()) -> dict[str, str]:
     program = fold.folded(lower.program(hazards.make("kinds", law, "y", [*states, *hazards.count()])))
-    found = carriers.kinds(program)
-    return {"y": found[program.outputs["y"]]} | {f"next {n}": found[k] for n, k in program.next.items()}
+    kind_of = carriers.kinds(program)
+    return {"y": kind_of[program.outputs["y"]]} | {f"next {n}": kind_of[k] for n, k in program.next.items()}
 
 
 @pytest.mark.parametrize(
@@ -297,11 +297,11 @@ def kinds(law: Callable[..., Step], states: Sequence[State] = ()) -> dict[str, s
         (lambda u, n: u["a"], "real"),
     ],
 )
-def test_a_value_is_held_as_what_it_is(e: Callable[..., ca.SX], kind: str) -> None:
+def test_the_kind_of_a_value_follows_from_its_expression(e: Callable[..., ca.SX], kind: str) -> None:
     assert kinds(lambda u, x, k: Step({"y": e(u, x["n"])}, {"n": x["n"]}))["y"] == kind
 
 
-def test_a_difference_is_an_integer_where_only_an_integer_state_takes_it() -> None:
+def test_a_difference_is_an_integer_if_only_an_integer_state_uses_it() -> None:
     def down(u: Any, x: Any, k: Any) -> Step:
         return Step({"y": u["a"]}, {"n": ca.if_else(x["n"] > 0, x["n"] - 1, 7)})
 
@@ -311,7 +311,7 @@ def test_a_difference_is_an_integer_where_only_an_integer_state_takes_it() -> No
     assert kinds(down)["next n"] == "integer" and kinds(read)["next n"] == "real"
 
 
-def test_numbers_beyond_32_bits_are_no_integers() -> None:
+def test_numbers_beyond_32_bits_are_not_integers() -> None:
     for value in (2.0**32, -1.0, 0.5, np.inf):
         nodes = (Node("state", name="n"), Node("literal", value=value), Node("add", (0, 1)))
         assert carriers.kinds(Program(nodes, (), {"y": 2}, {"n": 0}, frozenset({"n"})))[2] == "real"

@@ -1,4 +1,4 @@
-"""Words for nodes: expressions as C has them, signals by name, values with units."""
+"""Descriptions of nodes: expressions in C syntax, signals by name, values with units."""
 
 import numpy as np
 
@@ -24,13 +24,13 @@ def test_operations_are_spelled_as_in_c() -> None:
     assert text(Node("polynomial", (0,), name="f")) == "f"
 
 
-def test_a_long_expression_is_cut_short() -> None:
+def test_a_long_expression_is_abbreviated() -> None:
     nodes = [A] + [Node("mul", (k, k)) for k in range(30)]
-    found = wording.expression(Program(tuple(nodes), (), {}, {}), 30)
-    assert len(found) <= 160 and "(...)" in found and found.startswith("(")
+    text = wording.expression(Program(tuple(nodes), (), {}, {}), 30)
+    assert len(text) <= 160 and "(...)" in text and text.startswith("(")
 
 
-def test_signals_stand_for_what_computes_them_and_carry_their_units() -> None:
+def test_nodes_are_described_by_signals_and_units() -> None:
     block = build(
         "made",
         Discrete(1e-3),

@@ -22,8 +22,8 @@ from synth.emit.lower import Node, Program
 from synth.emit.passes import fold
 from synth.signals import Signal
 from synth.timing import Discrete
-from tests.emit.meaning import interpret
-from tests.emit.passes.trees import LEAVES, A, B, C, K, L, folded, tree
+from tests.emit.passes.trees import LEAVES, A, B, C, K, L, fold_nodes, tree
+from tests.emit.semantics import interpret
 
 NUMBERS = (0.0, 1.0, -1.0, 2.0, -2.0, 0.5, -0.25, 4.0)
 UNARY = ("neg", "fabs", "sq", "twice", "inv", "not")
@@ -32,7 +32,7 @@ OFTEN = ("add", "sub", "mul", "mul", "div", "neg", "choose", "max", "min", "inv"
 POSITIVE = ("add", "mul", "div", "inv", "sq", "twice", "choose", "max", "min")
 
 
-def drawn(seed: int, operations: tuple[str, ...], numbers: tuple[float, ...], count: int = 24) -> Program:
+def random_program(seed: int, operations: tuple[str, ...], numbers: tuple[float, ...], count: int = 24) -> Program:
     """Return a random program of which the last eight nodes are outputs."""
     rng = np.random.default_rng(seed)
     nodes = [*LEAVES, *(Node("literal", value=v) for v in numbers)]
@@ -62,10 +62,10 @@ def on_fractions(program: Program) -> Program:
 
 
 def differing(count: int = 300) -> list[int]:
-    """Return the seeds of programs that folding changes, on fractions where nothing is divided by 0."""
-    found, tried = [], 0
+    """Return the seeds of programs whose results folding changes, on fractions without division by 0."""
+    failures, tried = [], 0
     for seed in range(count):
-        program = drawn(seed, (*OFTEN, *UNARY, *BINARY, "limit", "limit"), NUMBERS)
+        program = random_program(seed, (*OFTEN, *UNARY, *BINARY, "limit", "limit"), NUMBERS)
         folded = fold.folded(program)
         if not powers_of_two(folded):
             continue
@@ -75,10 +75,10 @@ def differing(count: int = 300) -> list[int]:
             before, after = (on_fraction(p, loads) for p in (program, folded))
             tried += before is not None
             if before is not None and before != after:
-                found.append(seed)
+                failures.append(seed)
                 break
     assert tried > count / 3
-    return found
+    return failures
 
 
 def powers_of_two(program: Program) -> bool:
@@ -97,9 +97,9 @@ def test_folding_is_exact_on_fractions() -> None:
     assert not differing()
 
 
-def test_folding_moves_floats_by_rounding_alone() -> None:
+def test_folding_changes_floats_by_rounding_alone() -> None:
     for seed in range(200):
-        program = drawn(seed, POSITIVE, (1.0, 3.0, 0.1, 7e-3))
+        program = random_program(seed, POSITIVE, (1.0, 3.0, 0.1, 7e-3))
         folded = fold.folded(program)
         rng = np.random.default_rng(seed)
         for _ in range(3):
@@ -111,7 +111,7 @@ def test_folding_moves_floats_by_rounding_alone() -> None:
 
 def test_folding_twice_is_folding_once() -> None:
     for seed in range(100):
-        once = fold.folded(drawn(seed, (*OFTEN, *UNARY, *BINARY), NUMBERS))
+        once = fold.folded(random_program(seed, (*OFTEN, *UNARY, *BINARY), NUMBERS))
         assert len(fold.folded(once).nodes) <= len(once.nodes)
 
 
@@ -121,7 +121,7 @@ RULES: dict[str, Any] = {
 }
 TABLED: dict[str, Any] = {
     "sub": fold._RULES["add"],
-    "neg": lambda f, a: None if f.scaled(a)[0] == 1 else f.scaled(a)[1],
+    "neg": lambda f, a: None if f.split_factor(a)[0] == 1 else f.split_factor(a)[1],
     "choose": lambda f, c, a, b: a if f.nodes[c].op == "not" else None,
     "inv": lambda f, a: a,
     "max": lambda f, a, b: f.place(Node("clamp", (a, b, b))) if f.nodes[a].op == "min" else None,
@@ -144,7 +144,7 @@ def number(value: float) -> Node:
 
 
 @pytest.mark.parametrize(
-    ("nodes", "found"),
+    ("nodes", "expected"),
     [
         ([number(2), number(3), Node("add", (5, 6))], "5"),
         ([number(2), number(3), Node("max", (5, 6))], "3"),
@@ -186,8 +186,8 @@ def number(value: float) -> Node:
         ),
     ],
 )
-def test_a_rule_rewrites(nodes: list[Node], found: str) -> None:
-    assert tree(folded(*nodes)) == found
+def test_a_rule_rewrites(nodes: list[Node], expected: str) -> None:
+    assert tree(fold_nodes(*nodes)) == expected
 
 
 @pytest.mark.parametrize(
@@ -203,8 +203,8 @@ def test_a_rule_rewrites(nodes: list[Node], found: str) -> None:
     ],
 )
 def test_named_constants_are_not_folded_away(nodes: list[Node]) -> None:
-    wanted = {LEAVES[a].name for n in nodes for a in n.args if a < len(LEAVES)}
-    assert {n.name for n in folded(*nodes).nodes if n.op != "literal" and not n.args} == wanted
+    names = {LEAVES[a].name for n in nodes for a in n.args if a < len(LEAVES)}
+    assert {n.name for n in fold_nodes(*nodes).nodes if n.op != "literal" and not n.args} == names
 
 
 SPECIAL = (nan, inf, -inf, 0.0, -0.0, 1.0, -1.0, 2.0, 2.5, -2.5, 1e308, 5e-324)
@@ -215,8 +215,8 @@ def same(a: float, b: float) -> bool:
 
 
 @pytest.mark.parametrize("h", [2.0, 0.0, -1.0, inf])
-def test_an_interval_is_that_of_the_absolute_value_also_for_no_number(h: float) -> None:
-    program = folded(number(h), number(-h), Node("le", (6, A)), Node("le", (A, 5)), Node("and", (7, 8)))
+def test_an_interval_test_equals_that_of_the_absolute_value_also_for_nan(h: float) -> None:
+    program = fold_nodes(number(h), number(-h), Node("le", (6, A)), Node("le", (A, 5)), Node("and", (7, 8)))
     assert "fabs" in tree(program)
     for x in SPECIAL:
         assert outputs(program, {"a": x})["y"] == int(-h <= x and x <= h)
@@ -227,14 +227,14 @@ def limit(x: float, h: float) -> float:
     return x if abs(x) <= h else -h if x < 0 else abs(h)
 
 
-def test_a_limit_is_what_the_minimum_and_the_maximum_give_whatever_the_argument() -> None:
+def test_a_clamp_equals_minimum_and_maximum_for_any_argument() -> None:
     for x, h in itertools.product(SPECIAL, SPECIAL):
         low = min(x, h) if not isnan(x) else h  # fmin gives the other argument for what is no number
         low = nan if isnan(h) else low
         assert same(limit(x, h), nan if isnan(h) else max(low, -h)), (x, h)
 
 
-def test_a_limit_of_no_number_is_its_upper_end() -> None:
+def test_a_clamp_of_nan_is_its_upper_end() -> None:
     """As CasADi's fmin and fmax have it."""
     block = build(
         "limit",
@@ -254,16 +254,16 @@ def divisions(program: Program) -> int:
     return sum(n.op in ("div", "inv") for n in program.nodes)
 
 
-def test_what_is_divided_by_twice_is_inverted_once() -> None:
-    program = folded(Node("div", (A, C)), Node("div", (B, C)), Node("sub", (5, 6)))
+def test_a_divisor_used_twice_is_inverted_once() -> None:
+    program = fold_nodes(Node("div", (A, C)), Node("div", (B, C)), Node("sub", (5, 6)))
     assert divisions(program) == 1 and tree(program) == "sub(mul(a, inv(c)), mul(b, inv(c)))"
-    program = folded(Node("div", (A, C)), Node("inv", (C,)), Node("sub", (5, 6)))
+    program = fold_nodes(Node("div", (A, C)), Node("inv", (C,)), Node("sub", (5, 6)))
     assert divisions(program) == 1 and tree(program) == "sub(mul(a, inv(c)), inv(c))"
-    assert divisions(folded(Node("div", (A, C)), Node("div", (A, B)), Node("sub", (5, 6)))) == 2
+    assert divisions(fold_nodes(Node("div", (A, C)), Node("div", (A, B)), Node("sub", (5, 6)))) == 2
 
 
-def test_divisions_on_sides_that_exclude_each_other_stay_where_they_are_safe() -> None:
+def test_divisions_in_exclusive_arms_are_not_shared() -> None:
     sides = [Node("lt", (A, C)), Node("div", (A, C)), Node("div", (B, C)), Node("choose", (5, 6, 7))]
-    assert divisions(folded(*sides)) == 2
+    assert divisions(fold_nodes(*sides)) == 2
     # One more that is made anyway, and the reciprocal costs nothing.
-    assert divisions(folded(*sides, Node("inv", (C,)), Node("add", (8, 9)))) == 1
+    assert divisions(fold_nodes(*sides, Node("inv", (C,)), Node("add", (8, 9)))) == 1

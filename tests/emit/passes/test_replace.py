@@ -48,11 +48,11 @@ def make(law: Callable[..., Any], outputs: str = "y", name: str = "made", inputs
     )
 
 
-def replaced(
+def replace_functions(
     block: Block, scalar: type[np.floating] = F32, error: float | None = COARSE
 ) -> tuple[lower.Program, tuple[Surrogate, ...]]:
-    shipped = block.rounded(scalar)
-    return replace.replaced(fold.folded(lower.program(shipped)), ranges.bounds(shipped, scalar), scalar, error)
+    rounded = block.rounded(scalar)
+    return replace.replace_functions(fold.folded(lower.program(rounded)), ranges.bounds(rounded, scalar), scalar, error)
 
 
 def operations(program: lower.Program) -> list[str]:
@@ -65,38 +65,42 @@ def test_functions_of_one_variable_are_found_and_replaced() -> None:
         "y z",
         constants=[Constant("k", 0.1, "1", "test")],
     )
-    program, found = replaced(block)
+    program, surrogates = replace_functions(block)
     assert operations(program) == ["polynomial", "polynomial"]
-    assert {(s.tag, s.name, s.variable) for s in found} == {
+    assert {(s.tag, s.name, s.variable) for s in surrogates} == {
         ("f1_polynomial", "f1_polynomial", "a"),
         ("z", "z_polynomial", "b"),
     }
-    assert program.polynomials == {s.name: s.polynomial for s in found}
-    assert all((s.polynomial.low, s.polynomial.high) == (LOW, HIGH) for s in found)
+    assert program.polynomials == {s.name: s.polynomial for s in surrogates}
+    assert all((s.polynomial.low, s.polynomial.high) == (LOW, HIGH) for s in surrogates)
 
 
 def test_the_variable_may_be_any_value() -> None:
     for e, variable in ((lambda a, b: a * b, "(a * b)"), (lambda a, b: a * b + a, "(a * b) + a")):
-        program, (found,) = replaced(make(lambda u, k, e=e: {"y": ca.exp(e(u["a"], u["b"]))}))
-        assert found.variable == variable and operations(program) == ["polynomial"]
+        program, (surrogate,) = replace_functions(make(lambda u, k, e=e: {"y": ca.exp(e(u["a"], u["b"]))}))
+        assert surrogate.variable == variable and operations(program) == ["polynomial"]
 
 
 def test_a_function_of_two_variables_stays() -> None:
-    program, found = replaced(make(lambda u, k: {"y": ca.atan2(u["a"], u["b"])}))
-    assert not found and "atan2" in {n.op for n in program.nodes}
+    program, surrogates = replace_functions(make(lambda u, k: {"y": ca.atan2(u["a"], u["b"])}))
+    assert not surrogates and "atan2" in {n.op for n in program.nodes}
 
 
 def test_a_function_with_a_zero_inside_the_range_stays() -> None:
-    program, found = replaced(make(lambda u, k: {"y": ca.sin(u["a"] - 0.375), "z": ca.exp(u["b"])}, "y z"))
-    assert operations(program) == ["polynomial", "sin"] and [s.tag for s in found] == ["z"]
+    program, surrogates = replace_functions(
+        make(lambda u, k: {"y": ca.sin(u["a"] - 0.375), "z": ca.exp(u["b"])}, "y z")
+    )
+    assert operations(program) == ["polynomial", "sin"] and [s.tag for s in surrogates] == ["z"]
 
 
 def test_equal_functions_share_one_polynomial() -> None:
-    program, found = replaced(make(lambda u, k: {"y": ca.exp(u["a"]) * u["b"], "z": ca.exp(u["b"]) * u["a"]}, "y z"))
-    assert len(found) == 1 and operations(program) == ["polynomial", "polynomial"]
+    program, surrogates = replace_functions(
+        make(lambda u, k: {"y": ca.exp(u["a"]) * u["b"], "z": ca.exp(u["b"]) * u["a"]}, "y z")
+    )
+    assert len(surrogates) == 1 and operations(program) == ["polynomial", "polynomial"]
 
 
-def test_functions_of_unlike_ranges_do_not_share() -> None:
+def test_functions_of_different_ranges_do_not_share() -> None:
     wide = build(
         "wide",
         TIME,
@@ -104,10 +108,10 @@ def test_functions_of_unlike_ranges_do_not_share() -> None:
         inputs=[signal("a", LOW, HIGH), signal("b", LOW, 2 * HIGH)],
         outputs=[signal("y"), signal("z")],
     )
-    assert len(replaced(wide)[1]) == 2
+    assert len(replace_functions(wide)[1]) == 2
 
 
-def like_named() -> Block:
+def equally_named_functions() -> Block:
     """Return two Blocks, each with a function called `gain`."""
 
     def block(name: str, output: str, source: str, f: Callable[[ca.SX], ca.SX]) -> Block:
@@ -119,27 +123,27 @@ def like_named() -> Block:
     return compose("both", blocks, inputs=["a", "b"], outputs=["p", "q"])
 
 
-def test_like_named_signals_get_polynomials_of_their_own() -> None:
-    _, found = replaced(like_named())
-    assert [s.name for s in found] == ["gain_polynomial", "gain_2_polynomial"]
-    made = emit(like_named(), F32, error=COARSE)
+def test_signals_of_equal_names_get_separate_polynomials() -> None:
+    _, surrogates = replace_functions(equally_named_functions())
+    assert [s.name for s in surrogates] == ["gain_polynomial", "gain_2_polynomial"]
+    made = emit(equally_named_functions(), F32, error=COARSE)
     controller = host.load(made.files, made.manifest)
     out = controller.step(controller.init(), {"a": 0.5, "b": 0.25}).outputs
     np.testing.assert_allclose([out["p"], out["q"]], [2 * np.exp(0.5), 2 * np.cosh(0.25)], rtol=2 * COARSE)
 
 
-def shifted() -> Block:
+def shifted_reciprocal() -> Block:
     """Return a function with a pole below the range, beside a reciprocal with the same pole."""
     return make(lambda u, k: {"y": ca.exp(0.5 / (u["a"] + 0.125)) + 1, "z": 3 / (u["a"] + 0.125)}, "y z", inputs="a")
 
 
-def test_a_reciprocal_that_is_computed_anyway_is_the_variable() -> None:
-    program, (found,) = replaced(shifted())
-    assert found.variable == "1 / (a + 0.125)"
+def test_an_existing_reciprocal_becomes_the_variable() -> None:
+    program, (surrogate,) = replace_functions(shifted_reciprocal())
+    assert surrogate.variable == "1 / (a + 0.125)"
     assert [n.op for n in program.nodes if n.op in ("div", "inv")] == ["inv"]
     alone = make(lambda u, k: {"y": ca.exp(0.5 / (u["a"] + 0.125)) + 1}, inputs="a")
-    _, (other,) = replaced(alone)
-    assert other.variable == "a" and found.polynomial.degree < other.polynomial.degree
+    _, (other,) = replace_functions(alone)
+    assert other.variable == "a" and surrogate.polynomial.degree < other.polynomial.degree
 
 
 # --- certificates on the emitted C ---
@@ -154,8 +158,8 @@ def error(made: Emitted, f: Callable[[Any], Any], scalar: type[np.floating]) -> 
     """Return the largest relative error of output y as a function f of input a, over random inputs."""
     controller = host.load(made.files, made.manifest)
     x = draws(LOW, HIGH, scalar)
-    given: dict[str, Any] = {"a": x} | ({"b": 0.25} if "b" in (controller.inputs.names or ()) else {})
-    y = controller.replay(given).outputs["y"]
+    inputs: dict[str, Any] = {"a": x} | ({"b": 0.25} if "b" in (controller.inputs.names or ()) else {})
+    y = controller.replay(inputs).outputs["y"]
     with mpmath.workprec(120):
         truth = [f(mpmath.mpf(float(v))) for v in x]
         return float(max(abs(mpmath.mpf(float(v)) / t - 1) for v, t in zip(y, truth, strict=True)))
@@ -183,8 +187,8 @@ def test_the_c_keeps_its_certificate(name: str, scalar: type[np.floating], allow
 
 
 def test_the_c_keeps_the_certificate_of_a_reciprocal() -> None:
-    """As a function of the reciprocal that the C computes, rounded."""
-    made = emit(shifted(), F32, error=COARSE)
+    """The certificate holds for the function of the rounded reciprocal that the C computes."""
+    made = emit(shifted_reciprocal(), F32, error=COARSE)
     (surrogate,) = made.manifest["surrogates"]
     controller = host.load(made.files, made.manifest)
     x = draws(LOW, HIGH, F32)
@@ -218,9 +222,9 @@ def test_libm_may_be_kept(scalar: type[np.floating]) -> None:
 
 
 def test_programs_keep_their_values() -> None:
-    """Replacement moves what it replaces, and nothing else."""
+    """Replacement changes only the values of the functions that it replaces."""
     block = make(lambda u, k: {"y": ca.exp(u["a"]) * 3, "z": u["a"] / (u["b"] + 1)}, "y z")
-    program, _ = replaced(block)
+    program, _ = replace_functions(block)
     plain = fold.folded(lower.program(block))
     ops = [sorted(n.op for n in p.nodes if n.op in ("div", "input")) for p in (program, plain)]
     assert ops[0] == ops[1] and list(program.outputs) == ["y", "z"] and len(program.marks) == len(plain.marks)

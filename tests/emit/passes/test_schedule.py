@@ -18,17 +18,17 @@ from synth.emit import lower, pipeline
 from synth.emit.lower import Program
 from synth.emit.passes import fold, schedule
 from synth.emit.passes.regions import Regions
-from synth.emit.passes.statements import About, Assign, Branch, Let, Statement, Store
+from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 from tests.emit import dyadic, hazards
 from tests.emit.dyadic import TIME, signal
-from tests.emit.meaning import interpret, value
+from tests.emit.semantics import interpret, value
 
 SEEDS = range(80)
 
 
 @dataclass
 class Machine:
-    """Executes statements; its own asserts say what no schedule may do."""
+    """Executes statements; its asserts express what every schedule must satisfy."""
 
     program: Program
     memory: dict[str, Any]
@@ -76,26 +76,26 @@ def execute(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     """Return outputs, next states and word after the statements of a program."""
     machine = Machine(program, dict(loads))
     machine.block(schedule.statements(program), ChainMap())
-    found = {f"next {n}": machine.memory[n] for n in program.next}
-    found |= {n: machine.stored.get(("out", n)) for n in program.outputs}
-    return found | {"word": machine.stored.get(("word", ""))}
+    stored = {f"next {n}": machine.memory[n] for n in program.next}
+    stored |= {n: machine.stored.get(("out", n)) for n in program.outputs}
+    return stored | {"word": machine.stored.get(("word", ""))}
 
 
-def expected(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
+def reference_results(program: Program, loads: Mapping[str, Any]) -> dict[str, Any]:
     values = interpret(program, loads)
-    found = {f"next {n}": values[k] for n, k in program.next.items()} | {
+    results = {f"next {n}": values[k] for n, k in program.next.items()} | {
         n: values[k] for n, k in program.outputs.items()
     }
-    return found | {"word": None if program.word is None else values[program.word]}
+    return results | {"word": None if program.word is None else values[program.word]}
 
 
-def lowered(block: Block) -> Program:
+def lower_block(block: Block) -> Program:
     return fold.folded(lower.program(block))
 
 
 def defects(blocks: Sequence[Block]) -> list[str]:
     """Return the names of Blocks whose statements fail the machine or give something else than the program."""
-    found = []
+    defective = []
     for block in blocks:
         printed = pipeline.reduce(block, np.float64, libm=True)
         program = printed.program
@@ -105,13 +105,13 @@ def defects(blocks: Sequence[Block]) -> list[str]:
             loads |= {s.name: float(v) for s, v in zip(block.inputs, u[:, k], strict=True)}
             loads |= {c.name: c.value for c in printed.block.constants}
             try:
-                right = execute(program, loads) == expected(program, loads)
+                right = execute(program, loads) == reference_results(program, loads)
             except (AssertionError, KeyError):
                 right = False
             if not right:
-                found.append(block.name)
+                defective.append(block.name)
                 break
-    return found
+    return defective
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_hazards_are_scheduled_right() -> None:
 
 @pytest.mark.slow
 def test_random_blocks_are_scheduled_right() -> None:
-    blocks = [(dyadic.drawn, dyadic.withheld)[seed // 4 % 2](seed) for seed in SEEDS]
+    blocks = [(dyadic.random_block, dyadic.random_holding_block)[seed // 4 % 2](seed) for seed in SEEDS]
     assert not defects(blocks)
     programs = [pipeline.reduce(b, np.float64, libm=True).program for b in blocks]
     branches = [s for p in programs for s in everywhere(schedule.statements(p)) if isinstance(s, Branch)]
@@ -134,21 +134,23 @@ def stored_at_once(self: Any, d: Any) -> None:
         self._compute(d.node)
         if d in self.pending:
             del self.pending[d]
-            self.out.append(schedule._stored(d))
+            self.out.append(schedule._store_statement(d))
 
 
 def held_though_it_decides(self: Any, choice: int, k: int) -> bool:
-    """Take a state that a choice holds for unread, though it is the condition as well."""
-    places = [d.place for d in self.demands.get(choice, ())]
+    """Treat a state that a choice holds as unread although it is also the condition."""
+    places = [d.destination for d in self.demands.get(choice, ())]
     alone = self.p.nodes[choice].args[1:].count(k) == 1 and not self.is_read(choice)
     return alone and all(self.is_load(k, q) for q in places)
 
 
 PLANTED: dict[str, Callable[..., Any]] = {
     "_meet": stored_at_once,
-    "_holds": held_though_it_decides,
-    "_stored_elsewhere": lambda self, choices: set(),
-    "_passes_over": lambda self, user, k, chosen: user in self.written_of or (user in chosen and self._holds(user, k)),
+    "_only_keeps": held_though_it_decides,
+    "_states_stored_first": lambda self, choices: set(),
+    "_skips_operand": lambda self, user, k, chosen: (
+        user in self.written_of or (user in chosen and self._only_keeps(user, k))
+    ),
     "is_read": lambda self, choice: False,
     "is_load": lambda self, k, place: place[0] == "state" and self.p.nodes[k].op == "state",
 }
@@ -157,7 +159,10 @@ PLANTED: dict[str, Callable[..., Any]] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PLANTED)
 def test_a_planted_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    blocks = [*hazards.BLOCKS, *(make(seed) for seed in SEEDS[:40] for make in (dyadic.drawn, dyadic.withheld))]
+    blocks = [
+        *hazards.BLOCKS,
+        *(make(seed) for seed in SEEDS[:40] for make in (dyadic.random_block, dyadic.random_holding_block)),
+    ]
     monkeypatch.setattr(schedule._Level if name == "_meet" else Regions, name, PLANTED[name])
     assert any(defects([b]) for b in blocks)
 
@@ -178,12 +183,12 @@ def stores(statements: Sequence[Statement]) -> list[str]:
 
 
 def only_branch(statements: Sequence[Statement]) -> Branch:
-    (found,) = (s for s in statements if isinstance(s, Branch))
-    return found
+    (branch,) = (s for s in statements if isinstance(s, Branch))
+    return branch
 
 
 def one(law: Callable[..., Step], outputs: str = "y", states: Sequence[State] = ()) -> Program:
-    return lowered(hazards.make("one", law, outputs, states))
+    return lower_block(hazards.make("one", law, outputs, states))
 
 
 def unlimited(program: Program) -> Program:
@@ -191,7 +196,7 @@ def unlimited(program: Program) -> Program:
     return program.substituted({k: n.args[0] for k, n in enumerate(program.nodes) if n.op in ("min", "max", "clamp")})
 
 
-def test_what_one_side_needs_is_computed_on_that_side_only() -> None:
+def test_a_value_that_one_side_needs_is_computed_on_that_side_only() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         a, b, c = u["a"], u["b"], u["c"]
         both = ca.exp(a) + 1
@@ -206,7 +211,7 @@ def test_what_one_side_needs_is_computed_on_that_side_only() -> None:
     assert stores(branch.then) == stores(branch.other) == ["y", "z"]
 
 
-def test_what_is_used_elsewhere_too_is_computed_outside() -> None:
+def test_a_value_that_is_used_elsewhere_is_computed_outside() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         s = ca.sin(u["c"])
         return Step({"y": ca.if_else(u["a"] < u["b"], s * 3 + u["a"] * 5, u["c"] * 7 - 1), "z": s})
@@ -216,7 +221,7 @@ def test_what_is_used_elsewhere_too_is_computed_outside() -> None:
     assert "sin" not in operations(program, (*branch.then, *branch.other))
 
 
-def test_a_state_that_a_side_leaves_as_it_is_is_not_stored_there() -> None:
+def test_a_side_that_holds_a_state_does_not_store_it() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         go = u["a"] < u["b"]
         return Step({"y": x["x"]}, {"x": ca.if_else(go, u["c"], x["x"]), "z": ca.if_else(go, x["z"], u["b"])})
@@ -228,7 +233,7 @@ def test_a_state_that_a_side_leaves_as_it_is_is_not_stored_there() -> None:
     assert [n for n in stores(schedule.statements(program)) if n in ("x", "z")] == ["x", "z"]
 
 
-def test_a_state_that_stays_is_neither_loaded_nor_stored() -> None:
+def test_an_unchanged_state_is_neither_loaded_nor_stored() -> None:
     program = Program((lower.Node("state", name="x"), lower.Node("input", name="a")), (), {"y": 1}, {"x": 0})
     assert schedule.statements(program) == (Let(1), Store("out", "y", 1))
 
@@ -268,7 +273,7 @@ def test_a_state_is_loaded_on_the_side_that_reads_it_if_it_is_stored_later() -> 
     assert loads(program, [s for s in statements if s is not branch]) == ["early"]
 
 
-def test_a_state_that_another_if_leaves_as_it_is_is_loaded_where_it_is_read() -> None:
+def test_a_state_held_by_another_if_is_loaded_where_it_is_read() -> None:
     def law(u: Any, x: Any, k: Any) -> Step:
         read, turn, latched = u["a"] < 0, u["b"] < 0, u["c"] < 0
         y = ca.if_else(read, ca.sin(x["x"]) * u["b"], u["c"])
@@ -301,12 +306,12 @@ def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
 
     first = build("p", TIME, law, inputs=[signal("a")], outputs=[signal("y")], states=[State(signal("x"), 0)])
     second = build("q", TIME, lambda u, x, k: Step({"z": ca.sin(u["y"])}), inputs=[signal("y")], outputs=[signal("z")])
-    program = lowered(compose("both", [second, first], inputs=["a"], outputs=["z"]))
+    program = lower_block(compose("both", [second, first], inputs=["a"], outputs=["z"]))
     statements = schedule.statements(program)
     (begins,) = (
         i
         for i, s in enumerate(statements)
-        if isinstance(s, About) and s.mark is not None and program.marks[s.mark][0].block == "q"
+        if isinstance(s, Annotation) and s.mark is not None and program.marks[s.mark][0].block == "q"
     )
     assert stores(statements[:begins]) == ["p_x"]
 
@@ -314,5 +319,5 @@ def test_a_block_stores_its_states_before_the_next_one_begins() -> None:
 def test_a_line_belongs_to_the_block_that_computes_it_first() -> None:
     first = build("p", TIME, lambda u, x, k: Step({"y": u["a"] * 3}), inputs=[signal("a")], outputs=[signal("y")])
     alias = build("q", TIME, lambda u, x, k: Step({"z": u["y"]}), inputs=[signal("y")], outputs=[signal("z")])
-    program = lowered(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
-    assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, About)] == ["p"]
+    program = lower_block(compose("both", [first, alias], inputs=["a"], outputs=["z"]))
+    assert [program.marks[s.mark][0].block for s in schedule.statements(program) if isinstance(s, Annotation)] == ["p"]

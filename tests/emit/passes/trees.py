@@ -1,4 +1,4 @@
-"""Programs of a few nodes, folded, and the text of what is left."""
+"""Programs of a few nodes, folded, and the text of the result."""
 
 from synth.emit.lower import Node, Program
 from synth.emit.passes import fold
@@ -8,7 +8,7 @@ LEAVES = [Node("input", name=n) for n in "abc"] + [Node("constant", name="k"), N
 A, B, C, K, L = range(5)
 
 
-def folded(*nodes: Node, leaves: list[Node] = LEAVES) -> Program:
+def fold_nodes(*nodes: Node, leaves: list[Node] = LEAVES) -> Program:
     """Fold a program whose output is the last node."""
     return fold.folded(Program((*leaves, *nodes), (), {"y": len(leaves) + len(nodes) - 1}, {}))
 

@@ -1,4 +1,4 @@
-"""Bisection on claims whose truth is known: proofs, points that fail, crossings, whole numbers, and the budget."""
+"""Bisection of claims with known truth: proofs, failing points, zero crossings, whole numbers, and the budget."""
 
 from collections.abc import Callable
 
@@ -31,26 +31,26 @@ def box(*sides: tuple[float, float], whole: bool = False) -> tuple[Array, Array,
 
 
 def test_a_claim_that_holds_is_proved_and_the_hull_is_that_of_its_cells() -> None:
-    found = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: 0.1 + x + y), False)
-    assert found.proved and found.cells > 10
-    assert 0 < found.hull[7].low[0] <= 0.1 and 2.1 <= found.hull[7].high[0] < 3.2
+    verdict = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: 0.1 + x + y), False)
+    assert verdict.proved and verdict.cells > 10
+    assert 0 < verdict.hull[7].low[0] <= 0.1 and 2.1 <= verdict.hull[7].high[0] < 3.2
 
 
 def test_a_claim_that_fails_somewhere_gives_a_point() -> None:
-    found = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y - 0.01), False)
-    assert found.fails and not found.proved and found.point.sum() <= 0.01
+    verdict = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y - 0.01), False)
+    assert verdict.fails and not verdict.proved and verdict.point.sum() <= 0.01
     inside = bisection.prove(*box((-1, 2), (-1, 2)), judge(lambda x, y: np.maximum(x, y) - 0.3 + 0 * x), False)
     assert inside.fails and inside.point.max() <= 0.3
 
 
-def test_a_crossing_is_found_and_a_jump_is_none() -> None:
+def test_a_zero_crossing_is_distinguished_from_a_jump() -> None:
     def never_fails(low: Array, high: Array, exact: bool) -> Judgement:
-        found = judge(lambda x: x - 0.3, 0.0)(low, high, exact)
-        a = found.watched[7]
-        return Judgement((a.low > 0) | (a.high < 0), np.zeros_like(found.fails), found.value, found.watched)
+        verdict = judge(lambda x: x - 0.3, 0.0)(low, high, exact)
+        a = verdict.watched[7]
+        return Judgement((a.low > 0) | (a.high < 0), np.zeros_like(verdict.fails), verdict.value, verdict.watched)
 
-    found = bisection.prove(*box((-1, 2)), never_fails, True)
-    assert found.fails and found.point[0] == pytest.approx(0.3, abs=1e-15)
+    verdict = bisection.prove(*box((-1, 2)), never_fails, True)
+    assert verdict.fails and verdict.point[0] == pytest.approx(0.3, abs=1e-15)
     assert not bisection.prove(*box((-1, 2)), never_fails, False, 1000).fails  # sought where one sign is asked for only
 
     def jumps(low: Array, high: Array, exact: bool) -> Judgement:
@@ -69,15 +69,15 @@ def test_whole_numbers_are_not_split_further() -> None:
     assert not bisection.prove(*box((0, 9)), away, False, 500).proved
 
 
-def test_the_budget_is_kept_and_the_open_cell_named() -> None:
+def test_the_budget_is_respected_and_the_open_cell_reported() -> None:
     log: list[int] = []
-    found = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y, 1.0, log), False, 300)
-    assert not found.proved and found.cells == sum(log[1:]) <= 300  # the first call weighs the sides
+    verdict = bisection.prove(*box((0, 1), (0, 1)), judge(lambda x, y: x + y, 1.0, log), False, 300)
+    assert not verdict.proved and verdict.cells == sum(log[1:]) <= 300  # the first call weighs the sides
     assert bisection.prove(*box((0, 1)), judge(lambda x: x + 1, 100.0), False, 10).cells == 7  # 1 + 2 + 4, then 8 more
-    assert (found.low <= found.point).all() and (found.point <= found.high).all() and found.high.max() < 1
+    assert (verdict.low <= verdict.point).all() and (verdict.point <= verdict.high).all() and verdict.high.max() < 1
 
 
-def test_the_side_that_matters_is_halved_first() -> None:
+def test_the_most_influential_side_is_halved_first() -> None:
     cells: dict[bool, int] = {}
     for swapped in (False, True):
         f: Callable[..., Array] = (lambda y, x: 0.05 + x + 1e-6 * y) if swapped else (lambda x, y: 0.05 + x + 1e-6 * y)
@@ -88,7 +88,7 @@ def test_the_side_that_matters_is_halved_first() -> None:
             a = Interval(a.low - wide, a.high + wide, a.nan)
             return Judgement(a.low > 0, a.high <= 0, (a.low + a.high) / 2, {7: a})
 
-        found = bisection.prove(*box((0, 1), (0, 1)), of, False)
-        cells[swapped] = found.cells
-        assert found.proved
+        verdict = bisection.prove(*box((0, 1), (0, 1)), of, False)
+        cells[swapped] = verdict.cells
+        assert verdict.proved
     assert cells[False] == cells[True] < 20

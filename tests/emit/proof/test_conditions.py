@@ -1,4 +1,4 @@
-"""What conditions tell, against trial: no value that meets the condition is lost, and the ends are tight."""
+"""Narrowing by conditions, against sampling: no value that satisfies the condition is lost, and the ends are tight."""
 
 from math import inf, nan
 
@@ -9,7 +9,7 @@ from synth.emit.lower import Node, Program
 from synth.emit.proof import conditions
 from synth.emit.proof.interval import Interval, interval
 from synth.emit.proof.libm import transfer
-from tests.emit.computed import compute
+from tests.emit.c_arithmetic import compute
 
 F32 = np.float32
 X, Y, ONE = Node("input", name="x"), Node("input", name="y"), Node("literal", value=1.0)
@@ -17,17 +17,17 @@ Side = tuple[float, float, bool]
 LOADS = (X, Y, ONE)  # nodes 0, 1, 2
 
 
-def told(*nodes: Node, holds: bool, x: Side, y: Side = (0, 1, False), whole: bool = False) -> dict[int, Side]:
-    """Return what is told of each node where the last node holds, or fails."""
+def narrow(*nodes: Node, holds: bool, x: Side, y: Side = (0, 1, False), whole: bool = False) -> dict[int, Side]:
+    """Return the narrowed interval of each node where the last node holds, or fails."""
     every = (*LOADS, *nodes)
     R: dict[int, Interval] = {0: interval(*x, F32), 1: interval(*y, F32), 2: interval(1, 1, False, F32)}
     for k, node in enumerate(nodes, 3):
         args = [R[a] for a in node.args]
         R[k] = transfer(node.op, args, 4)
     last = len(every) - 1
-    found = conditions.known(every, frozenset({0, 1, 2}) if whole else frozenset(), last, holds, R)
-    assert set(found) <= conditions.compared(every, last)
-    return {k: (float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for k, a in found.items()}
+    narrowed = conditions.narrow(every, frozenset({0, 1, 2}) if whole else frozenset(), last, holds, R)
+    assert set(narrowed) <= conditions.narrowable_nodes(every, last)
+    return {k: (float(a.low[0]), float(a.high[0]), bool(a.nan[0])) for k, a in narrowed.items()}
 
 
 BELOW, ABOVE = float(np.nextafter(F32(1), F32(0))), float(np.nextafter(F32(1), F32(2)))
@@ -53,46 +53,46 @@ BELOW, ABOVE = float(np.nextafter(F32(1), F32(0))), float(np.nextafter(F32(1), F
         ([Node("le", (0, 2)), Node("le", (0, 1)), Node("and", (3, 4))], False, (0, 5, True)),
     ],
 )
-def test_what_is_told_of_x(nodes: list[Node], holds: bool, expected: tuple[float, float, bool]) -> None:
-    assert told(*nodes, holds=holds, x=(-3, 5, True))[0] == pytest.approx(expected, abs=1e-44)
+def test_the_interval_of_x_is_narrowed(nodes: list[Node], holds: bool, expected: tuple[float, float, bool]) -> None:
+    assert narrow(*nodes, holds=holds, x=(-3, 5, True))[0] == pytest.approx(expected, abs=1e-44)
 
 
 @pytest.mark.parametrize(("op", "holds"), [("eq", False), ("ne", True)])
-def test_what_is_unlike_tells_nothing(op: str, holds: bool) -> None:
-    assert set(told(Node(op, (0, 2)), holds=holds, x=(-3, 5, True))) == {3}
+def test_inequality_of_values_narrows_nothing(op: str, holds: bool) -> None:
+    assert set(narrow(Node(op, (0, 2)), holds=holds, x=(-3, 5, True))) == {3}
 
 
-def test_both_sides_are_told() -> None:
-    found = told(Node("lt", (0, 1)), holds=True, x=(0.5, 5, False), y=(-1, 2, True))
-    assert found[0][1] < 2 and found[1][0] > 0.5 and not found[1][2]
+def test_both_sides_are_narrowed() -> None:
+    narrowed = narrow(Node("lt", (0, 1)), holds=True, x=(0.5, 5, False), y=(-1, 2, True))
+    assert narrowed[0][1] < 2 and narrowed[1][0] > 0.5 and not narrowed[1][2]
 
 
-def test_a_failed_comparison_with_no_number_tells_nothing() -> None:
-    found = told(Node("le", (0, 1)), holds=False, x=(-3, 5, False), y=(0, 1, True))
-    assert found[0] == (-3, 5, False) and found[1] == (0, 1, True)
+def test_a_failed_comparison_with_nan_narrows_nothing() -> None:
+    narrowed = narrow(Node("le", (0, 1)), holds=False, x=(-3, 5, False), y=(0, 1, True))
+    assert narrowed[0] == (-3, 5, False) and narrowed[1] == (0, 1, True)
 
 
-def test_whole_numbers_step_by_one() -> None:
-    assert told(Node("lt", (0, 2)), holds=True, x=(-3, 5, False), whole=True)[0] == (-3, 0, False)
-    assert told(Node("le", (0, 2)), holds=False, x=(-3, 5, False), whole=True)[0] == (2, 5, False)
+def test_strict_bounds_of_whole_numbers_move_by_one() -> None:
+    assert narrow(Node("lt", (0, 2)), holds=True, x=(-3, 5, False), whole=True)[0] == (-3, 0, False)
+    assert narrow(Node("le", (0, 2)), holds=False, x=(-3, 5, False), whole=True)[0] == (2, 5, False)
     for x, expected in (
         ((0, 5, False), (1, 5, False)),
         ((-4, 0, False), (-4, -1, False)),
         ((-4, 5, False), (-4, 5, False)),
     ):
         R = {0: interval(*x, F32)}
-        found = conditions.known(LOADS, frozenset({0}), 0, True, R)[0]
-        assert (found.low[0], found.high[0], found.nan[0]) == expected
-        zero = conditions.known(LOADS, frozenset({0}), 0, False, R)[0]
+        narrowed = conditions.narrow(LOADS, frozenset({0}), 0, True, R)[0]
+        assert (narrowed.low[0], narrowed.high[0], narrowed.nan[0]) == expected
+        zero = conditions.narrow(LOADS, frozenset({0}), 0, False, R)[0]
         assert zero.low[0] == zero.high[0] == 0
-    assert conditions.known(LOADS, frozenset(), 0, True, {0: interval(0, 5, True, F32)}) == {}
+    assert conditions.narrow(LOADS, frozenset(), 0, True, {0: interval(0, 5, True, F32)}) == {}
 
 
-def test_what_cannot_be_is_empty() -> None:
-    assert told(Node("le", (0, 2)), holds=True, x=(2, 5, False))[0][0] > 1
-    found = told(Node("le", (0, 2)), holds=True, x=(2, 5, True))
-    assert found[0][0] > found[0][1] and not found[0][2]
-    assert found[3][0] > found[3][1]  # the condition itself
+def test_an_impossible_condition_gives_an_empty_interval() -> None:
+    assert narrow(Node("le", (0, 2)), holds=True, x=(2, 5, False))[0][0] > 1
+    narrowed = narrow(Node("le", (0, 2)), holds=True, x=(2, 5, True))
+    assert narrowed[0][0] > narrowed[0][1] and not narrowed[0][2]
+    assert narrowed[3][0] > narrowed[3][1]  # the condition itself
 
 
 @pytest.mark.parametrize("holds", [True, False])
@@ -110,10 +110,10 @@ def test_no_value_that_meets_a_random_condition_is_lost(holds: bool) -> None:
         for k, node in enumerate(nodes[2:], 2):
             R[k] = interval(1, 1, False, F32) if k == 2 else transfer(node.op, [R[a] for a in node.args], 4)
         last = len(nodes) - 1
-        found = conditions.known(nodes, frozenset(), last, holds, R)
+        narrowed = conditions.narrow(nodes, frozenset(), last, holds, R)
         for x in grid:
             for y in grid:
                 values = compute(program, {"x": x, "y": y}, F32)
-                for k, a in found.items() if bool(values[last] != 0) == holds else ():
+                for k, a in narrowed.items() if bool(values[last] != 0) == holds else ():
                     inside = a.nan[0] if np.isnan(values[k]) else a.low[0] <= values[k] <= a.high[0]
                     assert inside, (nodes, x, y, k)

@@ -1,4 +1,4 @@
-"""Intervals of single operations: their ends are values wherever they can be, and what is infinite is kept."""
+"""Intervals of single operations: tight ends wherever possible, and correct infinities and NaN."""
 
 from collections.abc import Iterator
 from math import inf, nan
@@ -9,7 +9,7 @@ import pytest
 from synth.emit.lower import Node, Program
 from synth.emit.proof import interval
 from synth.emit.proof.interval import EXACT, Interval
-from tests.emit.computed import compute
+from tests.emit.c_arithmetic import compute
 
 F32, F64 = np.float32, np.float64
 MONOTONE = ("neg", "fabs", "add", "sub", "mul", "sq", "twice", "min", "max", "sqrt")
@@ -37,18 +37,18 @@ def boxes(rng: np.random.Generator, count: int, scalar: type[np.floating]) -> In
 @pytest.mark.parametrize("scalar", [F32, F64])
 @pytest.mark.parametrize("op", MONOTONE)
 def test_the_ends_are_values(op: str, scalar: type[np.floating]) -> None:
-    """Corners and zeros of the arguments reach both ends exactly, all intervals at once."""
+    """The corners and zeros of the arguments attain both ends exactly, for all intervals at once."""
     rng, count = np.random.default_rng(0), 60
     arity = 2 if op in ("add", "sub", "mul", "min", "max") else 1
     args = [boxes(rng, count, scalar) for _ in range(arity)]
     args = [Interval(abs(a.low), abs(a.low) + a.high - a.low, a.nan) for a in args] if op == "sqrt" else args
-    found = EXACT[op](*args)
+    y = EXACT[op](*args)
     program = Program((*(Node("input", name=str(i)) for i in range(arity)), Node(op, tuple(range(arity)))), (), {}, {})
     for i in range(count):
         corners = [[a.low[i], a.high[i], *([0.0] if a.low[i] < 0 < a.high[i] else [])] for a in args]
         points = np.stack(np.meshgrid(*corners), -1).reshape(-1, arity)
         values = [compute(program, {str(j): float(v) for j, v in enumerate(p)}, scalar)[-1] for p in points]
-        assert (found.low[i], found.high[i]) == (min(values), max(values))
+        assert (y.low[i], y.high[i]) == (min(values), max(values))
 
 
 @pytest.mark.parametrize(
@@ -85,17 +85,17 @@ def test_the_ends_are_values(op: str, scalar: type[np.floating]) -> None:
         ("or", [one(1, 2), one(0, 1)], (1, 1, False)),
     ],
 )
-def test_what_is_infinite_or_no_number(op: str, args: list[Interval], expected: tuple[float, float, bool]) -> None:
+def test_infinities_and_nan(op: str, args: list[Interval], expected: tuple[float, float, bool]) -> None:
     assert ends(EXACT[op](*args)) == expected
 
 
-def test_a_polynomial_is_enclosed_closely_and_with_its_rounding() -> None:
+def test_the_enclosure_of_a_polynomial_is_tight_and_includes_rounding() -> None:
     coefficients = (0.25, -1.5, 0.0, 0.75)
-    found = interval.polynomial(coefficients, one(-1, 1), True)
+    y = interval.polynomial(coefficients, one(-1, 1), True)
     x = np.linspace(-1, 1, 2001)
     values = np.polyval(coefficients[::-1], x)
-    assert found.low[0] <= values.min() and values.max() <= found.high[0]
-    assert found.high[0] - found.low[0] < 1.05 * np.ptp(values)  # 64 pieces
+    assert y.low[0] <= values.min() and values.max() <= y.high[0]
+    assert y.high[0] - y.low[0] < 1.05 * np.ptp(values)  # 64 pieces
     assert ends(interval.polynomial(coefficients, one(-inf, 1), True)) == (-inf, inf, True)
     at = interval.polynomial((0.1, 0.3), one(0.7, 0.7), True)
     fused = float(F32(0.1)) + float(F32(0.7)) * float(F32(0.3))  # the product is exact in double
@@ -104,16 +104,19 @@ def test_a_polynomial_is_enclosed_closely_and_with_its_rounding() -> None:
     assert apart.low[0] == apart.high[0] == F32(0.1) + F32(0.7) * F32(0.3)
 
 
-def test_the_pieces_of_a_polynomial_reach_from_end_to_end() -> None:
+def test_the_pieces_of_a_polynomial_cover_its_range() -> None:
     rng = np.random.default_rng(2)
     for low, high in np.sort(rng.normal(size=(300, 2)).astype(F32), axis=1):
-        found = interval.polynomial((0.0, 1.0), one(low, high), False)
-        assert (found.low[0], found.high[0]) == (low, high)
+        y = interval.polynomial((0.0, 1.0), one(low, high), False)
+        assert (y.low[0], y.high[0]) == (low, high)
 
 
-def test_hulls_and_meets() -> None:
+def test_hulls_and_intersections() -> None:
     empty = one(3, 2)
-    assert ends(interval.either(empty, one(0, 1))) == (0, 1, False) == ends(interval.either(one(0, 1), empty))
-    assert ends(interval.either(one(0, 1), one(4, 5, True))) == (0, 5, True)
-    assert interval.meet(one(0, 1), one(2, 3)).empty[0] and not interval.meet(one(0, 2), one(2, 3)).empty[0]
+    assert ends(interval.hull(empty, one(0, 1))) == (0, 1, False) == ends(interval.hull(one(0, 1), empty))
+    assert ends(interval.hull(one(0, 1), one(4, 5, True))) == (0, 5, True)
+    assert (
+        interval.intersection(one(0, 1), one(2, 3)).empty[0]
+        and not interval.intersection(one(0, 2), one(2, 3)).empty[0]
+    )
     assert ends(interval.truth(one(0, 0, True))) == (0, 1, False)

@@ -21,38 +21,34 @@ def infinities_are_no_news() -> Iterator[None]:
         yield
 
 
-def enclosed(
-    name: str, *sides: tuple[float, float], scalar: type[np.floating] = F32, ulps: int = libm.ULPS
-) -> Interval:
+def enclose(name: str, *sides: tuple[float, float], scalar: type[np.floating] = F32, ulps: int = libm.ULPS) -> Interval:
     return libm.transfer(name, [interval.interval(low, high, False, scalar) for low, high in sides], ulps)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_intervals_hold_the_values_and_little_else(name: str) -> None:
+def test_intervals_contain_the_values_and_are_tight(name: str) -> None:
     rng, count = np.random.default_rng(1), 200
     low, high = DOMAIN.get(name, (-10, 10))
     ends = np.sort((low + (high - low) * rng.random((2, count))).astype(F32), axis=0)
-    found = libm.transfer(name, [Interval(ends[0], ends[1], np.zeros(count, bool))], libm.ULPS)
+    y = libm.transfer(name, [Interval(ends[0], ends[1], np.zeros(count, bool))], libm.ULPS)
     points = np.linspace(ends[0], ends[1], 4001, dtype=np.float64)
     exact = NUMPY.get(name) or getattr(np, name)
     values = exact(points)
     unit = np.spacing(np.abs(values).astype(F32)).astype(F64)
-    assert (found.low <= (values - 4 * unit).min(axis=0)).all() and (
-        (values + 4 * unit).max(axis=0) <= found.high
-    ).all()
-    assert not found.nan.any()
+    assert (y.low <= (values - 4 * unit).min(axis=0)).all() and ((values + 4 * unit).max(axis=0) <= y.high).all()
+    assert not y.nan.any()
     # Nine units beyond the extremes that the 4001 points miss by less than a thousandth of the spread.
     slack = 1e-3 * np.ptp(values, axis=0) + 11 * unit.max(axis=0)
-    assert (found.low >= values.min(axis=0) - slack).all() and (found.high <= values.max(axis=0) + slack).all()
+    assert (y.low >= values.min(axis=0) - slack).all() and (y.high <= values.max(axis=0) + slack).all()
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])
 @pytest.mark.parametrize("name", NAMES)
 def test_without_error_a_point_gives_the_rounded_value(name: str, scalar: type[np.floating]) -> None:
-    found = enclosed(name, (0.7, 0.7), scalar=scalar, ulps=0)
-    assert found.low == found.high == pytest.approx((NUMPY.get(name) or getattr(np, name))(F64(scalar(0.7))), rel=1e-6)
-    wider = enclosed(name, (0.7, 0.7), scalar=scalar)
-    units = (wider.high[0] - wider.low[0]) / np.spacing(abs(found.low[0]))
+    y = enclose(name, (0.7, 0.7), scalar=scalar, ulps=0)
+    assert y.low == y.high == pytest.approx((NUMPY.get(name) or getattr(np, name))(F64(scalar(0.7))), rel=1e-6)
+    wider = enclose(name, (0.7, 0.7), scalar=scalar)
+    units = (wider.high[0] - wider.low[0]) / np.spacing(abs(y.low[0]))
     assert 9 <= units <= 36  # nine units to either side, and twice as large ones where the unit changes
 
 
@@ -83,8 +79,8 @@ def test_without_error_a_point_gives_the_rounded_value(name: str, scalar: type[n
 def test_ends_extrema_poles_and_domains(
     name: str, side: tuple[float, float], expected: tuple[float, float, bool]
 ) -> None:
-    found = enclosed(name, side)
-    assert [found.low[0], found.high[0]] == pytest.approx(expected[:2], rel=2e-6) and found.nan[0] == expected[2]
+    y = enclose(name, side)
+    assert [y.low[0], y.high[0]] == pytest.approx(expected[:2], rel=2e-6) and y.nan[0] == expected[2]
 
 
 @pytest.mark.parametrize(
@@ -100,17 +96,17 @@ def test_ends_extrema_poles_and_domains(
     ],
 )
 def test_the_angle(y: tuple[float, float], x: tuple[float, float], expected: tuple[float, float]) -> None:
-    found = enclosed("atan2", y, x)
-    assert [found.low[0], found.high[0]] == pytest.approx(expected, rel=2e-6)
+    angle = enclose("atan2", y, x)
+    assert [angle.low[0], angle.high[0]] == pytest.approx(expected, rel=2e-6)
 
 
-def test_far_out_nothing_is_lost() -> None:
+def test_sines_of_huge_arguments_are_enclosed() -> None:
     # A double there is known to a tenth of a period: whether an extremum lies between is not.
-    assert float(enclosed("sin", (1e15, 1e15 + 0.5), scalar=F64).high[0]) >= 1
-    assert float(enclosed("sinh", (1e80, 1e80), scalar=F64).low[0]) == np.finfo(F64).max
-    assert float(enclosed("exp", (-1e80, 1.0), scalar=F64).low[0]) == 0
+    assert float(enclose("sin", (1e15, 1e15 + 0.5), scalar=F64).high[0]) >= 1
+    assert float(enclose("sinh", (1e80, 1e80), scalar=F64).low[0]) == np.finfo(F64).max
+    assert float(enclose("exp", (-1e80, 1.0), scalar=F64).low[0]) == 0
 
 
 def test_a_small_exponential_is_not_exactly_zero() -> None:
-    found = enclosed("exp", (-200, -200))
-    assert found.low[0] == 0 < found.high[0] < 1e-43
+    y = enclose("exp", (-200, -200))
+    assert y.low[0] == 0 < y.high[0] < 1e-43

@@ -23,7 +23,7 @@ from synth.emit.proof.ranges import Arithmetic, Range
 from synth.errors import EmitError
 from synth.signals import Signal
 from synth.timing import Discrete
-from tests.emit.computed import compute, programs, states, strays
+from tests.emit.c_arithmetic import compute, outside_range, programs, states
 
 TIME = Discrete(1e-3)
 F32, F64 = np.float32, np.float64
@@ -38,7 +38,7 @@ def make(law: Callable[..., Step], inputs: tuple[Signal, ...], **fields: Any) ->
     return build("made", TIME, law, inputs=inputs, outputs=[signal(n, -1e6, 1e6) for n in names], **fields)
 
 
-def analysed(block: Block, scalar: type[np.floating] = F32) -> tuple[Program, tuple[Range, ...]]:
+def analyse(block: Block, scalar: type[np.floating] = F32) -> tuple[Program, tuple[Range, ...]]:
     program = lower.program(block.rounded(scalar))
     return program, ranges.analyse(program, ranges.bounds(block, scalar), scalar)
 
@@ -47,8 +47,8 @@ def of_output(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "", sca
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     if guarded:
         block = replace(block, faults=(Fault(0, "y", guarded),))
-    program, found = analysed(block, scalar)
-    return found[program.outputs["y"]]
+    program, node_ranges = analyse(block, scalar)
+    return node_ranges[program.outputs["y"]]
 
 
 # --- every value lies in its range ---
@@ -57,18 +57,21 @@ def of_output(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "", sca
 @pytest.mark.slow
 @pytest.mark.parametrize("scalar", [F32, F64])
 @settings(max_examples=250, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-@given(drawn=programs(), seed=st.integers(0, 2**32))
+@given(drawing=programs(), seed=st.integers(0, 2**32))
 def test_no_value_leaves_its_range(
-    scalar: type[np.floating], drawn: tuple[Program, dict[str, Range]], seed: int
+    scalar: type[np.floating], drawing: tuple[Program, dict[str, Range]], seed: int
 ) -> None:
-    program, box = drawn
+    program, box = drawing
     box = {n: Range(float(scalar(r.low)), float(scalar(r.high)), r.nan) for n, r in box.items()}
-    found, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
-    same = limits.redundant(program, found)
+    node_ranges, rng = ranges.analyse(program, box, scalar), np.random.default_rng(seed)
+    same = limits.find_redundant(program, node_ranges)
     for loads in states(program, box, rng, 8):
         for choices in (None, rng):
             values = compute(program, loads, scalar, choices)
-            assert not strays(values, found), (loads, [(k, values[k], found[k]) for k in strays(values, found)])
+            assert not outside_range(values, node_ranges), (
+                loads,
+                [(k, values[k], node_ranges[k]) for k in outside_range(values, node_ranges)],
+            )
         plain = compute(program, loads, scalar)
         for k, a in same.items():  # equal to the bit, signs of zeros included
             assert (np.isnan(plain[k]) and np.isnan(plain[a])) or plain[k].tobytes() == plain[a].tobytes(), (
@@ -89,12 +92,12 @@ def without(arithmetic: Arithmetic, program: Program, box: dict[str, Range]) -> 
     return [Range(float(R[k].low[0]), float(R[k].high[0]), bool(R[k].nan[0])) for k in range(len(R))]
 
 
-def found_out(program: Program, box: dict[str, Range], found: Any, loads: dict[str, float]) -> bool:
-    return any(strays(compute(program, loads, F32, np.random.default_rng(i)), found) for i in range(40))
+def escapes_range(program: Program, box: dict[str, Range], node_ranges: Any, loads: dict[str, float]) -> bool:
+    return any(outside_range(compute(program, loads, F32, np.random.default_rng(i)), node_ranges) for i in range(40))
 
 
 @pytest.mark.parametrize("way", ["neg", "choose", "min", ""])
-def test_a_contracted_sum_lies_in_its_range_and_outside_one_that_forgets_contraction(way: str) -> None:
+def test_contraction_of_sums_is_included_in_the_range(way: str) -> None:
     a, b = float(F32(1.1)), float(F32(1.3))
     nodes = [Node("input", name="a"), Node("input", name="b"), Node("mul", (0, 1)), Node("literal", value=a * b)]
     nodes.append(Node("literal", value=100.0))
@@ -104,23 +107,23 @@ def test_a_contracted_sum_lies_in_its_range_and_outside_one_that_forgets_contrac
     product = len(nodes) - 1 if way else 2
     program = Program((*nodes, Node("add" if way == "neg" else "sub", (product, 3))), (), {"y": len(nodes)}, {})
     box = {"a": Range(a, a), "b": Range(b, b)}
-    assert not found_out(program, box, ranges.analyse(program, box, F32), {"a": a, "b": b})
-    assert found_out(program, box, without(Arithmetic(F32, contracted=False), program, box), {"a": a, "b": b})
+    assert not escapes_range(program, box, ranges.analyse(program, box, F32), {"a": a, "b": b})
+    assert escapes_range(program, box, without(Arithmetic(F32, contracted=False), program, box), {"a": a, "b": b})
 
 
-def test_a_libm_that_errs_stays_in_the_range_and_leaves_one_that_trusts_it() -> None:
+def test_the_error_of_libm_is_included_in_the_range() -> None:
     program = Program((Node("input", name="a"), Node("sinh", (0,))), (), {"y": 1}, {})
     box = {"a": Range(0.7, 0.7)}
-    assert not found_out(program, box, ranges.analyse(program, box, F32), {"a": 0.7})
-    assert found_out(program, box, without(Arithmetic(F32, ulps=0), program, box), {"a": 0.7})
+    assert not escapes_range(program, box, ranges.analyse(program, box, F32), {"a": 0.7})
+    assert escapes_range(program, box, without(Arithmetic(F32, ulps=0), program, box), {"a": 0.7})
 
 
-def test_a_range_too_narrow_by_one_number_is_seen() -> None:
-    program, found = analysed(make(lambda u, x, k: Step({"y": 3 * u["a"]}), (signal("a", -2, 1.7),)))
+def test_a_range_too_narrow_by_one_float_is_detected() -> None:
+    program, node_ranges = analyse(make(lambda u, x, k: Step({"y": 3 * u["a"]}), (signal("a", -2, 1.7),)))
     values = compute(program, {"a": 1.7}, F32)
     k = program.outputs["y"]
-    assert found[k].high == values[k] and not strays(values, found)
-    assert strays(values, [replace(r, high=float(np.nextafter(F32(r.high), F32(-inf)))) for r in found])
+    assert node_ranges[k].high == values[k] and not outside_range(values, node_ranges)
+    assert outside_range(values, [replace(r, high=float(np.nextafter(F32(r.high), F32(-inf)))) for r in node_ranges])
 
 
 # --- guards and conditions ---
@@ -175,17 +178,17 @@ def test_a_guard_bounds_any_bit_pattern(law: Callable[..., ca.SX], expected: Ran
     ],
 )
 def test_conditions_narrow_what_they_compare(law: Callable[..., ca.SX], expected: Range) -> None:
-    found = of_output(law, U, signal("v", -0.5, 2))
+    y = of_output(law, U, signal("v", -0.5, 2))
     # Contraction and the neighbours of a strict bound take a unit or two.
-    assert [found.low, found.high] == pytest.approx([expected.low, expected.high], rel=1e-6) and not found.nan
+    assert [y.low, y.high] == pytest.approx([expected.low, expected.high], rel=1e-6) and not y.nan
 
 
 def counter(law: Callable[..., ca.SX], high: float = 5) -> Range:
     block = make(
         lambda u, x, k: Step({"y": 0}, {"n": law(u, x["n"])}), (U,), states=[State(signal("n", 0, high), 0, True)]
     )
-    program, found = analysed(block)
-    return found[program.next["n"]]
+    program, node_ranges = analyse(block)
+    return node_ranges[program.next["n"]]
 
 
 def test_counters_are_whole() -> None:
@@ -198,37 +201,37 @@ def test_counters_are_whole() -> None:
 # --- what follows for clamps, and for the states ---
 
 
-def clamped(low: float, high: float, gain: float = 1.0) -> tuple[Block, Program, dict[int, int]]:
+def clamped_state(low: float, high: float, gain: float = 1.0) -> tuple[Block, Program, dict[int, int]]:
     """Return a Block whose state takes gain * u, u in -1 .. 1, clamped to low .. high."""
     block = make(
         lambda u, x, k: Step({"y": x["s"]}, {"s": gain * u["u"]}),
         (signal("u", -1, 1),),
         states=[State(signal("s", low, high), 0)],
     )
-    program, found = analysed(block)
-    ranges.inductive(program, found, block, F32)
-    return block, program, limits.redundant(program, found)
+    program, node_ranges = analyse(block)
+    ranges.require_inductive(program, node_ranges, block, F32)
+    return block, program, limits.find_redundant(program, node_ranges)
 
 
-def test_a_clamp_that_does_nothing_is_redundant_and_one_that_does_is_not() -> None:
+def test_only_a_clamp_that_never_acts_is_redundant() -> None:
     for low, high, expected in ((-1, 1, "input"), (-2, 1.5, "input"), (-1, 0.99999, "min"), (-0.99, 3, None)):
-        _, program, same = clamped(low, high)
-        found = same.get(program.next["s"])
-        assert (None if found is None else program.nodes[found].op) == expected
-    _, program, same = clamped(-1, 3)
+        _, program, same = clamped_state(low, high)
+        replacement = same.get(program.next["s"])
+        assert (None if replacement is None else program.nodes[replacement].op) == expected
+    _, program, same = clamped_state(-1, 3)
     assert {program.nodes[k].op for k in same} == {"min", "max"}
-    _, program, same = clamped(-0.5, 3)
+    _, program, same = clamped_state(-0.5, 3)
     assert {program.nodes[k].op for k in same} == {"min"}
 
 
 def redundant_of(law: Callable[..., ca.SX], *inputs: Signal, guarded: str = "") -> list[str]:
     block = make(lambda u, x, k: Step({"y": law(u)}), inputs)
     block = replace(block, faults=(Fault(0, "y", guarded),)) if guarded else block
-    program, found = analysed(block)
-    return [program.nodes[k].op for k in limits.redundant(program, found)]
+    program, node_ranges = analyse(block)
+    return [program.nodes[k].op for k in limits.find_redundant(program, node_ranges)]
 
 
-def test_no_number_keeps_a_clamp_and_a_tie_of_zeros_too() -> None:
+def test_nan_or_a_tie_of_zeros_keeps_a_clamp() -> None:
     assert redundant_of(lambda u: ca.fmin(u["u"], 3), U) == ["min"]
     assert redundant_of(lambda u: ca.fmin(u["u"], 3), U, guarded="u") == []
     assert redundant_of(lambda u: ca.fmax(u["u"], 0), signal("u", 0, 3)) == []  # of -0 and 0 it gives 0
@@ -238,18 +241,18 @@ def test_no_number_keeps_a_clamp_and_a_tie_of_zeros_too() -> None:
 
 
 def test_a_state_that_leaves_its_bounds_is_named() -> None:
-    block, _, _ = clamped(-0.5, 0.5)
+    block, _, _ = clamped_state(-0.5, 0.5)
     grown = replace(block, next={"s": clip(block.symbol["u"], signal("s", -0.5, 0.75))})
     with pytest.raises(
         EmitError, match=r"state 's' may become -0\.5 \.\. 0\.75 m, but its declared bounds are -0\.5 \.\. 0\.5 m"
     ):
-        ranges.inductive(*analysed(grown), grown, F32)
+        ranges.require_inductive(*analyse(grown), grown, F32)
     passing = replace(block, next={"s": ca.fmin(0.5, ca.fmax(-0.5, block.symbol["u"]))}, faults=(Fault(0, "y", "u"),))
-    with pytest.raises(EmitError, match="or no number"):
-        ranges.inductive(*analysed(passing), passing, F32)
+    with pytest.raises(EmitError, match="or NaN"):
+        ranges.require_inductive(*analyse(passing), passing, F32)
     many = make(lambda u, x, k: Step({"y": 0}, {"n": x["n"] + 1}), (U,), states=[State(signal("n", 0, 5), 0, True)])
     with pytest.raises(EmitError, match=r"state 'n' may become 1 \.\. 6"):
-        ranges.inductive(*analysed(many), many, F32)
+        ranges.require_inductive(*analyse(many), many, F32)
 
 
 def test_bounds_are_those_of_the_layout() -> None:
@@ -259,20 +262,16 @@ def test_bounds_are_those_of_the_layout() -> None:
         states=[State(signal("s", -0.3, 0.7), 0)],
         constants=[Constant("k", 0.1, "1", "test")],
     )
-    found = ranges.bounds(replace(block, faults=(Fault(3, "y", "v"),)), F32)
+    box = ranges.bounds(replace(block, faults=(Fault(3, "y", "v"),)), F32)
     tenth = float(F32(0.1))
-    assert (
-        found["u"] == Range(-tenth, tenth)
-        and found["k"] == Range(tenth, tenth)
-        and found["v"] == Range(-inf, inf, True)
-    )
-    assert found["s"] == Range(float(F32(-0.3)), float(F32(0.7)))
+    assert box["u"] == Range(-tenth, tenth) and box["k"] == Range(tenth, tenth) and box["v"] == Range(-inf, inf, True)
+    assert box["s"] == Range(float(F32(-0.3)), float(F32(0.7)))
     huge = replace(block, constants=(Constant("k", 1e39, "1", "test"),))
     with pytest.raises(EmitError, match="constant 'k' is not finite in float"):
         ranges.bounds(huge, F32)
 
 
-def test_what_is_not_known_is_refused() -> None:
+def test_unknown_loads_and_operations_are_refused() -> None:
     program = Program((Node("input", name="a"), Node("gamma", (0,))), (), {"y": 1}, {})
     with pytest.raises(EmitError, match="operation 'gamma' has no enclosure"):
         ranges.analyse(program, {"a": Range(0, 1)}, F32)
@@ -283,19 +282,19 @@ def test_what_is_not_known_is_refused() -> None:
 # --- a whole controller ---
 
 
-def test_a_guard_block_hands_on_numbers_within_range() -> None:
+def test_a_guard_block_outputs_numbers_within_range() -> None:
     block = safety.guard(TIME, [safety.Guarded(signal("u", -1, 2), 0.5, True)], 4)
-    program, found = analysed(block)
-    assert found[program.outputs["u_held"]] == Range(-1, 2) == found[program.next["last_u"]]
-    ranges.inductive(program, found, block, F32)
+    program, node_ranges = analyse(block)
+    assert node_ranges[program.outputs["u_held"]] == Range(-1, 2) == node_ranges[program.next["last_u"]]
+    ranges.require_inductive(program, node_ranges, block, F32)
 
 
 def test_the_values_of_a_controller_lie_in_its_ranges() -> None:
     block = control.controller(maglev_stage.plant()).block.rounded(F32)
     program = lower.program(block)
     box, rng = ranges.bounds(block, F32), np.random.default_rng(1)
-    found = ranges.analyse(program, box, F32)
-    ranges.inductive(program, found, block, F32)
-    assert all(found[k].finite for k in program.outputs.values())
+    node_ranges = ranges.analyse(program, box, F32)
+    ranges.require_inductive(program, node_ranges, block, F32)
+    assert all(node_ranges[k].finite for k in program.outputs.values())
     for loads in states(program, box, rng, 25):
-        assert not strays(compute(program, loads, F32, rng), found)
+        assert not outside_range(compute(program, loads, F32, rng), node_ranges)

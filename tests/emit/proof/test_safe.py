@@ -1,4 +1,4 @@
-"""Refusals: what is unsafe is named with its place; what is safe is proved, by bisection where the ranges do not do."""
+"""Safety proofs: an unsafe operation is refused with its place; a safe one is proved, if needed by bisection."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -41,21 +41,21 @@ def make(law: Law, *inputs: Signal, guarded: str = "", **fields: Any) -> Block:
     return replace(block, faults=(Fault(0, "y", guarded),)) if guarded else block
 
 
-def proved(block: Block, scalar: type[np.floating] = F32) -> Mapping[str, Range]:
+def prove(block: Block, scalar: type[np.floating] = F32) -> Mapping[str, Range]:
     block = block.rounded(scalar)
     program = lower.program(block)
-    found = safe.require_safe(program, ranges.analyse(program, ranges.bounds(block, scalar), scalar), block, scalar)
-    return {n: found[k] for n, k in (program.outputs | program.next).items()}
+    narrowed = safe.require_safe(program, ranges.analyse(program, ranges.bounds(block, scalar), scalar), block, scalar)
+    return {n: narrowed[k] for n, k in (program.outputs | program.next).items()}
 
 
 def refusal(block: Block, scalar: type[np.floating] = F32) -> str:
     with pytest.raises(EmitError) as caught:
-        proved(block, scalar)
+        prove(block, scalar)
     return str(caught.value)
 
 
 def place(text: str) -> dict[str, float]:
-    """Read the values that a refusal gives behind its last 'at'."""
+    """Return {signal: value in m} from an error message."""
     return {n: float(v) for n, v in re.findall(r"(\w+) = (-?[\d.]+(?:e[+-]?\d+)?)(?= m)", text)}
 
 
@@ -102,7 +102,7 @@ def test_a_determinant_is_proved_by_bisection_alone(scalar: type[np.floating]) -
     program = lower.program(block)
     plain = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     assert not plain[program.outputs["y"]].finite
-    y = proved(block, scalar)["y"]  # the determinant is 1 + v + w, from 1 to 11
+    y = prove(block, scalar)["y"]  # the determinant is 1 + v + w, from 1 to 11
     assert 0 < y.low <= 1 / 11 and 1 <= y.high < 1000
 
 
@@ -113,40 +113,40 @@ def test_a_singular_determinant_is_refused_at_a_singular_point(scalar: type[np.f
     assert "violated: the denominator is" in text
     assert abs((1 + at["v"]) * (1 + at["w"]) - 1.5 * at["v"] * at["w"]) < 1e-5 and 0 <= min(at.values()) <= 5
     assert "violated" in refusal(make(determinant(1.45), V, W), scalar)  # 36 - 36.25 in one corner
-    proved(make(determinant(1.42), V, W), scalar)  # 36 - 35.5 there
+    prove(make(determinant(1.42), V, W), scalar)  # 36 - 35.5 there
 
 
-def test_what_cannot_be_settled_is_called_not_proved() -> None:
+def test_an_undecided_claim_is_reported_as_not_proved() -> None:
     law: Law = lambda u: 1 / (u["v"] * u["v"] - 2 * u["v"] * u["w"] + u["w"] * u["w"] + 1e-9)  # noqa: E731
     text = refusal(make(law, V, W), F64)
     assert "not proved in" in text and "violated" not in text and "in the cell v = " in text
 
 
-def test_a_jump_over_zero_is_no_zero() -> None:
-    y = proved(make(lambda u: 1 / ca.if_else(u["u"] > 0, 1, -2)))["y"]
+def test_a_jump_over_zero_is_not_a_zero() -> None:
+    y = prove(make(lambda u: 1 / ca.if_else(u["u"] > 0, 1, -2)))["y"]
     assert (y.low, y.high) == (-0.5, 1)
 
 
-def test_values_that_vary_together_are_taken_together_where_it_matters() -> None:
-    proved(make(lambda u: 1 / (1 + ca.fmax(u["u"], 0) - u["u"]), Signal("u", "m", -1, 1)))
+def test_dependent_values_are_bisected_together() -> None:
+    prove(make(lambda u: 1 / (1 + ca.fmax(u["u"], 0) - u["u"]), Signal("u", "m", -1, 1)))
 
 
-def test_limited_values_are_leaves_where_there_are_too_many_loads() -> None:
+def test_limited_values_are_leaves_if_there_are_too_many_loads() -> None:
     loads = [Signal(f"{n}{i}", "m", -1, 3) for n in "vw" for i in range(4)]
 
     def law(u: Any) -> ca.SX:
         v, w = (ca.fmax(ca.fmin(sum(u[f"{n}{i}"] for i in range(4)), 5), 0) for n in "vw")
         return determinant(1.0)({"v": v, "w": w})
 
-    proved(make(law, *loads))
+    prove(make(law, *loads))
     singular: Law = lambda u: law(u) / (law(u) - 0.25)  # noqa: E731
     assert "v0 = " in refusal(make(singular, *loads))  # a refusal names loads
 
 
-def test_an_arm_is_judged_under_its_condition() -> None:
-    proved(make(lambda u: ca.if_else(u["u"] > 0.1, 1 / u["u"], 0)))
-    proved(make(lambda u: ca.if_else(u["u"] < 0, 2, ca.sqrt(u["u"]))))
-    proved(make(lambda u: ca.if_else(ca.logic_and(u["u"] > 0, u["u"] <= 1), ca.sqrt(u["u"]), 0), guarded="u"))
+def test_an_arm_is_checked_under_its_condition() -> None:
+    prove(make(lambda u: ca.if_else(u["u"] > 0.1, 1 / u["u"], 0)))
+    prove(make(lambda u: ca.if_else(u["u"] < 0, 2, ca.sqrt(u["u"]))))
+    prove(make(lambda u: ca.if_else(ca.logic_and(u["u"] > 0, u["u"] <= 1), ca.sqrt(u["u"]), 0), guarded="u"))
     assert "violated" in refusal(make(lambda u: ca.if_else(u["u"] > -0.1, 1 / u["u"], 0)))
     assert "the sqrt of `u`" in refusal(make(lambda u: ca.if_else(u["u"] <= 0, 2, 1) * ca.sqrt(u["u"])))
     both: Law = lambda u: ca.if_else(u["u"] > 0.1, 1 / u["u"], 0) + ca.sin(1 / u["u"])  # noqa: E731
@@ -157,13 +157,13 @@ def test_an_arm_is_bisected_under_its_condition() -> None:
     def law(u: Any, limit: float) -> ca.SX:
         return ca.if_else(u["v"] * u["w"] < limit, 1 / (1 + u["v"] * u["w"] - 0.25 * u["v"] * u["w"] * u["w"]), 0)
 
-    proved(make(lambda u: law(u, 0.5), V, W))  # 1 + p - 0.25 p w > 0.375 where p < 0.5, w <= 5
+    prove(make(lambda u: law(u, 0.5), V, W))  # 1 + p - 0.25 p w > 0.375 where p < 0.5, w <= 5
     assert "violated" in refusal(make(lambda u: law(u, 20.0), V, W))
 
 
 def test_an_input_that_is_not_guarded_is_seen_at_the_output() -> None:
     text = refusal(make(lambda u: u["u"] + 1, guarded="u"))
-    assert "output 'y'" in text and "it begins at `u`" in text and "nothing bounds" in text
+    assert "output 'y'" in text and "it begins at `u`" in text and "its operands are unbounded" in text
 
 
 def test_next_states_and_counters_are_checked() -> None:
@@ -172,8 +172,8 @@ def test_next_states_and_counters_are_checked() -> None:
         law = lambda u, x, k: Step({"y": 0}, {"s": next(x["s"])})  # noqa: E731
         return build("kept", TIME, law, inputs=[U], outputs=[Signal("y", "m", -1, 1)], states=states)
 
-    proved(kept(lambda s: ca.fmin(s + 1, 5), True))
-    proved(kept(lambda s: s > 2, True))
+    prove(kept(lambda s: ca.fmin(s + 1, 5), True))
+    prove(kept(lambda s: s > 2, True))
     assert "not always whole" in refusal(kept(lambda s: 0.5 * s, True))
     assert "may become -1 .. 4" in refusal(kept(lambda s: s - 1, True))
     assert "may become 5e+09 .. 5e+09" in refusal(kept(lambda s: s + 5e9, True), F64)
@@ -205,13 +205,13 @@ def test_a_signal_inside_a_composition_is_named_with_its_block() -> None:
 
 def test_a_controller_is_safe() -> None:
     block = control.controller(maglev_stage.plant()).block
-    assert all(r.finite for r in proved(block).values())
+    assert all(r.finite for r in prove(block).values())
 
 
 # --- planted defects of the proof itself ---
 
 
-def test_a_proof_that_trusts_points_or_skips_cells_would_pass_what_is_singular(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_proof_at_points_alone_would_accept_a_singular_law(monkeypatch: pytest.MonkeyPatch) -> None:
     """The refusals above rest on bisection: with a bisection that looks at the middle alone they fall silent."""
     whole = bisection.prove
 
@@ -222,10 +222,10 @@ def test_a_proof_that_trusts_points_or_skips_cells_would_pass_what_is_singular(m
     block = make(lambda u: 1 / (u["u"] - 0.3))
     assert "violated" in refusal(block)
     monkeypatch.setattr(bisection, "prove", middle_only)
-    proved(block)
+    prove(block)
 
 
-def test_a_divisor_behind_a_clamp_at_numbers_is_refused_where_it_is_zero() -> None:
+def test_a_divisor_clamped_between_numbers_is_refused_where_it_is_zero() -> None:
     """The clamp's limits are single numbers while its argument is bisected."""
     signals = [Signal(name, "1", -1, 1) for name in "abc"]
 

@@ -54,8 +54,8 @@ def test_the_integral_of_a_continuous_loop_is_that_of_the_error() -> None:
     loop = lqg.predictor(lqr.lqr(full, np.diag([1e4, 1, 1e5]), [[1e-2]]), estimator)
     assert loop.separation < tolerances.of("double") * 1e2
     rest = -np.linalg.solve(loop.loop.A, loop.loop.B)
-    settled = loop.loop.C @ rest + loop.loop.D
-    y, names = settled[0], loop.loop.inputs
+    final_outputs = loop.loop.C @ rest + loop.loop.D
+    y, names = final_outputs[0], loop.loop.inputs
     assert y[names.index("y_reference")] == pytest.approx(1.0)
     assert y[names.index("v_disturbance")] == pytest.approx(0.0, abs=1e-12)
 

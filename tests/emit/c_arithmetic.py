@@ -1,6 +1,6 @@
-"""What C may compute, one state at a time: every operation rounded, products left unrounded in sums now and then.
+"""Model of the arithmetic that C may use: every operation rounded, and randomly contracted multiply-adds.
 
-With it come random programs, and states at which to compute them.
+It includes random programs, and random states at which to evaluate them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ OFTEN = ("add", "sub", "mul", "le", "lt", "and", "choose", "min", "max", "fabs",
 CUBIC = Polynomial(-2, 2, 0, 1, "none", (0.25, -1.5, 0.0, 0.75), np.float32)
 VANISHING = Polynomial(-2, 2, 0, 1, "none", (0.0, 2.0, -0.3125), np.float32)
 POLYNOMIALS = {"cubic": CUBIC, "vanishing": VANISHING}
-LIBM_UNITS = 3  # units that libm may err here beyond the rounding of the double, 4 in all
+LIBM_UNITS = 3  # simulated error of libm in units in the last place, beyond the rounding of the double: 4 in all
 LIBM = ("exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "atan2")
 _NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2"}
 _PLAIN: dict[str, Callable[..., Any]] = {
@@ -49,27 +49,27 @@ _PLAIN: dict[str, Callable[..., Any]] = {
 
 
 def rounded(exact: Fraction, scalar: type[np.floating]) -> np.floating:
-    """Round once to the scalar type."""
+    """Return a fraction rounded once to the scalar type."""
     try:
         near = np.float64(exact.numerator / exact.denominator)  # Python rounds this quotient correctly
     except OverflowError:
         near = np.float64(np.inf if exact > 0 else -np.inf)
     if scalar is np.float32 and np.isfinite(near) and Fraction(float(near)) != exact and not near.view(np.int64) & 1:
-        # To odd, so that rounding again errs on the right side.
+        # Round to odd: then the second rounding is correct.
         near = np.nextafter(near, np.inf if Fraction(float(near)) < exact else -np.inf)
     return scalar(near)
 
 
 def function(name: str, args: Sequence[np.floating], rng: np.random.Generator | None) -> np.floating:
-    """Return what a libm may return: rounded from double, then off by a few units."""
+    """Return a value that libm may return: rounded from double, with an error of a few units in the last place."""
     scalar = type(args[0])
     value = scalar(getattr(np, _NUMPY.get(name, name))(*(np.float64(a) for a in args)))
     if rng is None or value == 0 or not np.isfinite(value):
         return value
-    moved = value
+    perturbed = value
     for _ in range(rng.integers(LIBM_UNITS + 1)):
-        moved = np.nextafter(moved, scalar(rng.choice([-np.inf, np.inf])))
-    return moved if moved == 0 or np.sign(moved) == np.sign(value) else value
+        perturbed = np.nextafter(perturbed, scalar(rng.choice([-np.inf, np.inf])))
+    return perturbed if perturbed == 0 or np.sign(perturbed) == np.sign(value) else value
 
 
 class _Step:
@@ -101,8 +101,8 @@ class _Step:
         if node.op in ("mul", "sq", "twice"):
             factors = (args[0], self.scalar(2)) if node.op == "twice" else (args[0], args[-1])
             self._product(k, *factors)
-        if node.op in ("add", "sub") and (found := self._sum(node, args)) is not None:
-            return found
+        if node.op in ("add", "sub") and (total := self._sum(node, args)) is not None:
+            return total
         if node.op in ("min", "max"):
             first = args[0] < args[1] if node.op == "min" else args[0] > args[1]
             return self._passed(k, node.args[0 if first else 1])
@@ -151,7 +151,7 @@ class _Step:
 def compute(
     program: Program, loads: Mapping[str, float], scalar: type[np.floating], rng: np.random.Generator | None = None
 ) -> list[np.floating]:
-    """Return the value of each node; with `rng` some sums are contracted and libm errs."""
+    """Return the value of each node; with `rng` some sums are contracted and libm has random errors."""
     step = _Step(program, scalar, rng)
     with np.errstate(all="ignore"):
         for node in program.nodes:
@@ -159,7 +159,7 @@ def compute(
     return step.values
 
 
-def strays(values: Sequence[np.floating], ranges: Sequence[Range]) -> list[int]:
+def outside_range(values: Sequence[np.floating], ranges: Sequence[Range]) -> list[int]:
     """Return the nodes whose value is not in its range."""
     return [
         k
@@ -175,7 +175,7 @@ NUMBERS = st.one_of(
 
 @st.composite
 def programs(draw: st.DrawFn) -> tuple[Program, dict[str, Range]]:
-    """Draw a program on inputs, one of which is any bit pattern, a state, a counter, a constant and literals."""
+    """Draw a program of inputs (one of any bit pattern), a state, a counter, a constant and literals."""
     nodes = [Node("input", name=n) for n in ("a", "b", "guarded")]
     nodes += [Node("state", name="x"), Node("state", name="n"), Node("constant", name="k")]
     nodes += [Node("literal", value=draw(NUMBERS)) for _ in range(3)]
@@ -194,15 +194,15 @@ def programs(draw: st.DrawFn) -> tuple[Program, dict[str, Range]]:
 
 
 def states(program: Program, box: dict[str, Range], rng: np.random.Generator, count: int) -> list[dict[str, float]]:
-    """Return loads within the box: ends, values that the program's literals hold too, and others."""
+    """Return random loads within the box: its ends, the values of the program's literals, and others."""
     special = [nan, inf, -inf, 0.0, -0.0, 3.4e38, 1e-45, *(n.value for n in program.nodes if n.op == "literal")]
 
     def one(r: Range, whole: bool) -> float:
         if whole:
             return float(rng.integers(int(r.low), int(r.high) + 1))
-        drawn = rng.choice([r.low, r.high, rng.choice(special), r.low + rng.random() * (r.high - r.low)])
+        sample = rng.choice([r.low, r.high, rng.choice(special), r.low + rng.random() * (r.high - r.low)])
         if r.nan:
             return float(rng.choice([rng.choice(special), rng.normal() * 10.0 ** rng.integers(-3, 4)]))
-        return float(np.clip(drawn, r.low, r.high)) if drawn == drawn else r.low
+        return float(np.clip(sample, r.low, r.high)) if sample == sample else r.low
 
     return [{n: one(r, n in program.integers) for n, r in box.items()} for _ in range(count)]

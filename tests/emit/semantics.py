@@ -1,4 +1,4 @@
-"""What each operation of a program means, on floats or on fractions, and programs computed node by node."""
+"""Reference semantics of a program's operations, on floats or fractions, and an interpreter of programs."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -9,7 +9,7 @@ from synth.emit.lower import Node, Program
 
 
 def exact(a: Any) -> Any:
-    """Return a truth value, an int, as a fraction, of which a quotient is none of floats."""
+    """Return a truth value (an int) as a fraction, because a quotient of ints would be a float."""
     return Fraction(a) if isinstance(a, int) else a
 
 
@@ -40,15 +40,15 @@ LOADS = ("input", "state", "constant")
 
 
 def value(node: Node, args: Sequence[Any], loads: Mapping[str, Any]) -> Any:
-    """Return what a node gives; a truth value is 0 or 1."""
+    """Return the value of a node; a truth value is 0 or 1."""
     if node.op in LOADS:
         return loads[node.name]
     if node.op == "literal":
         return node.value
     if node.op == "bit":
         return int(args[0]) | int(node.value)
-    found = OPERATIONS.get(node.op, getattr(math, node.op, None))(*args)
-    return int(found) if isinstance(found, bool) else found
+    y = OPERATIONS.get(node.op, getattr(math, node.op, None))(*args)
+    return int(y) if isinstance(y, bool) else y
 
 
 def interpret(program: Program, loads: Mapping[str, Any]) -> list[Any]:

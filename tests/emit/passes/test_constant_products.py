@@ -1,4 +1,4 @@
-"""Products of constants are computed once, and keep the constants that are read elsewhere."""
+"""Products of named constants are computed once; constants that are read elsewhere remain."""
 
 from synth.block import Constant, Step, build
 from synth.emit import lower
@@ -6,37 +6,37 @@ from synth.emit.lower import Node, Program
 from synth.emit.passes import fold
 from synth.signals import Signal
 from synth.timing import Discrete
-from tests.emit.passes.trees import LEAVES, A, B, K, L, folded, tree
+from tests.emit.passes.trees import LEAVES, A, B, K, L, fold_nodes, tree
 
 
-def gathered(*nodes: Node) -> Program:
-    return fold.gathered(folded(*nodes, leaves=[*LEAVES, Node("constant", name="m")]))
+def merge_constants(*nodes: Node) -> Program:
+    return fold.with_constant_products(fold_nodes(*nodes, leaves=[*LEAVES, Node("constant", name="m")]))
 
 
 M = 5
 
 
 def test_two_constants_become_one() -> None:
-    program = gathered(Node("mul", (L, A)), Node("mul", (K, 6)))
+    program = merge_constants(Node("mul", (L, A)), Node("mul", (K, 6)))
     assert tree(program) == "mul(k_x_l, a)" and program.products == {"k_x_l": ("k", "l")}
 
 
 def test_three_constants_become_two() -> None:
-    """The third is not lost."""
-    program = gathered(Node("mul", (M, A)), Node("mul", (L, 6)), Node("mul", (K, 7)))
+    """The third constant remains a factor."""
+    program = merge_constants(Node("mul", (M, A)), Node("mul", (L, 6)), Node("mul", (K, 7)))
     assert tree(program) == "mul(k, mul(l_x_m, a))" and program.products == {"l_x_m": ("l", "m")}
-    assert fold.gathered(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
+    assert fold.with_constant_products(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
 
 
-def test_what_is_read_elsewhere_too_is_not_gathered() -> None:
-    program = gathered(Node("mul", (L, A)), Node("mul", (K, 6)), Node("add", (6, 7)))
+def test_a_product_that_is_read_elsewhere_is_not_merged() -> None:
+    program = merge_constants(Node("mul", (L, A)), Node("mul", (K, 6)), Node("add", (6, 7)))
     assert not program.products
 
 
-def test_a_name_that_is_taken_is_not_given_again() -> None:
+def test_a_used_name_is_not_used_again() -> None:
     leaves = [*LEAVES, Node("constant", name="k_x_l")]
     nodes = [Node("mul", (L, A)), Node("mul", (K, 6)), Node("mul", (5, B)), Node("add", (7, 8))]
-    assert not fold.gathered(folded(*nodes, leaves=leaves)).products
+    assert not fold.with_constant_products(fold_nodes(*nodes, leaves=leaves)).products
 
 
 def test_a_block_keeps_its_constants() -> None:

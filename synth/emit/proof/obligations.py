@@ -1,4 +1,4 @@
-"""What operations ask of their arguments: a denominator that is not 0, a root of what is not negative, and so on."""
+"""Proof obligations of operations: a nonzero denominator, a nonnegative argument of a root, and so on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,17 +12,18 @@ Test = Callable[[Interval, list[Interval]], Mask]  # of an operation's result an
 
 
 @dataclass(frozen=True)
-class Demand:
-    """What an operation needs: `met` and `failed` are sure; `value` must not vanish, if `signed` not change its sign.
+class Obligation:
+    """A condition that an operation needs: `holds` and `fails` are both certain, otherwise it is undecided.
 
-    `watched` are the positions of the arguments that decide.
+    `value` must not vanish and, if `signed`, must not change its sign. `watched` are the positions of the arguments on
+    which the condition depends.
     """
 
     need: str
     quantity: str
     watched: tuple[int, ...]
-    met: Test
-    failed: Test
+    holds: Test
+    fails: Test
     value: Callable[[list[Interval]], Array]
     signed: bool = False
     mend: str = (
@@ -35,22 +36,22 @@ def _middle(a: Interval) -> Array:
     return np.where(a.nan, np.nan, a.low + (a.high - a.low) / 2)
 
 
-def _division(watched: int) -> Demand:
-    def met(q: Interval, args: list[Interval]) -> Mask:
+def _division(watched: int) -> Obligation:
+    def holds(q: Interval, args: list[Interval]) -> Mask:
         below = args[-1]
         return ~below.zero & ~below.nan & (q.finite | ~args[0].finite)
 
-    def failed(q: Interval, args: list[Interval]) -> Mask:
+    def fails(q: Interval, args: list[Interval]) -> Mask:
         below = args[-1]
         zero = (below.low == 0) & (below.high == 0) & ~below.nan
         return zero | (args[0].finite & ((q.low == inf) | (q.high == -inf)))
 
     need = "its denominator must exclude 0 and leave the quotient finite"
-    return Demand(need, "the denominator", (watched,), met, failed, lambda args: _middle(args[-1]), True)
+    return Obligation(need, "the denominator", (watched,), holds, fails, lambda args: _middle(args[-1]), True)
 
 
-def _inside(low: float, high: float, need: str, quantity: str, value: Callable[[Array], Array]) -> Demand:
-    return Demand(
+def _inside(low: float, high: float, need: str, quantity: str, value: Callable[[Array], Array]) -> Obligation:
+    return Obligation(
         need,
         quantity,
         (0,),
@@ -62,14 +63,14 @@ def _inside(low: float, high: float, need: str, quantity: str, value: Callable[[
 
 _UNIT = _inside(-1, 1, "its argument must lie in -1 .. 1", "1 - |argument|", lambda x: 1 - np.abs(x))
 
-_OF: dict[str, Demand] = {
+_OF: dict[str, Obligation] = {
     "div": _division(1),
     "inv": _division(0),
     "floor": _inside(
-        0, 2.0**31, "its argument must lie in 0 .. 2^31, as C cuts it off in 32 bits", "the argument", lambda x: x
+        0, 2.0**31, "its argument must lie in 0 .. 2^31, because C truncates it in 32 bits", "the argument", lambda x: x
     ),
     "sqrt": _inside(0, inf, "its argument must not be negative", "the argument", lambda x: x),
-    "log": Demand(
+    "log": Obligation(
         "its argument must be positive",
         "the argument",
         (0,),
@@ -79,7 +80,7 @@ _OF: dict[str, Demand] = {
     ),
     "asin": _UNIT,
     "acos": _UNIT,
-    "tan": Demand(
+    "tan": Obligation(
         "its argument must stay away from the poles",
         "the cosine of the argument",
         (0,),
@@ -88,7 +89,7 @@ _OF: dict[str, Demand] = {
         lambda args: np.cos(_middle(args[0])),
         True,
     ),
-    "atan2": Demand(
+    "atan2": Obligation(
         "its arguments must not both be 0",
         "the arguments' distance from (0, 0)",
         (0, 1),
@@ -99,8 +100,8 @@ _OF: dict[str, Demand] = {
 }
 
 
-def of(op: str, size: int) -> Demand | None:
-    """Return what an operation demands, None for nothing; `size` is how many values a table has."""
+def of(op: str, size: int) -> Obligation | None:
+    """Return the obligation of an operation, or None; `size` is the number of values of a table."""
     if op == "table":
         need = f"its index must lie in 0 .. {size - 1}"
         return _inside(
@@ -109,7 +110,7 @@ def of(op: str, size: int) -> Demand | None:
     return _OF.get(op)
 
 
-FINITE = Demand(
+FINITE = Obligation(
     "it must be a finite number",
     "its reciprocal",
     (),
@@ -119,21 +120,21 @@ FINITE = Demand(
 )
 
 
-def between(low: float, high: float, unit: str) -> Demand:
-    """Return the demand that a result itself, in `unit`, lies in low .. high."""
+def between(low: float, high: float, unit: str) -> Obligation:
+    """Return the obligation that a result itself, in `unit`, lies in low .. high."""
 
-    def met(y: Interval, args: list[Interval]) -> Mask:
+    def holds(y: Interval, args: list[Interval]) -> Mask:
         return (y.low >= low) & (y.high <= high) & ~y.nan
 
-    def failed(y: Interval, args: list[Interval]) -> Mask:
+    def fails(y: Interval, args: list[Interval]) -> Mask:
         return (y.low > high) | (y.high < low)
 
-    return Demand(
+    return Obligation(
         f"it must stay in its declared range {low:.9g} .. {high:.9g} {unit}",
         "it",
         (),
-        met,
-        failed,
+        holds,
+        fails,
         lambda sides: _middle(sides[0]),
         mend="limit it in the law, as block.clip(y, signal) does, declare the range that it has, or, only to look at "
         "it on the host, take block.unranged",
