@@ -210,7 +210,7 @@ def changed_parameter(plant: Plant, name: str) -> Plant:
         ("leadlag", "filter_x_k_s", "x"),
         ("leadlag", "filter_phi_k_p", "phi"),
         ("leadlag", "loop_y_gain", "y"),
-        ("leadlag", "loop_psi_driven", "psi"),
+        ("leadlag", "loop_psi_integral_input", "psi"),
         ("lqg", "lqg_x_H", "x"),
         ("lqg", "lqg_phi_achieved_gain", "phi"),
         ("lqg", "sensing_position_1", "y"),
