@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import arguments
+from synth import arguments, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.fault import LATCH_BIT, Fault, Safety
@@ -87,7 +87,7 @@ class Named:
 
 
 @arguments.checked
-@dataclass(frozen=True, eq=False)
+@show.result
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
@@ -112,6 +112,12 @@ class Block:
         identifier("block", self.name)
         if not isinstance(self.time, Discrete):
             raise TimingError(f"block '{self.name}' runs in {self.time}: a step needs a period, give timing.Discrete")
+
+    def sheet(self) -> show.Sheet:
+        """Return the signals and states with their ranges."""
+        groups = {"input": self.inputs, "output": self.outputs, "state": [s.signal for s in self.states]}
+        title = f"Block {self.name}, {self.time}: {len(self.constants)} constants"
+        return show.Sheet(title, (self.tag,) if self.tag else (), (show.signals(groups),))
 
     def rounded(self, scalar: type[np.floating]) -> "Block":
         """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
@@ -220,19 +226,8 @@ def build(
     inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
-    return Block(
-        name,
-        tag,
-        time,
-        tuple(inputs),
-        tuple(outputs),
-        tuple(states),
-        tuple(constants),
-        symbol,
-        output,
-        next,
-        tuple(inside),
-    )
+    declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(inside))
 
 
 @arguments.checked

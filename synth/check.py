@@ -1,6 +1,9 @@
 """Checks: a measured figure beside the limit that it must not exceed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+from synth import show
 
 
 @dataclass(frozen=True)
@@ -17,3 +20,13 @@ class Check:
     def passed(self) -> bool:
         """Whether the figure keeps its limit."""
         return bool(self.found <= self.limit)
+
+
+def table(checks: Sequence[Check]) -> show.Table:
+    """Return checks with their limits as a table."""
+    rows = ((c.name, show.number(c.found), show.number(c.limit), c.unit, _verdict(c)) for c in checks)
+    return show.Table(("check", "found", "limit", "unit", ""), tuple(rows))
+
+
+def _verdict(check: Check) -> str:
+    return "ok" if check.passed else "FAILED"

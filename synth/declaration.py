@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from synth import show
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -72,7 +73,7 @@ class Actuator:
     about: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Interface:
     """What stands around the laws of a stage, as `stage.interface` completes it: no `of`, low, high is left out.
 
@@ -91,6 +92,16 @@ class Interface:
     bad_samples: int
     reason: str
     suspected: tuple[str, ...] = ()
+
+    def sheet(self) -> show.Sheet:
+        """Return the signals with their ranges."""
+        groups = {
+            "sensor": [self.signals[s.name] for s in self.sensors],
+            "set-point": [self.signals[s.name] for s in self.set_points],
+            "actuator": self.outputs,
+        }
+        line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
+        return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
@@ -172,7 +183,7 @@ class Composition:
     block: Block
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Controller:
     """A controller, composed when it is first asked for: a design may be named without its gains being computed."""
 
@@ -180,6 +191,13 @@ class Controller:
     time: Discrete
     interface: Interface
     compose: Callable[[], Composition]
+
+    def sheet(self) -> show.Sheet:
+        """Return the interface; nothing is composed for it."""
+        around = self.interface.sheet()
+        return show.Sheet(
+            f"Controller {self.name}, {self.time}", (f"{around.title}, {around.lines[0]}",), around.tables
+        )
 
     @cached_property
     def composition(self) -> Composition:
@@ -215,7 +233,7 @@ class Companion:
     gains: Gains | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Stage:
     """A whole stage: what is declared, before anything is computed of it.
 
@@ -255,6 +273,14 @@ class Stage:
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
     substeps: int = 4
+
+    def sheet(self) -> show.Sheet:
+        """Return the controller's interface and the names of the experiments."""
+        inner = self.controller.sheet()
+        experiments = f"experiments: {', '.join(e.name for e in self.experiments) or 'none'}"
+        return show.Sheet(
+            f"Stage {self.name}, ships in {self.scalar.__name__}", (*inner.lines, experiments), inner.tables
+        )
 
     @property
     def name(self) -> str:

@@ -1,13 +1,13 @@
 """Plants: dx/dt = f(x, u, p), y = h(x, u, p), symbolic, with the box of states and inputs in which they are valid."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import arguments, law
+from synth import arguments, law, show
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, names
 
@@ -16,7 +16,7 @@ Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mappi
 
 
 @arguments.checked
-@dataclass(frozen=True, eq=False)
+@show.result
 class Plant:
     """A continuous nonlinear model; the signals' ranges are its domain.
 
@@ -30,6 +30,14 @@ class Plant:
     parameters: tuple[Parameter, ...]
     f: ca.Function
     h: ca.Function
+
+    def sheet(self) -> show.Sheet:
+        """Return the signals with their ranges, and the parameters."""
+        groups = {"state": self.states, "input": self.inputs, "output": self.outputs}
+        rows = ((p.name, show.number(p.value), p.unit, f"{p.tolerance:g}", p.source) for p in self.parameters)
+        parameters = show.Table(("parameter", "value", "unit", "tolerance", "source"), tuple(rows))
+        tables = (show.signals(groups), *([parameters] if self.parameters else []))
+        return show.Sheet(f"Plant {self.name}: dx/dt = f(x, u, p), y = h(x, u, p)", tables=tables)
 
     @property
     def values(self) -> NDArray[np.float64]:

@@ -83,12 +83,16 @@ class StateSpace:
 
     def sheet(self) -> show.Sheet:
         """Return the four matrices as one table: states and outputs down, states and inputs across."""
-        after = "d/dt" if isinstance(self.time, Continuous) else "next"
+        continuous = isinstance(self.time, Continuous)
+        after = "d/dt" if continuous else "next"
         rows = [*(f"{after} {label}" for label in self.labels(self.states)), *self.labels(self.outputs)]
         table = show.matrix(
             "", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.labels(self.inputs))
         )
         size = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        derivative = r"\dot{x} = A x + B u" if continuous else r"x_{k+1} = A x_k + B u_k"
+        output = r"y = C x + D u" if continuous else r"y_k = C x_k + D u_k"
+        table = replace(table, equation=rf"{derivative},\quad {output}")
         return show.Sheet(f"Linear model in {self.time}: {size}", tables=(table,))
 
     @property
