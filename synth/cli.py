@@ -1,12 +1,18 @@
-"""The command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in a workspace's root.
+"""Command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in the root of a workspace.
 
-With --json stdout is one document and progress goes to stderr. Exit status: 0 well, 1 a check failed, 2 wrong usage.
-What a command needs is imported once it runs, so that the help and the completion of the shell answer at once.
+With --json stdout is one document and progress goes to stderr. Exit status: 0 passed, 1 a check failed, 2 wrong usage,
+130 interrupted by Ctrl-C, 143 terminated. A command imports its modules when it runs: the help and the completion of
+the shell answer at once. `synth --install-completion` makes the shell complete commands and names of designs.
 """
 
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -15,6 +21,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Physics to verified C for precision stages. Call it in the root of a workspace.",
 )
+
+
+KEPT = "finished results are kept and no file is half-written; run the same command again to continue"
 
 
 class Core(StrEnum):
@@ -51,9 +60,13 @@ def _commands() -> None:
 
 
 def main() -> None:
-    """Run the command line; an error of this package or of a file is told in one line and exits with 2."""
+    """Run the command line; an error of this package or of a file is one line and exits with 2, an interrupt too."""
     try:
-        app()
+        with _interruptible():
+            app()
+    except Interrupted as interrupt:
+        sys.stderr.write(f"interrupted: {KEPT}\n")
+        raise SystemExit(interrupt.code) from None
     except Exception as error:
         from synth.errors import SynthError
 
@@ -64,6 +77,28 @@ def main() -> None:
 
         Console(stderr=True).print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         raise SystemExit(2) from error
+
+
+class Interrupted(SystemExit):
+    """The end by a signal, which neither typer nor a job handles."""
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Raise Interrupted inside, with the exit status of a shell, on Ctrl-C and on a request to terminate."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, _: object) -> NoReturn:
+    raise Interrupted(128 + number)
 
 
 @app.command(epilog="Example: synth build my_stage")

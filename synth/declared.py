@@ -18,6 +18,7 @@ from synth.emit import write
 from synth.emit.c import vectors
 from synth.emit.write import Emitted
 from synth.execute import build, host
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
@@ -27,8 +28,6 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 from synth.workspace import Bench
-
-Progress = Callable[[str], None]
 
 
 def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:

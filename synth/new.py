@@ -10,7 +10,7 @@ from pathlib import Path
 
 import jinja2
 
-from synth import signals
+from synth import signals, store
 from synth.errors import DesignError
 
 STAGE = {
@@ -36,9 +36,14 @@ def create(root: Path, name: str) -> tuple[Path, tuple[Path, ...]]:
     files = _rendered(sources, name)
     if present := [path for path in files if (folder / path).exists()]:
         raise DesignError(f"{folder / present[0]} exists already, and nothing was written: choose another name")
-    for path, text in files.items():
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        (folder / path).write_text(text, encoding="utf-8")
+    try:
+        for path, text in files.items():
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            store.replace_text(folder / path, text)
+    except BaseException:
+        for path in files:
+            (folder / path).unlink(missing_ok=True)
+        raise
     return folder, tuple(files)
 
 

@@ -32,10 +32,10 @@ from synth.declaration import (
     Stage,
     Synthesis,
 )
-from synth.declared import Progress
 from synth.emit.write import Emitted
 from synth.errors import SignalError
 from synth.plant import Plant
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.signals import Signal, names
 from synth.simulate.experiment import Experiment

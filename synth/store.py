@@ -65,6 +65,18 @@ def holds(name: str) -> bool:
     return True
 
 
+def replace_text(path: Path, text: str) -> None:
+    """Write a text file in one step: whoever reads it, and an interrupt, finds the old text or the new one."""
+    path = path.resolve()
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        os.replace(beside, path)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+
+
 @contextmanager
 def fresh_run() -> Iterator[None]:
     """Let what is done inside trust no result that is older than it; processes begun inside do likewise."""

@@ -23,7 +23,8 @@ from synth.emit.write import Emitted
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host
-from synth.jobs import Job, Progress
+from synth.jobs import Job
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost

@@ -18,6 +18,7 @@ from synth.emit import write
 from synth.emit.write import Emitted
 from synth.errors import DesignError
 from synth.execute import host
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.verify import agree
@@ -25,7 +26,6 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
-Told = Callable[[str], None]
 Report = Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
 
 
@@ -40,7 +40,7 @@ class Bench:
 
     block: Callable[[], Block]
     replay: Callable[[host.Controller], Mapping[str, NDArray[np.floating]]]
-    sequences: Callable[[host.Controller, Told], Sequence[Steps]]
+    sequences: Callable[[host.Controller, Progress], Sequence[Steps]]
     floor: agree.Floor = None
 
 
@@ -61,8 +61,8 @@ class Design:
     name: str
     scalar: type[np.floating]
     emit: Callable[[type[np.floating]], Mapping[str, Emitted]]
-    verify: Callable[[Told, bool], Evidence]
-    simulate: Callable[[Told], Sequence[Experiment]]
+    verify: Callable[[Progress, bool], Evidence]
+    simulate: Callable[[Progress], Sequence[Experiment]]
     bench: Bench
     report: Report
     audit: Callable[[], Iterator[Row]] = _no_rows

@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1]
 VOCABULARY = (
     "errors",
     "store",
+    "progress",
     "sources",
     "slices",
     "contents",

@@ -20,6 +20,7 @@ from synth import cli, tasks, workspace
 from synth.check import Check
 from synth.emit.write import Emitted
 from synth.execute import cross, host
+from synth.progress import Progress
 from synth.verify import on_target, prove, steps
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -36,7 +37,7 @@ def replay(controller: host.Controller) -> dict[str, Any]:
     return {"q1": q1, "q2": 0.002 * np.sin(0.05 * np.arange(200)), "r1": 0.0, "r2": 0.0}
 
 
-def sequences(controller: host.Controller, told: workspace.Told) -> list[Steps]:
+def sequences(controller: host.Controller, told: Progress) -> list[Steps]:
     return [steps.recorded(controller, "loop", replay(controller), closed_loop=True), steps.drawn(controller, 2000)]
 
 
@@ -104,7 +105,7 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
 
 @pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    def differs(emitted: Emitted, inputs: Any, core: str, told: workspace.Told) -> Sequence[Check]:
+    def differs(emitted: Emitted, inputs: Any, core: str, told: Progress) -> Sequence[Check]:
         return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
 
     monkeypatch.setattr(on_target, "verify", differs)
@@ -134,7 +135,7 @@ def test_prove_tells_the_depth_and_fails_with_a_check(
 ) -> None:
     """The proofs have tests of their own; here they are handed what was emitted."""
 
-    def proofs(files: Mapping[str, str], manifest: Any, deep: bool, told: workspace.Told) -> tuple[Check, ...]:
+    def proofs(files: Mapping[str, str], manifest: Any, deep: bool, told: Progress) -> tuple[Check, ...]:
         assert files["axes_2.c"] and manifest["design"] == "axes_2" and deep == whole
         return (Check("alarms", found, 0, "alarms"),)
 
@@ -172,11 +173,11 @@ def test_build_goes_on_without_an_emulator(monkeypatch: pytest.MonkeyPatch) -> N
     assert Path("reports/axes_2.html").read_text() == "cost: none"
 
 
-def crash(told: workspace.Told, whole: bool) -> Evidence:
+def crash(told: Progress, whole: bool) -> Evidence:
     raise ZeroDivisionError("planted")
 
 
-def die(told: workspace.Told, whole: bool) -> Evidence:
+def die(told: Progress, whole: bool) -> Evidence:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
@@ -197,7 +198,7 @@ def test_a_crash_in_one_design_is_reported_and_the_others_finish(
 
 @pytest.mark.usefixtures("one_design")
 def test_lines_of_progress_are_whole_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def verify(name: str, told: workspace.Told, whole: bool) -> Evidence:
+    def verify(name: str, told: Progress, whole: bool) -> Evidence:
         for k in range(50):
             told(f"step {k} of a long line that another process must not cut")
         return Evidence(name, (), ())
