@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from typing import Protocol, TypeVar, dataclass_transform
+from typing import Any, Protocol, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,16 +52,6 @@ class Shown(Protocol):
     def sheet(self) -> Sheet:
         """Return the description of the object."""
         ...
-
-
-class Quantity(Protocol):
-    """A signal: a name, a unit and a range."""
-
-    name: str
-    unit: str
-    low: float
-    high: float
-    about: str
 
 
 K = TypeVar("K", bound=Callable[..., Shown])
@@ -125,8 +115,8 @@ def ratio(symbol: str, variable: str, gain: float, zeros: Sequence[complex], pol
     return rf"{symbol}({variable}) = {_latex_cell(number(gain))}\,{fraction}"
 
 
-def signals(groups: Mapping[str, Sequence[Quantity]]) -> Table:
-    """Return the signals of each group, its name in the first column, with units and ranges."""
+def signals(groups: Mapping[str, Sequence[Any]]) -> Table:
+    """Return the Signals of each group, its name in the first column, with units and ranges."""
     rows = (
         (group, s.name, s.unit, number(s.low), number(s.high), s.about) for group, each in groups.items() for s in each
     )
@@ -175,9 +165,9 @@ def _latex_cell(cell: str) -> str:
     if _NUMBER.fullmatch(cell):
         powers = re.sub(r"e\+?(-?)0*(\d+)", r"\\times 10^{\1\2}", cell)
         return powers.replace("nan", r"\mathrm{NaN}").replace("inf", r"\infty ")
-    powers = re.split(r"\^(-?\d+)", cell)
+    texts = re.split(r"\^(-?\d+)", cell)  # every second one is a power
     names = "".join(
-        rf"^{{{part}}}" if k % 2 else re.sub(r"[\\ ~^{}_#$%&]", _escaped, part) for k, part in enumerate(powers)
+        rf"^{{{text}}}" if k % 2 else re.sub(r"[\\ ~^{}_#$%&]", _escaped, text) for k, text in enumerate(texts)
     )
     return rf"\mathrm{{{names}}}"
 

@@ -161,7 +161,8 @@ def _response(
 ) -> tuple[Array, Complex]:
     """Return frequencies (N,) in rad/s and L (N,), the crossings among them."""
     curve = transfer.trace(model, low, high)
-    crossings = [c.frequency for c in (*margins.gain_crossings, *margins.phase_crossings)]
+    gains = [c.frequency for c in margins.gain_crossings]
+    crossings = gains + [c.frequency for c in margins.phase_crossings]
     marks = np.array([w for w in (*_rates(model), *crossings, margins.peak_frequency) if curve.w[0] < w < curve.w[-1]])
     bottom, top = (marks.min() / 10, marks.max() * 10) if marks.size else (curve.w[0], curve.w[-1])
     bottom, top = max(low or bottom, curve.w[0]), min(high or top, curve.w[-1])
@@ -191,9 +192,10 @@ def _draw_gain(axes: Axes, w: Array, L: Complex, margins: Margins) -> None:
     axes.plot(w / (2 * np.pi), level, color=COLOURS[0])
     _draw_crossings(axes, w, level, margins)
     for crossing in margins.phase_crossings:
-        if crossing.gain_margin in (margins.gain_margin, margins.gain_reduction_margin) and crossing.frequency:
+        is_margin = crossing.gain_margin in (margins.gain_margin, margins.gain_reduction_margin)
+        if is_margin and w[0] <= crossing.frequency <= w[-1]:
             f = crossing.frequency / (2 * np.pi)
-            axes.plot([f, f], [-_decibels(crossing.gain_margin), 0.0], color=COLOURS[1], lw=2.2)
+            axes.plot([f, f], [-float(_decibels(crossing.gain_margin)), 0.0], color=COLOURS[1], lw=2.2)
     bottom, top = max(float(level.min()), -DECIBELS), min(float(level.max()), DECIBELS)
     axes.set(ylabel="|L| [dB]", ylim=(20 * np.floor(min(bottom, -1) / 20), 20 * np.ceil(max(top, 1) / 20)))
     axes.yaxis.set_major_locator(MultipleLocator(20))
@@ -213,16 +215,18 @@ def _draw_phase(axes: Axes, w: Array, degrees: Array, margins: Margins) -> None:
     if margins.gain_crossings:
         worst = min(margins.gain_crossings, key=lambda c: abs(c.phase_margin))
         f, end = worst.frequency / (2 * np.pi), np.interp(worst.frequency, w, degrees)
-        axes.plot([f, f], [end - worst.phase_margin, end], color=COLOURS[1], lw=2.2)
+        axes.plot([f, f], [float(end) - worst.phase_margin, float(end)], color=COLOURS[1], lw=2.2)
     axes.set(ylabel="arg L [°]", ylim=(bottom, top))
     axes.yaxis.set_major_locator(MultipleLocator(45 if high - low < 200 else 90 if high - low < 720 else 180))
 
 
 def _draw_crossings(axes: Axes, w: Array, values: Array, margins: Margins) -> None:
-    look = {"ls": "", "ms": 4.5, "mfc": "white", "mec": COLOURS[0], "zorder": 5}
-    for crossings, marker in ((margins.gain_crossings, "o"), (margins.phase_crossings, "D")):
-        at = np.array([c.frequency for c in crossings if w[0] <= c.frequency <= w[-1]])  # type: ignore[attr-defined]
-        axes.plot(at / (2 * np.pi), np.interp(at, w, values), marker=marker, **look)  # type: ignore[arg-type]
+    look: dict[str, Any] = {"ls": "", "ms": 4.5, "mfc": "white", "mec": COLOURS[0], "zorder": 5}
+    gains = np.array([c.frequency for c in margins.gain_crossings])
+    phases = np.array([c.frequency for c in margins.phase_crossings])
+    for crossings, marker in ((gains, "o"), (phases, "D")):
+        at = crossings[(crossings >= w[0]) & (crossings <= w[-1])]
+        axes.plot(at / (2 * np.pi), np.interp(at, w, values), marker=marker, **look)
 
 
 def _label_frequency(column: Sequence[Axes], period_s: float | None) -> None:

@@ -93,13 +93,13 @@ class Trajectory:
         return show.Sheet(title, (faults, *stops), (table,))
 
     def plot(self, names: Sequence[str] = ()) -> "Figure":
-        """Return a figure of columns over time, one panel each: the plant's outputs when no `names` are given.
+        """Return a figure of columns over time, one panel each; without `names` the first 12 of the outputs.
 
         Raises SignalError for a name that the trajectory does not have, and for more than 12 names.
         """
         from synth.analyse import plots  # loads matplotlib
 
-        chosen = arguments.names("columns", names) or tuple(self.outputs)
+        chosen = arguments.names("columns", names) or tuple(self.outputs)[:12]
         return plots.over_time(self.time, {name: self[name] for name in chosen}, self.units)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
