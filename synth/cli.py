@@ -19,7 +19,8 @@ import typer
 app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Physics to verified C for precision stages. Call it in the root of a workspace.",
+    help="Physics to verified C for precision stages. Run it in the root of a workspace.",
+    epilog="Example: synth new my_stage && cd my_stage && synth build",
 )
 
 
@@ -41,7 +42,7 @@ class Scalar(StrEnum):
 
 
 def _complete(incomplete: str) -> list[str]:
-    """Return the designs of the workspace whose names begin so."""
+    """Return the designs of the workspace whose names begin with `incomplete`."""
     return sorted(path.parent.name for path in Path().glob(f"designs/{incomplete}*/design.py"))
 
 
@@ -51,7 +52,7 @@ Names = Annotated[
     typer.Argument(metavar="[NAME]...", help="designs; all when left out", autocompletion=_complete),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON document, progress on stderr")]
-Fresh = Annotated[bool, typer.Option("--fresh", help="trust nothing that an earlier run left in the cache")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="ignore the cache of earlier runs")]
 
 
 @app.callback()
@@ -60,7 +61,7 @@ def _commands() -> None:
 
 
 def main() -> None:
-    """Run the command line; an error of this package or of a file is one line and exits with 2, an interrupt too."""
+    """Run the command line; print an error of this package or of a file in one line and exit with 2."""
     try:
         with _interruptible():
             app()
@@ -129,7 +130,7 @@ def verify(
 
 @app.command(epilog="Example: synth cost my_stage --json")
 def cost(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
-    """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
+    """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     from synth import commands
 
     raise typer.Exit(commands.cost(names or (), as_json, fresh))
@@ -158,7 +159,7 @@ def simulate(names: Names = None, as_json: AsJson = False, fresh: Fresh = False)
 
 @app.command(epilog="Example: synth audit my_stage")
 def audit(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
-    """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
+    """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
     from synth import commands
 
     raise typer.Exit(commands.audit(names or (), as_json, fresh))
@@ -179,7 +180,7 @@ def emit(
 
 @app.command(epilog="Example: synth new my_stage && cd my_stage && synth build")
 def new(name: Annotated[str, typer.Argument(help="the stage: small letters, digits and underscores")]) -> None:
-    """Make a workspace with a levitator of one axis that builds at once; in a workspace, add such a stage to it."""
+    """Make a workspace with a one-axis levitator that builds at once; in a workspace, add such a stage to it."""
     from synth import commands
 
     raise typer.Exit(commands.new(name))

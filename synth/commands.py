@@ -139,7 +139,7 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 
 
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
-    """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
+    """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
     results = _each(names, as_json, fresh, lambda design, report: tasks.whole_cost(design).result(report))
     for measured in _good(results):
@@ -191,7 +191,7 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
-    """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
+    """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
     results = _each(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
     rows = [row for each in _good(results) for row in each]
     if not as_json:

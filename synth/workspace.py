@@ -75,21 +75,29 @@ def regenerate(design: Design, root: Path = Path()) -> None:
         write.save(files.files, root / "generated_c" / folder)
 
 
-def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:
-    """Load the designs of the workspace at `root`, all of them when none is wanted by name.
+def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
+    """Load the `selected` designs of the workspace at `root`, all of them when no name is selected.
 
-    Raises DesignError when the folder is no workspace, a design is not there, or it has no `DESIGN`.
+    Raises DesignError when the folder is not a workspace, a design is missing, or it has no `DESIGN`.
     """
     folder = root / "designs"
-    found = sorted(path.parent.name for path in folder.glob("*/design.py"))
-    if not found:
-        raise DesignError(f"{root} holds no designs/<name>/design.py: call synth in the root of a workspace")
-    for name in wanted:
-        if name not in found:
-            raise DesignError(f"design '{name}' is not here: there are {', '.join(found)}")
+    if not folder.is_dir():
+        above = next((str(path) for path in root.parents if (path / "designs").is_dir()), "WORKSPACE")
+        raise DesignError(
+            f"{root} is not a workspace, it has no folder designs/: run `cd {above}`, or make a workspace here with "
+            "`synth new NAME`"
+        )
+    present = sorted(path.parent.name for path in folder.glob("*/design.py"))
+    if not present:
+        raise DesignError(
+            f"the workspace {root} has no design yet, no designs/NAME/design.py: add one with `synth new NAME`"
+        )
+    for name in selected:
+        if name not in present:
+            raise DesignError(f"design '{name}' is not in this workspace: it has {', '.join(present)}")
     if str(root) not in sys.path:
         sys.path.insert(0, str(root))
-    return [_load(name) for name in (wanted or found)]
+    return [_load(name) for name in (selected or present)]
 
 
 def emitted(design: Design, scalar: type[np.floating]) -> Mapping[str, Emitted]:

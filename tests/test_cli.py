@@ -28,6 +28,7 @@ from synth.verify.steps import Steps
 
 pytestmark = pytest.mark.slow
 
+ROOT = Path(__file__).parents[1]
 RUNNER = CliRunner()
 EMITTED = {scalar: {"axes_2": axes.emitted(2, scalar)} for scalar in (np.float32, np.float64)}
 
@@ -223,6 +224,30 @@ def test_help_and_completion_load_nothing_heavy() -> None:
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+def test_every_command_has_an_example_in_its_help() -> None:
+    assert cli.app.registered_commands
+    for command in cli.app.registered_commands:
+        assert command.callback is not None
+        result = RUNNER.invoke(cli.app, [command.callback.__name__, "--help"])
+        assert f"Example: synth {command.callback.__name__} my_stage" in " ".join(result.stdout.split())
+    assert "Example: synth new my_stage" in RUNNER.invoke(cli.app, ["--help"]).stdout
+
+
+@pytest.mark.parametrize(("words", "completed"), [("synth emit le", ["lens", "lever"]), ("synth sim", ["simulate"])])
+def test_the_shell_completes_commands_and_designs(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: str, completed: list[str]
+) -> None:
+    for name in ("lens", "lever", "mirror"):
+        (tmp_path / "designs" / name).mkdir(parents=True)
+        (tmp_path / "designs" / name / "design.py").touch()
+    script = "import sys; sys.argv = ['synth']; from synth.cli import main; main()"
+    asked = {"_SYNTH_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+    environment = {**os.environ, **asked, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", script]
+    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+    assert ended.stdout.split() == completed
 
 
 def test_names_are_completed_from_the_workspace(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
