@@ -53,12 +53,12 @@ def checked(target: Target) -> Target:
     arithmetic leaves double precision.
     """
     if inspect.isclass(target):
-        setattr(target, "__init__", _checked(target.__init__, target.__name__))  # noqa: B010
+        setattr(target, "__init__", _with_checks(target.__init__, target.__name__))  # noqa: B010
         return target
-    return typing.cast(Target, _checked(target, f"{target.__module__.rpartition('.')[2]}.{target.__qualname__}"))
+    return typing.cast(Target, _with_checks(target, f"{target.__module__.rpartition('.')[2]}.{target.__qualname__}"))
 
 
-def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
+def _with_checks(function: Callable[..., Any], where: str) -> Callable[..., Any]:
     known = functools.cache(lambda: _kinds(function))  # read at the first call, when all that they name is there
 
     @functools.wraps(function)
@@ -169,23 +169,23 @@ def matrix(name: str, values: ArrayLike) -> Array:
 def fitting(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
     """Return a finite matrix as float64; raise SignalError for another shape (`columns` None: any), called `name`."""
     array = matrix(name, values)
-    wanted = (rows, array.shape[1] if columns is None else columns)
-    if array.shape != wanted or not np.isfinite(array).all():
-        shape = f"{rows} rows" if columns is None else f"shape {wanted}"
+    expected = (rows, array.shape[1] if columns is None else columns)
+    if array.shape != expected or not np.isfinite(array).all():
+        shape = f"{rows} rows" if columns is None else f"shape {expected}"
         raise SignalError(f"{name} has shape {array.shape} or is not finite: give a finite matrix of {shape}")
     return array
 
 
-def names(what: str, given: object) -> tuple[str, ...]:
+def names(what: str, values: object) -> tuple[str, ...]:
     """Return names as a tuple, one text as a tuple of one.
 
     Raises SignalError, calling them `what`, for what is no list of texts, like a matrix of names.
     """
-    if isinstance(given, str):
-        return (str(given),)
-    listed = tuple(given) if isinstance(given, Iterable) else (None,)
+    if isinstance(values, str):
+        return (str(values),)
+    listed = tuple(values) if isinstance(values, Iterable) else (None,)
     if not all(isinstance(name, str) for name in listed):
-        raise SignalError(f"the {what} are {given!r}: give names of signals, in one list")
+        raise SignalError(f"the {what} are {values!r}: give names of signals, in one list")
     return tuple(str(name) for name in listed)
 
 

@@ -161,8 +161,8 @@ class Block:
         next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
         return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
 
-    def _columns(self, wanted: Iterable[str]) -> ca.SX:
-        return ca.vcat([self.symbol[name] for name in wanted])
+    def _columns(self, names: Iterable[str]) -> ca.SX:
+        return ca.vcat([self.symbol[name] for name in names])
 
 
 @arguments.checked
@@ -225,7 +225,7 @@ def build(
     laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
     inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
-    _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
+    _check_symbols(name, [*next.values(), *(e for _, e in inside)], symbol)
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
     return Block(name, tag, time, *declared, symbol, output, next, tuple(inside))
 
@@ -272,24 +272,24 @@ def _under(names: Mapping[str, str], of: Mapping[str, Value]) -> dict[str, Value
 
 def _row(name: str, values: Sequence[float]) -> list[float]:
     try:
-        found = np.asarray(values, dtype=np.float64)
+        numbers = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise SignalError(f"table '{name}' holds what is no number, {error}: give two or more numbers") from error
-    if found.ndim != 1 or found.size < 2 or not np.isfinite(found).all():
+    if numbers.ndim != 1 or numbers.size < 2 or not np.isfinite(numbers).all():
         raise SignalError(
-            f"table '{name}' has values {found.shape}, not finite, too few or not in a row: give two or more numbers"
+            f"table '{name}' has values {numbers.shape}, not finite, too few or not in a row: give two or more numbers"
         )
-    return list(map(float, found))
+    return list(map(float, numbers))
 
 
-def _pick(name: str, kind: str, symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
-    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in wanted})
+def _pick(name: str, kind: str, symbol: Exprs, signals: Sequence[Signal | State | Constant]) -> Exprs:
+    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in signals})
 
 
-def _closed(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
-    own = {s.element_hash() for s in symbol.values()}
+def _check_symbols(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
+    known = {s.element_hash() for s in symbol.values()}
     for v in ca.symvar(ca.vcat(exprs)) if exprs else []:
-        if v.element_hash() not in own:
+        if v.element_hash() not in known:
             raise SignalError(
                 f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it"
             )

@@ -43,7 +43,7 @@ def _writer(as_json: bool) -> Callable[[str, str], None]:
 def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
     """Run jobs in parallel; return by design the value of the job of that name, or its error as a document."""
     fresh_run = store.fresh_run() if fresh else nullcontext()
-    with fresh_run, progress.displayed(len(jobs), _writer(as_json)) as display:
+    with fresh_run, progress.display(len(jobs), _writer(as_json)) as display:
         outcomes = run(jobs, display)
     console = Console(stderr=True)
     for name, outcome in outcomes.items():

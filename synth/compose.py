@@ -33,10 +33,10 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     assert isinstance(time, Discrete)
     blocks = [_prefixed(b) for b in blocks]
     driver = _drivers(blocks)
-    opened = _open_inputs(name, blocks, driver, inputs)
-    _own_bits(blocks, driver)
-    symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *opened)}
-    definitions = {s: _rewired(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
+    open_inputs = _open_inputs(name, blocks, driver, inputs)
+    _check_fault_bits(blocks, driver)
+    symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *open_inputs)}
+    definitions = {s: _substitute_inputs(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
     resolved, inside = _resolve(blocks, definitions, symbol)
     for s in outputs:
         if s not in driver:
@@ -45,19 +45,19 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     states = tuple(s for b in blocks for s in b.states)
     next: dict[str, ca.SX] = {}
     for b in blocks:
-        exprs = _rewired(b, symbol, [b.next[s.name] for s in b.states])
+        exprs = _substitute_inputs(b, symbol, [b.next[s.name] for s in b.states])
         next |= zip((s.name for s in b.states), ca.substitute(exprs, keys, values) if exprs else [], strict=True)
     constants = tuple(c for b in blocks for c in b.constants)
-    kept = {s: symbol[s] for s in opened} | {n: b.symbol[n] for b in blocks for n in _private(b)}
+    kept = {s: symbol[s] for s in open_inputs} | {n: b.symbol[n] for b in blocks for n in _private(b)}
     signals = {s.name: s for b in blocks for s in b.outputs}
     faults = tuple(f for b in blocks for f in b.faults)
-    flags = [e for b in blocks for e in _rewired(b, symbol, [b.output[f.output] for f in b.faults])]
+    flags = [e for b in blocks for e in _substitute_inputs(b, symbol, [b.output[f.output] for f in b.faults])]
     flags = ca.substitute(flags, keys, values) if flags else []
     return Block(
         name,
         "",
         time,
-        tuple(opened[s] for s in names(opened[s] for s in inputs)),
+        tuple(open_inputs[s] for s in names(open_inputs[s] for s in inputs)),
         tuple(signals[s] for s in names(signals[s] for s in outputs)),
         states,
         constants,
@@ -135,7 +135,7 @@ def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
 def _open_inputs(
     name: str, blocks: Sequence[Block], driver: Mapping[str, Block], allowed: Sequence[str]
 ) -> dict[str, Signal]:
-    opened: dict[str, tuple[Signal, str]] = {}
+    open_inputs: dict[str, tuple[Signal, str]] = {}
     for b in blocks:
         for s in b.inputs:
             if s.name in driver:
@@ -146,22 +146,22 @@ def _open_inputs(
                     f"signal '{s.name}' is needed by '{b.name}' but no Block drives it: "
                     f"add a Block that does, or list it among the inputs of '{name}'"
                 )
-            elif s.name in opened:
-                _same_unit(*opened[s.name], s, b.name)
+            elif s.name in open_inputs:
+                _same_unit(*open_inputs[s.name], s, b.name)
             else:
-                opened[s.name] = (s, b.name)
+                open_inputs[s.name] = (s, b.name)
     for n in allowed:
-        if n not in opened:
+        if n not in open_inputs:
             why = f"is driven by '{driver[n].name}'" if n in driver else "is needed by no Block"
             raise WiringError(f"'{name}': input '{n}' {why}: take it off the inputs")
     for b in blocks:
         for n in _private(b):
-            if n in opened:
+            if n in open_inputs:
                 raise WiringError(f"input '{n}' is also a name in block '{b.name}': rename one of them")
-    return {n: s for n, (s, _) in opened.items()}
+    return {n: s for n, (s, _) in open_inputs.items()}
 
 
-def _own_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> None:
+def _check_fault_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> None:
     taken: dict[int, str] = {}
     for b in blocks:
         for f in b.faults:
@@ -184,7 +184,7 @@ def _same_unit(first: Signal, first_block: str, second: Signal, second_block: st
         )
 
 
-def _rewired(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> list[ca.SX]:
+def _substitute_inputs(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> list[ca.SX]:
     """Return a Block's expressions with its own input symbols replaced by the composition's."""
     if not block.inputs or not exprs:
         return list(exprs)
@@ -224,13 +224,13 @@ def _resolve(
         keys, values = [symbol[s] for s in resolved], list(resolved.values())
         ready = [pair for pair in waiting[b] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
         waiting[b] = [pair for pair in waiting[b] if all(pair is not r for r in ready)]
-        exprs = [definitions[signal], *_rewired(b, symbol, [e for _, e in ready])]
+        exprs = [definitions[signal], *_substitute_inputs(b, symbol, [e for _, e in ready])]
         exprs = ca.substitute(exprs, keys, values) if keys else exprs
         resolved[signal] = exprs[0]
         inside += zip((n for n, _ in ready), exprs[1:], strict=True)
         inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
     for b, late in waiting.items():  # what only a next state needs
-        exprs = _rewired(b, symbol, [e for _, e in late])
+        exprs = _substitute_inputs(b, symbol, [e for _, e in late])
         exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
         inside += zip((n for n, _ in late), exprs, strict=True)
     return resolved, tuple(inside)

@@ -104,8 +104,8 @@ class _Reader:
         if inspect.isfunction(inner):
             free = inspect.getclosurevars(inner).nonlocals.items()
             around = [(name, v) for name, v in free if v is not value]
-            own = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
-            return "function", (_source(inner), own, inner.__defaults__, inner.__kwdefaults__, around)
+            bytecode = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
+            return "function", (_source(inner), bytecode, inner.__defaults__, inner.__kwdefaults__, around)
         if inspect.isbuiltin(inner):
             return "builtin", f"{inner.__module__}.{inner.__qualname__}".encode()
         raise ContentError(

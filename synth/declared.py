@@ -32,11 +32,11 @@ from synth.workspace import Bench
 
 def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
     """Return the stage's controller in a scalar type, compiled once."""
-    return _compiled(stage, np.dtype(scalar).name)
+    return _compile(stage, np.dtype(scalar).name)
 
 
 @lru_cache(maxsize=8)
-def _compiled(stage: Stage, scalar: str) -> host.Controller:
+def _compile(stage: Stage, scalar: str) -> host.Controller:
     kind = np.float32 if scalar == "float32" else np.float64
     return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
 
@@ -57,9 +57,9 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
     for companion in stage.companions:
         document = {"design": companion.gains(scalar)} if companion.gains else None
         beside = write.emit(companion.block, scalar, document, error=error)
-        given = dict(companion.inputs(inputs, answers.outputs))
-        answered = host.load(beside.files, beside.manifest).replay(given)
-        folders[companion.block.name] = _with_vectors(beside, given, answered)
+        recorded = dict(companion.inputs(inputs, answers.outputs))
+        answered = host.load(beside.files, beside.manifest).replay(recorded)
+        folders[companion.block.name] = _with_vectors(beside, recorded, answered)
     return folders
 
 
@@ -82,8 +82,8 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
-    shipped, double = rig(stage, stage.scalar), compiled(stage, np.float64)
-    runs = experiments.run(shipped, stage.experiments, progress)
+    single, double = rig(stage, stage.scalar), compiled(stage, np.float64)
+    runs = experiments.run(single, stage.experiments, progress)
     return [headroom.judged(run, double, stage.limited) for run in runs]
 
 
@@ -97,7 +97,7 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
 
 
 def bench(
-    stage: Stage, own: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
+    stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
 ) -> Bench:
     """Return what is measured of the controller as machine code; `own` are steps that only this stage can say."""
 
@@ -106,7 +106,7 @@ def bench(
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
         loop = Rig(stage, stage.plant, controller)
-        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, own(controller))
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
     return Bench(lambda: stage.controller.block, replay, sequences, floor)
 

@@ -45,9 +45,9 @@ def column(what: str, symbols: Mapping[str, ca.SX], names: Iterable[str]) -> ca.
     return ca.vcat([symbols[name] for name in listed])
 
 
-def require_names(what: str, wanted: Sequence[str], given: Collection[str]) -> None:
+def require_names(what: str, expected: Sequence[str], names: Collection[str]) -> None:
     """Raise SignalError, calling them `what`, unless all wanted names are given and no others."""
-    missing, unknown = [n for n in wanted if n not in given], [n for n in given if n not in wanted]
+    missing, unknown = [n for n in expected if n not in names], [n for n in names if n not in expected]
     if missing or unknown:
         raise SignalError(
             f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each signal"

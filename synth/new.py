@@ -33,7 +33,7 @@ def create(root: Path, name: str) -> tuple[Path, tuple[Path, ...]]:
     _check_name(name)
     in_workspace = (root / "designs").is_dir()
     folder, sources = (root, STAGE) if in_workspace else (root / name, WORKSPACE | STAGE)
-    files = _rendered(sources, name)
+    files = _render(sources, name)
     if present := [path for path in files if (folder / path).exists()]:
         raise DesignError(f"{folder / present[0]} exists already, and nothing was written: choose another name")
     try:
@@ -56,7 +56,7 @@ def _check_name(name: str) -> None:
         )
 
 
-def _rendered(sources: Mapping[str, str], name: str) -> dict[Path, str]:
+def _render(sources: Mapping[str, str], name: str) -> dict[Path, str]:
     loader = jinja2.PackageLoader("synth", "new_stage")
     environment = jinja2.Environment(loader=loader, undefined=jinja2.StrictUndefined, keep_trailing_newline=True)
     return {Path(path.format(name=name)): environment.get_template(t).render(name=name) for t, path in sources.items()}

@@ -106,10 +106,10 @@ def build(
     return Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
 
 
-def _pair(name: str, given: object) -> tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]:
-    if isinstance(given, tuple) and len(given) == 2 and all(isinstance(part, Mapping) for part in given):
-        return given
+def _pair(name: str, values: object) -> tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]:
+    if isinstance(values, tuple) and len(values) == 2 and all(isinstance(part, Mapping) for part in values):
+        return values
     raise SignalError(
-        f"the physics of plant '{name}' returns {arguments.found(given)}: return two mappings, the derivatives by "
+        f"the physics of plant '{name}' returns {arguments.found(values)}: return two mappings, the derivatives by "
         "state and the outputs by name"
     )

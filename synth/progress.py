@@ -5,9 +5,9 @@ A function that takes long reports to `progress`, a callable of one line. It may
     progress("witnesses")                  the work that begins now
     progress(Counted("step_z", 3, 12))     the same, when 3 of 12 parts are done
 
-`shown` makes such a callable for a prompt, a script or a notebook:
+`bar` makes such a callable for a prompt, a script or a notebook:
 
-    with progress.shown("experiments") as report:
+    with progress.bar("experiments") as report:
         runs = DESIGN.simulate(report)
 """
 
@@ -166,7 +166,7 @@ class Bars:
 
 
 @contextmanager
-def displayed(total: int, write: Callable[[str, str], None]) -> Iterator[Display]:
+def display(total: int, write: Callable[[str, str], None]) -> Iterator[Display]:
     """Show the progress of `total` jobs as bars where stderr is a terminal, else as lines passed to `write`."""
     if not is_terminal():
         yield Lines(write)
@@ -176,7 +176,7 @@ def displayed(total: int, write: Callable[[str, str], None]) -> Iterator[Display
 
 
 @contextmanager
-def shown(work: str) -> Iterator[Progress]:
+def bar(work: str) -> Iterator[Progress]:
     """Show the progress of one piece of work at a terminal or in a notebook; nothing where stderr is a file."""
     if not (is_terminal() or _console().is_jupyter):
         yield silent

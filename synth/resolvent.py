@@ -130,7 +130,7 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
     A, B, C = balanced(A, B, C)
     form = schur(A)
     for part in _chunks(len(v), TOGETHER * ENTRIES // B.size):
-        M[part] += _refined(form, A, B, C, v[part])
+        M[part] += _solve_refined(form, A, B, C, v[part])
     return M
 
 
@@ -141,7 +141,7 @@ def singular(A: Array, v: Complex) -> complex:
     return complex(v[int(np.concatenate(sizes).argmin())])
 
 
-def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
+def _solve_refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
     M, places, right = np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128), np.arange(len(v)), form.U.T @ B
     inexact = []
@@ -151,7 +151,7 @@ def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
             M[part] = _product(C, X).transpose(2, 0, 1)
             size, residual = _size(X), _residual(A, B, v[part], X)
             near = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v[part])) > NEAR * np.abs(B).max()
-            far = ~_satisfied(A, B, v[part], size, residual) | near
+            far = ~_is_backward_stable(A, B, v[part], size, residual) | near
             inexact.append((places[part][far], X[:, :, far], residual[:, :, far]))
         left, X, residual = (np.concatenate(each, axis=-1) for each in zip(*inexact, strict=True))
         for _ in range(STEPS):
@@ -161,8 +161,8 @@ def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
             X = X + change
             M[left] = _product(C, X).transpose(2, 0, 1)
             size, residual = _size(X), _residual(A, B, v[left], X)
-            moved = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
-            far = ~(_satisfied(A, B, v[left], size, residual) & (moved <= CLOSE))
+            relative_change = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
+            far = ~(_is_backward_stable(A, B, v[left], size, residual) & (relative_change <= CLOSE))
             left, X, residual = left[far], X[:, :, far], residual[:, :, far]
     M[left] = _direct(A, B, C, v[left])
     return M
@@ -183,7 +183,7 @@ def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
     return residual
 
 
-def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
+def _is_backward_stable(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
     """Tell for each point (k,) whether X, whose entries have the `size` (n, m, k), leaves no more than rounding.
 
     |A| |X| is left out first: the product takes time, and few points need it.
@@ -213,5 +213,5 @@ def _direct(A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by elimination at each point."""
     parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
     shifted = (part[:, None, None] * np.eye(len(A)) - A for part in parts)
-    found = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
-    return np.concatenate(found) if found else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)
+    responses = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
+    return np.concatenate(responses) if responses else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)

@@ -133,10 +133,10 @@ def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
     signals = tuple(signals)
     if strangers := [s for s in signals if not isinstance(s, Signal | Parameter)]:
         raise SignalError(f"{arguments.found(strangers[0])} is no signal: give a list of Signals or Parameters")
-    found = tuple(s.name for s in signals)
-    for name in found:
-        if found.count(name) > 1:
+    listed = tuple(s.name for s in signals)
+    for name in listed:
+        if listed.count(name) > 1:
             raise SignalError(
-                f"the name '{name}' is declared {found.count(name)} times: each signal needs its own name"
+                f"the name '{name}' is declared {listed.count(name)} times: each signal needs its own name"
             )
-    return found
+    return listed

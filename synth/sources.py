@@ -62,8 +62,8 @@ def parsed(path: Path | None, name: str) -> Module:
     if path is None:  # a folder without __init__.py
         return Module(Path(), {}, {})
     content = text(path)
-    own = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
-    key = hashlib.sha256(own + f"{name} {path.name} ".encode() + content).hexdigest()
+    version = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
+    key = hashlib.sha256(version + f"{name} {path.name} ".encode() + content).hexdigest()
     return Module(path, *store.fetch(key, lambda: _summary(ast.parse(content), name, path.name == "__init__.py")))
 
 
@@ -80,7 +80,7 @@ def _summary(tree: ast.Module, name: str, package: bool) -> tuple[dict[str, tupl
         if isinstance(node, ast.Import | ast.ImportFrom) or _is_docstring(node):
             continue
         made = statement(node, name, package)
-        for bound in _bound(node) or (BARE,):
+        for bound in _bound_names(node) or (BARE,):
             statements[bound] = (*statements.get(bound, ()), made)
     inside = [item for s in statements.get(BARE, ()) for item in s.imports]
     return statements, dict([*inside, *_imports(tree.body, name, package)])
@@ -98,7 +98,7 @@ def _is_docstring(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def _bound(node: ast.stmt) -> tuple[str, ...]:
+def _bound_names(node: ast.stmt) -> tuple[str, ...]:
     """Return the names that a statement binds, none where it does more than that."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
         return (node.name,)

@@ -201,25 +201,27 @@ def controller(
 def _composition(
     name: str, time: Discrete, around: Interface, laws: Laws, outputs: Sequence[str] | None
 ) -> Composition:
-    made = tuple(_law(law, time, around) for law in laws)
-    blocks = [block for law in made for block in law.blocks]
+    resolved = tuple(_law(law, time, around) for law in laws)
+    blocks = [block for law in resolved for block in law.blocks]
     read = {s.name for block in blocks for s in block.inputs}
     driven = {s.name: s for block in blocks for s in block.outputs}
     demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
-    wanted = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
+    controlled = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
     actuators = [a.name for a in around.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     parts = (
         safety.guard(time, guarded(around), around.bad_samples, around.suspected, reason=around.reason),
-        *([errors(time, around, wanted)] if wanted else []),
+        *([errors(time, around, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, around, demands)] if demands else []),
         *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
         *behind,
     )
-    own = list(actuators) or [s.name for block in blocks for s in block.outputs]
-    block = compose(name, parts, inputs=names(around.inputs), outputs=own if outputs is None else list(outputs))
-    return Composition(made, parts, safety.frozen(block) if around.actuators else block)
+    driven_outputs = list(actuators) or [s.name for block in blocks for s in block.outputs]
+    block = compose(
+        name, parts, inputs=names(around.inputs), outputs=driven_outputs if outputs is None else list(outputs)
+    )
+    return Composition(resolved, parts, safety.frozen(block) if around.actuators else block)
 
 
 def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:

@@ -206,8 +206,8 @@ def together(*systems: System) -> tuple[StateSpace, ...]:
     known = [of(system) for system in systems if not _lacks_period(system)]
     if not known:
         return tuple(of(system) for system in systems)
-    time, given = known[0].time, iter(known)
-    return tuple(_in_time(system, time) if _lacks_period(system) else next(given) for system in systems)
+    time, remaining = known[0].time, iter(known)
+    return tuple(_in_time(system, time) if _lacks_period(system) else next(remaining) for system in systems)
 
 
 def _lacks_period(system: System) -> bool:

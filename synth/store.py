@@ -48,7 +48,7 @@ def fetch(name: str, compute: Callable[[], T]) -> T:
     path = _path(name)
     with suppress(_Missing):
         return _read(path)
-    with _locked(path):
+    with _lock(path):
         with suppress(_Missing):  # another process has made it meanwhile
             return _read(path)
         result = compute()
@@ -148,11 +148,11 @@ def _check(path: Path, run: bytes, body: bytes) -> bytes:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
+def _lock(path: Path) -> Iterator[None]:
     """Hold the lock of a key, which ends with the process; none where the folder takes no locks."""
     lock = folder() / "locks" / path.name
     try:
-        handle = _acquired(lock)
+        handle = _open_lock(lock)
     except OSError:
         yield
         return
@@ -164,7 +164,7 @@ def _locked(path: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _acquired(lock: Path) -> int:
+def _open_lock(lock: Path) -> int:
     lock.parent.mkdir(parents=True, exist_ok=True)
     while True:
         handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o600)

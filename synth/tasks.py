@@ -183,12 +183,12 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
         ("cost", brief_cost(design), (first, *library)),
         ("audit", audit(design), (first,)),
     )
-    jobs = [Job(f"{name} {what}", name, _kept(task), after) for what, task, after in tasks]
+    jobs = [Job(f"{name} {what}", name, _run_only(task), after) for what, task, after in tasks]
     last = Job(name, name, whole.result, tuple(job.name for job in jobs))
     return [Job(first, name, save), *jobs, last]
 
 
-def _kept(task: Task[Any]) -> Callable[[Progress], None]:
+def _run_only(task: Task[Any]) -> Callable[[Progress], None]:
     """Return a run that leaves its result in the cache alone: the job that wants it reads it there."""
 
     def run(say: Progress) -> None:
@@ -205,9 +205,9 @@ def missing() -> list[str]:
 @once
 def compilers() -> Sequence[tuple[str, ...]]:
     """Return what the compilers that make code of a design's C say of themselves."""
-    found = [host_compiler.find_compiler()]
-    found += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
-    return [(*c.command, c.identity, *c.machine_flags) for c in found]
+    available = [host_compiler.find_compiler()]
+    available += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
+    return [(*c.command, c.identity, *c.machine_flags) for c in available]
 
 
 def _silent(line: str) -> None:

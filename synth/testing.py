@@ -78,13 +78,13 @@ def unnoticed(stage: Stage) -> list[str]:
     states, inputs = _steps(stage)
     expected = agree.reference(standard.require_reference(stage))(states, inputs)
     block = stage.controller.block
-    missed = []
+    undetected = []
     for name, variant in variants(stage):
-        found = agree.casadi(variant)(states, inputs)
-        gap = agree.compare(name, ("reference", expected), ("casadi", found), None, block)
+        observed = agree.casadi(variant)(states, inputs)
+        gap = agree.compare(name, ("reference", expected), ("casadi", observed), None, block)
         if max(gap.worst, gap.state_worst) <= NOTICED * suite.EXACT and not gap.faults_differ:
-            missed.append(name)
-    return missed
+            undetected.append(name)
+    return undetected
 
 
 def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
@@ -93,10 +93,10 @@ def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
     loop = steps.recorded(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
     recorded = steps.joined("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
     rng = np.random.default_rng(standard.SEED)
-    drawn = [sampling.in_operation(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
+    random_steps = [sampling.in_operation(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
     x = {s.name: recorded.states[s.name].astype(np.float64) for s in block.states}
     u = {s.name: recorded.inputs[s.name].astype(np.float64) for s in block.inputs}
-    parts = [*drawn, (x, u)]
+    parts = [*random_steps, (x, u)]
     return tuple({n: np.concatenate([part[i][n] for part in parts]) for n in parts[0][i]} for i in (0, 1))  # type: ignore[return-value]
 
 
@@ -111,14 +111,17 @@ def variants(stage: Stage) -> Iterator[tuple[str, Block]]:
         yield name, stages.controller(made.name, made.time, around, made.laws, outputs).block
 
 
-def _interfaces(made: Controller) -> Iterator[tuple[str, Interface]]:
-    around, given = made.interface, {s.name for law in made.laws for block in law.blocks for s in block.outputs}
+def _interfaces(controller: Controller) -> Iterator[tuple[str, Interface]]:
+    around, driven = (
+        controller.interface,
+        {s.name for law in controller.laws for block in law.blocks for s in block.outputs},
+    )
     yield "bad_samples", replace(around, bad_samples=around.bad_samples + 1)
     for k, a in enumerate(around.actuators):
         others = around.actuators[:k], around.actuators[k + 1 :]
         faster = (*others[0], replace(a, slew_per_s=2 * a.slew_per_s), *others[1])
         yield f"slew of {a.name} doubled", replace(around, actuators=faster)
-    limited = [s for s in around.outputs if f"{s.name}_demand" in given]  # others the laws limit themselves
+    limited = [s for s in around.outputs if f"{s.name}_demand" in driven]  # others the laws limit themselves
     for s in (*limited, *around.inputs):
         wider = replace(s, high=s.high + (WIDER - 1) * (s.high - s.low))
         yield f"range of {s.name} wider", replace(around, signals={**around.signals, s.name: wider})

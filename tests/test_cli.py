@@ -38,7 +38,7 @@ def replay(controller: host.Controller) -> dict[str, Any]:
     return {"q1": q1, "q2": 0.002 * np.sin(0.05 * np.arange(200)), "r1": 0.0, "r2": 0.0}
 
 
-def sequences(controller: host.Controller, told: Progress) -> list[Steps]:
+def sequences(controller: host.Controller, report: Progress) -> list[Steps]:
     return [steps.recorded(controller, "loop", replay(controller), closed_loop=True), steps.drawn(controller, 2000)]
 
 
@@ -50,8 +50,8 @@ AXES = workspace.Design(
     name="axes_2",
     scalar=np.float32,
     emit=EMITTED.__getitem__,
-    verify=lambda told, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
-    simulate=lambda told: (),
+    verify=lambda report, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
+    simulate=lambda report: (),
     audit=lambda: iter(()),
     bench=workspace.Bench(lambda: axes.block(2), replay, sequences, 1.0),
     report=report,
@@ -67,7 +67,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path) -> None:
     """A workspace of one design, and a folder to write in."""
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: [AXES])
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [AXES])
     monkeypatch.setenv("SYNTH_CACHE", str(cache))
     monkeypatch.chdir(tmp_path)
 
@@ -106,7 +106,7 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
 
 @pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    def differs(emitted: Emitted, inputs: Any, core: str, told: Progress) -> Sequence[Check]:
+    def differs(emitted: Emitted, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
         return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
 
     monkeypatch.setattr(on_target, "verify", differs)
@@ -130,20 +130,20 @@ def test_an_unknown_core_is_wrong_usage() -> None:
 
 @pytest.mark.usefixtures("one_design")
 @pytest.mark.parametrize(("arguments", "whole"), [((), False), (("--whole",), True)])
-@pytest.mark.parametrize("found", [0, 1])
+@pytest.mark.parametrize("alarms", [0, 1])
 def test_prove_tells_the_depth_and_fails_with_a_check(
-    monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], whole: bool, found: int
+    monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], whole: bool, alarms: int
 ) -> None:
     """The proofs have tests of their own; here they are handed what was emitted."""
 
-    def proofs(files: Mapping[str, str], manifest: Any, deep: bool, told: Progress) -> tuple[Check, ...]:
+    def proofs(files: Mapping[str, str], manifest: Any, deep: bool, report: Progress) -> tuple[Check, ...]:
         assert files["axes_2.c"] and manifest["design"] == "axes_2" and deep == whole
-        return (Check("alarms", found, 0, "alarms"),)
+        return (Check("alarms", alarms, 0, "alarms"),)
 
     monkeypatch.setattr(prove, "prove", proofs)
-    (document,) = printed("prove", *arguments, status=found)
+    (document,) = printed("prove", *arguments, status=alarms)
     assert (document["design"], document["whole"]) == ("axes_2", whole)
-    assert document["checks"][0]["found"] == found
+    assert document["checks"][0]["found"] == alarms
 
 
 @pytest.mark.usefixtures("one_design")
@@ -174,39 +174,39 @@ def test_build_goes_on_without_an_emulator(monkeypatch: pytest.MonkeyPatch) -> N
     assert Path("reports/axes_2.html").read_text() == "cost: none"
 
 
-def crash(told: Progress, whole: bool) -> Evidence:
+def crash(report: Progress, whole: bool) -> Evidence:
     raise ZeroDivisionError("planted")
 
 
-def die(told: Progress, whole: bool) -> Evidence:
+def die(report: Progress, whole: bool) -> Evidence:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
 
 @pytest.mark.usefixtures("one_design")
-@pytest.mark.parametrize(("verify", "told"), [(crash, "planted"), (die, "status -9")])
+@pytest.mark.parametrize(("verify", "message"), [(crash, "planted"), (die, "status -9")])
 def test_a_crash_in_one_design_is_reported_and_the_others_finish(
-    monkeypatch: pytest.MonkeyPatch, verify: Any, told: str
+    monkeypatch: pytest.MonkeyPatch, verify: Any, message: str
 ) -> None:
     monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
     designs = [replace(AXES, name="axes_1", verify=verify), AXES]
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: designs)
     result = RUNNER.invoke(cli.app, ["verify", "--json"])
-    assert result.exit_code == 2 and told in result.stderr
+    assert result.exit_code == 2 and message in result.stderr
     (good, bad) = json.loads(result.stdout)
-    assert good["design"] == "axes_2" and good["passed"] and bad["design"] == "axes_1" and told in bad["error"]
+    assert good["design"] == "axes_2" and good["passed"] and bad["design"] == "axes_1" and message in bad["error"]
 
 
 @pytest.mark.usefixtures("one_design")
 def test_lines_of_progress_are_whole_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def verify(name: str, told: Progress, whole: bool) -> Evidence:
+    def verify(name: str, report: Progress, whole: bool) -> Evidence:
         for k in range(50):
-            told(f"step {k} of a long line that another process must not cut")
+            report(f"step {k} of a long line that another process must not cut")
         return Evidence(name, (), ())
 
     names = ("axes_1", "axes_2")
     designs = [replace(AXES, name=name, verify=partial(verify, name)) for name in names]
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: designs)
     lines = RUNNER.invoke(cli.app, ["verify", "--json"]).stderr.splitlines()
     expected = [
         f"{name}: step {k} of a long line that another process must not cut" for name in names for k in range(50)

@@ -195,7 +195,7 @@ def test_numbered_lines_never_exceed_the_total() -> None:
 
 
 def test_a_notebook_call_is_silent_where_nothing_can_show_it(capsys: pytest.CaptureFixture[str]) -> None:
-    with progress.shown("experiments") as report:
+    with progress.bar("experiments") as report:
         report(Counted("step", 1, 2))
     assert capsys.readouterr() == ("", "")
 

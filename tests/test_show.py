@@ -43,8 +43,8 @@ def test_a_prompt_aligns_the_columns() -> None:
 
 
 def test_a_notebook_gets_escaped_html() -> None:
-    found = Pair(0.5, 2)._repr_html_()  # type: ignore[attr-defined]
-    assert "<strong>a &lt; b &amp; c</strong>" in found and "<tr><td>a</td><td>0.5</td></tr>" in found
+    html = Pair(0.5, 2)._repr_html_()  # type: ignore[attr-defined]
+    assert "<strong>a &lt; b &amp; c</strong>" in html and "<tr><td>a</td><td>0.5</td></tr>" in html
 
 
 @pytest.mark.parametrize(
@@ -56,8 +56,8 @@ def test_numbers_keep_five_digits(value: complex, shown: str) -> None:
 
 
 def test_a_matrix_names_its_rows_and_columns() -> None:
-    found = show.matrix("K", np.eye(2), ("u1", "u2"), ("x", "v"))
-    assert found == show.Table(("K", "x", "v"), (("u1", "1", "0"), ("u2", "0", "1")), is_matrix=True)
+    table = show.matrix("K", np.eye(2), ("u1", "u2"), ("x", "v"))
+    assert table == show.Table(("K", "x", "v"), (("u1", "1", "0"), ("u2", "0", "1")), is_matrix=True)
     with pytest.raises(ValueError, match="1 names of rows"):
         show.matrix("K", np.eye(2), ("u1",), ("x", "v"))
 
@@ -157,8 +157,8 @@ def test_of_a_large_table_the_ends_are_shown_in_text_and_in_html() -> None:
     assert [line.split()[0] for line in lines[35:]] == [*names[:16], "...", *names[-16:]]
     assert lines[36].split() == ["n1", "0", "1", *"000000", "...", *"00000000"]
     assert lines[-1].split()[-1] == "199"
-    found = show.html(sheet)
-    assert len(found) < 20_000 and found.count("<tr>") == 34 and found.count("<th>") == 18 and "<td>199</td>" in found
+    html = show.html(sheet)
+    assert len(html) < 20_000 and html.count("<tr>") == 34 and html.count("<th>") == 18 and "<td>199</td>" in html
     small = show.matrix("", np.eye(16), names[:16], names[:16])
     assert "..." not in show.text(show.Sheet("small", (), (small,)))
 

@@ -128,18 +128,18 @@ def test_a_failed_check_is_exit_status_1(root: Path, monkeypatch: pytest.MonkeyP
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["verify", "other"], "other"),
         (["emit", "maglev_5dof"], "--out"),
         (["emit", "maglev_5dof", "--out", "README.md"], "README"),
     ],
 )
-def test_wrong_usage_is_exit_status_2_in_one_line(arguments: list[str], told: str) -> None:
+def test_wrong_usage_is_exit_status_2_in_one_line(arguments: list[str], message: str) -> None:
     command = [sys.executable, "-c", "from synth.cli import main; main()", *arguments]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 2
-    assert told in result.stderr and "Traceback" not in result.stderr
+    assert message in result.stderr and "Traceback" not in result.stderr
 
 
 @pytest.mark.slow

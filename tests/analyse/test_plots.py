@@ -27,26 +27,28 @@ LOOPS = {
 @pytest.mark.parametrize("name", LOOPS)
 def test_a_bode_plot_marks_each_crossing_where_the_curve_has_it(name: str) -> None:
     loop = LOOPS[name]
-    figure, found = plots.bode(loop), margins.of_loop(loop)
+    figure, loop_margins = plots.bode(loop), margins.of_loop(loop)
     gain, phase = figure.axes
     FigureCanvasAgg(figure).draw()
     dots, diamonds = (next(line for line in gain.lines if line.get_marker() == marker) for marker in "oD")
     np.testing.assert_allclose(np.ravel(dots.get_ydata()), 0.0, atol=1e-2)
-    assert len(np.ravel(dots.get_xdata())) == len(found.gain_crossings)
-    inside = [c for c in found.phase_crossings if gain.get_xlim()[0] <= c.frequency / (2 * np.pi) <= gain.get_xlim()[1]]
+    assert len(np.ravel(dots.get_xdata())) == len(loop_margins.gain_crossings)
+    inside = [
+        c for c in loop_margins.phase_crossings if gain.get_xlim()[0] <= c.frequency / (2 * np.pi) <= gain.get_xlim()[1]
+    ]
     assert len(np.ravel(diamonds.get_xdata())) >= len([c for c in inside if c.frequency])
     dots = next(line for line in phase.lines if line.get_marker() == "o")
-    wanted = [c.phase_margin for c in found.gain_crossings]
+    phase_margins = [c.phase_margin for c in loop_margins.gain_crossings]
     degrees = np.asarray(dots.get_ydata(), dtype=float) + 180
-    np.testing.assert_allclose((degrees - wanted + 180) % 360 - 180, 0.0, atol=0.2)
+    np.testing.assert_allclose((degrees - phase_margins + 180) % 360 - 180, 0.0, atol=0.2)
     assert gain.get_ylabel() == "|L| [dB]" and phase.get_ylabel() == "arg L [°]"
     assert phase.get_xlabel().startswith("frequency [Hz]")
-    assert ("NOT STABLE" in gain.get_title("left")) == (not found.stable)
+    assert ("NOT STABLE" in gain.get_title("left")) == (not loop_margins.stable)
 
 
 def test_limits_are_rad_per_second_and_margins_may_be_handed_over() -> None:
-    found = margins.of_loop(LOOP)
-    (gain, _) = plots.bode(LOOP, low=2 * np.pi, high=200 * np.pi, margins=found).axes
+    loop_margins = margins.of_loop(LOOP)
+    (gain, _) = plots.bode(LOOP, low=2 * np.pi, high=200 * np.pi, margins=loop_margins).axes
     np.testing.assert_allclose(gain.get_xlim(), (1.0, 100.0), rtol=1e-6)
     with pytest.raises(SignalError, match="open it at one signal"):
         plots.bode(control.ss(np.eye(2), np.eye(2), np.eye(2), np.zeros((2, 2))))
