@@ -1,7 +1,7 @@
 """Composition of Blocks by signal name: an output drives every input that has its name.
 
-[ a ]--- w --->[ b ]--- u --->        loops are judged signal by signal, from what each expression depends on:
-  ^------ excess ----|                a cycle of Blocks that a state breaks is no algebraic loop
+[ a ]--- w --->[ b ]--- u --->        algebraic loops are found signal by signal, from the dependencies
+  ^------ excess ----|                of each expression: a state in a cycle breaks the loop
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,12 +20,12 @@ from synth.timing import Discrete, common
 def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
     """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
 
-    States and constants carry their Block's name in front: ``filter_y`` and ``lag`` make ``filter_y_lag``.
+    The name of its Block precedes each state and constant: ``lag`` of ``filter_y`` becomes ``filter_y_lag``.
 
-    Raises WiringError for a signal with two drivers, with unlike units, with none although a Block needs it, asked for
-    although nobody drives or needs it, for an algebraic loop, for a fault bit that is set twice, and for guards
-    that latch after different numbers of bad samples; SignalError for an input or output listed twice; TimingError for
-    unlike sample periods.
+    Raises WiringError for a signal with two drivers or with different units, for one that a Block needs and none
+    drives, for a listed input that no Block needs and a listed output that none drives, for an algebraic loop, for a
+    fault bit that is set twice, and for guards that latch after different numbers of bad samples; SignalError for an
+    input or output listed twice; TimingError for different sample periods.
     """
     if not len(blocks):
         raise WiringError(f"'{name}': there is no Block to wire: give at least one")
@@ -71,7 +71,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
 
 
 def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
-    """Return the signal that `signal` only passes on."""
+    """Return the signal of which `signal` is a copy."""
     while definitions[signal].is_symbolic():
         by_hash = {symbol[s].element_hash(): s for s in definitions}
         source = by_hash.get(definitions[signal].element_hash())
@@ -82,7 +82,7 @@ def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
 
 
 def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Safety | None:
-    """Return what the Blocks declare, for the outputs that pass on a signal with a safe value."""
+    """Return the safety that the Blocks declare, for the outputs that copy a signal with a safe value."""
     declared = [(b.name, b.safety) for b in blocks if b.safety]
     if not declared:
         return None
@@ -101,7 +101,7 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
 
 
 def _prefixed(block: Block) -> Block:
-    """Return the Block with its name in front of each state and constant, so that copies of one Block can meet."""
+    """Return the Block with its name before each state and constant, which keeps copies of one Block apart."""
     local = {n: f"{block.name}_{n}" for n in _private(block)}
     symbol = {local.get(n, n): s for n, s in block.symbol.items()}
     states = tuple(replace(s, signal=replace(s.signal, name=local[s.name])) for s in block.states)
@@ -229,7 +229,7 @@ def _resolve(
         resolved[signal] = exprs[0]
         inside += zip((n for n, _ in ready), exprs[1:], strict=True)
         inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
-    for b, late in waiting.items():  # what only a next state needs
+    for b, late in waiting.items():  # signals that only a next state needs
         exprs = _substitute_inputs(b, symbol, [e for _, e in late])
         exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
         inside += zip((n for n, _ in late), exprs, strict=True)
@@ -241,6 +241,6 @@ def _needs(block: Block, expr: ca.SX) -> set[str]:
 
 
 def _depends(expr: ca.SX, symbol: Exprs) -> set[str]:
-    """Return the names of those symbols that stand in `expr`; symbols are told apart by identity, not by name."""
+    """Return the names of the symbols in `expr`; symbols are compared by identity, not by name."""
     present = {v.element_hash() for v in ca.symvar(expr)}
     return {name for name, s in symbol.items() if s.element_hash() in present}

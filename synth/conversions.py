@@ -1,4 +1,4 @@
-"""Linear models of other makes, as A, B, C, D with names and time: plain arrays, python-control, scipy.signal."""
+"""Conversion of plain arrays and of models of python-control and scipy.signal to A, B, C, D, names and time."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -26,7 +26,7 @@ def coefficients(system: Any) -> tuple[Array, Array] | None:
 
 
 def from_fractions(system: Any) -> Form:
-    """Return python-control's transfer functions, each in companion form: nothing is cancelled."""
+    """Return python-control's transfer functions, each in companion form, without pole-zero cancellation."""
     p, m = len(system.num), len(system.num[0])
     parts = [[_companion(system.num[i][j], system.den[i][j]) for j in range(m)] for i in range(p)]
     order = sum(len(part[0]) for row in parts for part in row)
@@ -74,7 +74,7 @@ def from_scipy(system: Any) -> Form:
 
 
 def from_arrays(arrays: Sequence[Any]) -> Form:
-    """Return arrays (A, B), (A, B, C) or (A, B, C, D), with a time behind them or none."""
+    """Return arrays (A, B), (A, B, C) or (A, B, C, D), with or without a time after them."""
     matrices, time = list(arrays), _time_argument(arrays)
     if len(matrices) == 5 or (matrices and isinstance(matrices[-1], Continuous | Discrete)):
         matrices.pop()
@@ -97,7 +97,7 @@ def _time_argument(arrays: Sequence[Any]) -> Time:
 
 
 def time_of(dt: Any) -> Time:
-    """Return the time that a `dt` stands for: 0 for continuous, else a period in seconds."""
+    """Return the Time of a `dt`: 0 is continuous, another number a period in seconds."""
     value = dt.item() if isinstance(dt, np.ndarray | np.generic) and dt.size == 1 and not np.ndim(dt) else dt
     if not isinstance(value, int | float) or value is True:
         raise SignalError(f"there is no sample period, dt is {dt!r}: give 0 for continuous time or a period in seconds")

@@ -1,7 +1,7 @@
-"""What the command line does with a declared stage, as far as the design does not do it itself.
+"""Standard tasks of a declared stage, which the command line runs unless the design replaces them.
 
 emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
-simulate   the experiments, on the shipped C           bench      stimuli of the machine code
+simulate   the experiments, with the emitted C          bench      stimuli of the machine code
 report     the standard report
 """
 
@@ -74,21 +74,21 @@ def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
 
 
 def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
-    """Return what gains.json says of a stage: the plant with its parameters, the rate, and the gains of each law."""
+    """Return the document of gains.json: the plant with its parameters, the rate, and the gains of each law."""
     laws = {law.name: dict(law.gains(scalar)) for law in stage.controller.laws if law.gains}
     parameters = {p.name: {"value": p.value, "unit": p.unit, "tolerance": p.tolerance} for p in stage.plant.parameters}
     return {"plant": stage.plant.name, "period_s": stage.controller.time.period_s, "parameters": parameters, **laws}
 
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
-    """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
+    """Run the experiments with the emitted C; a check of each fails where a state of the laws reached its bound."""
     single, double = rig(stage, stage.scalar), compiled(stage, np.float64)
     runs = experiments.run(single, stage.experiments, progress)
     return [headroom.judged(run, double, stage.limited) for run in runs]
 
 
 def no_audit(stage: Stage) -> Iterator[Row]:
-    """Yield nothing: a stage of one's own has no published figures."""
+    """Yield nothing: only a published stage has published values."""
     return iter(())
 
 
@@ -99,7 +99,7 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
 def bench(
     stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
 ) -> Bench:
-    """Return what is measured of the controller as machine code; `own` are steps that only this stage can say."""
+    """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
         return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
@@ -120,6 +120,6 @@ def report(
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
-    from synth.report import template  # what draws takes longer to import than all else together
+    from synth.report import template  # matplotlib takes longer to import than all else together
 
     return template.report(stage, files, evidence, runs, rows, cost)

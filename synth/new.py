@@ -1,7 +1,7 @@
-"""A new stage: a levitator of one axis with its law, reference and experiments, to be turned into the reader's own.
+"""Project template (`synth new`): a one-axis levitator with law, reference and experiments, as a start for a stage.
 
-In a folder that holds no workspace yet a new one is made, with README, settings of git and of continuous integration;
-in the root of a workspace the stage joins those that are there.
+Outside a workspace it makes one, with README, .gitignore and continuous integration. In the root of a workspace it
+adds the stage to those present.
 """
 
 import keyword
@@ -21,14 +21,14 @@ STAGE = {
     "test_design.py.j2": "tests/test_{name}.py",
 }
 WORKSPACE = {"README.md.j2": "README.md", "gitignore.j2": ".gitignore", "ci.yml.j2": ".github/workflows/ci.yml"}
-RESERVED = ("designs", "models", "synth", "test", "tests")  # modules that a model of that name would hide
+RESERVED = ("designs", "models", "synth", "test", "tests")  # a model of that name would hide the module
 
 
 def create(root: Path, name: str) -> tuple[Path, tuple[Path, ...]]:
     """Write the files of a new stage; return the root of its workspace and the files, relative to it.
 
-    Raises SignalError for a name that C does not take, and DesignError for one that Python does not take and where a
-    file is there already: then nothing is written.
+    Raises SignalError for a name that C does not allow, and DesignError for one that Python does not allow or where a
+    file exists already; then nothing is written.
     """
     _check_name(name)
     in_workspace = (root / "designs").is_dir()

@@ -1,4 +1,4 @@
-"""Numbers as a user gives them: finite, whole, in rows and tables. What is none is refused by its name."""
+"""Validation of numbers, rows and tables from a user; errors name the quantity."""
 
 from contextlib import suppress
 from dataclasses import field, fields
@@ -15,7 +15,7 @@ MOST_SENSORS = 26  # they are named a to z
 
 
 def number(name: str, value: object) -> float:
-    """Return a finite number; raise ModelError for text, a truth value, nothing, NaN or what is beyond all bounds."""
+    """Return a finite number; raise ModelError for text, a bool, None, NaN or an infinite value."""
     if isinstance(value, Real) and not isinstance(value, bool):
         with suppress(OverflowError):
             real = float(value)
@@ -50,7 +50,7 @@ def above(name: str, value: object, low: float, high: float = inf) -> float:
 
 
 def between(low: float, default: float, high: float) -> Any:
-    """Return a dataclass field above `low` and at most `high`; where the default is whole, from `low` on and whole."""
+    """Return a dataclass field above `low` and at most `high`; a whole number from `low` on if the default is whole."""
     return field(default=default, metadata={"range": (low, high)})
 
 
@@ -86,7 +86,7 @@ def rows(name: str, values: object, size: int) -> tuple[tuple[float, ...], ...]:
 
 
 def places(values: object, size: int) -> tuple[tuple[float, ...], ...]:
-    """Return where sensors are, `size` coordinates each; raise ModelError for what is none, or more than are named."""
+    """Return positions of sensors, `size` coordinates each; raise ModelError for other values and for more than 26."""
     positions = rows("positions", values, size)
     if len(positions) > MOST_SENSORS:
         raise ModelError(f"there are {len(positions)} positions: sensors are named a to z, give {MOST_SENSORS} at most")

@@ -1,4 +1,4 @@
-"""Plants: dx/dt = f(x, u, p), y = h(x, u, p), symbolic, with the box of states and inputs in which they are valid."""
+"""Symbolic nonlinear plants, dx/dt = f(x, u, p), y = h(x, u, p), valid in a box of states and inputs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -90,7 +90,7 @@ def build(
 ) -> Plant:
     """Make a Plant from `physics(x, u, p) -> (derivatives by state, outputs by name)`.
 
-    Raises SignalError when a derivative or output is missing or one is not known, or when a state's unit is unreadable.
+    Raises SignalError when a derivative or output is missing or unknown, or when the unit of a state is unreadable.
     """
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)

@@ -1,14 +1,14 @@
-"""Program slices: the statements that a function may run, read from the syntax trees of its module and its imports.
+"""Program slicing: the statements that a function may run, from the syntax trees of its module and its imports.
 
     slice(f) = the least set that holds f's own statement, and with a statement every top-level statement that it names,
                in its module or by way of an import, and all that runs when a module of the slice is imported
 
-Its digest changes when what the function computes may change, and stays when unrelated functions beside it change. A
-module that is named as a whole (passed on, or read by a name that it does not define) counts whole. Data files beside
-the modules (`.toml`, `.c`, ...) count where they are asked for. Comments do not count; docstrings do.
+The digest of a slice changes when the function may compute something else, and stays when unrelated functions beside
+it change. A module that is passed on as a whole, or read by a name that it does not define, counts whole. Data files
+beside the modules (`.toml`, `.c`, ...) count on request. Comments do not count; docstrings do.
 
-Followed are `synth` and the packages of the workspace that holds the function; of others the versions count. What a
-string names at run time is not seen: formulas of an audit call functions of modules that are named as a whole.
+The slice follows imports of `synth` and of the packages of the workspace; other packages count by their versions. It
+does not see a name in a string: formulas of an audit call functions of modules that are named as a whole.
 
 Source: M. Weiser, Program slicing, IEEE Trans. Software Engineering 10 (1984), 352-357.
 """
@@ -29,7 +29,7 @@ from synth.errors import ContentError
 from synth.sources import BARE, TOOLKIT, Statement
 
 DATA = (".toml", ".c", ".h", ".j2", ".css", ".md", ".json", ".csv")
-WHOLE = "*"  # in place of the name of one statement: all of a module; BARE is what it runs when it is imported
+WHOLE = "*"  # instead of the name of one statement: all of a module; BARE: the statements that run at its import
 
 Place = tuple[str, str]  # module and name
 
@@ -37,7 +37,7 @@ Place = tuple[str, str]  # module and name
 def digest(function: Callable[..., Any] | type, data: bool = False) -> str:
     """Return the digest of the slice of a function or class; with `data` also of data files beside its modules.
 
-    Raises ContentError where its source is not in a file, or where a function of the slice was replaced since.
+    Raises ContentError where its source is not in a file, or where a function of the slice has been replaced.
     """
     entry = _entry(function)
     lines = [_digest(entry, data), *_live(entry.root, _places(entry))]
@@ -61,7 +61,7 @@ def _digest(entry: "_Entry", data: bool) -> str:
 
 
 def _live(root: Path, places: frozenset[Place]) -> Iterator[str]:
-    """Yield the numbers and texts that stand at places now: a program, or a test, may set them after the import."""
+    """Yield the present numbers and texts of places: a program, or a test, may set them after the import."""
     for module, name in sorted(places):
         value = getattr(sys.modules.get(module), name, None) if name not in (WHOLE, BARE) else None
         if inspect.isfunction(value) or isinstance(value, type):
@@ -71,7 +71,7 @@ def _live(root: Path, places: frozenset[Place]) -> Iterator[str]:
 
 
 def _require_original(root: Path, place: Place, value: Any) -> None:
-    """Raise ContentError where a statement defines a function or class and another one stands in its place."""
+    """Raise ContentError where a function or class has replaced the one that a statement defines."""
     inner, name = inspect.unwrap(value), ".".join(place)
     actual = f"{inner.__module__}.{inner.__qualname__}"
     if actual != name and any(s.defines for s in _at(root, place)):
@@ -91,7 +91,7 @@ def _plain(value: Any) -> str | None:
 
 
 def is_followed(function: Callable[..., Any] | type) -> bool:
-    """Whether the source of a function or class counts: that of Python and of installed packages has a version."""
+    """Return whether the source of a function or class counts; Python and installed packages have versions instead."""
     path = _file(inspect.unwrap(function))
     if path is None:
         return function.__module__ != "builtins"
@@ -105,7 +105,7 @@ def _installation_folders() -> tuple[Path, ...]:
 
 @dataclass(frozen=True)
 class _Entry:
-    """Where a slice begins: a top-level statement of a module, or the lambdas in one line of it."""
+    """The start of a slice: a top-level statement of a module, or the lambdas in one of its lines."""
 
     module: str
     path: Path
@@ -141,7 +141,7 @@ def _entry(function: Callable[..., Any] | type) -> _Entry:
 
 
 def _file(function: Callable[..., Any] | type) -> Path | None:
-    """Return the file with the source of a function or class, None for what is built in or typed at a prompt."""
+    """Return the file with the source of a function or class, None for a built-in or one typed at a prompt."""
     try:
         return _resolve(inspect.getfile(function))
     except (TypeError, OSError):
@@ -155,7 +155,7 @@ def _resolve(file: str) -> Path | None:
 
 
 def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]:
-    """Return the places that can be reached from where a slice starts."""
+    """Return the places that can be reached from the start of a slice."""
     waiting = [each for each in start if not isinstance(each, Statement)]
     module = waiting[0][0]
     waiting += [place for each in start if isinstance(each, Statement) for place in _named_places(root, module, each)]
@@ -170,7 +170,7 @@ def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]
 
 @functools.cache
 def _next(root: Path, place: Place) -> tuple[Place, ...]:
-    """Return the places that the statements at a place name, and those that run with the import of its module."""
+    """Return the places that the statements at a place name, and those that the import of its module runs."""
     name = place[0]
     module = sources.module(root, name)
     if module is None:

@@ -1,6 +1,6 @@
-"""A workspace: a folder with models/ and designs/<name>/design.py, whose `DESIGN` says what the toolkit can do with it.
+"""Workspaces: a folder with models/ and designs/<name>/design.py, whose `DESIGN` holds the tasks of a design.
 
-The folder is put first on the path of this process, which serves one workspace only, so that two never mix.
+The folder goes first on the path of this process. A process serves one workspace only.
 """
 
 import importlib
@@ -31,7 +31,7 @@ Report = Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequen
 
 @dataclass(frozen=True)
 class Bench:
-    """What is measured of a design as machine code.
+    """The stimuli with which the machine code of a design is measured.
 
     `block` is what is emitted under the design's name. `replay` returns inputs (N,) of a closed loop with faults, and
     `sequences` the steps that look for the costliest one and reach every decision; both take the compiled C. Below
@@ -50,12 +50,11 @@ def _no_rows() -> Iterator[Row]:
 
 @dataclass(frozen=True)
 class Design:
-    """One design; each task hears the progress that it reports.
+    """A design and its tasks, which report their progress.
 
-    `emit(scalar)` returns what is written to generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
-    experiments, `audit` the published figures recomputed, where there are any, `report` the page made of
-    all these and of the cost, which is None where nothing could measure it. `stage` is what was declared, where a
-    declaration made the design.
+    `emit(scalar)` returns the files of generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
+    experiments, `audit` the recomputed published values, if there are any, and `report` the page of all these and of
+    the cost, which is None where it could not be measured. `stage` is the declaration, where there is one.
     """
 
     name: str
@@ -70,7 +69,7 @@ class Design:
 
 
 def regenerate(design: Design, root: Path = Path()) -> None:
-    """Write what a design emits to generated_c/ of the workspace at `root`."""
+    """Write the emitted files of a design to generated_c/ of the workspace at `root`."""
     for folder, files in design.emit(design.scalar).items():
         write.save(files.files, root / "generated_c" / folder)
 
@@ -101,7 +100,7 @@ def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
 
 
 def emitted(design: Design, scalar: type[np.floating]) -> Mapping[str, Emitted]:
-    """Return what the design emits, by folder; raise DesignError when none of the folders has the design's name."""
+    """Return the emitted files by folder; raise DesignError when no folder has the name of the design."""
     folders = design.emit(scalar)
     if design.name not in folders:
         raise DesignError(

@@ -57,7 +57,7 @@ def test_what_the_plant_does_not_have_is_refused_by_name(changed: dict[str, Any]
 
 
 def test_a_set_point_without_a_sensor_has_no_error() -> None:
-    with pytest.raises(SignalError, match="'x_read' is no sensor with a set-point"):
+    with pytest.raises(SignalError, match="'x_read' is not a sensor with a set-point"):
         around().error("x_read")
 
 
