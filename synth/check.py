@@ -1,4 +1,4 @@
-"""Checks: a measured figure beside the limit that it must not exceed."""
+"""Acceptance checks: a measured value and its upper limit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from synth import show
 
 @dataclass(frozen=True)
 class Check:
-    """`found` <= `limit`, both in `unit`; `about` says what was measured and how. NaN does not pass."""
+    """`found` <= `limit`, both in `unit`; `about` describes the measurement. NaN does not pass."""
 
     name: str
     found: float
@@ -18,7 +18,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the figure keeps its limit."""
+        """Return whether the value keeps its limit."""
         return bool(self.found <= self.limit)
 
 

@@ -41,7 +41,7 @@ def _writer(as_json: bool) -> Callable[[str, str], None]:
 
 
 def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
-    """Run jobs in parallel; return by design the value of the job of that name, or its error as a document."""
+    """Run jobs in parallel; return for each design the value of the job of its name, or a Failed."""
     fresh_run = store.fresh_run() if fresh else nullcontext()
     with fresh_run, progress.display(len(jobs), _writer(as_json)) as display:
         outcomes = run(jobs, display)
@@ -53,7 +53,7 @@ def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool
     return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
 
 
-def _each(
+def _for_each_design(
     names: Names, as_json: bool, fresh: bool, work: Callable[[workspace.Design, Progress], Any]
 ) -> dict[str, Any]:
     """Do the same work on each design, in parallel; return the results by name."""
@@ -70,7 +70,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
-        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _json(built.evidence) + "\n"}
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _strict_json(built.evidence) + "\n"}
         write.save(reports, root / "reports")
         failed = [c for c in built.checks if not c.passed]
         _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
@@ -82,12 +82,12 @@ def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
     """Compare the witnesses on this machine, or the machine code of a `core` with that of this machine."""
     if core is not None:
         _require_emulator()
-    results = _each(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
-    documents = [r.document for r in _good(results)]
+    results = _for_each_design(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
+    documents = [r.document for r in _successful(results)]
     for name, verified in results.items():
         if not as_json and isinstance(verified, Verified):
             tables.print_checks(name, verified.checks, verified.figures, verified.notes)
-    return _finish(as_json, documents, results, not all(c.passed for r in _good(results) for c in r.checks))
+    return _finish(as_json, documents, results, not all(c.passed for r in _successful(results) for c in r.checks))
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Verified:
     notes: Sequence[str] = ()
 
 
-def _good(results: Mapping[str, Any]) -> list[Any]:
+def _successful(results: Mapping[str, Any]) -> list[Any]:
     return [result for result in results.values() if not isinstance(result, Failed)]
 
 
@@ -141,11 +141,11 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
     """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
-    results = _each(names, as_json, fresh, lambda design, report: tasks.whole_cost(design).result(report))
-    for measured in _good(results):
+    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.whole_cost(design).result(report))
+    for measured in _successful(results):
         if not as_json:
             tables.print_cost(measured)
-    return _finish(as_json, [measured.document() for measured in _good(results)], results)
+    return _finish(as_json, [measured.document() for measured in _successful(results)], results)
 
 
 def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
@@ -159,8 +159,8 @@ def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
             for folder, e in emitted.items()
         }
 
-    results = _each(names, as_json, fresh, run_proofs)
-    folders = {folder: checks for each in _good(results) for folder, checks in each.items()}
+    results = _for_each_design(names, as_json, fresh, run_proofs)
+    folders = {folder: checks for each in _successful(results) for folder, checks in each.items()}
     if not as_json:
         for folder, checks in folders.items():
             tables.print_checks(folder, checks)
@@ -179,8 +179,8 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
         experiments = tasks.simulation(design).result(report)
         return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
 
-    results = _each(names, as_json, fresh, run_experiments)
-    documents, every = [], [v for each in _good(results) for v in each]
+    results = _for_each_design(names, as_json, fresh, run_experiments)
+    documents, every = [], [v for each in _successful(results) for v in each]
     for name, each in results.items():
         if not isinstance(each, Failed):
             documents.append({"design": name, "experiments": [v.document for v in each]})
@@ -192,8 +192,8 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
     """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
-    results = _each(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
-    rows = [row for each in _good(results) for row in each]
+    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
+    rows = [row for each in _successful(results) for row in each]
     if not as_json:
         tables.print_rows(rows)
     return _finish(as_json, [row.document() for row in rows], results)
@@ -234,7 +234,7 @@ def _require_emulator() -> None:
         )
 
 
-def _json(document: Any) -> str:
+def _strict_json(document: Any) -> str:
     """Return strict JSON: null for a number that JSON does not have."""
     return json.dumps(_finite(document), indent=1, allow_nan=False)
 
@@ -253,5 +253,5 @@ def _finish(
     """Print the documents, errors last; return 2 where a design has no result, 1 where a check failed."""
     errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
     if as_json:
-        sys.stdout.write(_json([*documents, *errors]) + "\n")
+        sys.stdout.write(_strict_json([*documents, *errors]) + "\n")
     return 2 if errors else int(failed)

@@ -1,8 +1,8 @@
-"""Progress of long work: what is done, how much of it, and for how long; as bars at a terminal (`rich`), else lines.
+"""Progress of long work as bars at a terminal (`rich.progress`, as `tqdm`), elsewhere as lines.
 
-A function that takes long reports to `progress`, a callable of one line. It may say how much is done:
+A long function calls `progress` with a line for each part of its work, and may add how much is done:
 
-    progress("witnesses")                  the work that begins now
+    progress("witnesses")                  the part that begins now
     progress(Counted("step_z", 3, 12))     the same, when 3 of 12 parts are done
 
 `bar` makes such a callable for a prompt, a script or a notebook:

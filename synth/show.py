@@ -1,4 +1,4 @@
-"""Display of results at a prompt and in a notebook: a title, sentences, and tables with named rows and columns.
+"""Display of results at a prompt and in a notebook (as the rich `repr` of pandas): a title, sentences and tables.
 
 A class decorated with `printed`, or with `result`, describes itself once, by its method ``sheet()``. From the sheet
 follow the text of a prompt (``__repr__``), the HTML of a notebook (``_repr_html_``) and, for matrices and equations,
@@ -60,7 +60,7 @@ T = TypeVar("T")
 
 
 def printed(kind: K) -> K:
-    """Let a class print its sheet: as text at a prompt, as HTML and LaTeX in a notebook."""
+    """Add the display methods to a class with a sheet: text for a prompt, HTML and LaTeX for a notebook."""
     for method, form in {"__repr__": text, "_repr_html_": html, "_repr_latex_": latex}.items():
         setattr(kind, method, lambda self, form=form: form(self.sheet()))
     return kind
@@ -68,19 +68,19 @@ def printed(kind: K) -> K:
 
 @dataclass_transform(frozen_default=True, eq_default=False)
 def result(kind: type[R]) -> type[R]:
-    """Make a class a frozen dataclass, compared by identity, that prints its sheet."""
+    """Make a class a frozen dataclass, compared by identity, with the display methods."""
     return printed(dataclass(frozen=True, eq=False, repr=False)(kind))
 
 
 def number(value: complex, digits: int = 5) -> str:
-    """Return a real or complex number with `digits` significant digits; an imaginary part of 0 is left out."""
+    """Return a real or complex number with `digits` significant digits; without an imaginary part of 0."""
     if not np.imag(value):
-        return f"{float(np.real(value)) + 0.0:.{digits}g}"  # + 0.0 takes the sign off a zero
+        return f"{float(np.real(value)) + 0.0:.{digits}g}"  # + 0.0 removes the sign of a zero
     return f"{np.real(value):.{digits}g}{np.imag(value):+.{digits}g}i"
 
 
 def named(name: str, unit: str) -> str:
-    """Return the name with its unit in brackets, alone where no unit is known."""
+    """Return the name with its unit in brackets, or the name alone where the unit is unknown."""
     return f"{name} [{unit}]" if unit else name
 
 
@@ -92,7 +92,7 @@ def matrix(corner: str, values: ArrayLike, rows: Sequence[str], columns: Sequenc
     A = np.asarray(values)
     if A.shape != (len(rows), len(columns)):
         raise ValueError(f"a matrix of shape {A.shape} has {len(rows)} names of rows and {len(columns)} of columns")
-    i, j = (_some(range(n), None, most) for n, most in zip(A.shape, (ROWS, COLUMNS), strict=True))
+    i, j = (_elided(range(n), None, most) for n, most in zip(A.shape, (ROWS, COLUMNS), strict=True))
     body = tuple(
         (DOTS,) * (len(j) + 1) if row is None else (rows[row], *(DOTS if k is None else number(A[row, k]) for k in j))
         for row in i
@@ -109,7 +109,7 @@ def feedback(table: Table, sign: int = 1) -> Table:
 def ratio(symbol: str, variable: str, gain: float, zeros: Sequence[complex], poles: Sequence[complex]) -> str:
     """Return a transfer function by its gain, zeros and poles as LaTeX: K(s) = 2 (s + 1) / (s (s + 3))."""
     above, below = (
-        "".join(_factor(variable, complex(v)) for v in _some(values, np.nan, COLUMNS)) for values in (zeros, poles)
+        "".join(_factor(variable, complex(v)) for v in _elided(values, np.nan, COLUMNS)) for values in (zeros, poles)
     )
     fraction = rf"\frac{{{above or 1}}}{{{below}}}" if below else above
     return rf"{symbol}({variable}) = {_latex_cell(number(gain))}\,{fraction}"
@@ -124,14 +124,14 @@ def signals(groups: Mapping[str, Sequence[Any]]) -> Table:
 
 
 def text(sheet: Sheet) -> str:
-    """Return a sheet as lines of text, columns aligned; of a large table its first and last rows and columns."""
+    """Return a sheet as text with aligned columns; a large table shows its first and last rows and columns."""
     lines = (line for table in sheet.tables for line in (*filter(None, [table.note]), *_aligned(_abbreviated(table))))
-    return "\n".join([sheet.title, *_some(sheet.lines, DOTS, ROWS), *lines])
+    return "\n".join([sheet.title, *_elided(sheet.lines, DOTS, ROWS), *lines])
 
 
 def html(sheet: Sheet) -> str:
-    """Return a sheet as HTML; of a large table its first and last rows and columns."""
-    lines = (f"<p>{escape(line)}</p>" for line in _some(sheet.lines, DOTS, ROWS))
+    """Return a sheet as HTML; a large table shows its first and last rows and columns."""
+    lines = (f"<p>{escape(line)}</p>" for line in _elided(sheet.lines, DOTS, ROWS))
     parts = [f"<p><strong>{escape(sheet.title)}</strong></p>", *lines]
     for table in map(_abbreviated, sheet.tables):
         rows = [_row("th", table.columns), *(_row("td", row) for row in table.rows)]
@@ -187,7 +187,7 @@ def _factor(variable: str, root: complex) -> str:
     return rf"\left({variable} {'-' if root.real > 0 else '+'} {_latex_cell(number(abs(root.real)))}\right)"
 
 
-def _some(items: Sequence[T], dots: T, most: int) -> tuple[T, ...]:
+def _elided(items: Sequence[T], dots: T, most: int) -> tuple[T, ...]:
     """Return the items; of more than `most` + 1 the first and last `most` with `dots` between."""
     if len(items) <= most + 1:
         return tuple(items)
@@ -195,13 +195,13 @@ def _some(items: Sequence[T], dots: T, most: int) -> tuple[T, ...]:
 
 
 def _abbreviated(table: Table) -> Table:
-    """Return a table without its middle columns and rows, where it has many; the column of names stays."""
+    """Return a table without the middle of its many rows and columns; the column of names stays."""
 
     def cells(line: tuple[str, ...]) -> tuple[str, ...]:
-        return (*line[:1], *_some(line[1:], DOTS, COLUMNS))
+        return (*line[:1], *_elided(line[1:], DOTS, COLUMNS))
 
     columns = cells(table.columns)
-    rows = _some([cells(row) for row in table.rows], (DOTS,) * len(columns), ROWS)
+    rows = _elided([cells(row) for row in table.rows], (DOTS,) * len(columns), ROWS)
     return replace(table, columns=columns, rows=rows)
 
 

@@ -15,7 +15,7 @@ from synth.verify import cost as costs
 def print_checks(
     title: str, checks: Sequence[Check], figures: Mapping[str, float] | None = None, notes: Sequence[str] = ()
 ) -> None:
-    """Print checks with their limits, then measured values without; below them the notes and the failed checks."""
+    """Print checks, then measured values without a limit, then notes and descriptions of the failed checks."""
     table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
     for c in checks:
         table.add_row(c.name, f"{c.found:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 else:
     Axes = Figure = Any  # annotations are read at the first call, which shall not load matplotlib
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # told apart with any colour vision
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # distinguishable with any colour vision
 LINE = "#666666"
 STYLE = {
     "font.size": 9.0,
