@@ -60,7 +60,7 @@ MOST_CHANNELS = 6  # rows, and columns, of step responses
 WIDTH = 9.0  # inches
 
 
-def styled() -> AbstractContextManager[None]:
+def style_context() -> AbstractContextManager[None]:
     """Return the context in which every figure is made and written, whatever the user's own settings."""
     import matplotlib.style
 
@@ -82,7 +82,7 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
     period = model.time.period_s if not isinstance(model, Delayed) and isinstance(model.time, Discrete) else None
     w, L = _response(model, marked, low, high)
     degrees = unwrapped(w, L, max((c.frequency for c in marked.gain_crossings), default=w[-1]))
-    with styled():
+    with style_context():
         figure, (gain, phase) = _panels(2, height=5.4)
         _draw_gain(gain, w, L, marked)
         _draw_phase(phase, w, degrees, marked)
@@ -108,7 +108,7 @@ def step(system: System | TimeResponse, duration_s: float | None = None, interva
             f"the responses of {rows} outputs to {columns} inputs do not fit one figure: select 1 to {MOST_CHANNELS} "
             "of each, as by `model.select(outputs, inputs)`"
         )
-    with styled():
+    with style_context():
         figure, grid = _panels(rows, columns, height=max(3.0, 1.7 * rows + 0.8))
         for (i, j), axes in np.ndenumerate(np.reshape(grid, (rows, columns))):
             _draw_response(axes, response, i, j)
@@ -125,7 +125,7 @@ def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[
     if not 1 <= len(signals) <= MOST_PANELS:
         raise SignalError(f"there are {len(signals)} signals to plot: name 1 to {MOST_PANELS} of them")
     t = np.asarray(time, dtype=np.float64)
-    with styled():
+    with style_context():
         figure, column = _panels(len(signals), height=0.7 + 1.4 * len(signals))
         for axes, (name, values) in zip(np.atleast_1d(column), signals.items(), strict=True):
             axes.plot(t, np.asarray(values, dtype=np.float64), color=COLOURS[0])

@@ -22,7 +22,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
-from synth.analyse.plots import COLOURS, styled
+from synth.analyse.plots import COLOURS
+from synth.analyse.plots import style_context as styled
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array
