@@ -133,14 +133,14 @@ def test_a_package_of_another_version_is_another_key(monkeypatch: pytest.MonkeyP
         def __init__(self, name: str, version: str) -> None:
             self.name, self.version = name, version
 
-    found = []
+    keys = []
     for version in ("2.0", "2.1"):
         monkeypatch.setattr("importlib.metadata.distributions", lambda version=version: [Installed("numpy", version)])
         cache.environment.cache_clear()
-        found.append(cache.environment())
+        keys.append(cache.environment())
     monkeypatch.undo()
     cache.environment.cache_clear()
-    assert len({*found, cache.environment()}) == 3
+    assert len({*keys, cache.environment()}) == 3
 
 
 def test_another_compiler_is_another_key(monkeypatch: pytest.MonkeyPatch) -> None:

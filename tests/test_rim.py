@@ -31,9 +31,9 @@ GAINS = {
 @pytest.mark.parametrize("name", GAINS)
 def test_a_controller_without_time_takes_the_plants(name: str, dt: Any) -> None:
     closed = sensitivity.close(HELD, GAINS[name](dt))
-    told = sensitivity.close(HELD, GAINS[name](0.1))
+    timed = sensitivity.close(HELD, GAINS[name](0.1))
     assert closed.whole.time == Discrete(0.1)
-    np.testing.assert_array_equal(closed.whole.A, told.whole.A)
+    np.testing.assert_array_equal(closed.whole.A, timed.whole.A)
     assert sensitivity.close(GAINS[name](dt), HELD).whole.time == Discrete(0.1)
     if dt is None:
         assert sensitivity.close(PLANT, GAINS[name](None)).whole.time == Continuous()

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from synth import store
 from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
@@ -57,9 +58,12 @@ def emit(
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:
-    """Write each text to `folder`, which is created if needed; a file that already holds its text is not rewritten."""
+    """Write each text to `folder`, which is created if needed; a file that already holds its text is not rewritten.
+
+    An interrupt leaves each file as it was or with its new text.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         path = folder / name
         if not path.exists() or path.read_text() != text:
-            path.write_text(text)
+            store.replace_text(path, text)

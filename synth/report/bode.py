@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 
-from synth.analyse import margins
+from synth.analyse import margins, plots
 from synth.analyse.margins import Margins
 from synth.errors import SignalError
 from synth.report.figures import COLOURS, style_context
@@ -55,13 +55,8 @@ def curve(
 
 def phase(curve: LoopCurve) -> Array:
     """Return the phase of L in degrees (N,), continuous except at poles and zeros on the axis."""
-    angle = np.angle(curve.response)
-    # A step near 180 degrees is a pole on the axis, which lowers the phase: keep steps within -225 .. 135 degrees.
-    steps = (np.diff(angle) + 1.25 * np.pi) % (2 * np.pi) - 1.25 * np.pi
-    degrees = np.degrees(angle[0] + np.concatenate([[0.0], np.cumsum(steps)]))
     crossings = [c.frequency for c in curve.margins.gain_crossings]
-    at = np.interp(max(crossings, default=curve.frequency[-1]), curve.frequency, degrees)
-    return np.asarray(degrees - 360 * np.ceil(at / 360), dtype=np.float64)
+    return plots.unwrapped(curve.frequency, curve.response, max(crossings, default=curve.frequency[-1]))
 
 
 def bode_plot(curves: Sequence[LoopCurve]) -> Figure:

@@ -10,12 +10,11 @@ neither read nor changed; `svg` converts each figure to text.
 import io
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import matplotlib.style
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -23,13 +22,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
+from synth.analyse.plots import COLOURS, style_context
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array
 
 Window = tuple[float, float]
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # distinguishable with any colour vision
 REFERENCE_COLOUR = "#000000"
 POINTS = 2000  # for each curve: more than the width of a screen
 DEPTH = 1e-3  # of an encoder's count: smaller errors are irrelevant
@@ -38,26 +37,6 @@ SMALLEST = 1e-12  # m or rad: value at which a zero error is drawn
 SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
 COARSE = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
 FINE = {"m": ("µm", 1e6), "rad": ("µrad", 1e6)}
-STYLE = {
-    "font.size": 9.0,
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
-    "axes.grid": True,
-    "axes.edgecolor": "#666666",
-    "axes.linewidth": 0.6,
-    "axes.labelsize": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.xmargin": 0.0,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.1,
-    "xtick.color": "#333333",
-    "ytick.color": "#333333",
-    "legend.fontsize": 8.0,
-    "legend.framealpha": 0.85,
-    "legend.edgecolor": "#cccccc",
-    "svg.fonttype": "none",
-}
 _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
 
@@ -78,11 +57,6 @@ class Panel:
     unit: str
     curves: tuple[Curve, ...]
     levels: tuple[tuple[str, float], ...] = ()
-
-
-def style_context() -> AbstractContextManager[None]:
-    """Return the matplotlib style context of all figures, independent of the settings of the user."""
-    return matplotlib.style.context(["default", STYLE])
 
 
 def svg(figure: Figure, name: str) -> str:

@@ -84,17 +84,23 @@ def simulate(
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, scenario, time, arrays)
+    return _trajectory(plant, controller, scenario, time, arrays)
 
 
-def _trajectory(plant: Plant, scenario: Scenario, time: Array, arrays: Arrays) -> Trajectory:
+def _trajectory(
+    plant: Plant, controller: host.Controller, scenario: Scenario, time: Array, arrays: Arrays
+) -> Trajectory:
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
     for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
         array.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, **groups)
+    members = {
+        m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
+    }
+    units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
+    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, units=units, **groups)
 
 
 def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:

@@ -17,6 +17,7 @@ import numpy as np
 
 from synth.check import Check
 from synth.errors import SignalError
+from synth.progress import each
 from synth.signals import Signal
 from synth.simulate import conditions, metrics
 from synth.simulate.conditions import Conditions, Course, Ramp
@@ -217,8 +218,7 @@ def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], Non
     if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise SignalError(f"two experiments are called '{twice[0]}': give one of them a label")
     results = []
-    for experiment in experiments:
-        progress(experiment.name)
+    for experiment in each(experiments, progress, lambda e: e.name):
         results.append(experiment.run(rig))
     return results
 

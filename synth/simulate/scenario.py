@@ -7,14 +7,18 @@ Connections are keyed by the receiving signal: `sensors[controller input] = plan
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from synth import arguments, show
 from synth.errors import SignalError
 from synth.simulate.sensors import Override, Sensor
 from synth.statespace import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Columns = dict[str, NDArray[Any]]
 
@@ -54,13 +58,13 @@ class Scenario:
             )
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Trajectory:
     """One value for each sample t = kT, k = 0 .. N-1, in read-only columns (N,) by name.
 
     `states` and `outputs` are true values of the plant, before any encoder; `applied` are the plant inputs from t on;
     `measured` are the controller inputs, suitable for `controller.replay`; `commands` are the controller outputs.
-    `impacts` is the largest speed of an impact on each stop.
+    `impacts` is the largest speed of an impact on each stop. `units` has the unit of each column that is known.
     """
 
     time: Array
@@ -71,6 +75,32 @@ class Trajectory:
     commands: Columns
     faults: NDArray[np.uint32]
     impacts: dict[str, float]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def sheet(self) -> show.Sheet:
+        """Return the range of every column and the impacts."""
+        groups = {"state": self.states, "output": self.outputs, "applied": self.applied}
+        groups |= {"measured": self.measured, "command": self.commands}
+        rows = (
+            (group, show.named(name, self.units.get(name, "")), *(show.number(e) for e in (v.min(), v.max(), v[-1])))
+            for group, columns in groups.items()
+            for name, v in columns.items()
+        )
+        faults = f"{np.count_nonzero(self.faults)} samples with a fault"
+        stops = (f"impact on the stop of {q}: {show.number(v)}" for q, v in self.impacts.items() if v)
+        title = f"Trajectory of {len(self.time)} samples up to {show.number(self.time[-1])} s"
+        table = show.Table(("", "name", "least", "largest", "last"), tuple(rows))
+        return show.Sheet(title, (faults, *stops), (table,))
+
+    def plot(self, names: Sequence[str] = ()) -> "Figure":
+        """Return a figure of columns over time, one panel each; without `names` the first 12 of the outputs.
+
+        Raises SignalError for a name that the trajectory does not have, and for more than 12 names.
+        """
+        from synth.analyse import plots  # loads matplotlib
+
+        chosen = arguments.names("columns", names) or tuple(self.outputs)[:12]
+        return plots.over_time(self.time, {name: self[name] for name in chosen}, self.units)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return the column `name` from the first of states, outputs, applied, measured, commands that has it.

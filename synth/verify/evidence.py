@@ -4,17 +4,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from synth import check as checks
+from synth import show
 from synth.check import Check
 from synth.verify.agree import Agreement
 
 
-@dataclass(frozen=True)
+@show.printed
+@dataclass(frozen=True, repr=False)
 class Evidence:
     """The agreements between witnesses and the checks that follow from them."""
 
     design: str
     agreements: Sequence[Agreement]
     checks: Sequence[Check]
+
+    def sheet(self) -> show.Sheet:
+        """Return the checks and the agreements."""
+        failed = sum(not c.passed for c in self.checks)
+        title = f"Evidence of {self.design}: {len(self.checks)} checks, {failed} failed"
+        agreements = (
+            (f"{a.first}, {a.second}", a.what, str(a.samples), show.number(a.worst), a.signal) for a in self.agreements
+        )
+        columns = ("witnesses", "compared", "samples", "worst difference", "signal")
+        tables = [checks.table(self.checks), show.Table(columns, tuple(agreements))]
+        return show.Sheet(title, tables=tuple(t for t in tables if t.rows))
 
     @property
     def passed(self) -> bool:

@@ -75,7 +75,9 @@ class Compensator:
         rows += [(f"zero [{variable}]", show.number(v, 8)) for v in self.zeros]
         rows += [(f"pole [{variable}]", show.number(v, 8)) for v in self.poles]
         ends = " to ".join(show.named(name, self.units.get(name, "")) for name in (self.input, self.output))
-        return show.Sheet(f"Compensator in {self.time}, {ends}", (), (show.Table(("", "value"), tuple(rows)),))
+        equation = show.ratio("K", "s" if variable == "1/s" else "z", self.gain, self.zeros, self.poles)
+        table = show.Table(("", "value"), tuple(rows), equation=equation)
+        return show.Sheet(f"Compensator in {self.time}, {ends}", (), (table,))
 
 
 @show.result
@@ -110,7 +112,9 @@ class LeadLag:
             f"{self.gain_error:.2e} of the gain and {self.phase_error:.2e} degrees"
         )
         title = f"Lead-lag, {self.method}, {ends}, {self.discrete.time}"
-        return show.Sheet(title, (line,), (show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows)),))
+        equation = show.ratio("K", "z", self.gain, self.zeros, self.poles)
+        table = show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows), equation=equation)
+        return show.Sheet(title, (line,), (table,))
 
 
 Method = Callable[[Compensator, float, float], LeadLag]

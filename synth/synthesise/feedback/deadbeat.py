@@ -39,7 +39,7 @@ class Deadbeat:
 
     def sheet(self) -> show.Sheet:
         """Return the certificate and K."""
-        table = show.matrix("K", self.K, self.inputs, self.states)
+        table = show.feedback(show.matrix("K", self.K, self.inputs, self.states))
         return show.Sheet(f"Deadbeat state feedback in {self.time}", self.lines(), (table,))
 
 

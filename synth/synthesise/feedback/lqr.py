@@ -60,7 +60,7 @@ class Gain:
             [show.named(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
         )
         title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
-        tables = (show.matrix("K", self.K, rows, columns), modes.table(self.poles, self.time))
+        tables = (show.feedback(show.matrix("K", self.K, rows, columns)), modes.table(self.poles, self.time))
         return show.Sheet(title, self.certificate.lines(), tables)
 
 

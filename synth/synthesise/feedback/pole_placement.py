@@ -64,7 +64,7 @@ class Placement:
 
     def sheet(self) -> show.Sheet:
         """Return the certificate and K."""
-        table = show.matrix("K", self.K, self.inputs, self.states)
+        table = show.feedback(show.matrix("K", self.K, self.inputs, self.states))
         return show.Sheet(f"State feedback by poles in {self.time}", self.lines(), (table,))
 
 

@@ -59,7 +59,8 @@ class Compensator:
             f"The loop separates into them to {self.separation:.1e} of its largest entry",
         )
         states = (*plant.states, *self.computed.states)
-        tables = (show.matrix("K", self.K, plant.labels(plant.inputs), states), *self.model.sheet().tables)
+        gain = show.feedback(show.matrix("K", self.K, plant.labels(plant.inputs), states))
+        tables = (gain, *self.model.sheet().tables)
         title = f"Compensator from {', '.join(self.model.inputs)} to {', '.join(self.model.outputs)}"
         return show.Sheet(f"{title}, {plant.time}", lines, tables)
 

@@ -85,7 +85,7 @@ class Riccati:
         """Return the certificate and the tables of L, X and the poles."""
         n, m = len(self.states), len(self.inputs)
         tables = (
-            show.matrix("L", self.L, self.inputs, self.states),
+            show.feedback(show.matrix("L", self.L, self.inputs, self.states), sign=-1),
             show.matrix("X", self.X, self.states, self.states),
             modes.table(self.poles, self.time),
         )

@@ -111,7 +111,7 @@ class Servo:
         """Return the gains, the poles and the steady-state errors."""
         units = {**self.plant.units, **self.model.units(self.regulated, self.plant.units)}
         columns = tuple(show.named(name, units.get(name, "")) for name in self.states)
-        gains = show.matrix("gain", self.K.T, columns, self.plant.labels(self.controls))
+        gains = show.feedback(show.matrix("gain", self.K.T, columns, self.plant.labels(self.controls)))
         certificate = self.steady.sheet()
         lines = (f"Poles {', '.join(show.number(s) for s in self.poles)}", *certificate.lines)
         what = f"{', '.join(self.regulated)} by {', '.join(self.controls)}"
