@@ -101,6 +101,7 @@ def examples() -> Mapping[str, Call]:
         "loop.cut": {"blocks": [example_step()], "signal": "y"},
         "loop.linearised": {"block": example_step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
         "loop.opened": {"controller": cut, "signal": "s", "sensors": {"x": "x"}, "actuators": {"f": "c"}, "delay": 1},
+        "plots.over_time": {"time": [0.0, 0.1], "signals": {"x": [0.0, 1.0]}, "units": {"x": "m"}},
         "rest_equations.ClosedLoop": fields(resting_loop),
         "resting.Rest": fields(rest),
         "resting.open_loop": {"rest": rest, "signal": "current"},
@@ -139,8 +140,8 @@ def examples() -> Mapping[str, Call]:
         "anti_windup.of_gain": {"controller": ([[-1.0]], [[1.0]], [[1.0]]), "E": [[-0.5]]},
         "anti_windup.conditioning": {"controller": ([[-1.0]], [[1.0]], [[1.0]], [[1.0]]), "references": ["u1"]},
         "belief.initial": {"system": held},
-        "belief.predict": {"belief": first, "system": held},
-        "belief.update": {"belief": first, "system": held, "y": [0.1]},
+        "belief.predict": {"estimate": first, "system": held},
+        "belief.update": {"estimate": first, "system": held, "y": [0.1]},
         "bumpless.start": {"state": [0.1, 0.0], "present": [0.2]},
         "coloured.process": {"shaping": shaping},
         "coloured.measurement": {"shaping": coloured},
@@ -236,8 +237,8 @@ def examples() -> Mapping[str, Call]:
             "controller": servo.controller,
         },
         "logs.Log": {"samples": {"a": [1.0, 2.0]}, "period_s": T, "times": [0.0, T]},
-        "log_file.read": {"path": _file("a [m]\n1.0\n"), "wanted": {"a": "m"}},
-        "log_file.parsed": {"text": "a [m]\n1.0\n", "wanted": {"a": "m"}, "name": "measurements"},
+        "log_file.read": {"path": _file("a [m]\n1.0\n"), "required": {"a": "m"}},
+        "log_file.parsed": {"text": "a [m]\n1.0\n", "required": {"a": "m"}, "name": "measurements"},
     }
 
 

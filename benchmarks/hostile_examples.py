@@ -141,7 +141,7 @@ def usual() -> Call:
         "poles": [-1.0, -2.0],
         "frequencies": [0.0, 6.0],
         "exosystem": [0.0],
-        "given": [0.0, 6.0],
+        "exosystem_or_model": [0.0, 6.0],
         "level": 0.95,
         "values": [1.0, 2.0],
         "labels": ["a"],
