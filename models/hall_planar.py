@@ -52,26 +52,34 @@ class Row(NamedTuple):
 def constants(array: PlanarArray) -> list[Constant]:
     """Return the coefficients of the field by powers of the sine, and of its derivative by the phase."""
     values = dict(zip(POWERS, (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta), strict=True))
-    about = "alpha sin p + beta sin 5p by powers of the sine"
+    about = "coefficient of the field alpha sin p + beta sin 5p, by powers of sin p"
     field = [Constant(f"field_{n}", v, "V", about) for n, v in values.items()]
-    return [*field, *(Constant(f"slope_{n - 1}", n * v, "V", f"derivative of {about}") for n, v in values.items())]
+    return [
+        *field,
+        *(
+            Constant(
+                f"slope_{n - 1}", n * v, "V", "coefficient of the field's derivative by the phase p, by powers of sin p"
+            )
+            for n, v in values.items()
+        ),
+    ]
 
 
-def turned(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
+def rotation_phasor(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
     """Return the phasor of a small yaw, and 1 - cos, which is 2 sin^2 of its half."""
     sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
-    named.append((Signal("turn_sine", "1", -1, 1, "of the yaw since the sample began"), sine))
-    named.append((Signal("half_sine", "1", -2, 2, "of half of it, times sqrt(2)"), half))
+    named.append((Signal("yaw_change_sine", "1", -1, 1, "sine of the change of yaw in the sample"), sine))
+    named.append((Signal("half_yaw_change_sine", "1", -2, 2, "sine of half the change of yaw, times sqrt(2)"), half))
     return Phasor(1 - half**2, sine), half**2
 
 
 def displaced(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
     """Return sensors of a body that is displaced by (U, V, T)."""
-    turn, versine = turned(at[2], named)
-    return [_moved(s, at, turn, versine) for s in sensors]
+    turn, versine = rotation_phasor(at[2], named)
+    return [_displaced(s, at, turn, versine) for s in sensors]
 
 
-def _moved(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
+def _displaced(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
     x, y = s.place.cosine, s.place.sine
     dx, dy = -x * versine - y * turn.sine, -y * versine + x * turn.sine
     phases = s.phases[0].times(phasor.of(at[0] + dx)), s.phases[1].times(phasor.of(at[1] + dy))

@@ -55,7 +55,9 @@ def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
     """Draw n random steps (states, inputs)."""
     rng, of, array = np.random.default_rng(SEED), subject.of, subject.array
     states, w = sampling.states_anywhere(subject.block, rng, n, whole=COUNTS), array.wave_number
-    start, _ = reference.predict(of, reference_guard.of_estimator(states), np.zeros((n, len(of.positions), 2), bool))
+    start, _ = reference.predict(
+        of, reference_guard.estimator_states(states), np.zeros((n, len(of.positions), 2), bool)
+    )
     size = rng.choice(NEAR, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, array.radius]
     x, y, yaw = (start + size).T
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)

@@ -114,8 +114,8 @@ def along(of: Subject, controller: host.Controller, inputs: Columns) -> tuple[Co
 
 def conditioned(of: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
     """Return steps with what magnifies their errors."""
-    held, refused = reference_guard.accepted(of.of, states, inputs)
-    step = of.of, reference_guard.of_estimator(states), held, refused
+    held, refused = reference_guard.hold_refused(of.of, states, inputs)
+    step = of.of, reference_guard.estimator_states(states), held, refused
     near = np.where(near_decision_boundary(of, *step[1:]), 1 / CHANGE, 0.0)
     severity = np.maximum(reference_rounding.magnification(*step), near)
     return Steps(what, states, inputs, severity, reference_rounding.margin(*step))
@@ -125,7 +125,7 @@ def near_decision_boundary(of: Subject, states: Columns, held: Numbers, refused:
     """Tell for each step whether a decision is another one when its voltages move by CHANGE of alpha."""
     change = CHANGE * of.array.alpha * np.random.default_rng(0).standard_normal(held.shape)
     (out, after), (other, then) = (reference.step(of.of, states, v, refused) for v in (held, held + change))
-    counts = [s.name.removeprefix(reference_guard.OWN) for s in of.block.states if s.integer]
+    counts = [s.name.removeprefix(reference_guard.PREFIX) for s in of.block.states if s.integer]
     flags = [out[name] != other[name] for name in DECISIONS]
     return np.any([*flags, *(after[n] != then[n] for n in counts if n in after)], axis=0)
 

@@ -61,7 +61,7 @@ def samples(
     Pitches are counted from the origin, where the platen comes from. Raises ModelError as `hall_bench.settled`.
     """
     poses = hall_bench.scan(reach, line, READ)
-    block = unranged(estimator.guarded(source.array, TIME, closed_loop.TUNING))
+    block = unranged(estimator.guarded_estimator(source.array, TIME, closed_loop.TUNING))
     controller = build.compiled(block, np.float32, libm=True)
     read = controller.replay(hall_bench.read(bench, poses, TIME, seed)).outputs
     columns = np.stack([np.asarray(read[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)

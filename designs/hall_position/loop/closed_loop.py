@@ -56,7 +56,7 @@ PITCHES = 4  # that are added before a number is cut off, and taken off again: m
 SURROGATE_ERROR: dict[type[np.floating], float] = estimator.SURROGATE_ERROR
 # Of a field that a calibration has shown: its misfit is what the voltages are wrong by, and a motion that changes by
 # 0.9 m/s within a sample is none.
-TUNING = Tuning(residual=0.2, surprise=0.3)
+TUNING = Tuning(residual_limit=0.2, innovation_gate_sigma=0.3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +90,14 @@ def sensed(source: Source, time: Discrete) -> list[Block]:
 def _source(time: Discrete, suffix: str) -> Block:
     """Return ``hall_source``; the estimate's names end in `suffix`."""
     given = {axis: replace(sensing.RAW[axis], name=f"{OF[axis]}{suffix}") for axis in HORIZONTAL}
-    valid, restarted = Signal("valid", "1", 0, 1), Signal("restarted", "1", 0, 1, "pitches are not known any more")
-    without = Signal("without", "1", 0, ANY - 1, "number of the sensor that is left out")
+    valid, restarted = Signal("valid", "1", 0, 1), Signal("lock_lost", "1", 0, 1, "pitches are not known any more")
+    without = Signal("excluded_sensor", "1", 0, ANY - 1, "number of the sensor that is left out")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         known, begins = x["known"], ca.SX(1)
         for axis, far in BEGINS.items():
             begins = ca.logic_and(begins, ca.fabs(u[given[axis].name]) <= far)
-        sound = ca.logic_and(u["valid"], ca.logic_not(u["restarted"]))
+        sound = ca.logic_and(u["valid"], ca.logic_not(u["lock_lost"]))
         good = ca.logic_and(sound, ca.logic_or(known, begins))
         after = ca.logic_and(good, known)
         next: dict[str, ca.SX] = {"known": ca.if_else(good, 1, known)}
@@ -142,7 +142,7 @@ def _failures(u: Exprs, x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
     counted = ca.if_else(lost, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
     found = ca.if_else(lost, ANY, 0)
     for n in range(1, ANY):
-        found = ca.if_else(u["without"] >= n, n, found)
+        found = ca.if_else(u["excluded_sensor"] >= n, n, found)
     return {
         "invalid": ca.if_else(good, 0, counted),
         "failed": ca.if_else(x["failed"], x["failed"], ca.if_else(x["known"], found, 0)),

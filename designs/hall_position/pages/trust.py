@@ -41,7 +41,7 @@ def kinds() -> dict[str, EstimatorConfig]:
 def blocks(of: EstimatorConfigs) -> dict[str, Made]:
     """Return basins, cold starts, motions and failures."""
     return {
-        "trust.window_deg": float(np.degrees(config.TUNING.turn)),
+        "trust.window_deg": float(np.degrees(config.TUNING.yaw_window)),
         "trust.starts": STARTS,
         "trust.drift": 1e3 * DRIFT,
         "trust.wait_s": WAIT * config.TIME.period_s,

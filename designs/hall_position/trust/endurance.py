@@ -62,8 +62,11 @@ def checks(name: str, kind: EstimatorConfig, bodies: int, samples: int) -> list[
 def limits(kind: EstimatorConfig) -> Limits:
     """Return how fast the sensors' centre may be, with MARGIN."""
     t, a, T = kind.tuning, kind.array, fleet.TIME.period_s
-    e = t.surprise * a.deviation / (a.alpha * sqrt(t.damping))
-    speed, acceleration = t.reach / 2 / (a.wave_number * T), (1 - MARGIN) * t.follow * e / (a.wave_number * T**2)
+    e = t.innovation_gate_sigma * a.deviation / (a.alpha * sqrt(t.damping))
+    speed, acceleration = (
+        t.max_phase_step / 2 / (a.wave_number * T),
+        (1 - MARGIN) * t.velocity_gain * e / (a.wave_number * T**2),
+    )
     return Limits(speed, acceleration, PART * tracking.valid_yaw_limit(a, t))
 
 
@@ -84,5 +87,5 @@ def run(kind: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: 
         state = batch.states
         valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
         worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))
-    lost = float((state["estimator_restarted"] > 0).mean())
+    lost = float((state["estimator_lock_lost"] > 0).mean())
     return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)

@@ -123,7 +123,7 @@ def _run(kind: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.r
 
 def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
     """Tell of which bodies a sample shows that something is wrong."""
-    left_out = batch.outputs.get("without", np.zeros(len(batch.states))) > 0
+    left_out = batch.outputs.get("excluded_sensor", np.zeros(len(batch.states))) > 0
     return np.asarray((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
 
 
@@ -131,15 +131,19 @@ def _outcome(kind: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     batches, scores = zip(*samples, strict=True)
     judged, state = ensemble.stacked(scores), batches[-1].states
     flag = _first(np.array([_flagged(batch) for batch in batches]))
-    out = _first(np.array([batch.outputs["residual"] > kind.tuning.residual for batch in batches]))
+    out = _first(np.array([batch.outputs["residual"] > kind.tuning.residual_limit for batch in batches]))
     exceeded, valid = out < AFTER, judged.valid
-    without = state["estimator_without"] if "estimator_without" in (state.dtype.names or ()) else np.zeros(out.size)
+    without = (
+        state["estimator_excluded_sensor"]
+        if "estimator_excluded_sensor" in (state.dtype.names or ())
+        else np.zeros(out.size)
+    )
     rms = np.sqrt((judged.deviations**2).mean(axis=1))
     return Outcome(
         out=float(exceeded.mean()),
         flagged=float((flag < AFTER).mean()),
         named=float((without == sensor).mean()),
-        lost=float((state["estimator_restarted"] > 0).mean()),
+        lost=float((state["estimator_lock_lost"] > 0).mean()),
         late=int((flag - out)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
         error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,

@@ -36,7 +36,7 @@ class EstimatorConfig:
 @cache
 def compiled(kind: EstimatorConfig) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
-    block = estimator.guarded(kind.array, TIME, kind.tuning)
+    block = estimator.guarded_estimator(kind.array, TIME, kind.tuning)
     return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
@@ -51,14 +51,14 @@ def placed(kind: EstimatorConfig, pose: Pose, before: Pose | None = None, certai
     for axis, at, past in zip("xy", now, last, strict=True):
         turns = np.round(at / pitch)
         state[f"estimator_phase_{axis}"], state[f"estimator_pitch_{axis}"] = w * (at - turns * pitch), turns
-        if kind.tuning.follow:
+        if kind.tuning.velocity_gain:
             state[f"estimator_motion_{axis}"] = w * (at - past)
-    if kind.tuning.follow and before:
+    if kind.tuning.velocity_gain and before:
         state["estimator_motion_yaw"] = pose.yaw - before.yaw
     state["estimator_yaw"], state["estimator_searching"] = wrapped(pose.yaw), 0
     if certain:
-        state["estimator_yaw_known"] = wrapped(pose.yaw)
-        state["estimator_certain"] = state["estimator_placed"] = 1
+        state["estimator_yaw_last_good"] = wrapped(pose.yaw)
+        state["estimator_ambiguity_resolved"] = state["estimator_acquired"] = 1
     return state
 
 

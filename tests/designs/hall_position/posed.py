@@ -90,7 +90,7 @@ def known(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numb
         count = np.round(pose[:, i] / array.pitch)
         state |= {f"phase_{axis}": w * (pose[:, i] - count * array.pitch), f"count_{axis}": count}
     state |= {"rise": w * (pose[:, 2] - array.height), "roll": pose[:, 3], "pitch": pose[:, 4]}
-    return state | {"yaw": wrapped(pose[:, 5]), "yaw_known": wrapped(pose[:, 5]), "searching": np.zeros(n)}
+    return state | {"yaw": wrapped(pose[:, 5]), "yaw_last_good": wrapped(pose[:, 5]), "searching": np.zeros(n)}
 
 
 def records(

@@ -75,7 +75,7 @@ def test_the_sequences_search_restart_and_converge() -> None:
     out = steps.taken(found.controller, motions).outputs
     assert np.mean(out["valid"]) > 0.3 and np.mean(out["converged"]) > 0.9
     lost = steps.taken(found.controller, found.sequences["lost"])
-    assert lost.outputs["restarted"].any() and (lost.states["estimator_searching"] > 0).any()
+    assert lost.outputs["lock_lost"].any() and (lost.states["estimator_searching"] > 0).any()
     words = steps.taken(found.controller, found.sequences["faults"]).faults
     assert all({0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist()) for bit in range(4))
     assert (words & LATCH).any()

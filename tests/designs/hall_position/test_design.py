@@ -44,7 +44,7 @@ def test_the_workspace_finds_it(design: Design) -> None:
 def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:
     """Byte by byte what a guard and the estimator are together; once latched its states go on."""
     assert design.stage is not None
-    other = estimator.guarded(config.array(), config.TIME, config.TUNING)
+    other = estimator.guarded_estimator(config.array(), config.TIME, config.TUNING)
     texts = [write.emit(block, np.float32, libm=True).files for block in (design.stage.controller.block, other)]
     assert texts[0] == texts[1]
 

@@ -26,7 +26,7 @@ TWO = {config.NAME: trust.kinds()[config.NAME]}
 @cache
 def with_libm(kind: EstimatorConfig) -> host.Controller:
     """Return the same C with sines of libm, which is emitted in a tenth of the time."""
-    made = write.emit(unranged(estimator.guarded(kind.array, fleet.TIME, kind.tuning)), np.float32, libm=True)
+    made = write.emit(unranged(estimator.guarded_estimator(kind.array, fleet.TIME, kind.tuning)), np.float32, libm=True)
     return host.load(made.files, made.manifest)
 
 

@@ -79,11 +79,21 @@ def test_the_sound_estimator_passes() -> None:
     ("kind", "name"),
     [
         *((kind, name) for kind in SIZES for name in ("beta", "damping")),
-        *(("random", name) for name in ("reach", "follow", "settled", "leaning", "surprise", "residual")),
+        *(
+            ("random", name)
+            for name in (
+                "max_phase_step",
+                "velocity_gain",
+                "convergence_sigma",
+                "max_prior_weight",
+                "innovation_gate_sigma",
+                "residual_limit",
+            )
+        ),
     ],
 )
 def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
-    factor = 2.0 if name == "residual" else 1.05
+    factor = 2.0 if name == "residual_limit" else 1.05
     other = Setup(subject().of.numbers | {name: factor * getattr(subject().of, name)})
     assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 

@@ -44,7 +44,7 @@ class Pose:
 
 @cache
 def block(array: Array, tuning: Tuning = USUAL) -> Block:
-    return estimator.guarded(array, TIME, tuning)
+    return estimator.guarded_estimator(array, TIME, tuning)
 
 
 @cache
@@ -82,13 +82,13 @@ def known(array: Array, pose: Pose, tuning: Tuning = USUAL) -> dict[str, Numbers
     for axis, at in zip("xy", centre(array, pose), strict=True):
         pitch = np.round(at / L)
         state |= {f"phase_{axis}": W * (at - pitch * L), f"pitch_{axis}": pitch}
-    if pose.motion and tuning.follow:
+    if pose.motion and tuning.velocity_gain:
         ahead = centre(array, moved(pose, pose.motion))
         state |= {f"motion_{a}": W * (e - b) for a, e, b in zip("xy", ahead, centre(array, pose), strict=True)}
         state |= {"motion_yaw": pose.motion.yaw}
     yaw = wrapped(pose.yaw)
-    known = {"searching": np.zeros(n), "certain": np.ones(n), "placed": np.ones(n)}
-    return state | known | {"yaw": yaw, "yaw_known": yaw}
+    known = {"searching": np.zeros(n), "ambiguity_resolved": np.ones(n), "acquired": np.ones(n)}
+    return state | known | {"yaw": yaw, "yaw_last_good": yaw}
 
 
 def centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:

@@ -65,7 +65,7 @@ def test_a_sample_finds_a_body_that_has_moved(array: Array) -> None:
     X, Y, yaw = (rng.uniform(-d, d, 2000) for d in (L / 16, L / 16, 0.035))
     pose, tuning = (
         Pose(start.X + X, start.Y + Y, start.yaw + yaw),
-        Tuning(damping=1e-8, surprise=1e9, yaw=np.pi, turn=np.pi),
+        Tuning(damping=1e-8, innovation_gate_sigma=1e9, yaw_limit=np.pi, yaw_window=np.pi),
     )
     state = records(array, known(array, start), tuning)
     found = compiled(array, tuning).batch(state, given(array, volts(array, pose))).outputs
@@ -154,7 +154,7 @@ def test_five_corrections_of_a_fifth_take_three_samples_as_in_the_paper() -> Non
     pose = places(200, 7, 0.02)
     ahead = at_rest(Pose(pose.X + 5e-4, pose.Y, pose.yaw), 3)
     for iterations, left in ((6, 0.8**15), (2, 0.8**3)):
-        tuning = Tuning(iterations, scale=0.2, follow=0.0, damping=1e-6, residual=10.0)
+        tuning = Tuning(iterations, scale=0.2, velocity_gain=0.0, damping=1e-6, residual_limit=10.0)
         found = replayed(THREE, pose, volts(THREE, ahead), tuning)
         assert np.median(off(found, ahead)[2]) == pytest.approx(left * 5e-4, rel=0.05)
         assert not found["valid"][0].any()
@@ -169,9 +169,9 @@ def test_at_a_singular_place_it_stays_and_says_so() -> None:
     pose = at_rest(rest, n)
     V = volts(TWO, pose) + 1e-4 * np.random.default_rng(0).standard_normal((n, 20, 2, 2))
     found = replayed(TWO, rest, V)
-    assert found["damped"].all() and not found["valid"].any() and not found["restarted"].any()
+    assert found["damped"].all() and not found["valid"].any() and not found["lock_lost"].any()
     assert off(found, pose).max() < 1e-4 and np.abs(np.diff(found["X"], axis=0)).max() < 1e-5
-    undamped = replayed(TWO, rest, V, Tuning(damping=1e-9, surprise=1e9))
+    undamped = replayed(TWO, rest, V, Tuning(damping=1e-9, innovation_gate_sigma=1e9))
     assert undamped["damped"].mean() < 0.1 and np.abs(np.diff(undamped["X"], axis=0)).max() > 1e-4
 
 
@@ -189,7 +189,9 @@ def test_a_singular_place_is_passed() -> None:
     """
     pose = crossing(300)
     V = noisy(TWO, pose)
-    loose, still = (replayed(TWO, begun(pose), V, Tuning(firm=1.0, follow=follow)) for follow in (0.5, 0.0))
+    loose, still = (
+        replayed(TWO, begun(pose), V, Tuning(yaw_damping_ratio=1.0, velocity_gain=follow)) for follow in (0.5, 0.0)
+    )
     lost, more = ((off(each, pose) > 1e-3).any(axis=0).mean() for each in (loose, still))
     assert 0.01 < lost < 0.02 < more
     found = replayed(TWO, begun(pose), V)
@@ -213,7 +215,7 @@ def test_an_array_that_cannot_be_is_refused(change: dict[str, object], message: 
 
 
 @pytest.mark.parametrize(
-    "change", [{"iterations": 0}, {"scale": 1.5}, {"reach": 2.0}, {"follow": -0.1}, {"damping": 0.0}]
+    "change", [{"iterations": 0}, {"scale": 1.5}, {"max_phase_step": 2.0}, {"velocity_gain": -0.1}, {"damping": 0.0}]
 )
 def test_a_tuning_that_cannot_be_is_refused(change: dict[str, float]) -> None:
     with pytest.raises(ModelError, match=f"{next(iter(change))} is"):

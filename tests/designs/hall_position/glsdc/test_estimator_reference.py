@@ -43,20 +43,26 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     are random.
     """
     rng, of, k = np.random.default_rng(seed), setup(array), len(array.positions)
-    state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_known", "start_x", "start_y")}
+    state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_last_good", "start_x", "start_y")}
     state["yaw"] *= rng.choice([0.06, 1.0], n)  # half of them where an estimate may be valid
     # Every other yaw is about the known one, where a place may become certain.
     about = state["yaw"] + rng.uniform(-0.12, 0.12, n)
-    state["yaw_known"] = np.where(rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_known"])
+    state["yaw_last_good"] = np.where(
+        rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_last_good"]
+    )
     problem = reference.problem(of)
     bounds = problem.bounds * problem.units
     state |= {name: rng.uniform(-b, b, n) for name, b in zip(reference.MOTION, bounds, strict=True)}
     state |= {f"pitch_{a}": rng.integers(-8, 9, n).astype(float) for a in "xy"}
-    state |= {"astray": rng.integers(0, 5, n), "searching": rng.integers(0, 2, n), "restarted": rng.integers(0, 2, n)}
-    state["certain"] = rng.integers(0, 2, n) * (1 - state["searching"])
-    state["placed"] = np.maximum(state["certain"], rng.integers(0, 2, n))
+    state |= {
+        "residual_faults": rng.integers(0, 5, n),
+        "searching": rng.integers(0, 2, n),
+        "lock_lost": rng.integers(0, 2, n),
+    }
+    state["ambiguity_resolved"] = rng.integers(0, 2, n) * (1 - state["searching"])
+    state["acquired"] = np.maximum(state["ambiguity_resolved"], rng.integers(0, 2, n))
     if k > 2:
-        state["without"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
+        state["excluded_sensor"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
     start, _ = reference.predict(of, state, np.zeros((n, k, 2), bool))
     size = rng.choice([1e-3, 0.05, 0.3], n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [W, W, 6]
     x, y, yaw = (start + size).T
@@ -92,7 +98,7 @@ def disagreement(array: Array, n: int, of: Setup) -> Numbers:
     batch = compiled(array).batch(records(array, state), given(array, np.where(refused, np.nan, V)))
     severe = reference_rounding.magnification(of, state, held(V, refused), refused)
     allowed = np.where(severe > SEVERE, SHARE * EPS * severe, EXACT)
-    assert (severe > SEVERE).mean() < 0.02 and next["restarted"].mean() > 0.5
+    assert (severe > SEVERE).mean() < 0.02 and next["lock_lost"].mean() > 0.5
     return apart(batch.outputs, batch.states, out, next) / allowed
 
 
@@ -140,15 +146,18 @@ def test_c_agrees_with_the_reference_over_1e5_samples_of_many_pitches_and_turns(
     [
         {"beta": -TWO.beta},
         {"iterations": 4},
-        *({name: 1.05 * getattr(USUAL, name)} for name in ("damping", "firm", "reach", "follow")),
-        {"residual": 0.15},
-        {"leaning": 0.2},
-        {"surprise": 2.5},
-        {"settled": 0.05},
+        *(
+            {name: 1.05 * getattr(USUAL, name)}
+            for name in ("damping", "yaw_damping_ratio", "max_phase_step", "velocity_gain")
+        ),
+        {"residual_limit": 0.15},
+        {"max_prior_weight": 0.2},
+        {"innovation_gate_sigma": 2.5},
+        {"convergence_sigma": 0.05},
         {"pitches": 7},
-        {"certain": 0.005},
-        {"turn": 0.1},
-        {"yaw": 0.03},
+        {"ambiguity_threshold": 0.005},
+        {"yaw_window": 0.1},
+        {"yaw_limit": 0.03},
     ],
     ids=lambda change: next(iter(change)),
 )
@@ -164,7 +173,7 @@ def test_another_setup_is_seen(change: dict[str, float]) -> None:
         ("PATIENCE", 4),
         ("SUSPECT", 3),
         ("CONTRAST", 1),
-        ("MORE", 1),
+        ("REDUNDANCY_FACTOR", 1),
         ("PLASTIC", 1.32),
     ],
 )

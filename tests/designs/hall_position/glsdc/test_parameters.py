@@ -96,7 +96,7 @@ def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
     for made, given in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
-            made.guarded(given, time)
+            made.guarded_estimator(given, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 

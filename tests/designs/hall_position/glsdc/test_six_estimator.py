@@ -50,7 +50,7 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     Two thirds of the voltages are those of a pose near to where the sample begins or further away; others are random.
     """
     rng, of = np.random.default_rng(seed), setup(array)
-    angles = ("phase_x", "phase_y", "yaw", "yaw_known", "start_x", "start_y")
+    angles = ("phase_x", "phase_y", "yaw", "yaw_last_good", "start_x", "start_y")
     state = {name: rng.uniform(-np.pi, np.pi, n) for name in angles}
     problem = reference_six.problem(of)
     ranges = dict(zip(reference_six.POSE[2:5], reference_six.ranges(of) * problem.units[2:5], strict=True))
@@ -58,7 +58,11 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     state |= {name: rng.uniform(-r, r, n) for name, r in ranges.items()}
     state |= {f"motion_{p}": rng.uniform(-b, b, n) * rng.choice([0.02, 0.2, 1.0], n) for p, b in bounds.items()}
     state |= {f"count_{a}": rng.integers(-8, 9, n).astype(float) for a in "xy"}
-    state |= {"astray": rng.integers(0, 5, n), "searching": rng.integers(0, 2, n), "restarted": rng.integers(0, 2, n)}
+    state |= {
+        "residual_faults": rng.integers(0, 5, n),
+        "searching": rng.integers(0, 2, n),
+        "lock_lost": rng.integers(0, 2, n),
+    }
     size = rng.choice([1e-3, 0.02, 0.3], n)[:, np.newaxis] * rng.standard_normal((n, 6)) / [124, 124, 500, 20, 20, 6]
     V = noisy(array, reference_six.predict(of, state) + UP + size, seed)
     V = np.where((rng.random(n) < 0.33)[:, np.newaxis, np.newaxis], rng.uniform(-5, 5, V.shape), V)
@@ -128,11 +132,14 @@ def test_c_agrees_with_the_reference_over_motions_of_many_pitches_and_turns() ->
         {"beta": -FOUR.beta},
         {"height": 3.01e-3},
         {"corrections": 3},
-        *({name: 1.05 * getattr(USUAL, name)} for name in ("damping", "reach", "follow", "tilt", "gap")),
-        {"residual": 0.03},
-        {"leaning": 0.3},
-        {"surprise": 0.5},
-        {"settled": 0.05},
+        *(
+            {name: 1.05 * getattr(USUAL, name)}
+            for name in ("damping", "max_phase_step", "velocity_gain", "tilt", "gap")
+        ),
+        {"residual_limit": 0.03},
+        {"max_prior_weight": 0.3},
+        {"innovation_gate_sigma": 0.5},
+        {"convergence_sigma": 0.05},
         {"pitches": 7},
     ],
     ids=lambda change: next(iter(change)),
@@ -199,7 +206,7 @@ def test_it_follows_motions() -> None:
     pose = motion(300, 40, 6, travel=0.1)
     found = replayed(FOUR, pose[0], noisy(FOUR, pose))
     off, sure = errors(found, pose), found["valid"] > 0
-    assert sure.mean() > 0.995 and not found["restarted"].any()
+    assert sure.mean() > 0.995 and not found["lock_lost"].any()
     assert np.abs(off[sure][:, :3]).max() < 25e-6 and np.abs(off[sure][:, 3:]).max() < 1e-3
 
 
@@ -272,7 +279,7 @@ def test_a_false_voltage_leaves_residuals_and_is_not_valid() -> None:
     V[1:, :, 2, 1] += 0.5
     found = replayed(FOUR, pose[0], V)
     assert found["valid"][0].all() and not found["valid"][1].any()
-    assert (found["residual"][1] > USUAL.residual).mean() > 0.9
+    assert (found["residual"][1] > USUAL.residual_limit).mean() > 0.9
 
 
 def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
@@ -302,7 +309,7 @@ def test_from_anywhere_in_the_pitch_it_finds_its_place() -> None:
         state = batch.states
     off, sure = errors(batch.outputs, pose[-1]), batch.outputs["valid"] > 0
     off[:, :2] = (off[:, :2] + L / 2) % L - L / 2
-    assert sure.all() and (np.abs(off) < [5e-5] * 3 + [2e-3] * 3).all() and batch.outputs["restarted"].mean() > 0.5
+    assert sure.all() and (np.abs(off) < [5e-5] * 3 + [2e-3] * 3).all() and batch.outputs["lock_lost"].mean() > 0.5
 
 
 def test_voltages_are_named_by_sensor_and_axis() -> None:

@@ -25,14 +25,14 @@ from tests.designs.hall_position.tracked import (
 
 def test_it_follows_over_many_pitches_and_turns_of_the_yaw() -> None:
     pose = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5)
-    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(yaw=np.pi))
+    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(yaw_limit=np.pi))
     assert np.ptp(pose.X, axis=0).max() > 4 * L and np.ptp(pose.yaw, axis=0).min() > 2 * np.pi - 1.5
     assert found["valid"][20:].mean() > 0.98 and off(found, pose).max() < 1e-3
-    assert np.abs(wrapped(found["yaw"] - pose.yaw)).max() < 0.02 and not found["restarted"].any()
+    assert np.abs(wrapped(found["yaw"] - pose.yaw)).max() < 0.02 and not found["lock_lost"].any()
 
 
 def test_without_expecting_the_motion_turning_bodies_are_lost() -> None:
-    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(follow=0.0, yaw=np.pi)
+    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(velocity_gain=0.0, yaw_limit=np.pi)
     found = replayed(THREE, begun(pose), noisy(THREE, pose), tuning)
     assert (off(found, pose).max(axis=0) > 1e-3).mean() > 0.1
 
@@ -67,7 +67,7 @@ def test_of_three_sensors_a_dead_one_is_left_out(sensor: int) -> None:
     V[100:, :, sensor] = 0.0
     found = replayed(THREE, begun(pose), V)
     assert found["valid"][20:100].all() and found["valid"][100 : 100 + tracking.SUSPECT].mean() < 0.05
-    right = found["without"][100 + tracking.SUSPECT] == sensor + 1
+    right = found["excluded_sensor"][100 + tracking.SUSPECT] == sensor + 1
     assert right.mean() > 0.95 and found["valid"][100 + tracking.SUSPECT, right].mean() > 0.5
     assert off(found, pose)[100:, right][found["valid"][100:, right] > 0].max() < 3e-4
 
@@ -77,7 +77,7 @@ def test_a_glitch_leaves_no_sensor_out() -> None:
     V = noisy(THREE, pose)
     V[100 : 100 + tracking.SUSPECT - 1, :, 1] = 0.0
     found = replayed(THREE, begun(pose), V)
-    assert not found["without"].any() and not found["valid"][100].any() and found["valid"][105:].all()
+    assert not found["excluded_sensor"].any() and not found["valid"][100].any() and found["valid"][105:].all()
 
 
 def test_what_no_body_does_is_not_followed() -> None:
@@ -89,16 +89,16 @@ def test_what_no_body_does_is_not_followed() -> None:
     leap = Pose(pose.X.copy(), pose.Y, pose.yaw)
     leap.X[50:] += 0.003
     found = replayed(THREE, begun(pose), noisy(THREE, leap))
-    lost = found["restarted"][-1] > 0
+    lost = found["lock_lost"][-1] > 0
     assert found["valid"][:50].all() and lost.mean() > 0.8
-    assert not found["valid"][55:, lost].any() and found["without"][55:, ~lost].all()
+    assert not found["valid"][55:, lost].any() and found["excluded_sensor"][55:, ~lost].all()
 
 
 @pytest.mark.parametrize("residual", [0.1, 0.01])
 def test_from_anywhere_in_the_pitch_it_finds_its_place(residual: float) -> None:
     """From `init`, at a yaw within 4.5 degrees of the one that is assumed."""
     rest = places(300, 13, 0.08)
-    pose, tuning = at_rest(rest, 40), Tuning(residual=residual)
+    pose, tuning = at_rest(rest, 40), Tuning(residual_limit=residual)
     state, found = np.repeat(compiled(THREE, tuning).init()[np.newaxis], 300), []
     for now in noisy(THREE, pose):
         batch = compiled(THREE, tuning).batch(state, given(THREE, now))
@@ -123,6 +123,6 @@ def test_beyond_the_yaws_that_are_declared_nothing_is_valid_any_more() -> None:
     t = np.arange(800)[:, np.newaxis] / 800
     pose = Pose(0 * t + 0.01, 0 * t + 0.02, 0.3 * np.sin(5 * t))
     found = replayed(THREE, begun(pose), noisy(THREE, pose))
-    gone = np.argmax(pose.yaw > Tuning().yaw)
+    gone = np.argmax(pose.yaw > Tuning().yaw_limit)
     assert found["valid"][20 : gone - 2].all() and not found["valid"][gone + 2 :].any()
-    assert (np.abs(pose.yaw[gone + 2 :]) < 0.1).any() and found["restarted"][-1].all()
+    assert (np.abs(pose.yaw[gone + 2 :]) < 0.1).any() and found["lock_lost"][-1].all()

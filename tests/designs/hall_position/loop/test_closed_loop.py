@@ -36,7 +36,7 @@ def answers(changed: Columns | None = None, old: str = "", new: str = "") -> Col
     text = made.files["hall_source.c"]
     assert old in text
     given: Columns = {"X": SPEED * k, "Y": -SPEED * k, "yaw": np.full(N, 2e-3), "valid": k >= FIRST}
-    given |= {"without": np.zeros(N), "restarted": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
+    given |= {"excluded_sensor": np.zeros(N), "lock_lost": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
     given |= {"y_ref_held": np.full(N, -0.01), "phi_ref_held": np.zeros(N)}
     given |= changed or {}
     controller = host.load({**made.files, "hall_source.c": text.replace(old, new)}, made.manifest)
@@ -96,7 +96,7 @@ def test_a_search_at_the_beginning_is_no_failure() -> None:
 @pytest.mark.parametrize(("number", "letter"), [(1, "a"), (2, "b"), (3, "c")])
 def test_a_sensor_that_is_left_out_is_named(number: int, letter: str) -> None:
     k = np.arange(N)
-    found = answers({"without": np.where(k >= 40, number, 0)})
+    found = answers({"excluded_sensor": np.where(k >= 40, number, 0)})
     assert np.argmax(found["suspected"]) == 41
     named = {name for name in planar_stage.HALL if found[f"suspect_{name}"][-1]}
     assert named == {f"V_{letter}x", f"V_{letter}y"}
@@ -104,10 +104,10 @@ def test_a_sensor_that_is_left_out_is_named(number: int, letter: str) -> None:
 
 def test_an_estimate_that_has_restarted_is_not_used() -> None:
     k = np.arange(N)
-    found = answers({"restarted": k >= 30, "X": np.where(k >= 30, 0.09, SPEED * k)})
+    found = answers({"lock_lost": k >= 30, "X": np.where(k >= 30, 0.09, SPEED * k)})
     assert np.abs(found["x_raw"] - SPEED * k)[30:36].max() < SPEED
     assert np.argmax(found["suspected"]) == 30 + closed_loop.LOST + 1
-    assert not answers({"restarted": np.ones(N)})["known"].any()
+    assert not answers({"lock_lost": np.ones(N)})["known"].any()
 
 
 @pytest.mark.parametrize("elsewhere", [{"X": np.full(N, 0.0455)}, {"Y": np.full(N, -0.03)}, {"yaw": np.full(N, 1.57)}])

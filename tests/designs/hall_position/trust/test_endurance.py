@@ -21,7 +21,7 @@ def test_the_limits_are_those_of_reach_and_surprise() -> None:
     limits = endurance.limits(THREE)
     assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
     assert limits.acceleration == pytest.approx(38.96, rel=1e-3)
-    calm = replace(THREE, tuning=Tuning(surprise=1.5, reach=0.5))
+    calm = replace(THREE, tuning=Tuning(innovation_gate_sigma=1.5, max_phase_step=0.5))
     assert endurance.limits(calm).acceleration == pytest.approx(limits.acceleration / 2)
     assert endurance.limits(calm).speed == pytest.approx(limits.speed / 2)
 
@@ -46,7 +46,9 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
     run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
     assert 0.7 < run.valid < 0.85 and run.lost == run.wrong == 0 and run.worst < 1e-4 and run.off < 2e-4
     loose, looser = (
-        endurance.run(replace(TWO, tuning=replace(TWO.tuning, firm=firm)), BODIES, SAMPLES, endurance.limits(TWO))
+        endurance.run(
+            replace(TWO, tuning=replace(TWO.tuning, yaw_damping_ratio=firm)), BODIES, SAMPLES, endurance.limits(TWO)
+        )
         for firm in (1.0, 0.2)
     )
     assert loose.off > 2 * run.off and looser.lost > 0.9

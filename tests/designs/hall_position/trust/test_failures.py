@@ -19,7 +19,7 @@ from synth.execute import host
 
 THREE = EstimatorConfig(config.array(config.THREE))
 # The field as well known as the noise lets residuals tell, ten deviations.
-FOUR = EstimatorConfig(hall_two_waves.placed(config.array(), layouts.SPARE), Tuning(residual=0.01))
+FOUR = EstimatorConfig(hall_two_waves.placed(config.array(), layouts.SPARE), Tuning(residual_limit=0.01))
 MOVING = Limits(0.5, 5.0)
 BODIES = 500
 
@@ -91,10 +91,12 @@ def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> N
 
     def blind(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
         """Goes on with all sensors and is always valid."""
-        state["estimator_without"] = 0
+        state["estimator_excluded_sensor"] = 0
         batch = stepped(kind, state, volts)
         always = np.ones(len(state))
-        return batch._replace(outputs=batch.outputs | {"valid": always, "without": 0 * always}, faults=0 * batch.faults)
+        return batch._replace(
+            outputs=batch.outputs | {"valid": always, "excluded_sensor": 0 * always}, faults=0 * batch.faults
+        )
 
     monkeypatch.setattr(fleet, "stepped", blind)
     found = failures.tried(FOUR, "dead", 1, BODIES, MOVING)

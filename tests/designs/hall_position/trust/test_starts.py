@@ -40,7 +40,7 @@ def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
 
 
 def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
-    loose = EstimatorConfig(TWO.array, Tuning(firm=1.0))
+    loose = EstimatorConfig(TWO.array, Tuning(yaw_damping_ratio=1.0))
     three, two, other = (starts.reach(kind, 16) for kind in (THREE, TWO, loose))
     assert three.shape == (16, 16) and three.min() > 3e-3 and two.min() > 3e-3
     # Near singular places the nearest start leads to the other way out, but for the yaw that is held.
