@@ -83,7 +83,7 @@ class Field:
     height: float
 
 
-def made(spread: Tolerances = USUAL) -> AsBuilt:
+def draw_blocks(spread: Tolerances = USUAL) -> AsBuilt:
     """Return the blocks of two grades with errors drawn from the spread's seed."""
     meant = finite_matrix.made()
     n, rng = len(meant.places), np.random.default_rng(spread.seed)
@@ -119,7 +119,7 @@ def _mean(of: Series) -> Array:
     return np.asarray(mean)
 
 
-def tabulated(of: Series, height: float = hall_array.HEIGHT, reach: float = REACH) -> Array:
+def tabulate(of: Series, height: float = hall_array.HEIGHT, reach: float = REACH) -> Array:
     """Return CHANNELS (4, n, n) on the series' own grid, X changing slowest."""
     both: list[Complex] = [c for order in (0, 1) for c in finite_matrix.flux_density(of, height, order)[:2]]
     return readonly(np.array([of.summed(c, reach) for c in both]))
@@ -128,8 +128,8 @@ def tabulated(of: Series, height: float = hall_array.HEIGHT, reach: float = REAC
 @cache
 def field(spread: Tolerances = USUAL, height: float = hall_array.HEIGHT) -> Field:
     """Return the field of blocks of a spread, at a height in m above them."""
-    found = series(made(spread))
-    points, values = found.grid(REACH + MARGIN), tabulated(found, height, REACH + MARGIN)
+    potential = series(draw_blocks(spread))
+    points, values = potential.grid(REACH + MARGIN), tabulate(potential, height, REACH + MARGIN)
     coefficients, knots = values.transpose(1, 2, 0), []
     for axis in (0, 1):
         spline = interpolate.make_interp_spline(points, coefficients, k=DEGREE, axis=axis)
@@ -149,13 +149,13 @@ def flux(of: Field, X: ca.SX, Y: ca.SX, lift: ca.SX) -> halbach.Field:
 
 def voltages(of: Field, places: Sequence[Pair], x: Exprs, gain: float) -> dict[str, ca.SX]:
     """Return V_ax, V_ay, V_bx .. in V before the filter, of sensors at `places` in m, for a pose by name."""
-    found: dict[str, ca.SX] = {}
+    volts: dict[str, ca.SX] = {}
     c, s = ca.cos(x["phi"]), ca.sin(x["phi"])
     for letter, (u, v) in zip("abcdefgh", places, strict=False):
         at = planar_stage.place(x, ca.SX(u), ca.SX(v))
         B = flux(of, at.X, at.Y, at.lift)
-        found |= {f"V_{letter}x": gain * (c * B.x + s * B.y), f"V_{letter}y": gain * (c * B.y - s * B.x)}
-    return found
+        volts |= {f"V_{letter}x": gain * (c * B.x + s * B.y), f"V_{letter}y": gain * (c * B.y - s * B.x)}
+    return volts
 
 
 def plant(places: Sequence[Pair], of: Field, chain: Chain, gain: float | None = None) -> Plant:

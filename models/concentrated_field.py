@@ -116,7 +116,7 @@ def across(cell: Cell) -> Cell:
     return Cell(cell.y.T, cell.x.T, cell.z.T)
 
 
-def superposed(a: Cell, b: Cell) -> Cell:
+def superpose(a: Cell, b: Cell) -> Cell:
     """Return the sum of two cells, blocks of one being cut where those of the other end.
 
     Raises ModelError unless along X and along Y one has as many blocks as the other or a single one.
@@ -133,25 +133,25 @@ def superposed(a: Cell, b: Cell) -> Cell:
     return Cell(cut(a.x) + cut(b.x), cut(a.y) + cut(b.y), cut(a.z) + cut(b.z))
 
 
-def ideal(strong: ca.SX | float) -> Cell:
+def ideal_matrix(strong: ca.SX | float) -> Cell:
     """Return the matrix of two ideal arrays whose strong blocks have the remanence `strong` in T."""
     one = halbach_array(strong / 2)
-    return superposed(one, across(one))
+    return superpose(one, across(one))
 
 
-def fabricated(strong: ca.SX | float, weak: ca.SX | float) -> Cell:
+def fabricated_matrix(strong: ca.SX | float, weak: ca.SX | float) -> Cell:
     """Return the matrix of blocks of two grades, of the remanences `strong` and `weak` in T."""
     first, second = directions(CYCLE, CYCLE)
     x, y, z = (strong / 2 * ca.SX(first[:, :, i]) + weak / sqrt(2) * ca.SX(second[:, :, i]) for i in range(3))
     return Cell(x, y, z)
 
 
-def on_axes(numbers: Iterable[int]) -> tuple[Order, ...]:
+def orders_on_axes(numbers: Iterable[int]) -> tuple[Order, ...]:
     """Return the orders (n, 0) and (0, n)."""
     return tuple(order for n in numbers for order in ((n, 0), (0, n)))
 
 
-def up_to(highest: int) -> tuple[Order, ...]:
+def orders_up_to(highest: int) -> tuple[Order, ...]:
     """Return every order with |p| and |q| up to `highest`, one of each pair k and -k."""
     side = range(-highest, highest + 1)
     return tuple((p, q) for p in range(highest + 1) for q in side if (p, q) > (0, 0))
@@ -164,12 +164,12 @@ def waves(cell: Cell, orders: Iterable[Order], p: Values) -> tuple[Wave, ...]:
 
     Raises ModelError for the order (0, 0), which has no field, and for one that stands twice, as itself or as -k.
     """
-    found, w = [], wave_number(p)
-    for order in _distinct(orders):
+    matrix_waves, w = [], wave_number(p)
+    for order in _check_distinct(orders):
         shape = _sinc(order[0], cell.x.shape[0]) * _sinc(order[1], cell.x.shape[1])
         if shape:
-            found.append(_wave(cell, order, shape, w, p["Delta"]))
-    return tuple(found)
+            matrix_waves.append(_wave(cell, order, shape, w, p["Delta"]))
+    return tuple(matrix_waves)
 
 
 def _wave(cell: Cell, order: Order, shape: float, w: ca.SX, Delta: ca.SX) -> Wave:
@@ -187,13 +187,17 @@ def _numbers(order: Order, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     return p * w, q * w, sqrt(p**2 + q**2) * w
 
 
-def fitted(amplitudes: Mapping[int, ca.SX | float], height: ca.SX | float, p: Values) -> tuple[Wave, ...]:
+def waves_from_amplitudes(
+    amplitudes: Mapping[int, ca.SX | float], height: ca.SX | float, p: Values
+) -> tuple[Wave, ...]:
     """Return the waves of B_X = sum_n A_n sin(n w X), B_Y likewise in Y, with A_n in T at a height in m: model (2)."""
-    found = []
-    for order in _distinct(on_axes(amplitudes)):
+    model_waves = []
+    for order in _check_distinct(orders_on_axes(amplitudes)):
         kx, ky, kappa = _numbers(order, wave_number(p))
-        found.append(Wave(order, kx, ky, kappa, amplitudes[sum(order)] * ca.exp(kappa * height) / kappa, ca.SX(0)))
-    return tuple(found)
+        model_waves.append(
+            Wave(order, kx, ky, kappa, amplitudes[sum(order)] * ca.exp(kappa * height) / kappa, ca.SX(0))
+        )
+    return tuple(model_waves)
 
 
 def amplitude(wave: Wave, z: ca.SX | float) -> ca.SX:
@@ -205,14 +209,14 @@ def amplitude(wave: Wave, z: ca.SX | float) -> ca.SX:
 def amplitudes(cell: Cell, numbers: Iterable[int], z: float) -> list[float]:
     """Return A_n in T of sin(n w X) in B_X, z in m above a matrix, 0 where its blocks do not make the wave."""
     orders = [(n, 0) for n in numbers]
-    found = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, orders, values())}
-    return [found.get(order, 0.0) for order in orders]
+    sizes = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, orders, values())}
+    return [sizes.get(order, 0.0) for order in orders]
 
 
-def field(found: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
+def field(waves: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
     """Return the flux density in T at X, Y in m, z in m above the matrix."""
     x, y, up = ca.SX(0), ca.SX(0), ca.SX(0)
-    for wave in found:
+    for wave in waves:
         phase, decay = wave.kx * X + wave.ky * Y, ca.exp(-wave.kappa * z)
         c, s = ca.cos(phase), ca.sin(phase)
         slope = decay * (wave.cosine * s - wave.sine * c)
@@ -221,15 +225,15 @@ def field(found: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
     return Field(x, y, up)
 
 
-def _distinct(orders: Iterable[Order]) -> tuple[Order, ...]:
-    found: list[Order] = []
+def _check_distinct(orders: Iterable[Order]) -> tuple[Order, ...]:
+    distinct: list[Order] = []
     for p, q in orders:
         if (p, q) == (0, 0):
             raise ModelError("the order (0, 0) is the mean, which has no field above the matrix: leave it out")
-        if (p, q) in found or (-p, -q) in found:
+        if (p, q) in distinct or (-p, -q) in distinct:
             raise ModelError(f"the wave ({p}, {q}) stands twice, as itself or as ({-p}, {-q}): give it once")
-        found.append((p, q))
-    return tuple(found)
+        distinct.append((p, q))
+    return tuple(distinct)
 
 
 def _sinc(p: int, n: int) -> float:
@@ -246,7 +250,7 @@ def _phases(order: Order, shape: tuple[int, int]) -> tuple[ca.SX, ca.SX]:
 
     def cosines(quarters: NDArray[np.int_]) -> ca.SX:
         exact = (1.0, 0.0, -1.0, 0.0)
-        found = [exact[k // turn % 4] if k % turn == 0 else cos(pi / 2 * k / turn) for k in quarters.ravel().tolist()]
-        return ca.SX(np.reshape(found, shape))
+        values = [exact[k // turn % 4] if k % turn == 0 else cos(pi / 2 * k / turn) for k in quarters.ravel().tolist()]
+        return ca.SX(np.reshape(values, shape))
 
     return cosines(steps), cosines(steps - turn)

@@ -120,10 +120,10 @@ def _transform(places: Array, k: Array) -> Complex:
     return np.asarray(shape[:, None] * np.exp(-1j * np.outer(k, places)))
 
 
-def flux_density(found: Series, z: float, order: int = 0) -> tuple[Complex, Complex, Complex]:
+def flux_density(potential_series: Series, z: float, order: int = 0) -> tuple[Complex, Complex, Complex]:
     """Return the coefficients of B_X, B_Y, B_Z in T at z in m above the matrix; with `order` 1 of d/dz, T/m."""
-    at = found.potential * np.exp(-found.kappa * z) * (-found.kappa) ** order
-    return -1j * found.kx * at, -1j * found.ky * at, found.kappa * at
+    at = potential_series.potential * np.exp(-potential_series.kappa * z) * (-potential_series.kappa) ** order
+    return -1j * potential_series.kx * at, -1j * potential_series.ky * at, potential_series.kappa * at
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +150,6 @@ def scan(strong: float, weak: float, height: float, gain: float, count: int) -> 
     `height` is in m above them; `count` is the number of points along a pitch.
     """
     reach = 1.5 * VALUES["l"]
-    found = series(blocks(strong, weak), count // 2)
-    flux = found.summed(flux_density(found, height)[0], reach)
-    return Scan(found.spacing, count, len(found.grid(reach)) // 2, readonly(gain * flux))
+    potential = series(blocks(strong, weak), count // 2)
+    flux = potential.summed(flux_density(potential, height)[0], reach)
+    return Scan(potential.spacing, count, len(potential.grid(reach)) // 2, readonly(gain * flux))

@@ -77,7 +77,7 @@ def sizes(unknowns: int, lever: float) -> Array:
     return np.array([1.0, 1.0, lever] if unknowns == len(hall_array.PLANAR) else [1.0, 1.0, 1.0, lever, lever, lever])
 
 
-def spread(array: HallArray) -> float:
+def rms_radius(array: HallArray) -> float:
     """Return the sensors' root mean square distance in the plane from their mean, m: a lever of the yaw."""
     places = np.array([s.position[:2] for s in array.sensors])
     return sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
@@ -118,13 +118,13 @@ def misfit(array: SpatialArray, sensors: HallArray, waves: Sequence[Wave], poses
 
     Raises ModelError for poses that are none, for unlike numbers of sensors, or where rank is lost.
     """
-    at = hall_two_waves.checked(poses)
+    at = hall_two_waves.check_poses(poses)
     if len(sensors.sensors) != len(array.positions):
         raise ModelError(
             f"{len(sensors.sensors)} sensors meet {len(array.positions)} of the model: give as many of each"
         )
     true, known = hall_array.spatial(sensors, waves), hall_array.spatial(*hall_two_waves.model(array))
-    return information.bias(hall_two_waves.rows(array, at), true.read(at) - known.read(at), sizes(6, LEVER))
+    return information.bias(hall_two_waves.rows(array, at), true.evaluate(at) - known.evaluate(at), sizes(6, LEVER))
 
 
 def jacobians(array: PlanarArray | SpatialArray, q: Array) -> Array:
@@ -136,10 +136,10 @@ def jacobians(array: PlanarArray | SpatialArray, q: Array) -> Array:
     return H.reshape(3, 2, n, -1).transpose(3, 2, 1, 0).reshape(-1, 2 * n, 3)
 
 
-def cost(array: PlanarArray | SpatialArray, q: Array, lever: float = LEVER, spare: bool = False) -> float:
-    """Return the largest deviation over q (3, N), m, angles at the lever; with `spare` after any sensor's loss."""
+def cost(array: PlanarArray | SpatialArray, q: Array, lever: float = LEVER, after_loss: bool = False) -> float:
+    """Return the largest deviation over q (3, N), m, angles at the lever; with `after_loss` after any sensor's loss."""
     H = jacobians(array, q)
-    return information.largest_deviation(H, array.deviation, sizes(H.shape[2], lever), 2 if spare else 0)
+    return information.largest_deviation(H, array.deviation, sizes(H.shape[2], lever), 2 if after_loss else 0)
 
 
 def signs(array: SpatialArray, yaw: float = 0.0, points: int = 100) -> Signs:

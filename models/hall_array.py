@@ -106,7 +106,7 @@ class Prediction:
         """Return q -> volts, of a field without free symbols."""
         return ca.Function("volts", [self.q], [self.volts])
 
-    def read(self, poses: Array) -> Array:
+    def evaluate(self, poses: Array) -> Array:
         """Return the voltages (N, m) at poses (N, n), of a field without free symbols."""
         return np.asarray(self.measurement().map(len(poses))(poses.T).full().T)
 
@@ -116,7 +116,7 @@ def sensors(places: Iterable[Pair]) -> HallArray:
     return HallArray(tuple(Sensor((x, y, 0.0)) for x, y in places))
 
 
-def points(places: Iterable[Pair], chain: Chain | None = None) -> HallArray:
+def point_sensors(places: Iterable[Pair], chain: Chain | None = None) -> HallArray:
     """Return the same without a volume, behind a chain."""
     return replace(sensors(places), chain=chain or Chain(), volume=(0.0, 0.0, 0.0))
 
@@ -137,7 +137,7 @@ def axes(sensor: Sensor) -> Array:
     return readonly(ca.evalf(_about_z(sensor.angle + turn) @ _about_y(pitch) @ _about_x(roll)).full())
 
 
-def averaged(wave: Wave, turn: ca.SX, volume: Triple) -> Wave:
+def average_over_volume(wave: Wave, turn: ca.SX, volume: Triple) -> Wave:
     """Return a wave as the mean over boxes sees it, with sides in m along the columns of `turn` (3, 3).
 
     Exact to double precision while kappa times half a side stays below 1/2.
@@ -159,7 +159,7 @@ def voltages(array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
 def _pair(sensor: Sensor, array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
     turn = pose.turn @ ca.SX(axes(sensor))
     at = pose.at + pose.turn @ ca.SX(ca.DM(sensor.position))
-    seen = [averaged(wave, turn, array.volume) for wave in waves]
+    seen = [average_over_volume(wave, turn, array.volume) for wave in waves]
     B = concentrated_field.field(seen, *ca.vertsplit(at))
     b = turn.T @ ca.vertcat(B.x, B.y, B.z)
     flux = b[0], cos(sensor.skew) * b[1] - sin(sensor.skew) * b[0]
@@ -194,7 +194,7 @@ def spatial(array: HallArray, waves: Sequence[Wave]) -> Prediction:
     return _prediction(q, voltages(array, waves, spatial_pose(q)))
 
 
-def along(spacing: float, waves: Sequence[Wave], height: ca.SX | float = HEIGHT) -> Prediction:
+def prediction_along_x(spacing: float, waves: Sequence[Wave], height: ca.SX | float = HEIGHT) -> Prediction:
     """Return the two voltages for X alone, of sensors of B_X a spacing in m apart along X, at Y = 0 without yaw."""
     X = ca.SX.sym("X")
     pair = sensors([(0.0, 0.0), (spacing, 0.0)])

@@ -68,9 +68,9 @@ def _of(*values: float) -> Calibration:
         parts = {n: a / A[1] for n, a in A.items()}
         t = [flint.arb.pi() * (2 * j + 1) / (8 * POINTS) for j in range(POINTS)]
         sections = [_wave(2 * v, parts) for v in t]
-        slope = _fitted([[o.c**3, o.c**3 * o.s**2] for o in sections], [o.slope for o in sections])
+        slope = _least_squares([[o.c**3, o.c**3 * o.s**2] for o in sections], [o.slope for o in sections])
         shapes = [[flint.arb(1), (o.s * o.c) ** 2, (o.s * o.c) ** 4] for o in sections]
-        power = _fitted(shapes, [o.s**2 + o.c**2 for o in sections])
+        power = _least_squares(shapes, [o.s**2 + o.c**2 for o in sections])
         D, radian = 3 * flint.arb.pi() / 2, l / (2 * flint.arb.pi())
         return Calibration(
             float(A[1]),
@@ -102,12 +102,12 @@ def _position(t: Sequence[flint.arb], parts: Mapping[int, flint.arb]) -> list[fl
     r = [o.s / o.c for o in waves]
     eighth, zero = flint.arb.pi() / 4, flint.arb(0)
     shapes = [[v * (1 - v**2) * v ** (2 * k) for k in range(TERMS - 1)] for v in r]
-    Q = _fitted(shapes, [angle - v * eighth for angle, v in zip(t, r, strict=True)])
+    Q = _least_squares(shapes, [angle - v * eighth for angle, v in zip(t, r, strict=True)])
     p = [a - b for a, b in zip([*Q, zero], [zero, *Q], strict=True)]
     return [p[0] + eighth, *p[1:]]
 
 
-def _fitted(rows: Sequence[Sequence[flint.arb]], targets: Sequence[flint.arb]) -> list[flint.arb]:
+def _least_squares(rows: Sequence[Sequence[flint.arb]], targets: Sequence[flint.arb]) -> list[flint.arb]:
     """Return the coefficients that minimise the sum of the squares of rows x coefficients - targets."""
     M, y = flint.arb_mat([list(row) for row in rows]), flint.arb_mat([[v] for v in targets])
     return list((M.transpose() * M).solve(M.transpose() * y).entries())

@@ -18,11 +18,11 @@ RANK = 1e-12  # of alpha^6 or alpha^4: a determinant that is none
 
 def volts(of: PlanarArray, q: Array) -> Array:
     """Return what sensors read by model (2) at q (3, N) in m and rad: (2, sensors, N) in V, X first, field's axes."""
-    place = hall_fisher.turned(of, q[2])
+    place = hall_fisher.sensor_phases(of, q[2])
     return np.array([hall_fisher.field(of, of.wave_number * q[i] + place[i]) for i in (0, 1)])
 
 
-def turned(seen: Array, yaw: Array) -> Array:
+def rotate_voltages(seen: Array, yaw: Array) -> Array:
     """Return voltages (2, sensors, N) turned by yaws (N,) in rad."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([c * seen[0] - s * seen[1], s * seen[0] + c * seen[1]])
@@ -30,7 +30,7 @@ def turned(seen: Array, yaw: Array) -> Array:
 
 def residuals(of: PlanarArray, read: Array, q: Array) -> Array:
     """Return what is read (2, sensors, N) in the body less what should be, by the field's axes, V."""
-    return turned(read, q[2]) - volts(of, q)
+    return rotate_voltages(read, q[2]) - volts(of, q)
 
 
 def cost(of: PlanarArray, read: Array, q: Array) -> Array:
@@ -45,12 +45,12 @@ def correction(of: PlanarArray, read: Array, q: Array, yaw_known: bool = False) 
     e = residuals(of, read, q).reshape(-1, q.shape[1])
     N, right = np.einsum("imn,jmn->nij", H, H), np.einsum("imn,mn->ni", H, e)
     whole = np.abs(np.linalg.det(N)) > RANK * of.alpha ** (2 * free)
-    found = np.zeros_like(q)
-    found[:free, whole] = np.linalg.solve(N[whole], right[whole][:, :, None])[:, :, 0].T
-    return found / np.array([[w], [w], [1.0]])
+    step = np.zeros_like(q)
+    step[:free, whole] = np.linalg.solve(N[whole], right[whole][:, :, None])[:, :, 0].T
+    return step / np.array([[w], [w], [1.0]])
 
 
-def settled(of: PlanarArray, read: Array, q: Array, scale: float, corrections: int, yaw_known: bool = False) -> Array:
+def iterate(of: PlanarArray, read: Array, q: Array, scale: float, corrections: int, yaw_known: bool = False) -> Array:
     """Return q (3, N) after so many corrections, of bodies that read (2, sensors, N) V in their own axes."""
     J, part = cost(of, read, q), np.full(q.shape[1], scale)
     for _ in range(corrections):

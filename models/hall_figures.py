@@ -64,30 +64,30 @@ def spacings(count: int, pitch: float) -> Array:
     return readonly((0.25 + 0.5 * np.arange(1, count + 1)) * pitch)
 
 
-def line(found: Sequence[Wave], spacing: float, points: int = 257, height: float = hall_array.HEIGHT) -> Line:
+def line(waves: Sequence[Wave], spacing: float, points: int = 257, height: float = hall_array.HEIGHT) -> Line:
     """Return Fig. 5: what two sensors a spacing in m apart read over a pitch of waves without symbols."""
-    X = np.linspace(0.0, _pitch(found), points)
-    volts, slopes = _mapped(hall_array.along(spacing, found, height), X)
+    X = np.linspace(0.0, _pitch(waves), points)
+    volts, slopes = _evaluate(hall_array.prediction_along_x(spacing, waves, height), X)
     return Line(readonly(X), readonly(volts), readonly(slopes))
 
 
-def insensitive(found: Sequence[Wave], points: int = 480, height: float = hall_array.HEIGHT) -> Spacings:
+def least_slopes(waves: Sequence[Wave], points: int = 480, height: float = hall_array.HEIGHT) -> Spacings:
     """Return how insensitive two sensors get over spacings up to two pitches, in waves without symbols.
 
     X and the spacings run over one grid of so many points a pitch, which holds the spacings of (3) when 4 divides it.
     """
-    grid = readonly(_pitch(found) / points * np.arange(2 * points + 1))
-    slopes = _mapped(hall_array.along(0.0, found, height), grid[:points])[1]
+    grid = readonly(_pitch(waves) / points * np.arange(2 * points + 1))
+    slopes = _evaluate(hall_array.prediction_along_x(0.0, waves, height), grid[:points])[1]
     squares = slopes[0] ** 2
     least = [np.sqrt((squares + np.roll(squares, -shift)).min()) for shift in range(len(grid))]
     return Spacings(grid, readonly(least))
 
 
-def _pitch(found: Sequence[Wave]) -> float:
-    first = found[0]
+def _pitch(waves: Sequence[Wave]) -> float:
+    first = waves[0]
     return float(2 * np.pi * np.hypot(*first.order) / float(first.kappa))
 
 
-def _mapped(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
+def _evaluate(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
     volts, slopes = prediction.function().map(len(X))(X[None, :])
     return volts.full(), slopes.full()

@@ -54,12 +54,12 @@ def field(array: PlanarArray, phase: Array, order: int = 0) -> Array:
     return waves if order else waves + array.c
 
 
-def bend(array: PlanarArray, order: int) -> float:
+def derivative_bound(array: PlanarArray, order: int) -> float:
     """Return a bound of the derivative of B of an order, V."""
     return array.alpha + 5**order * abs(array.beta)
 
 
-def turned(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
+def sensor_phases(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
     """Return the sensors' places (n, N) along X and Y from the body's origin, rad of phase, at yaws (N,) in rad."""
     x, y = array.wave_number * np.array(array.positions).T[:, :, None]
     return np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y
@@ -67,7 +67,7 @@ def turned(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
 
 def rows(array: PlanarArray, q: Array) -> Rows:
     """Return the rows at phases of the body's origin and yaws q (3, N), rad."""
-    place = turned(array, q[2])
+    place = sensor_phases(array, q[2])
     p = [q[i] + place[i] for i in (0, 1)]
     B, g = ([field(array, phase, order) for phase in p] for order in (0, 1))
     h = B[1] - g[0] * place[1], g[1] * place[0] - B[0]
@@ -99,16 +99,16 @@ def deviations(array: PlanarArray, q: Array) -> Array:
     return readonly(size * of_phases(array, np.array([w * q[0], w * q[1], q[2]])))
 
 
-def changes(array: PlanarArray, q: Array, half: Array) -> Array:
+def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
     """Return bounds (3, N) of how far the Jacobian's columns, in V, move in cells q +- half (3, N), rad."""
-    place = turned(array, q[2])
+    place = sensor_phases(array, q[2])
     reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
     moved = [half[i] + reach * half[2] for i in (0, 1)]
     columns = []
     for i, j in ((0, 1), (1, 0)):
         p, q_across = q[i] + place[i], q[j] + place[j]
-        g = np.abs(field(array, p, 2)) * moved[i] + bend(array, 3) / 2 * moved[i] ** 2
-        B = np.abs(field(array, q_across, 1)) * moved[j] + bend(array, 2) / 2 * moved[j] ** 2
+        g = np.abs(field(array, p, 2)) * moved[i] + derivative_bound(array, 3) / 2 * moved[i] ** 2
+        B = np.abs(field(array, q_across, 1)) * moved[j] + derivative_bound(array, 2) / 2 * moved[j] ** 2
         lever = reach * half[2]
         h = B + np.abs(place[j]) * g + (np.abs(field(array, p, 1)) + g) * lever
         columns.append((g, h))
@@ -128,7 +128,9 @@ def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) 
     reach = array.wave_number * max(hypot(*r) for r in array.positions)
     cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
     ends = (0.0, 0.0, low), (turn, turn, high)
-    proved = worst_deviation.search(partial(of_phases, array), partial(changes, array), *ends, cells, tolerance, MOST)
+    proved = worst_deviation.search(
+        partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MOST
+    )
     unit = units(array)
     size = array.deviation * unit
     return replace(

@@ -42,7 +42,7 @@ class Pose:
         (x, y), c, s = at, np.cos(self.yaw), np.sin(self.yaw)
         return self.X + c * x - s * y, self.Y + s * x + c * y
 
-    def moved(self, by: Each, heading: Numbers, turned: Each = 0.0) -> "Pose":
+    def displaced(self, by: Each, heading: Numbers, turned: Each = 0.0) -> "Pose":
         """Return poses so many m away in a direction, and turned, both in rad."""
         return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + turned)
 
@@ -59,7 +59,7 @@ class Limits:
     yaw: float = YAW
 
 
-def anywhere(array: Array, n: int, yaw: float, rng: np.random.Generator) -> Pose:
+def random_poses(array: Array, n: int, yaw: float, rng: np.random.Generator) -> Pose:
     """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side.
 
     Raises ModelError unless n is a whole number above 0 and the yaw one of at least 0.
@@ -71,12 +71,12 @@ def anywhere(array: Array, n: int, yaw: float, rng: np.random.Generator) -> Pose
     return Pose(X, Y, rng.uniform(-yaw, yaw, n))
 
 
-def resting(pose: Pose) -> Course:
+def course_at_rest(pose: Pose) -> Course:
     """Return the course of bodies that rest."""
     return lambda k: pose
 
 
-def sines(
+def random_course(
     array: Array, time: Discrete, bodies: int, within: Limits, rng: np.random.Generator, slowest: float = 1.0
 ) -> Course:
     """Return where bodies are at a sample, on random sines whose speed and acceleration do not exceed a limit.
@@ -115,26 +115,28 @@ def _waves(bodies: int, speed: Numbers, acceleration: Numbers, rng: np.random.Ge
 def volts(array: Array, pose: Pose) -> Numbers:
     """Return what sensors read at poses of any shape, (.., sensors, 2), V."""
     w, c, s = array.wave_number, np.cos(pose.yaw), np.sin(pose.yaw)
-    found = []
+    sensor_volts = []
     for place in array.positions:
         bx, by = (array.c + array.alpha * np.sin(w * p) + array.beta * np.sin(5 * w * p) for p in pose.place(place))
-        found.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
-    return np.stack(found, axis=-2)
+        sensor_volts.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
+    return np.stack(sensor_volts, axis=-2)
 
 
 def noisy(array: Array, pose: Pose, seed: int | np.random.Generator) -> Numbers:
     """Return the same with noise."""
-    found = volts(array, pose)
-    return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)
+    exact = volts(array, pose)
+    return exact + array.deviation * np.random.default_rng(seed).standard_normal(exact.shape)
 
 
-def named(given: Numbers) -> dict[str, Numbers]:
+def by_input(voltages: Numbers) -> dict[str, Numbers]:
     """Return voltages (.., sensors, 2) by the names of the inputs."""
-    letters = ascii_lowercase[: given.shape[-2]]
-    return {f"V_{letter}{axis}": given[..., k, i] for k, letter in enumerate(letters) for i, axis in enumerate("xy")}
+    letters = ascii_lowercase[: voltages.shape[-2]]
+    return {f"V_{letter}{axis}": voltages[..., k, i] for k, letter in enumerate(letters) for i, axis in enumerate("xy")}
 
 
-def wander(period_s: float, shape: tuple[int, int], seed: int, travel: Each, yaw: Each, turn: Each = 0.0) -> Pose:
+def smooth_motions(
+    period_s: float, shape: tuple[int, int], seed: int, travel: Each, yaw: Each, turn: Each = 0.0
+) -> Pose:
     """Return smooth random motions (n, columns) within `travel` m and `yaw` rad, and `turn` rad/s besides.
 
     They set out from rest. A travel of 0.3 m has speeds of 2 m/s, 2 mm a sample at 800 Hz, and accelerations of

@@ -73,7 +73,7 @@ def rotation_phasor(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
     return Phasor(1 - half**2, sine), half**2
 
 
-def displaced(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
+def displace(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
     """Return sensors of a body that is displaced by (U, V, T)."""
     turn, versine = rotation_phasor(at[2], named)
     return [_displaced(s, at, turn, versine) for s in sensors]

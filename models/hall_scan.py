@@ -91,13 +91,13 @@ def places(pitch: float, points: int, heights: Sequence[float] = (hall_array.HEI
     return {"X": readonly(X.ravel()), "Y": readonly(Y.ravel()), "Z": readonly(Z.ravel())}
 
 
-def scanned(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], seed: int) -> Log:
+def simulate_scan(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], seed: int) -> Log:
     """Return what sensors read, the body's origin at X, Y, Z (N,) in m without yaw or tilt, with the chain's noise.
 
     Channels are V_ax, V_ay, V_bx, .. for the axes u and v of each sensor, V.
     """
     poses = np.column_stack([at["X"], at["Y"], at["Z"], np.zeros((len(at["X"]), 3))])
-    true = hall_array.spatial(array, waves).read(poses).T
+    true = hall_array.spatial(array, waves).evaluate(poses).T
     read = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
     names = [f"V_{chr(ord('a') + k)}{axis}" for k in range(len(array.sensors)) for axis in "xy"]
     return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, read, strict=True)))
@@ -120,12 +120,12 @@ def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0
     model: ca.SX = k["c"]
     for name, place in {"alpha": u, "beta": u, "gamma": v, "delta": v}.items():
         model += k[name] * ca.sin(NUMBERS[name] * w * place)
-    found = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
+    estimate = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
     data = log.columns(tuple(signals))
     by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model]).map(len(data))
-    modelled = by_row(data.T, np.tile(found.values[:, None], len(data))).full().ravel()
+    modelled = by_row(data.T, np.tile(estimate.values[:, None], len(data))).full().ravel()
     X, Y, V = (log.samples[name] for name in ("X", "Y", channel))
-    return Fit(channel, found, X, Y, V, readonly(modelled))
+    return Fit(channel, estimate, X, Y, V, readonly(modelled))
 
 
 def decay(
@@ -140,15 +140,15 @@ def decay(
         raise SignalError(f"'{coefficient}' has no decay: give one of {', '.join(NUMBERS)}")
     if len(fits) < 3:
         raise SignalError(f"{len(fits)} heights do not tell a rate and its error: scan at three or more")
-    for z, found in fits.items():
-        low, high = found.estimate.intervals[COEFFICIENTS.index(coefficient)]
+    for z, scan_fit in fits.items():
+        low, high = scan_fit.estimate.intervals[COEFFICIENTS.index(coefficient)]
         if low <= 0 <= high:
             raise SignalError(
-                f"{coefficient} of '{found.channel}' at {1e3 * z:.4g} mm is {found.estimate[coefficient]:.3g} V, not "
-                "told from 0: leave that height out"
+                f"{coefficient} of '{scan_fit.channel}' at {1e3 * z:.4g} mm is {scan_fit.estimate[coefficient]:.3g} V, "
+                "not told from 0: leave that height out"
             )
     above = np.array(list(fits)) - height
-    y = np.log(np.abs([found.estimate[coefficient] for found in fits.values()]))
+    y = np.log(np.abs([scan_fit.estimate[coefficient] for scan_fit in fits.values()]))
     units = {"rate": "1/m"}
     estimate = least_squares.solve(
         np.column_stack([np.ones_like(above), -above]), y, ("ln", "rate"), ("ln",), None, level, units

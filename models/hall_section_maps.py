@@ -101,12 +101,12 @@ def stuck(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Bloc
     It moves from each place to and fro along the voltage's own axis, over a pitch at most.
     """
     block, start = estimation(plant, time, filters), _places(plant, points)
-    samples, found = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
+    samples, watches = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
     for name in planar_stage.HALL:
         along = np.array([[name[-1] == axis] for axis in "xy"])
         velocity = SPEED * along * np.repeat([1.0, -1.0], start.shape[1])
-        found[name] = watch(plant, block, np.tile(start, 2), velocity, samples, name, sticks=True)
-    return found
+        watches[name] = watch(plant, block, np.tile(start, 2), velocity, samples, name, sticks=True)
+    return watches
 
 
 def _places(plant: Plant, points: int) -> Array:
@@ -129,9 +129,9 @@ class Watch:
 
     def summary(self, name: str) -> dict[str, float]:
         """Return what the failed voltage `name` does: shares in %, those of the named among the noticed, the worst."""
-        noticed, own = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
-        alone = own & (self.named.sum(axis=0) == 1)
-        named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (own, alone))
+        noticed, named_right = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
+        alone = named_right & (self.named.sum(axis=0) == 1)
+        named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (named_right, alone))
         worst = {"moved, mm": self.moved, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
         shares = {"unnoticed, %": 100 * float(np.mean(~noticed)), "named, %": 100 * named, "alone, %": 100 * only}
         return shares | {what: 1e3 * float(v.max()) for what, v in worst.items()}
@@ -142,7 +142,7 @@ def watch(
 ) -> Watch:
     """Follow N platens from `start` (2, N) in m with `velocity` (2, N) in m/s and a voltage that fails at once."""
     n, step = start.shape[1], agree.casadi(block)
-    state: Columns = _moving(block, start, velocity)
+    state: Columns = _states_in_motion(block, start, velocity)
     pose = start + block.time.period_s * np.arange(samples)[:, None, None] * velocity
     u = {name: v.reshape(samples, n) for name, v in voltages(plant, {"x": pose[:, 0], "y": pose[:, 1]}).items()}
     u[failed] = np.tile(u[failed][:1], (samples, 1)) if sticks else np.zeros((samples, n))
@@ -163,7 +163,7 @@ def watch(
     return Watch(noticed, named, error, np.where(noticed < 0, np.inf, moved))
 
 
-def _moving(block: Block, start: Array, velocity: Array) -> dict[str, Array]:
+def _states_in_motion(block: Block, start: Array, velocity: Array) -> dict[str, Array]:
     """Return the states (N,) of an estimation that has followed platens in the middle pitch up to `start`."""
     state = {s.name: np.full(start.shape[1], float(s.initial)) for s in block.states}
     for axis, at, v in zip("xy", start, velocity, strict=True):

@@ -70,7 +70,7 @@ POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % f
 PART = {"m": 0.2, "r": 0.3}  # of these
 BIG = 1.5
 NEARLY, SMALL = 0.1, 0.3  # of A^2
-KNOWN = 0.01  # rad
+MAX_KNOWN_YAW = 0.01  # rad
 AGAIN = 0.5  # of rho, of a contradiction that confirms one
 MEMORY = 4  # samples for which a contradiction is remembered
 
@@ -234,7 +234,7 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     turned = ca.logic_or(beside["x"], beside["y"])
     big = _squared(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
-    lost = ca.logic_or(ca.fabs(x["first_phi"]) > KNOWN, both)
+    lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))

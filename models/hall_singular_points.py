@@ -50,12 +50,12 @@ def of_pair(array: PlanarArray, yaw: float) -> Array:
 def possible(array: PlanarArray, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
     """Return which cells (2, N) no bound on the determinants keeps from holding a point."""
     q = np.vstack([cells, np.full(cells.shape[1], yaw)])
-    of, place = hall_fisher.rows(array, q), hall_fisher.turned(array, q[2])
+    of, place = hall_fisher.rows(array, q), hall_fisher.sensor_phases(array, q[2])
     open = np.ones(cells.shape[1], dtype=bool)
     for i, j in ((0, 1), (1, 0)):
         p, across = cells[i] + place[i], cells[j] + place[j]
-        dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.bend(array, 3) / 2 * half**2
-        dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.bend(array, 2) / 2 * half**2
+        dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.derivative_bound(array, 3) / 2 * half**2
+        dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.derivative_bound(array, 2) / 2 * half**2
         g, h, dh = np.abs(of.g[i]), np.abs(of.h[i]), dB + np.abs(place[j]) * dg
         D = of.g[i, 0] * of.h[i, 1] - of.g[i, 1] * of.h[i, 0]
         change = sum(g[a] * dh[b] + dg[a] * h[b] + dg[a] * dh[b] for a, b in ((0, 1), (1, 0)))
@@ -105,11 +105,11 @@ class _Pair:
 
 def _check_slopes(array: PlanarArray, yaw: float) -> None:
     """Raise ModelError where both slopes of an axis may vanish together, so that rank is lost on a line."""
-    for name, place in zip("XY", hall_fisher.turned(array, np.array([yaw])), strict=True):
+    for name, place in zip("XY", hall_fisher.sensor_phases(array, np.array([yaw])), strict=True):
         half, along = pi / isolated_zeros.CELLS, isolated_zeros.grid(1)[0]
         for _ in range(isolated_zeros.CUTS):
             slopes = np.abs(hall_fisher.field(array, along + place, 1))
-            along = along[(slopes <= hall_fisher.bend(array, 2) * half).all(axis=0)]
+            along = along[(slopes <= hall_fisher.derivative_bound(array, 2) * half).all(axis=0)]
             half /= 2
             along = np.concatenate([along - half, along + half])
         if along.size:

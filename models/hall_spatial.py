@@ -42,7 +42,7 @@ class Sensor:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class Observed:
     """A sensor with the waves along X and Y that it sees."""
 
     sensor: Sensor
@@ -73,11 +73,11 @@ def place(of: Sensor, body: Attitude) -> Vector:
     return [total(r * e[i] for r, e in zip(of.arm, body.axes, strict=True) if r) for i in range(3)]
 
 
-def seen(of: Sensor, place: Vector, phases: Sequence[Phasor], rise: ca.SX) -> Seen:
+def observe(of: Sensor, place: Vector, phases: Sequence[Phasor], rise: ca.SX) -> Observed:
     """Return a sensor at a place about the body's origin and at phases along X and Y, the body raised, all in rad."""
     decay = ca.exp(-(rise + place[2]))
     x, y = (_waves(p, decay) for p in phases)
-    return Seen(of, x, y)
+    return Observed(of, x, y)
 
 
 def _waves(of: Phasor, decay: ca.SX) -> Waves:
@@ -88,7 +88,7 @@ def _waves(of: Phasor, decay: ca.SX) -> Waves:
     return Phasor(c, s), Phasor(c * (q**2 - both + 5 * p**2), s * (p**2 - both + 5 * q**2))
 
 
-def _flux(by: Seen) -> Vector:
+def _flux(by: Observed) -> Vector:
     """Return B, V."""
     of, x, y = by.sensor, by.x, by.y
     along = [of.alpha * first.sine + of.beta * fifth.sine for first, fifth in (x, y)]
@@ -96,13 +96,13 @@ def _flux(by: Seen) -> Vector:
     return *along, up
 
 
-def residuals(by: Seen, body: Attitude) -> list[ca.SX]:
+def residuals(by: Observed, body: Attitude) -> list[ca.SX]:
     """Return what u and v read beyond the model, V."""
     B = _flux(by)
     return [volts - dot(e, B) for volts, e in zip(by.sensor.volts, body.axes[:2], strict=True)]
 
 
-def rows(by: Seen, body: Attitude) -> tuple[Vector, Vector]:
+def rows(by: Observed, body: Attitude) -> tuple[Vector, Vector]:
     """Return the Jacobian's rows of u and v, (6,) each, V by rad."""
     of, B, fifth = by.sensor, _flux(by), 5 * by.sensor.beta
     f = [of.alpha * w[0].sine + fifth * w[1].sine for w in (by.x, by.y)]

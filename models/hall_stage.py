@@ -65,7 +65,7 @@ class Stage:
         alpha, beta = (self.chain.gain * self.amplitudes(NUMBERS)[k] for k in (0, 1))
         two = ((0.0, 0.0), (self.pitch, 0.0))
         model = PlanarArray(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
-        return hall_two_waves.placed(model, tuple(places))
+        return hall_two_waves.with_positions(model, tuple(places))
 
     def waves(self, orders: Sequence[Order], ideal: bool = False) -> tuple[Wave, ...]:
         """Return waves above the blocks that were made, or above `ideal` ones."""
@@ -81,7 +81,11 @@ class Stage:
         return float(concentrated_field.amplitude(self.waves([(2, 1)])[0], z))
 
     def _cell(self, ideal: bool) -> Cell:
-        return concentrated_field.ideal(self.strong) if ideal else concentrated_field.fabricated(self.strong, self.weak)
+        return (
+            concentrated_field.ideal_matrix(self.strong)
+            if ideal
+            else concentrated_field.fabricated_matrix(self.strong, self.weak)
+        )
 
 
 def grid(of: PlanarArray, points: int) -> Array:

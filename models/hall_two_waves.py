@@ -26,7 +26,7 @@ from synth import numeric
 from synth.errors import ModelError
 from synth.statespace import readonly
 
-FEWEST = 3  # sensors of two axes for six unknowns
+MIN_SENSORS = 3  # sensors of two axes for six unknowns
 
 
 class _Periodic:
@@ -115,9 +115,9 @@ class SpatialArray(_Periodic):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", numeric.places(self.positions, 3))
-        if len(set(self.positions)) < FEWEST:
+        if len(set(self.positions)) < MIN_SENSORS:
             raise ModelError(
-                f"{len(set(self.positions))} sensors have fewer than six voltages: give {FEWEST} places or more"
+                f"{len(set(self.positions))} sensors have fewer than six voltages: give {MIN_SENSORS} places or more"
             )
         if len({r[:2] for r in self.positions}) < 2:
             raise ModelError(
@@ -141,7 +141,7 @@ class SpatialArray(_Periodic):
 AnyArray = TypeVar("AnyArray", PlanarArray, SpatialArray)
 
 
-def placed(array: AnyArray, places: ArrayLike | tuple[Pair, ...]) -> AnyArray:
+def with_positions(array: AnyArray, places: ArrayLike | tuple[Pair, ...]) -> AnyArray:
     """Return an array with its sensors at places in the body's plane, in pitches; raise ModelError for no places."""
     at = [(x * array.pitch, y * array.pitch) for x, y in numeric.rows("places", places, 2)]
     if isinstance(array, PlanarArray):
@@ -174,23 +174,23 @@ def model(array: AnyArray) -> tuple[HallArray, tuple[Wave, ...]]:
             HallArray(tuple(map(hall_array.Sensor, array.positions)), volume=(0.0, 0.0, 0.0)),
         )
     else:
-        height, sensors = hall_array.HEIGHT, hall_array.points(array.positions)
+        height, sensors = hall_array.HEIGHT, hall_array.point_sensors(array.positions)
     amplitudes = {1: array.alpha / sensors.chain.gain, 5: array.beta / sensors.chain.gain}
-    return sensors, concentrated_field.fitted(amplitudes, height, {"l": ca.SX(array.pitch)})
+    return sensors, concentrated_field.waves_from_amplitudes(amplitudes, height, {"l": ca.SX(array.pitch)})
 
 
-def checked(poses: ArrayLike) -> Array:
+def check_poses(poses: ArrayLike) -> Array:
     """Return poses (N, 6) of X, Y, Z and angles; raise ModelError for another shape, none, or what is not finite."""
     return numeric.table("the poses of X, Y, Z, roll, pitch, yaw", poses, len(hall_array.SPATIAL))
 
 
 def rows(array: SpatialArray, poses: ArrayLike) -> Array:
     """Return the Jacobians (N, 2 sensors, 6) in V/m and V/rad at poses (N, 6) in m and rad; raise as `checked`."""
-    q = checked(poses).T
+    q = check_poses(poses).T
     slopes = _one().map(q.shape[1])
     field = (array.alpha, array.beta, array.height, array.pitch)
-    found = [slopes(q, ca.DM(r), ca.DM(field)).full().reshape(2, -1, len(q)) for r in array.positions]
-    return readonly(np.concatenate(found).transpose(1, 0, 2))
+    jacobians = [slopes(q, ca.DM(r), ca.DM(field)).full().reshape(2, -1, len(q)) for r in array.positions]
+    return readonly(np.concatenate(jacobians).transpose(1, 0, 2))
 
 
 @cache
@@ -198,7 +198,7 @@ def _one() -> ca.Function:
     """Return the Jacobian (2, 6) of a sensor by the pose, its place in the body and (alpha, beta, height, pitch)."""
     q, r, field = (ca.SX.sym(name, n) for name, n in (("q", len(hall_array.SPATIAL)), ("r", 3), ("field", 4)))
     pose, (alpha, beta, height, pitch) = hall_array.spatial_pose(q), ca.vertsplit(field)
-    waves = concentrated_field.fitted({1: alpha, 5: beta}, height, {"l": pitch})
+    waves = concentrated_field.waves_from_amplitudes({1: alpha, 5: beta}, height, {"l": pitch})
     B = concentrated_field.field(waves, *ca.vertsplit(pose.at + pose.turn @ r))
     volts = (pose.turn.T @ ca.vertcat(B.x, B.y, B.z))[:2]
     return ca.Function("sensor", [q, r, field], [ca.jacobian(volts, q)])

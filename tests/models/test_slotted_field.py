@@ -88,8 +88,8 @@ def smooth_series(motor: sf.Geometry, gap: float) -> np.ndarray:
     )
 
 
-def miss(found: sf.Forces, wanted: np.ndarray) -> float:
-    return float(np.max(np.abs(np.array(astuple(found))[: len(wanted)] / wanted - 1)))
+def miss(forces: sf.Forces, expected: np.ndarray) -> float:
+    return float(np.max(np.abs(np.array(astuple(forces))[: len(expected)] / expected - 1)))
 
 
 @pytest.fixture(scope="module")
@@ -105,10 +105,10 @@ def modal() -> dict[float, np.ndarray]:
 @pytest.mark.parametrize("gap", GAPS)
 def test_mode_matching_agrees(gap: float, converged: dict[float, sf.Converged], modal: dict[float, np.ndarray]) -> None:
     """The cogging is held less tightly: 1e-4 is about what either method still changes in it when refined."""
-    found = converged[gap]
-    assert miss(found.value, modal[gap][:4]) < 5e-5
-    assert miss(found.value, modal[gap]) < 3e-4
-    assert np.all(np.abs(np.array(astuple(found.value)) - modal[gap]) < np.array(astuple(found.error)))
+    forces = converged[gap]
+    assert miss(forces.value, modal[gap][:4]) < 5e-5
+    assert miss(forces.value, modal[gap]) < 3e-4
+    assert np.all(np.abs(np.array(astuple(forces.value)) - modal[gap]) < np.array(astuple(forces.error)))
 
 
 def test_smooth_gap_agrees_with_the_series() -> None:

@@ -19,7 +19,7 @@ LAYOUTS: dict[int, Places] = {  # by the yaws in degrees to either side; at wors
     15: ((0.269, -0.214), (-0.230, 0.285), (0.019, 0.035)),  # 4.83, 4.68, 258, where PUBLISHED has 199, 29, 4379
 }
 # Within 5 degrees, by proof, at worst 3.89, 4.21 um and 178 urad, and 10.83, 10.05, 366 after the loss of any one.
-SPARE: Places = ((0.281, -0.091), (-0.012, -0.404), (0.440, 0.215), (-0.244, 0.292))
+REDUNDANT: Places = ((0.281, -0.091), (-0.012, -0.404), (0.440, 0.215), (-0.244, 0.292))
 # In six degrees of freedom, by the number of sensors. Their cost for yaws within 5 degrees, on grids of 90 by 90 by 11:
 # 4.9, 6.0 and 4.7 um. After the loss of any sensor five leave 224 um, though more than 20 um in a hundredth of the
 # pitch only, and six 12.7 um.

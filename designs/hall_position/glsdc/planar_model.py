@@ -140,7 +140,7 @@ def trial_function(sensors: Sequence[Sensor], of: Problem, named: Named) -> Call
     damping, radius = of.damping, of.tuning.yaw_damping_ratio * of.array.radius
 
     def trial(i: int, at: Vector) -> Trial[Normal]:
-        at_trial = hall_planar.displaced(sensors, at, named) if i else sensors
+        at_trial = hall_planar.displace(sensors, at, named) if i else sensors
         by_axis = tuple(zip(*map(hall_planar.rows, at_trial), strict=True))
         residuals = [r.e for rows in by_axis for r in rows]
         squares = total(e**2 for e in residuals)

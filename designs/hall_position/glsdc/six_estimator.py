@@ -38,7 +38,7 @@ MOTION = tuple(f"motion_{name}" for name in POSE)
 OUTPUTS = ("X", "Y", "Z", "roll", "pitch", "yaw")
 FLAGS = {
     "damped": "the voltages alone do not determine the pose: the prior decides a part of it",
-    "valid": "converged, not damped, no residual fault, innovation within its gate, inputs accepted, pose within its ranges",
+    "valid": "converged, not damped, no residual fault, innovation within its gate, inputs accepted, within its ranges",
     "lock_lost": "position lock lost: the count of pitches is unknown until init",
 }
 

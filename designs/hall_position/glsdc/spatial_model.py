@@ -3,8 +3,8 @@
     q = (phase_x, phase_y, rise, roll, pitch, yaw) in rad
 
 All corrections of a sample use the Jacobian of the predicted pose. The body moves little from its prediction within a
-sample, and each correction reduces the error by about that motion in rad of phase. Phasors of a displaced pose are those
-of the predicted pose rotated by small angles.
+sample, and each correction reduces the error by about that motion in rad of phase. Phasors of a displaced pose are
+those of the predicted pose rotated by small angles.
 """
 
 from collections.abc import Sequence
@@ -97,7 +97,7 @@ def correct(pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: Named) -
     phases = [
         [phasor.reduced(pose[POSE[i]] + o[i], of.halvings, "phase_fraction", named) for i in (0, 1)] for o in places
     ]
-    seen = [hall_spatial.seen(*each, pose["rise"]) for each in zip(sensors, places, phases, strict=True)]
+    seen = [hall_spatial.observe(*each, pose["rise"]) for each in zip(sensors, places, phases, strict=True)]
     first = [e for each in seen for e in hall_spatial.residuals(each, body)]
     rows = [row for each in seen for row in hall_spatial.rows(each, body)]
 
@@ -112,7 +112,7 @@ def correct(pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: Named) -
             for o, begun, along in zip(moved, places, phases, strict=True)
         ]
         rise = pose["rise"] + by["rise"]
-        seen = [hall_spatial.seen(*each, rise) for each in zip(sensors, moved, displaced, strict=True)]
+        seen = [hall_spatial.observe(*each, rise) for each in zip(sensors, moved, displaced, strict=True)]
         return [e for each in seen for e in hall_spatial.residuals(each, turned)]
 
     factors = glsdc.factorise(rows, of.damping, of.column_bound)

@@ -6,10 +6,10 @@ damped more, the gain is smaller by yaw_damping_ratio.
 Residual fault: the residuals exceed `residual_limit`, or with the ambiguity resolved the innovation exceeds its gate.
 The correction is then discarded and the pose is the prediction. At the SUSPECT-th consecutive fault, with more than two
 sensors, the sensor with the largest innovation is excluded permanently. For this the voltages must be inconsistent: no
-other pose may fit all of them. The innovations of the others must be within the bounds of model and motion, and CONTRAST
-times smaller in square. After PATIENCE faults position lock is lost. The position is then searched as after `init`,
-until a sample converges without a fault: corrections are not gated, and every PATIENCE samples start elsewhere in the
-pitch, at the last good yaw.
+other pose may fit all of them. The innovations of the others must be within the bounds of model and motion, and
+CONTRAST times smaller in square. After PATIENCE faults position lock is lost. The position is then searched as after
+`init`, until a sample converges without a fault: corrections are not gated, and every PATIENCE samples start elsewhere
+in the pitch, at the last good yaw.
 
 Ambiguity: at singular points of two sensors, curves of equal voltages cross, and a body that passes one may be tracked
 on the wrong curve until the residuals show it. The ambiguity is therefore resolved only where no other pose in a window
@@ -120,7 +120,7 @@ def valid_yaw_limit(array: PlanarArray, tuning: Tuning) -> float:
 
 
 def in_yaw_window(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
-    """Return whether a yaw is within the yaw window about the last good one, also across half a turn if that is reachable."""
+    """Return whether a yaw is in the yaw window about the last good one, also across half a turn where reachable."""
     difference = ca.fabs(yaw - x["yaw_last_good"])
     wraps = tuning.yaw_limit + tuning.yaw_window > pi
     inside = difference <= tuning.yaw_window
@@ -209,7 +209,7 @@ def _search(solution: Solution[Normal], integrity: Integrity, x: Exprs, of: Prob
 
 
 def _largest_innovation(residuals: Vector, of: Problem) -> tuple[ca.SX, ca.SX]:
-    """Return the number, from 1, of the sensor with the largest squared innovation, and whether only that one has failed."""
+    """Return the number, from 1, of the sensor with the largest innovation, and whether it alone has failed."""
     n = len(of.array.positions)
     squares = [a**2 + b**2 for a, b in zip(residuals[:n], residuals[n:], strict=True)]
     most, number, others = squares[0], ca.SX(1), ca.SX(0)

@@ -31,12 +31,12 @@ from synth.statespace import readonly
 DIGITS = 5  # of the field
 MAPPED, CELL = 0.027, 1e-3  # m: to where, and by what spacing, the error is tabulated
 UNITS = (1e-8, 1e-8, 1e-6)  # m, m, rad: a hundredth of the noise
-BEYOND, LINE = 2.2e-3, 1e-3  # m: how far the samples go on, and how far their lines are apart
-READ = 8  # samples that are taken together
+MARGIN, LINE = 2.2e-3, 1e-3  # m: how far the samples go on, and how far their lines are apart
+TOGETHER = 8  # samples that are taken together
 
 
 @cache
-def calibrated(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
+def calibrated_source(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
     """Return the source of a stage, with its field measured and its errors mapped; raise ModelError as `Bench`."""
     bench = Bench(places)
     plain = Source(array(bench))
@@ -54,17 +54,17 @@ def array(bench: Bench) -> Array:
 
 
 def samples(
-    bench: Bench, source: Source, reach: float = MAPPED + BEYOND, line: float = LINE, seed: int = 2
+    bench: Bench, source: Source, reach: float = MAPPED + MARGIN, line: float = LINE, seed: int = 2
 ) -> tuple[Numbers, Numbers]:
     """Return estimates (N, 3) beside the laser's places, means over READ samples on the way along lines `line` m apart.
 
     Pitches are counted from the origin, where the platen comes from. Raises ModelError as `hall_bench.settled`.
     """
-    poses = hall_bench.scan(reach, line, READ)
+    poses = hall_bench.scan(reach, line, TOGETHER)
     block = unranged(estimator.guarded_estimator(source.array, TIME, closed_loop.TUNING))
     controller = build.compiled(block, np.float32, libm=True)
-    read = controller.replay(hall_bench.read(bench, poses, TIME, seed)).outputs
+    read = controller.replay(hall_bench.sampled_voltages(bench, poses, TIME, seed)).outputs
     columns = np.stack([np.asarray(read[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
-    valid = np.asarray(read["valid"]).reshape(-1, READ).all(axis=1)
-    estimated, true = (readonly(each.reshape(-1, READ, 3).mean(axis=1)[valid]) for each in (columns, poses))
+    valid = np.asarray(read["valid"]).reshape(-1, TOGETHER).all(axis=1)
+    estimated, true = (readonly(each.reshape(-1, TOGETHER, 3).mean(axis=1)[valid]) for each in (columns, poses))
     return estimated, true

@@ -24,7 +24,7 @@ from synth.verify import meter, rivals, steps
 UNITS = {"x": "um", "y": "um", "phi": "urad"}
 MICRO = 1e6
 SLOW = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (3.0, -0.024, 0.005), (13.0, 0.024, 0.005), (13.5, 0.024, 0.005))  # s, m, m
-SECTIONS, OWN, PLACED = "sections", "estimate, the stage's sensors", "estimate, sensors placed for it"
+SECTIONS, STAGE_SENSORS, OPTIMISED = "sections", "estimate, the stage's sensors", "estimate, sensors placed for it"
 REST = 5.0  # s
 COUNTED, BUILD = 150, "gcc, newlib"  # steps whose instructions are counted
 ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
@@ -33,9 +33,9 @@ ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
 @cache
 def others(libm: bool = False) -> Mapping[str, Loop]:
     """Return the loops on the stage's own sensors: by sections, and by the estimate with its own calibration."""
-    source = calibration.calibrated(planar_stage.hall_places(planar_stage.plant()))
-    own = stage_loop.of_source(source, libm=libm)
-    return {SECTIONS: stage_loop.of_sections(libm=libm), OWN: own}
+    source = calibration.calibrated_source(planar_stage.hall_places(planar_stage.plant()))
+    estimated = stage_loop.of_source(source, libm=libm)
+    return {SECTIONS: stage_loop.of_sections(libm=libm), STAGE_SENSORS: estimated}
 
 
 def noise(run: Trajectory, since: float) -> dict[str, float]:
@@ -60,12 +60,12 @@ def experiment(by_name: Mapping[str, Loop]) -> Experiment:
         figures |= {f"{name}: {what}": value for what, value in measured.items()}
     about = "at most, calibrated; half of the sections'"
     checks = [
-        Check(f"{axis} off its path", errors[PLACED][axis], errors[SECTIONS][axis] / 2, unit, about)
+        Check(f"{axis} off its path", errors[OPTIMISED][axis], errors[SECTIONS][axis] / 2, unit, about)
         for axis, unit in UNITS.items()
     ]
     checks += [check for run in runs.values() for check in usual(run)]
     title, about = "A slow path through a pitch, by each source", f"4.8 mm/s, {ABOUT}"
-    return Experiment("sources", title, about, runs[PLACED], tuple(UNITS), set_points(), figures, tuple(checks))
+    return Experiment("sources", title, about, runs[OPTIMISED], tuple(UNITS), set_points(), figures, tuple(checks))
 
 
 def set_points() -> dict[str, Array]:
@@ -77,8 +77,8 @@ def set_points() -> dict[str, Array]:
 def _path_errors(run: Trajectory) -> dict[str, float]:
     """Return how far x, y and phi are off the path at most while it goes through the pitch, um and urad."""
     window = (run.time > SLOW[2][0] + 0.5) & (run.time < SLOW[3][0])
-    wanted = {"phi": np.zeros_like(run.time)} | set_points()
-    return {axis: MICRO * float(np.abs(run[axis] - wanted[axis])[window].max()) for axis in UNITS}
+    path = {"phi": np.zeros_like(run.time)} | set_points()
+    return {axis: MICRO * float(np.abs(run[axis] - path[axis])[window].max()) for axis in UNITS}
 
 
 def instructions(loop: Loop, run: Trajectory) -> list[int]:

@@ -4,7 +4,7 @@
         '--> laser distances + noise --> 16 bits ------------------'
 
 Both sources drive the same regulators, those of planar_6dof_lqg, as compiled C in single precision. The sections are
-calibrated for an amplitude of the field that is not this one's: their sensors' gain is matched to it, as a bench would.
+calibrated for an amplitude of the field that is not this one's: their sensors' gain is gain_ratio to it, as a bench would.
 """
 
 from collections.abc import Mapping
@@ -38,14 +38,14 @@ RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}
 class Loop:
     """A rig whose Hall sensors are at the bench's places; `view` is its controller's way to the raw position.
 
-    The voltages are those of the bench times `matched`.
+    The voltages are those of the bench times `gain_ratio`.
     """
 
     rig: Rig
     bench: Bench
     emitted: Emitted
     view: host.Controller
-    matched: float = 1.0
+    gain_ratio: float = 1.0
 
     def run(
         self,
@@ -59,15 +59,15 @@ class Loop:
         The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
         """
         noise = self._noise(len(sample_times(duration_s, TIME.period_s))) if self.rig.noise else {}
-        start = {**(start or {}), **self._filtered(start or {})}
+        start = {**(start or {}), **self._filter_states(start or {})}
         run = planar.simulate(self.rig, duration_s, references, start, noise=noise, **options)
         seen = self.view.replay(run.measured).outputs
         return replace(run, outputs=run.outputs | {name: np.asarray(v, np.float64) for name, v in seen.items()})
 
-    def _filtered(self, start: Mapping[str, float]) -> dict[str, float]:
+    def _filter_states(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return what the filters hold when the platen has been at rest, V."""
         pose = np.array([[start.get(axis, 0.0) for axis in closed_loop.HORIZONTAL]])
-        volts = self.matched * hall_bench.settled(self.bench, pose)[0]
+        volts = self.gain_ratio * hall_bench.static_voltages(self.bench, pose)[0]
         return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
 
     def _noise(self, n: int) -> dict[str, Array]:
@@ -88,24 +88,24 @@ def of_sections(libm: bool = False) -> Loop:
     """Return the loop that the sections of the stage's own sensors close."""
     plant = planar_stage.plant()
     bench = Bench(planar_stage.hall_places(plant))
-    matched = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
+    gain_ratio = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
     shown = planar.view(TIME, predicted=False)
-    return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, matched)
+    return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, gain_ratio)
 
 
 def view(source: Source) -> Block:
     """Return the way from voltages to the raw position, with the estimate before its map and its flags."""
     guard = safety.guard(TIME, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
     outputs = [*RAW.values(), "X", "Y", "yaw", "valid", "residual"]
-    parts = [guard, *closed_loop.sensed(source, TIME)]
+    parts = [guard, *closed_loop.position_blocks(source, TIME)]
     return unranged(compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
-def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, matched: float = 1.0) -> Loop:
-    plant = built_matrix.plant(bench.places, bench.true, bench.chain, matched * bench.chain.gain)
+def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, gain_ratio: float = 1.0) -> Loop:
+    plant = built_matrix.plant(bench.places, bench.true, bench.chain, gain_ratio * bench.chain.gain)
     emitted = write.emit(block, np.float32, libm=libm, error=error)
     rig = replace(planar.of(block, host.load(emitted.files, emitted.manifest)), plant=plant)
     step, sensors = bench.chain.step, rig.stage.interface.sensors
     converted = tuple(replace(s, resolution=step) if s.name in planar_stage.HALL else s for s in sensors)
     seen = build.compiled(shown, np.float32, libm=libm, error=error)
-    return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, matched)
+    return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, gain_ratio)

@@ -28,14 +28,14 @@ REQUIRED = 5.3e-6  # m, of the third sensor at yaw 0
 SIDE, PLACES = 25, 16  # starts along a side, from so many places of the pitch each
 WIDE = 0.5  # pitches: the starts' square
 CORRECTIONS, SCALE = 60, 0.5
-FOUND = 1e-6  # m
+CONVERGED = 1e-6  # m
 OFF = ("off along X, pitches", "off along Y, pitches")
 NEAR = (0.0625, 0.125, 0.25)  # pitches, of starts that are counted
 
 
 def blocks(stage: Stage) -> dict[str, Made]:
     """Return how accurate each layout is over the pitch and the yaw, and by how much the field's model errs."""
-    layouts = named(stage)
+    layouts = layouts_by_name(stage)
     places = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
     return {
         "accuracy.places": drawings.layouts(places),
@@ -50,7 +50,7 @@ def blocks(stage: Stage) -> dict[str, Made]:
     }
 
 
-def named(stage: Stage) -> dict[str, PlanarArray]:
+def layouts_by_name(stage: Stage) -> dict[str, PlanarArray]:
     """Return the layouts that are compared, by name."""
     searched = {f"searched, ±{turn}°": stage.array(places) for turn, places in LAYOUTS.items()}
     return {"two sensors": stage.pair, "third sensor added": stage.array(PUBLISHED)} | searched
@@ -89,7 +89,7 @@ def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
 
 def _worst(stage: Stage) -> Rows:
     proofs = {("third sensor added", 0): rank.worst(stage.array(PUBLISHED), 0.0, 0.0)}
-    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_searched(stage, turn) for turn in (5, 15)}
+    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_of_optimised_layout(stage, turn) for turn in (5, 15)}
     rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
     for (name, turn), proved in proofs.items():
         values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
@@ -104,12 +104,12 @@ def _singular(stage: Stage, turn: float) -> tuple[float, ...]:
 
 
 def _errors(stage: Stage) -> dict[str, Made]:
-    found = {
+    by_layout = {
         "two sensors, yaw known": errors.errors(stage, True),
         "two sensors, yaw estimated": errors.errors(stage, False),
         "three sensors, searched, yaw estimated": errors.by_waves(stage, stage.array(LAYOUTS[5])),
     }
-    off = {name: 1e3 * np.hypot(*each).reshape(stage.truth.count, -1) for name, each in found.items()}
+    off = {name: 1e3 * np.hypot(*each).reshape(stage.truth.count, -1) for name, each in by_layout.items()}
     shown = [Map(name, values) for name, values in off.items()]
     return {
         "errors.figure": maps.maps(shown, _over_pitch(stage), (0.02, 2.0), label="mm"),
@@ -144,5 +144,5 @@ def basin(of: PlanarArray, yaw_known: bool) -> Array:
     q[:2] = places[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
     flat, begun = q.reshape(3, -1), start.reshape(3, -1)
-    end = hall_correction.settled(of, hall_correction.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
-    return np.asarray((np.hypot(*(end - flat)[:2]) < FOUND).reshape(PLACES, SIDE, SIDE).mean(axis=0))
+    end = hall_correction.iterate(of, hall_correction.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
+    return np.asarray((np.hypot(*(end - flat)[:2]) < CONVERGED).reshape(PLACES, SIDE, SIDE).mean(axis=0))

@@ -38,11 +38,13 @@ def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
 
 def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
     """Return every experiment, with what the paper's figure shows `beside` it by name."""
-    drawn = {e.name: (compared(e.figures),) for e in runs if e.name == SOURCES}
-    return standard.experiments([worded(e) for e in runs], Shown(UNITS, beside=beside, drawn=drawn, fine=SMALL))
+    drawn = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
+    return standard.experiments(
+        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, drawn=drawn, fine=SMALL)
+    )
 
 
-def worded(e: Experiment) -> Experiment:
+def with_readable_names(e: Experiment) -> Experiment:
     """Return an experiment whose signals, title and text are named as a reader writes them."""
     labels = {name: name.replace("_raw", ESTIMATED) for name in e.shown}
     states = {label: np.asarray(e.trajectory[name], np.float64) for name, label in labels.items()}
@@ -57,7 +59,7 @@ def worded(e: Experiment) -> Experiment:
     return replace(e, **changed)
 
 
-def compared(measured: Mapping[str, float]) -> page.Table:
+def comparison_table(measured: Mapping[str, float]) -> page.Table:
     """Return figures 'source: what' as a table, a row for each of what, a column for each source."""
     by_what: dict[str, dict[str, float]] = {}
     for key, value in measured.items():

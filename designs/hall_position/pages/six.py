@@ -35,19 +35,19 @@ def blocks(stage: Stage) -> dict[str, Made]:
 
 def section(stage: Stage) -> page.Section:
     """Return the accuracy in six degrees of freedom by layout, with all sensors and after the loss of one."""
-    parts = tuple(_layout(placed(stage, n), n) for n in layouts.SPATIAL)
+    parts = tuple(_layout(optimised_layout(stage, n), n) for n in layouts.SPATIAL)
     return page.Section("Six degrees of freedom", (), parts)
 
 
-def placed(stage: Stage, sensors: int) -> SpatialArray:
+def optimised_layout(stage: Stage, sensors: int) -> SpatialArray:
     """Return a layout that was searched, in the field of model (2)."""
     of, any_place = stage.pair, tuple((x, 0.0, 0.0) for x in (0.0, 1.0, 2.0))
     array = SpatialArray(any_place, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
-    return hall_two_waves.placed(array, layouts.SPATIAL[sensors])
+    return hall_two_waves.with_positions(array, layouts.SPATIAL[sensors])
 
 
 def _signs(stage: Stage, name: str, places: layouts.Places) -> tuple[str | float, ...]:
-    least, largest = hall_accuracy.signs(hall_two_waves.placed(placed(stage, ENOUGH), places))
+    least, largest = hall_accuracy.signs(hall_two_waves.with_positions(optimised_layout(stage, ENOUGH), places))
     return name, least, largest, "on lines" if least < 0 < largest else "not seen"
 
 
@@ -79,7 +79,7 @@ def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
 
 def _misfit(of: SpatialArray) -> page.Table:
     """Return the errors by waves that the model has not, to first order."""
-    sensors = hall_array.points([(x, y) for x, y, _ in of.positions])
+    sensors = hall_array.point_sensors([(x, y) for x, y, _ in of.positions])
     off = 1e6 * hall_accuracy.misfit(of, sensors, Stage().waves(errors.WAVES), hall_accuracy.cell(of, LEVEL, POINTS))
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())
     return page.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)

@@ -26,7 +26,7 @@ def harmonics(stage: Stage, z: float, ideal: bool = False) -> dict[int, float]:
     return dict(zip(ODD, stage.amplitudes(ODD, z, ideal).tolist(), strict=True))
 
 
-def are_every(step: float, *above: Mapping[int, float]) -> bool:
+def has_every_nth(step: float, *above: Mapping[int, float]) -> bool:
     """Return whether the harmonics 1 + k step are there at each height, and the other odd ones are not."""
     return all((abs(a) > NONE) == ((n - 1) % step == 0) for sizes in above for n, a in sizes.items())
 
@@ -51,20 +51,20 @@ def line_slopes(stage: Stage) -> Array:
     return hall_figures.line(waves, 0.0, PLACES + 1, stage.height).slopes[0]
 
 
-def better(slopes: Array, spacing: float) -> float:
+def better_slope(slopes: Array, spacing: float) -> float:
     """Return the least over a pitch of the better of two slopes, which are a spacing in pitches apart."""
     one = np.abs(slopes[:-1])
     return float(np.maximum(one, np.roll(one, -round(spacing * PLACES))).min())
 
 
-def over_best(stage: Stage, spacing: float) -> float:
+def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
     """Return how insensitive a pair gets at a spacing in pitches over what it gets at the best one."""
-    least = hall_figures.insensitive(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
+    least = hall_figures.least_slopes(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
     return float(least[round(spacing * PLACES)] / least.max())
 
 
 @lru_cache(KEPT)
-def fitted(stage: Stage) -> hall_scan.Fit:
+def fit_above_blocks(stage: Stage) -> hall_scan.Fit:
     """Return model (2) of a scan over a pitch above six pitches of blocks."""
     of = stage.truth
     i, j = (v.ravel() for v in np.indices((of.count, of.count)))
@@ -73,8 +73,11 @@ def fitted(stage: Stage) -> hall_scan.Fit:
     return hall_scan.fit(log, "V_ax", stage.pitch)
 
 
-def above_infinite(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
+def fit_above_infinite_matrix(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
     """Return model (2) of a scan over a pitch of the infinite matrix, harmonics up to the `highest` of either axis."""
-    silent = hall_array.points([(0.0, 0.0)], replace(stage.chain, noise=0.0))
-    waves, at = stage.waves(concentrated_field.up_to(highest)), hall_scan.places(stage.pitch, points, (stage.height,))
-    return hall_scan.fit(hall_scan.scanned(silent, waves, at, 0), "V_ax", stage.pitch)
+    silent = hall_array.point_sensors([(0.0, 0.0)], replace(stage.chain, noise=0.0))
+    waves, at = (
+        stage.waves(concentrated_field.orders_up_to(highest)),
+        hall_scan.places(stage.pitch, points, (stage.height,)),
+    )
+    return hall_scan.fit(hall_scan.simulate_scan(silent, waves, at, 0), "V_ax", stage.pitch)

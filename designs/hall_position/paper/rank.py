@@ -36,7 +36,7 @@ def deviations(of: PlanarArray) -> Array:
     return hall_fisher.deviations(of, grid(of, POINTS))
 
 
-def known_yaw(of: PlanarArray, points: int = 4096) -> Array:
+def deviation_at_known_yaw(of: PlanarArray, points: int = 4096) -> Array:
     """Return the deviation of X in m of sensors without yaw or yaw error, over a pitch (points,)."""
     q = np.zeros((3, points))
     q[0] = 2 * np.pi * np.arange(points) / points
@@ -50,12 +50,12 @@ def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCE
     return hall_fisher.worst(of, (radians(low), radians(high)), tolerance)
 
 
-def worst_searched(stage: Stage, turn: int) -> Worst:
+def worst_of_optimised_layout(stage: Stage, turn: int) -> Worst:
     """Return the largest deviations of the layout that was searched for yaws up to a turn in degrees."""
     return worst(stage.array(layouts.LAYOUTS[turn]), -turn, turn, TOLERANCES[turn])
 
 
-def off_eighth(stage: Stage, places: Array) -> float:
+def distance_from_eighths(stage: Stage, places: Array) -> float:
     """Return how far the nearest of some places (n, 2) is from (1/8, 3/8) pitch, m."""
     l = stage.pitch
     return float(np.abs(places - [l / 8, 3 * l / 8]).max(axis=1).min(initial=np.inf))
@@ -64,17 +64,17 @@ def off_eighth(stage: Stage, places: Array) -> float:
 def conditions(stage: Stage) -> Array:
     """Return the condition numbers (N,) of two sensors over the pitch."""
     sizes = dict(zip(NUMBERS, stage.amplitudes(NUMBERS).tolist(), strict=True))
-    waves = concentrated_field.fitted(sizes, stage.height, concentrated_field.values())
-    pair, at = hall_array.points(stage.pair.positions, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
+    waves = concentrated_field.waves_from_amplitudes(sizes, stage.height, concentrated_field.values())
+    pair, at = hall_array.point_sensors(stage.pair.positions, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
     return hall_accuracy.of_sensors(pair, waves, at, LEVER).condition
 
 
-def with_ninth(stage: Stage) -> Array:
+def deviations_with_ninth_harmonic(stage: Stage) -> Array:
     """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
-    waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
-    of = hall_array.points(stage.three.positions, stage.chain)
+    waves = stage.waves(concentrated_field.orders_on_axes((1, 5, 9)))
+    of = hall_array.point_sensors(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
-    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
+    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.rms_radius(of), stage.height).deviations.max(axis=0)
 
 
 def deviation_at(of: PlanarArray, x: float, y: float, turn: float) -> float:
@@ -82,7 +82,7 @@ def deviation_at(of: PlanarArray, x: float, y: float, turn: float) -> float:
     return float(hall_fisher.deviations(of, np.array([[x * of.pitch], [y * of.pitch], [radians(turn)]]))[0, 0])
 
 
-def changes(of: PlanarArray) -> tuple[float, ...]:
+def voltage_changes(of: PlanarArray) -> tuple[float, ...]:
     """Return by what voltages change, V, of bodies that are moved by a pitch, turned with their place, and alone.
 
     With their place they are turned by a quarter and a half, alone by an eighth.
@@ -95,9 +95,9 @@ def changes(of: PlanarArray) -> tuple[float, ...]:
         np.vstack([-q[0], -q[1], q[2] + np.pi]),
         q + np.array([[0.0], [0.0], [np.pi / 4]]),
     )
-    return tuple(float(np.abs(_read(of, at) - _read(of, q)).max()) for at in moves)
+    return tuple(float(np.abs(_body_voltages(of, at) - _body_voltages(of, q)).max()) for at in moves)
 
 
-def _read(of: PlanarArray, q: Array) -> Array:
+def _body_voltages(of: PlanarArray, q: Array) -> Array:
     """Return what sensors read in the body (2, sensors, N) at q (3, N), V."""
-    return hall_correction.turned(hall_correction.volts(of, q), -q[2])
+    return hall_correction.rotate_voltages(hall_correction.volts(of, q), -q[2])

@@ -21,16 +21,16 @@ NUMPY = (np.degrees, np.diff, np.hypot, np.isfinite, np.maximum, np.mean, np.med
 
 def rows() -> Iterator[Row]:
     """Yield the rows, each when it is computed."""
-    return audit.rows(on(Stage(), printed()))
+    return audit.rows(scope(Stage(), published_rows()))
 
 
-def on(stage: Stage, prints: Mapping[str, Published]) -> Scope:
+def scope(stage: Stage, prints: Mapping[str, Published]) -> Scope:
     """Return what the rows that follow from a stage and a print are computed from."""
     functions = audit.functions(convergence, errors, field, rank) | {f.__name__: f for f in (*NUMPY, Stage)}
     functions["singular_points"] = hall_singular_points.of_pair
     return Scope(asdict(stage), {**functions, **UNITS}, prints)
 
 
-def printed() -> dict[str, Published]:
+def published_rows() -> dict[str, Published]:
     """Return what the paper prints, by row."""
     return audit.read(Path(__file__).parent)

@@ -17,15 +17,15 @@ from math import sqrt
 import numpy as np
 
 from designs.hall_position.glsdc import tracking
-from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import estimator_ensemble
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.check import Check
 
 MARGIN = 0.5  # of the acceleration
-FAR = 1000  # pitches: motions at the limits lead further than what ships counts
-WORST = 1e-4  # m: ten deviations at the worst place where an estimate is valid
+PITCHES = 1000  # pitches: motions at the limits lead further than what ships counts
+MAX_ERROR = 1e-4  # m: ten deviations at the worst place where an estimate is valid
 SLOWEST = 1e-3  # part of the speed: bodies creep as well
 PART = 0.95  # of the yaws that are declared
 
@@ -48,20 +48,20 @@ class Endurance:
 
 def checks(name: str, kind: EstimatorConfig, bodies: int, samples: int) -> list[Check]:
     """Check that no body is lost, and none wrong, within the limits."""
-    found = run(kind, bodies, samples, limits(kind))
-    within = f"{found.limits.speed:.3g} m/s, {found.limits.acceleration:.3g} m/s^2, {found.samples} samples"
-    about = f"{within}, {100 * found.valid:.3g} % valid"
+    outcome = run(kind, bodies, samples, limits(kind))
+    within = f"{outcome.limits.speed:.3g} m/s, {outcome.limits.acceleration:.3g} m/s^2, {outcome.samples} samples"
+    about = f"{within}, {100 * outcome.valid:.3g} % valid"
     what = f"{name}, random motion"
     return [
-        Check(f"{what}: bodies lost", found.lost, 0, "1", about),
-        Check(f"{what}: samples valid elsewhere", found.wrong, 0, "1", about),
-        Check(f"{what}: worst valid position", found.worst, WORST, "m", about),
+        Check(f"{what}: bodies lost", outcome.lost, 0, "1", about),
+        Check(f"{what}: samples valid elsewhere", outcome.wrong, 0, "1", about),
+        Check(f"{what}: worst valid position", outcome.worst, MAX_ERROR, "m", about),
     ]
 
 
 def limits(kind: EstimatorConfig) -> Limits:
     """Return how fast the sensors' centre may be, with MARGIN."""
-    t, a, T = kind.tuning, kind.array, fleet.TIME.period_s
+    t, a, T = kind.tuning, kind.array, estimator_ensemble.TIME.period_s
     e = t.innovation_gate_sigma * a.deviation / (a.alpha * sqrt(t.damping))
     speed, acceleration = (
         t.max_phase_step / 2 / (a.wave_number * T),
@@ -77,13 +77,13 @@ def run(kind: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: 
 
     Raises ModelError for no sample, and as `motions.sines`.
     """
-    kind = replace(kind, tuning=replace(kind.tuning, pitches=FAR))
+    kind = replace(kind, tuning=replace(kind.tuning, pitches=PITCHES))
     rng = np.random.default_rng(seed)
-    at = motions.sines(kind.array, fleet.TIME, bodies, within, rng, SLOWEST)
-    state = fleet.moving(kind, at)
+    at = motions.random_course(kind.array, estimator_ensemble.TIME, bodies, within, rng, SLOWEST)
+    state = estimator_ensemble.states_on_course(kind, at)
     valid = wrong = 0
     worst = off = 0.0
-    for batch, seen in fleet.followed(kind, state, at, samples, rng):
+    for batch, seen in estimator_ensemble.track(kind, state, at, samples, rng):
         state = batch.states
         valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
         worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))

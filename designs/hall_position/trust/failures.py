@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.hall_position.glsdc import channels
-from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import estimator_ensemble
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models import hall_two_waves
 from models.hall_motions import Course, Limits, Numbers, Pose
@@ -31,14 +31,14 @@ from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
 from synth.statespace import readonly
 
-SOON = 5  # samples within which a residual out of its bound is to be flagged
+MAX_DELAY = 5  # samples within which a residual out of its bound is to be flagged
 BEFORE, AFTER = 20, 40  # samples
 WEAK = 0.9
 Samples = Sequence[tuple[host.Batch, Scores]]
 Failing = Callable[[Numbers, Numbers], Numbers]  # a sensor's voltages (N, 2), and those before: what is read
 
 
-def _one(value: Numbers | float, volts: Numbers) -> Numbers:
+def _replace_first_axis(value: Numbers | float, volts: Numbers) -> Numbers:
     return np.column_stack([np.broadcast_to(value, len(volts)), volts[:, 1]])
 
 
@@ -46,11 +46,13 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
     {
         "none": lambda now, before: now,
         "dead": lambda now, before: 0 * now,
-        "one axis": lambda now, before: _one(0.0, now),
-        "saturated": lambda now, before: _one(np.where(now[:, 0] < 0, -channels.SPAN, channels.SPAN), now),
-        "no number": lambda now, before: _one(np.nan, now),
+        "one axis": lambda now, before: _replace_first_axis(0.0, now),
+        "saturated": lambda now, before: _replace_first_axis(
+            np.where(now[:, 0] < 0, -channels.SPAN, channels.SPAN), now
+        ),
+        "no number": lambda now, before: _replace_first_axis(np.nan, now),
         "weak": lambda now, before: WEAK * now,
-        "stuck": lambda now, before: _one(before[:, 0], now),
+        "stuck": lambda now, before: _replace_first_axis(before[:, 0], now),
     }
 )
 
@@ -64,18 +66,18 @@ class Outcome:
     `away`: share of the bodies that were ever valid further off than 10 deviations.
     """
 
-    out: float
+    residual_exceeded: float
     flagged: float
-    named: float
+    isolated: float
     lost: float
-    late: int
+    delay: int
     valid: float
     error: float
     worst: float
-    away: float
+    misleading: float
 
 
-def tried(
+def run_failure(
     kind: EstimatorConfig, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0
 ) -> Outcome:
     """Let a sensor, numbered from 1, of bodies fail that move within a limit, or rest anywhere in the pitch.
@@ -84,23 +86,23 @@ def tried(
     """
     rng = np.random.default_rng(seed)
     if within:
-        at = motions.sines(kind.array, fleet.TIME, bodies, within, rng)
+        at = motions.random_course(kind.array, estimator_ensemble.TIME, bodies, within, rng)
     else:
-        at = motions.resting(motions.anywhere(kind.array, bodies, motions.YAW, rng))
+        at = motions.course_at_rest(motions.random_poses(kind.array, bodies, motions.YAW, rng))
     return _outcome(kind, _run(kind, failure, sensor, at, rng), sensor)
 
 
-def unseen(kind: EstimatorConfig, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
+def undetected_error(kind: EstimatorConfig, failure: str, sensor: int, points: int, seed: int = 0) -> Numbers:
     """Return by how much the estimate errs where the failure of a sensor of bodies at rest is not flagged.
 
     In m, over X and Y of the pitch (points, points), at yaw 0; NaN where it is flagged.
 
     Raises ModelError for an unknown failure, a sensor that is not there, or no point.
     """
-    at = motions.resting(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
+    at = motions.course_at_rest(Pose(*hall_two_waves.poses(kind.array.pitch, points)))
     samples = _run(kind, failure, sensor, at, np.random.default_rng(seed))
-    flagged = np.any([_flagged(batch) for batch, _ in samples[: SOON + 1]], axis=0)
-    return readonly(np.where(flagged, np.nan, samples[SOON][1].off).reshape(points, points))
+    flagged = np.any([_is_flagged(batch) for batch, _ in samples[: MAX_DELAY + 1]], axis=0)
+    return readonly(np.where(flagged, np.nan, samples[MAX_DELAY][1].off).reshape(points, points))
 
 
 def _run(kind: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.random.Generator) -> Samples:
@@ -118,10 +120,12 @@ def _run(kind: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.r
             volts[:, sensor - 1] = fails(volts[:, sensor - 1], held)
         return volts
 
-    return list(fleet.followed(kind, fleet.moving(kind, at), at, BEFORE + AFTER, rng, spoilt))[BEFORE:]
+    return list(
+        estimator_ensemble.track(kind, estimator_ensemble.states_on_course(kind, at), at, BEFORE + AFTER, rng, spoilt)
+    )[BEFORE:]
 
 
-def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
+def _is_flagged(batch: host.Batch) -> NDArray[np.bool_]:
     """Tell of which bodies a sample shows that something is wrong."""
     left_out = batch.outputs.get("excluded_sensor", np.zeros(len(batch.states))) > 0
     return np.asarray((batch.outputs["valid"] == 0) | left_out | (batch.faults > 0))
@@ -130,8 +134,8 @@ def _flagged(batch: host.Batch) -> NDArray[np.bool_]:
 def _outcome(kind: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     batches, scores = zip(*samples, strict=True)
     judged, state = ensemble.stacked(scores), batches[-1].states
-    flag = _first(np.array([_flagged(batch) for batch in batches]))
-    out = _first(np.array([batch.outputs["residual"] > kind.tuning.residual_limit for batch in batches]))
+    flag = _first_sample(np.array([_is_flagged(batch) for batch in batches]))
+    out = _first_sample(np.array([batch.outputs["residual"] > kind.tuning.residual_limit for batch in batches]))
     exceeded, valid = out < AFTER, judged.valid
     without = (
         state["estimator_excluded_sensor"]
@@ -140,18 +144,18 @@ def _outcome(kind: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     )
     rms = np.sqrt((judged.deviations**2).mean(axis=1))
     return Outcome(
-        out=float(exceeded.mean()),
+        residual_exceeded=float(exceeded.mean()),
         flagged=float((flag < AFTER).mean()),
-        named=float((without == sensor).mean()),
+        isolated=float((without == sensor).mean()),
         lost=float((state["estimator_lock_lost"] > 0).mean()),
-        late=int((flag - out)[exceeded].max(initial=0)),
+        delay=int((flag - out)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
         error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
         worst=float(judged.off[valid].max(initial=0)),
-        away=float(judged.wrong.any(axis=0).mean()),
+        misleading=float(judged.wrong.any(axis=0).mean()),
     )
 
 
-def _first(flags: NDArray[np.bool_]) -> NDArray[np.int_]:
+def _first_sample(flags: NDArray[np.bool_]) -> NDArray[np.int_]:
     """Return the first of AFTER samples that is flagged (N,), AFTER where none is."""
     return np.where(flags.any(axis=0), flags.argmax(axis=0), AFTER)

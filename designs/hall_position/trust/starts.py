@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import estimator_ensemble
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth import numeric
@@ -22,7 +22,7 @@ from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
 from synth.statespace import readonly
 
-FAR, TURNED = 0.5, np.radians(10)  # of the pitch, and rad, that starts are off at most
+MAX_DISTANCE, MAX_YAW = 0.5, np.radians(10)  # of the pitch, and rad, that starts are off at most
 BINS = (8, 4)  # of these
 DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a place; distances up to this part of the pitch
 
@@ -38,7 +38,7 @@ class Basin:
     off: Numbers
     turned: Numbers
     first: Numbers
-    then: Numbers
+    last: Numbers
     samples: int
     wrong: int
 
@@ -49,19 +49,21 @@ def basin(kind: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, see
     Raises ModelError for no body or sample, or a yaw that is none.
     """
     rng, pitch = np.random.default_rng(seed), kind.array.pitch
-    pose = motions.anywhere(kind.array, bodies, yaw, rng)
-    off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
-    start = pose.moved(off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
-    scores = fleet.scored(kind, fleet.placed(kind, start, certain=False), motions.resting(pose), samples, rng)
-    edges = [FAR * pitch * np.arange(BINS[0] + 1) / BINS[0], TURNED * np.arange(BINS[1] + 1) / BINS[1]]
+    pose = motions.random_poses(kind.array, bodies, yaw, rng)
+    off, turned = MAX_DISTANCE * pitch * rng.random(bodies), MAX_YAW * rng.random(bodies)
+    start = pose.displaced(off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
+    scores = estimator_ensemble.track_scores(
+        kind, estimator_ensemble.states_at(kind, start, resolved=False), motions.course_at_rest(pose), samples, rng
+    )
+    edges = [MAX_DISTANCE * pitch * np.arange(BINS[0] + 1) / BINS[0], MAX_YAW * np.arange(BINS[1] + 1) / BINS[1]]
     every, _, _ = np.histogram2d(off, turned, edges)
     led = [np.histogram2d(off[right], turned[right], edges)[0] for right in scores.right[[0, -1]]]
     with np.errstate(invalid="ignore"):
-        first, then = (readonly(good / every) for good in led)
-    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, then, bodies * samples, int(scores.wrong.sum()))
+        first, last = (readonly(good / every) for good in led)
+    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.wrong.sum()))
 
 
-def reach(kind: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
+def capture_radius(kind: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
     """Return how far all starts about a place may be off at yaw 0 to lead to it in the first sample, (points, points).
 
     In m, over X and Y of the pitch. Raises ModelError for no point.
@@ -71,8 +73,12 @@ def reach(kind: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
     rings = NEAR * pitch * np.arange(1, RINGS + 1) / RINGS
     X, Y, d, h = np.meshgrid(along, along, rings, 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, indexing="ij")
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
-    state = fleet.placed(kind, pose.moved(d.ravel(), h.ravel()), certain=False)
-    right = fleet.scored(kind, state, motions.resting(pose), 1, rng).right.reshape(X.shape).all(axis=3)
+    state = estimator_ensemble.states_at(kind, pose.displaced(d.ravel(), h.ravel()), resolved=False)
+    right = (
+        estimator_ensemble.track_scores(kind, state, motions.course_at_rest(pose), 1, rng)
+        .right.reshape(X.shape)
+        .all(axis=3)
+    )
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 
@@ -85,6 +91,8 @@ def cold_start(kind: EstimatorConfig, pose: Pose, samples: int, speed: float = 0
     heading = rng.uniform(0, 2 * np.pi, n)
 
     def at(k: int) -> Pose:
-        return pose.moved(speed * k * fleet.TIME.period_s, heading)
+        return pose.displaced(speed * k * estimator_ensemble.TIME.period_s, heading)
 
-    return fleet.scored(kind, ensemble.started(fleet.compiled(kind), n), at, samples, rng)
+    return estimator_ensemble.track_scores(
+        kind, ensemble.started(estimator_ensemble.compile_estimator(kind), n), at, samples, rng
+    )

@@ -22,9 +22,9 @@ TIME = Discrete(1 / 800)
 L = 0.0508
 ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V: fabricated, 3 mm
 ANY = Array(((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)), ALPHA, BETA)
-FOUR = hall_two_waves.placed(ANY, layouts.SPATIAL[4])
-FIVE = hall_two_waves.placed(ANY, layouts.SPATIAL[5])
-SIX = hall_two_waves.placed(ANY, layouts.SPATIAL[6])
+FOUR = hall_two_waves.with_positions(ANY, layouts.SPATIAL[4])
+FIVE = hall_two_waves.with_positions(ANY, layouts.SPATIAL[5])
+SIX = hall_two_waves.with_positions(ANY, layouts.SPATIAL[6])
 USUAL = Tuning()
 
 Columns = Mapping[str, Numbers]
@@ -62,20 +62,20 @@ def volts(array: Array, pose: Numbers) -> Numbers:
             [c * t * a + u * s, u * t * a - c * s, b * a],
         ]
     )
-    w, found = 2 * np.pi / array.pitch, []
+    w, sensor_volts = 2 * np.pi / array.pitch, []
     for r in array.positions:
         x, y, z = np.array([X, Y, Z - array.height]) + np.tensordot(r, axes, 1)
         B = np.zeros((3, *X.shape))
         for n, size in ((1, array.alpha), (5, array.beta)):
             E = size * np.exp(-n * w * z)
             B += E * np.array([np.sin(n * w * x), np.sin(n * w * y), np.cos(n * w * x) + np.cos(n * w * y)])
-        found.append(np.stack([(axes[0] * B).sum(axis=0), (axes[1] * B).sum(axis=0)], axis=-1))
-    return np.stack(found, axis=-2)
+        sensor_volts.append(np.stack([(axes[0] * B).sum(axis=0), (axes[1] * B).sum(axis=0)], axis=-1))
+    return np.stack(sensor_volts, axis=-2)
 
 
 def noisy(array: Array, pose: Numbers, seed: int = 0) -> Numbers:
-    found = volts(array, pose)
-    return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)
+    exact = volts(array, pose)
+    return exact + array.deviation * np.random.default_rng(seed).standard_normal(exact.shape)
 
 
 def wrapped(angle: Numbers) -> Numbers:
@@ -97,10 +97,10 @@ def records(
     array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Records:
     """Return the C's state records (N,) for states of the reference."""
-    found = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
+    states = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
     for name, v in state.items():
-        found[f"estimator_{name}"] = v
-    return found
+        states[f"estimator_{name}"] = v
+    return states
 
 
 def given(array: Array, V: Numbers) -> dict[str, Numbers]:
@@ -112,12 +112,12 @@ def replayed(
     array: Array, pose: Numbers, V: Numbers, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Columns:
     """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N, 6)."""
-    state, found = records(array, known(array, pose, tuning), tuning, scalar), []
+    state, samples = records(array, known(array, pose, tuning), tuning, scalar), []
     for now in V:
         batch = compiled(array, tuning, scalar).batch(state, given(array, now))
         state = batch.states
-        found.append(batch.outputs)
-    return {name: np.array([f[name] for f in found]) for name in found[0]}
+        samples.append(batch.outputs)
+    return {name: np.array([f[name] for f in samples]) for name in samples[0]}
 
 
 def motion(n: int, columns: int, seed: int, travel: float, turn: float = 0.0) -> Numbers:
@@ -145,8 +145,8 @@ def places(n: int, seed: int, yaw: float = 0.09, gap: float = 4e-4, tilt: float 
     return rng.uniform(low, np.array([L, L, 3e-3 + gap, tilt, tilt, yaw]), (n, 6))
 
 
-def errors(found: Columns, pose: Numbers) -> Numbers:
+def errors(outputs: Columns, pose: Numbers) -> Numbers:
     """Return by how much the poses found are off (.., 6), m and rad."""
-    off = np.stack([found[name] for name in six_estimator.OUTPUTS], axis=-1) - pose
+    off = np.stack([outputs[name] for name in six_estimator.OUTPUTS], axis=-1) - pose
     off[..., 5] = wrapped(off[..., 5])
     return off

@@ -79,10 +79,10 @@ def step(of: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[
     last, inverse = fits[-1], np.linalg.inv(fits[-1].R)
     fault, searching = last.squares > freedom * of.residual_limit**2, state["searching"] > 0
     end = np.where((fault & ~searching)[:, None], 0.0, end)
-    found, next, inside = advance(of, state, start + end, fault)
+    pose, next, inside = advance(of, state, start + end, fault)
     next |= glsdc.update_motion(minimised, state, of.velocity_gain * minimised.units * end, fault & searching)
     spread = of.deviation * np.sqrt((inverse**2).sum(axis=2))
-    out = {name: found[:, i] for i, name in enumerate(OUTPUTS)}
+    out = {name: pose[:, i] for i, name in enumerate(OUTPUTS)}
     out |= {f"deviation_{name}": spread[:, i] for i, name in enumerate(OUTPUTS)}
     damped = ((minimised.damping[:, None] * inverse) ** 2).sum(axis=(1, 2)) > of.max_prior_weight
     sudden = last.cost - last.squares > (of.innovation_gate_sigma * of.deviation) ** 2
@@ -134,22 +134,22 @@ def field(of: Setup, at: Array) -> tuple[Array, Array]:
 
 def advance(of: Setup, state: Columns, pose: Array, fault: Array) -> tuple[Array, dict[str, Array], Array]:
     """Return the poses (N, 6) of the outputs, the next states, and which are within their ranges."""
-    found, units, limits = pose.copy(), problem(of).units, ranges(of)
+    outputs, units, limits = pose.copy(), problem(of).units, ranges(of)
     inside = np.all(np.abs(pose[:, 2:5]) < limits, axis=1)
     moved: dict[str, Array] = {}
     for i, axis in enumerate("xy"):
         phase, turns = wrap(units[i] * pose[:, i])
         counted = np.abs(state[f"count_{axis}"]) < of.pitches
         moved |= {f"phase_{axis}": phase, f"count_{axis}": state[f"count_{axis}"] + np.where(counted, turns, 0)}
-        found[:, i] = (phase / (2 * pi) + moved[f"count_{axis}"]) * of.pitch
+        outputs[:, i] = (phase / (2 * pi) + moved[f"count_{axis}"]) * of.pitch
         inside &= counted
-    found[:, 2] += of.height
-    found[:, 5] = wrap(pose[:, 5])[0]
+    outputs[:, 2] += of.height
+    outputs[:, 5] = wrap(pose[:, 5])[0]
     changes, restart = glsdc.restart(state, fault, moved)
     level = np.clip(pose[:, 2:5], -limits, limits) * units[2:5]
     moved |= {name: level[:, i] for i, name in enumerate(POSE[2:5])}
     next = {name: np.where(restart, 0.0, v) for name, v in moved.items()} | changes
-    next |= {"yaw": np.where(restart, state["yaw_last_good"], found[:, 5])}
-    next |= {"yaw_last_good": np.where(fault, state["yaw_last_good"], found[:, 5])}
+    next |= {"yaw": np.where(restart, state["yaw_last_good"], outputs[:, 5])}
+    next |= {"yaw_last_good": np.where(fault, state["yaw_last_good"], outputs[:, 5])}
     next |= {"searching": np.where(restart, 1, np.where(fault, state["searching"], 0))}
-    return found, next | {"lock_lost": np.maximum(state["lock_lost"], restart)}, inside
+    return outputs, next | {"lock_lost": np.maximum(state["lock_lost"], restart)}, inside

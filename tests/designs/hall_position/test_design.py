@@ -24,8 +24,8 @@ needs_provers = pytest.mark.skipif(not PROVERS, reason="apt-get install frama-c-
 
 @pytest.fixture(scope="module")
 def design() -> Design:
-    (found,) = workspace.designs(ROOT, ["hall_position"])
-    return found
+    (hall_position,) = workspace.designs(ROOT, ["hall_position"])
+    return hall_position
 
 
 def committed(name: str) -> tuple[dict[str, str], dict[str, Any]]:
@@ -69,8 +69,8 @@ def test_its_manifest_says_when_it_latches(name: str) -> None:
     assert len(manifest["faults"]) == 2 * len(config.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
 
 
-def failed(found: tuple[Check, ...]) -> list[str]:
-    return [c.name for c in found if not c.passed]
+def failed(checks: tuple[Check, ...]) -> list[str]:
+    return [c.name for c in checks if not c.passed]
 
 
 @needs_provers

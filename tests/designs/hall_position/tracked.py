@@ -105,10 +105,10 @@ def records(
     array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Records:
     """Return the C's state records (N,) for states of the reference."""
-    found = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
+    states = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
     for name, v in state.items():
-        found[f"estimator_{name}"] = v
-    return found
+        states[f"estimator_{name}"] = v
+    return states
 
 
 def given(array: Array, V: Numbers) -> dict[str, Numbers]:
@@ -119,12 +119,12 @@ def given(array: Array, V: Numbers) -> dict[str, Numbers]:
 
 def replayed(array: Array, pose: Pose, V: Numbers, tuning: Tuning = USUAL) -> host.Columns:
     """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N,)."""
-    state, found = records(array, known(array, pose, tuning), tuning), []
+    state, samples = records(array, known(array, pose, tuning), tuning), []
     for now in V:
         batch = compiled(array, tuning).batch(state, given(array, now))
         state = batch.states
-        found.append(batch.outputs)
-    return {name: np.array([f[name] for f in found]) for name in found[0]}
+        samples.append(batch.outputs)
+    return {name: np.array([f[name] for f in samples]) for name in samples[0]}
 
 
 def motion(n: int, columns: int, seed: int, travel: float, yaw: float, turn: float = 0.0) -> Pose:
@@ -148,9 +148,9 @@ def begun(pose: Pose) -> Pose:
     return replace(moved(first, motion, -1.0), motion=motion)
 
 
-def off(found: Columns, pose: Pose) -> Numbers:
+def off(outputs: Columns, pose: Pose) -> Numbers:
     """Return how far the positions found are off, m."""
-    return np.hypot(found["X"] - pose.X, found["Y"] - pose.Y)
+    return np.hypot(outputs["X"] - pose.X, outputs["Y"] - pose.Y)
 
 
 def places(n: int, seed: int, yaw: float) -> Pose:

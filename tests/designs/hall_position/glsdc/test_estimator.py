@@ -51,8 +51,8 @@ def rms(values: Numbers) -> float:
 
 
 def test_the_voltages_here_are_those_of_the_sensor_model() -> None:
-    field = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
-    sensors = hall_array.points(THREE.positions)
+    field = concentrated_field.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
+    sensors = hall_array.point_sensors(THREE.positions)
     predicted, pose = hall_array.planar(sensors, field).function(), places(20, 0, 3.0)
     for X, Y, yaw, V in zip(pose.X, pose.Y, pose.yaw, volts(THREE, pose), strict=True):
         np.testing.assert_allclose(predicted(ca.DM([X, Y, yaw]))[0].full().ravel(), V.ravel(), rtol=0, atol=EXACT)
@@ -68,20 +68,20 @@ def test_a_sample_finds_a_body_that_has_moved(array: Array) -> None:
         Tuning(damping=1e-8, innovation_gate_sigma=1e9, yaw_limit=np.pi, yaw_window=np.pi),
     )
     state = records(array, known(array, start), tuning)
-    found = compiled(array, tuning).batch(state, given(array, volts(array, pose))).outputs
-    sure = found["valid"] > 0
+    outputs = compiled(array, tuning).batch(state, given(array, volts(array, pose))).outputs
+    sure = outputs["valid"] > 0
     assert sure.mean() > (0.7 if array is TWO else 0.95)
-    assert (off(found, pose)[sure] < 1e-7).mean() > (0.95 if array is TWO else 0.998)
+    assert (off(outputs, pose)[sure] < 1e-7).mean() > (0.95 if array is TWO else 0.998)
 
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
 def test_errors_are_as_large_as_it_says(array: Array) -> None:
     pose = at_rest(places(60, 3, 0.1), 100)
-    found = replayed(array, begun(pose), noisy(array, pose))
-    sure = found["valid"] > 0
-    errors = {"X": found["X"] - pose.X, "Y": found["Y"] - pose.Y, "yaw": wrapped(found["yaw"] - pose.yaw)}
+    outputs = replayed(array, begun(pose), noisy(array, pose))
+    sure = outputs["valid"] > 0
+    errors = {"X": outputs["X"] - pose.X, "Y": outputs["Y"] - pose.Y, "yaw": wrapped(outputs["yaw"] - pose.yaw)}
     for name, e in errors.items():
-        assert 0.9 < rms(e[sure] / found[f"deviation_{name}"][sure]) < 1.1, name
+        assert 0.9 < rms(e[sure] / outputs[f"deviation_{name}"][sure]) < 1.1, name
 
 
 @pytest.mark.parametrize(("noise", "agrees"), [(1.0, True), (1.25, False)])
@@ -89,17 +89,17 @@ def test_three_sensors_at_yaw_0_err_by_no_more_than_a_tenth_above_the_prediction
     """With 1 mV; a quarter more noise than the prediction knows is seen."""
     pose = at_rest(places(100, 16, 0.0), 100)
     exact = volts(THREE, pose)
-    found = replayed(THREE, begun(pose), exact + noise * (noisy(THREE, pose) - exact))
-    assert found["valid"][1:].all()
+    outputs = replayed(THREE, begun(pose), exact + noise * (noisy(THREE, pose) - exact))
+    assert outputs["valid"][1:].all()
     ratios = [
-        rms((found[name] - getattr(pose, name))[1:] / found[f"deviation_{name}"][1:]) for name in ("X", "Y", "yaw")
+        rms((outputs[name] - getattr(pose, name))[1:] / outputs[f"deviation_{name}"][1:]) for name in ("X", "Y", "yaw")
     ]
     assert (max(ratios) <= 1.1) == agrees
 
 
 def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     pose, size = places(200, 4, 0.05), {"X": 1e-6, "Y": 1e-6, "yaw": 1e-5}
-    found = compiled(THREE).batch(records(THREE, known(THREE, pose)), given(THREE, volts(THREE, pose))).outputs
+    outputs = compiled(THREE).batch(records(THREE, known(THREE, pose)), given(THREE, volts(THREE, pose))).outputs
     slopes = []
     for name, h in size.items():
         ahead, behind = (replace(pose, **{name: getattr(pose, name) + d}) for d in (h, -h))
@@ -108,16 +108,16 @@ def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     bound = 1e-3 * np.sqrt(np.linalg.inv(H.transpose(0, 2, 1) @ H).diagonal(axis1=1, axis2=2))
     for i, name in enumerate(size):
         # The damping makes them smaller, by what it decides instead of the voltages: 1 % of the worst here.
-        np.testing.assert_allclose(found[f"deviation_{name}"], bound[:, i], rtol=1e-2)
-        assert (found[f"deviation_{name}"] < bound[:, i] * (1 + 1e-6)).all()
+        np.testing.assert_allclose(outputs[f"deviation_{name}"], bound[:, i], rtol=1e-2)
+        assert (outputs[f"deviation_{name}"] < bound[:, i] * (1 + 1e-6)).all()
 
 
 def test_three_sensors_tell_the_position_everywhere_as_well_as_the_facts_say() -> None:
     grid = L * np.arange(100) / 100
     pose = Pose(*(v.ravel() for v in np.meshgrid(grid, grid)), np.zeros(10_000))
-    found = compiled(THREE).batch(records(THREE, known(THREE, pose)), given(THREE, volts(THREE, pose))).outputs
-    assert 5.2e-6 < found["deviation_Y"].max() < 5.35e-6 and 5.2e-6 < found["deviation_X"].max() < 5.35e-6
-    assert 190e-6 < found["deviation_yaw"].max() < 200e-6
+    outputs = compiled(THREE).batch(records(THREE, known(THREE, pose)), given(THREE, volts(THREE, pose))).outputs
+    assert 5.2e-6 < outputs["deviation_Y"].max() < 5.35e-6 and 5.2e-6 < outputs["deviation_X"].max() < 5.35e-6
+    assert 190e-6 < outputs["deviation_yaw"].max() < 200e-6
 
 
 def test_a_quarter_turn_about_a_strong_block_is_not_seen() -> None:
@@ -155,9 +155,9 @@ def test_five_corrections_of_a_fifth_take_three_samples_as_in_the_paper() -> Non
     ahead = at_rest(Pose(pose.X + 5e-4, pose.Y, pose.yaw), 3)
     for iterations, left in ((6, 0.8**15), (2, 0.8**3)):
         tuning = Tuning(iterations, scale=0.2, velocity_gain=0.0, damping=1e-6, residual_limit=10.0)
-        found = replayed(THREE, pose, volts(THREE, ahead), tuning)
-        assert np.median(off(found, ahead)[2]) == pytest.approx(left * 5e-4, rel=0.05)
-        assert not found["valid"][0].any()
+        outputs = replayed(THREE, pose, volts(THREE, ahead), tuning)
+        assert np.median(off(outputs, ahead)[2]) == pytest.approx(left * 5e-4, rel=0.05)
+        assert not outputs["valid"][0].any()
 
 
 # Where the voltages do not tell.
@@ -168,9 +168,9 @@ def test_at_a_singular_place_it_stays_and_says_so() -> None:
     n, rest = 400, Pose(*(np.full(20, v) for v in (*SINGULAR, 0.0)))
     pose = at_rest(rest, n)
     V = volts(TWO, pose) + 1e-4 * np.random.default_rng(0).standard_normal((n, 20, 2, 2))
-    found = replayed(TWO, rest, V)
-    assert found["damped"].all() and not found["valid"].any() and not found["lock_lost"].any()
-    assert off(found, pose).max() < 1e-4 and np.abs(np.diff(found["X"], axis=0)).max() < 1e-5
+    outputs = replayed(TWO, rest, V)
+    assert outputs["damped"].all() and not outputs["valid"].any() and not outputs["lock_lost"].any()
+    assert off(outputs, pose).max() < 1e-4 and np.abs(np.diff(outputs["X"], axis=0)).max() < 1e-5
     undamped = replayed(TWO, rest, V, Tuning(damping=1e-9, innovation_gate_sigma=1e9))
     assert undamped["damped"].mean() < 0.1 and np.abs(np.diff(undamped["X"], axis=0)).max() > 1e-4
 
@@ -194,8 +194,8 @@ def test_a_singular_place_is_passed() -> None:
     )
     lost, more = ((off(each, pose) > 1e-3).any(axis=0).mean() for each in (loose, still))
     assert 0.01 < lost < 0.02 < more
-    found = replayed(TWO, begun(pose), V)
-    assert found["damped"].max(axis=0).mean() > 0.95 and off(found, pose).max() < 1e-3
+    outputs = replayed(TWO, begun(pose), V)
+    assert outputs["damped"].max(axis=0).mean() > 0.95 and off(outputs, pose).max() < 1e-3
 
 
 # What it is given.

@@ -80,9 +80,9 @@ def held(V: Numbers, refused: Numbers) -> Numbers:
     return np.where(refused, 0.0, V)
 
 
-def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
+def apart(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, a tenth of the voltages' range, and flags by 1."""
-    gap = [np.abs(found[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
+    gap = [np.abs(outputs[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
         d = np.abs(after[f"estimator_{name}"] - v)
         if name.startswith(("phase", "yaw", "start")):
@@ -118,9 +118,9 @@ def test_the_block_agrees_with_the_reference(array: Array) -> None:
     y = of.function().map(300)(x, np.array([*given(array, V).values()]))[1].full()
     out, _ = reference.step(setup(array), state, V, clear)
     allowed = np.maximum(EXACT, SHARE * EPS * reference_rounding.magnification(setup(array), state, V, clear))
-    for signal, found in zip(of.outputs, y, strict=True):
+    for signal, values in zip(of.outputs, y, strict=True):
         size = channels.SPAN if signal.name == "residual" else 1
-        assert (np.abs(found - out[signal.name]) <= size * allowed).all(), signal.name
+        assert (np.abs(values - out[signal.name]) <= size * allowed).all(), signal.name
 
 
 def over_motions(array: Array, pose: Pose, of: Setup) -> float:
@@ -188,11 +188,11 @@ def test_single_precision_is_within_a_micrometre() -> None:
     after = {scalar: records(TWO, known(TWO, begun(pose)), scalar=scalar) for scalar in (np.float32, np.float64)}
     apart, valid = [], []
     for now in noisy(TWO, pose):
-        found = {}
+        outputs = {}
         for scalar, state in after.items():
             batch = compiled(TWO, scalar=scalar).batch(state, given(TWO, now))
-            after[scalar], found[scalar] = batch.states, batch.outputs
-        single, double = found[np.float32], found[np.float64]
+            after[scalar], outputs[scalar] = batch.states, batch.outputs
+        single, double = outputs[np.float32], outputs[np.float64]
         apart.append(np.hypot(single["X"] - double["X"], single["Y"] - double["Y"]))
         valid.append((single["valid"] > 0) & (double["valid"] > 0))
     assert np.mean(valid) > 0.6 and np.array(apart)[np.array(valid)].max() < 1e-7

@@ -20,21 +20,21 @@ NONE: tuple[Any, ...] = (None, "1", True, float("nan"), float("inf"), 10**400, [
 FIGURES = ("c", "alpha", "beta", "pitch", "deviation")
 
 
-def array(**given: Any) -> Array:
+def array(**fields: Any) -> Array:
     usual: dict[str, Any] = {"positions": PLACES, "c": 0.0, "alpha": 3.0, "beta": -0.1}
-    return Array(**usual | given)
+    return Array(**usual | fields)
 
 
-def six(**given: Any) -> SpatialArray:
+def six(**fields: Any) -> SpatialArray:
     usual: dict[str, Any] = {"positions": SIX_PLACES, "alpha": 3.0, "beta": -0.1}
-    return SpatialArray(**usual | given)
+    return SpatialArray(**usual | fields)
 
 
 @pytest.mark.parametrize("of", [list, np.array])
 def test_places_may_be_lists_or_arrays(of: Any) -> None:
-    given = array(positions=of([of(r) for r in PLACES]), alpha=np.float32(3))
-    assert given == array() and hash(given) == hash(array())
-    assert type(given.alpha) is type(given.positions[1][0]) is float
+    from_sequences = array(positions=of([of(r) for r in PLACES]), alpha=np.float32(3))
+    assert from_sequences == array() and hash(from_sequences) == hash(array())
+    assert type(from_sequences.alpha) is type(from_sequences.positions[1][0]) is float
     assert six(positions=of([of(r) for r in SIX_PLACES])) == six()
 
 
@@ -94,9 +94,9 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
-    for made, given in ((estimator, two), (six_estimator, FOUR)):
+    for made, sensors in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
-            made.guarded_estimator(given, time)
+            made.guarded_estimator(sensors, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 

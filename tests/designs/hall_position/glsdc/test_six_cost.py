@@ -42,16 +42,16 @@ def sequence() -> steps.Steps:
 @pytest.mark.parametrize("build", LIMIT, ids=lambda b: b.name)
 def test_four_corrections_take_so_many_instructions(build: Build) -> None:
     assert USUAL.corrections == 4
-    found = meter.run(rivals.emitted(emitted(FOUR, USUAL, np.float32)), sequence(), build).cost.instructions
-    assert 0.9 * LIMIT[build] < found.max() <= LIMIT[build]
+    instructions = meter.run(rivals.emitted(emitted(FOUR, USUAL, np.float32)), sequence(), build).cost.instructions
+    assert 0.9 * LIMIT[build] < instructions.max() <= LIMIT[build]
 
 
 @GCC
 def test_casadis_own_c_takes_more() -> None:
     few = steps.thinned(sequence(), 10)
     rival = meter.run(rivals.casadi(block(FOUR), shimmed=True), few, PLAIN).cost.instructions
-    own = meter.run(rivals.emitted(emitted(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
-    assert rival.max() > 1.5 * own.max()
+    emitted_cost = meter.run(rivals.emitted(emitted(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
+    assert rival.max() > 1.5 * emitted_cost.max()
 
 
 def test_there_is_no_function_of_libm_in_the_loop() -> None:
@@ -63,11 +63,11 @@ def test_there_is_no_function_of_libm_in_the_loop() -> None:
 
 def by_reference(pose: Numbers, V: Numbers) -> dict[str, Numbers]:
     """Return the outputs (n, N) of the reference, which the C in double precision equals."""
-    state, found = known(FOUR, pose[0]), []
+    state, outputs = known(FOUR, pose[0]), []
     for now in V:
         out, state = reference_six.step(setup(FOUR), state, now, np.zeros(now.shape, bool))
-        found.append(out)
-    return {name: np.array([f[name] for f in found]) for name in found[0]}
+        outputs.append(out)
+    return {name: np.array([f[name] for f in outputs]) for name in outputs[0]}
 
 
 def test_single_precision_is_far_below_the_noise() -> None:

@@ -69,9 +69,9 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     return state, np.clip(V, -4.9, 4.9), rng.random(V.shape) < 0.01
 
 
-def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
+def apart(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, of the voltages' range, and flags by 1."""
-    gap = [np.abs(found[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
+    gap = [np.abs(outputs[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
         d = np.abs(after[f"estimator_{name}"] - v)
         gap.append(np.minimum(d, 2 * np.pi - d) if name.startswith(("phase", "yaw", "start")) else d)
@@ -103,14 +103,14 @@ def by_block(array: Array, state: Columns, V: Numbers) -> dict[str, Numbers]:
     for i, s in enumerate(of.states):
         x[i] = state.get(s.name.removeprefix("estimator_"), x[i])
     y = of.function().map(n)(x, np.array([*given(array, V).values()]))[1].full()
-    return {signal.name: found for signal, found in zip(of.outputs, y, strict=True)}
+    return {signal.name: values for signal, values in zip(of.outputs, y, strict=True)}
 
 
 def test_the_block_agrees_with_the_reference() -> None:
     state, V, _ = drawn(FOUR, 100, 4)
     out, _ = reference_six.step(setup(FOUR), state, V, np.zeros(V.shape, bool))
-    for name, found in by_block(FOUR, state, V).items():
-        np.testing.assert_allclose(found, out[name], rtol=0, atol=6 * EXACT, err_msg=name)
+    for name, values in by_block(FOUR, state, V).items():
+        np.testing.assert_allclose(values, out[name], rtol=0, atol=6 * EXACT, err_msg=name)
 
 
 def test_c_agrees_with_the_reference_over_motions_of_many_pitches_and_turns() -> None:
@@ -164,49 +164,49 @@ def test_it_finds_the_least_squares_solution() -> None:
     pose = places(12, 1)
     V = noisy(FOUR, pose)
     near = pose + np.random.default_rng(2).standard_normal(pose.shape) * np.array([30e-6] * 3 + [1e-3] * 3)
-    found = compiled(FOUR).batch(records(FOUR, known(FOUR, near)), given(FOUR, V)).outputs
-    assert found["valid"].all()
+    outputs = compiled(FOUR).batch(records(FOUR, known(FOUR, near)), given(FOUR, V)).outputs
+    assert outputs["valid"].all()
     for k, at in enumerate(pose):
 
         def left(d: Numbers, k: int = k, at: Numbers = at) -> Numbers:
             return (volts(FOUR, at + 1e-5 * d / SIZES) - V[k]).ravel() / FOUR.deviation
 
         best = 1e-5 * optimize.least_squares(left, np.zeros(6), xtol=1e-10).x
-        off = np.array([found[name][k] for name in six_estimator.OUTPUTS]) - at - best / SIZES
-        deviations = np.array([found[f"deviation_{name}"][k] for name in six_estimator.OUTPUTS])
+        off = np.array([outputs[name][k] for name in six_estimator.OUTPUTS]) - at - best / SIZES
+        deviations = np.array([outputs[f"deviation_{name}"][k] for name in six_estimator.OUTPUTS])
         assert (np.abs(off) < 0.05 * deviations).all()
 
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
 def test_errors_are_as_large_as_it_says(array: Array) -> None:
     pose = np.repeat(places(60, 3)[np.newaxis], 60, axis=0)
-    found = replayed(array, pose[0], noisy(array, pose))
-    off, sure = errors(found, pose), found["valid"] > 0
+    outputs = replayed(array, pose[0], noisy(array, pose))
+    off, sure = errors(outputs, pose), outputs["valid"] > 0
     assert sure.mean() > 0.99
     for i, name in enumerate(six_estimator.OUTPUTS):
-        ratio = np.sqrt(np.mean((off[..., i] / found[f"deviation_{name}"])[sure] ** 2))
+        ratio = np.sqrt(np.mean((off[..., i] / outputs[f"deviation_{name}"])[sure] ** 2))
         assert 0.9 < ratio < 1.1, name
     louder = errors(replayed(array, pose[0], noisy(replace(array, deviation=1.3e-3), pose)), pose)
-    assert np.sqrt(np.mean((louder[..., 2] / found["deviation_Z"]) ** 2)) > 1.2  # the check can fail
+    assert np.sqrt(np.mean((louder[..., 2] / outputs["deviation_Z"]) ** 2)) > 1.2  # the check can fail
 
 
 def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     pose = places(100, 4)
-    found = compiled(FOUR).batch(records(FOUR, known(FOUR, pose)), given(FOUR, volts(FOUR, pose))).outputs
+    outputs = compiled(FOUR).batch(records(FOUR, known(FOUR, pose)), given(FOUR, volts(FOUR, pose))).outputs
     H = hall_two_waves.rows(FOUR, pose)
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
     for i, name in enumerate(six_estimator.OUTPUTS):
         # The damping makes them smaller, by what it decides instead of the voltages: 1 % at most.
-        np.testing.assert_allclose(found[f"deviation_{name}"], bound[:, i], rtol=1e-2)
-        assert (found[f"deviation_{name}"] < bound[:, i] * (1 + 1e-6)).all()
+        np.testing.assert_allclose(outputs[f"deviation_{name}"], bound[:, i], rtol=1e-2)
+        assert (outputs[f"deviation_{name}"] < bound[:, i] * (1 + 1e-6)).all()
 
 
 def test_it_follows_motions() -> None:
     """Of 0.7 m/s, 7 m/s^2, 0.4 mm of gap and 8 mrad of tilt: each sample is valid but a few in a thousand."""
     pose = motion(300, 40, 6, travel=0.1)
-    found = replayed(FOUR, pose[0], noisy(FOUR, pose))
-    off, sure = errors(found, pose), found["valid"] > 0
-    assert sure.mean() > 0.995 and not found["lock_lost"].any()
+    outputs = replayed(FOUR, pose[0], noisy(FOUR, pose))
+    off, sure = errors(outputs, pose), outputs["valid"] > 0
+    assert sure.mean() > 0.995 and not outputs["lock_lost"].any()
     assert np.abs(off[sure][:, :3]).max() < 25e-6 and np.abs(off[sure][:, 3:]).max() < 1e-3
 
 
@@ -243,8 +243,8 @@ def test_where_rank_is_lost_it_is_damped() -> None:
         low, high = (middle, high) if same else (low, middle)
     pose = low[np.newaxis]
     for array, lost in ((doubled, 1), (FOUR, 0)):
-        found = by_block(array, known(array, pose), volts(array, pose))
-        assert found["damped"] == lost and found["valid"] == 1 - lost and found["converged"] == 1
+        outputs = by_block(array, known(array, pose), volts(array, pose))
+        assert outputs["damped"] == lost and outputs["valid"] == 1 - lost and outputs["converged"] == 1
 
 
 def test_fewer_than_four_sensors_are_refused() -> None:
@@ -266,33 +266,33 @@ def test_sensors_at_one_place_count_once() -> None:
 def test_beyond_its_ranges_it_is_not_valid(change: list[float]) -> None:
     """It is valid up to them; the motion goes on past them within 40 ms."""
     pose = np.tile(places(1, 7, gap=0.0, tilt=0.0), (32, 1, 1)) + 1.4 * np.linspace(0, 1, 32)[:, None, None] * change
-    found = replayed(FOUR, pose[0], volts(FOUR, pose))
+    outputs = replayed(FOUR, pose[0], volts(FOUR, pose))
     outside = np.abs(pose[..., 2] - 3e-3) > USUAL.gap
     outside |= (np.abs(pose[..., 3:5]) > USUAL.tilt).any(axis=-1)
-    assert outside.any() and not (found["valid"] > 0)[outside].any()
-    assert (found["valid"] > 0)[~outside].mean() > 0.9
+    assert outside.any() and not (outputs["valid"] > 0)[outside].any()
+    assert (outputs["valid"] > 0)[~outside].mean() > 0.9
 
 
 def test_a_false_voltage_leaves_residuals_and_is_not_valid() -> None:
     pose = np.repeat(places(200, 8)[np.newaxis], 4, axis=0)
     V = volts(FOUR, pose)
     V[1:, :, 2, 1] += 0.5
-    found = replayed(FOUR, pose[0], V)
-    assert found["valid"][0].all() and not found["valid"][1].any()
-    assert (found["residual"][1] > USUAL.residual_limit).mean() > 0.9
+    outputs = replayed(FOUR, pose[0], V)
+    assert outputs["valid"][0].all() and not outputs["valid"][1].any()
+    assert (outputs["residual"][1] > USUAL.residual_limit).mean() > 0.9
 
 
 def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
     pose = np.repeat(places(40, 9)[np.newaxis], 30, axis=0)
     V = noisy(FIVE, pose)
     V[10:, :, 1, 0] = np.nan
-    found = replayed(FIVE, pose[0], V)
-    off = errors(found, pose)[10:]
+    outputs = replayed(FIVE, pose[0], V)
+    off = errors(outputs, pose)[10:]
     left = replace(FIVE, positions=(FIVE.positions[0], *FIVE.positions[2:]))
     H = hall_two_waves.rows(left, pose[0])
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
-    sure = found["valid"][10:] > 0
-    assert sure.mean() > 0.9 and np.median(found["deviation_X"][20] / bound[:, 0]) == pytest.approx(1, rel=1e-2)
+    sure = outputs["valid"][10:] > 0
+    assert sure.mean() > 0.9 and np.median(outputs["deviation_X"][20] / bound[:, 0]) == pytest.approx(1, rel=1e-2)
     assert np.sqrt(np.mean((off / bound)[sure] ** 2)) < 1.1
     V = noisy(FOUR, pose)
     V[10:, :, 1, 0] = np.nan

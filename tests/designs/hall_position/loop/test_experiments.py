@@ -37,8 +37,8 @@ def planted(old: str, new: str) -> Loop:
     return replace(loop, rig=replace(loop.rig, controller=wrong))
 
 
-def failed(found: Experiment) -> set[str]:
-    return {check.name for check in found.checks if not check.passed}
+def failed(experiment: Experiment) -> set[str]:
+    return {check.name for check in experiment.checks if not check.passed}
 
 
 @pytest.mark.parametrize(
@@ -51,9 +51,9 @@ def test_the_calibrated_loop_keeps_its_bars(make: object) -> None:
 
 @pytest.mark.parametrize("name", ["plain", "calibrated"])
 def test_the_step_of_4_mm(name: str) -> None:
-    found = experiments.step(loops()[name], name)
-    assert failed(found) == set()
-    assert found.figures["motion as estimated, mm"] == pytest.approx(4.0, abs=2e-3)
+    experiment = experiments.step(loops()[name], name)
+    assert failed(experiment) == set()
+    assert experiment.figures["motion as estimated, mm"] == pytest.approx(4.0, abs=2e-3)
 
 
 def test_the_step_without_calibration_would_not_pass_for_the_calibrated_one() -> None:
@@ -85,16 +85,16 @@ REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady
     ],
     ids=["used", "zeros", "without motion", "half the motion"],
 )
-def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, told: set[str]) -> None:
-    assert told == failed(experiments.dropouts(planted(old, new)))
+def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, failing: set[str]) -> None:
+    assert failing == failed(experiments.dropouts(planted(old, new)))
 
 
 def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
     source, plant = closed_loop.Source(config.array(config.THREE)), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
-    found = page_loops.opened(source, block, {})
+    parts = page_loops.open_loop(source, block, {})
     T = lqg.TIME.period_s
-    stage, law = sampled(found.plant, T, found.delay * T), found.controller
+    stage, law = sampled(parts.plant, T, parts.delay * T), parts.controller
     x, state, moved = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
     for k in range(200):
         seen = stage.C @ x + (k == 0) * (np.array(stage.outputs) == "x")
@@ -104,10 +104,10 @@ def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None
 
 
 def test_a_loop_without_its_latch_is_told() -> None:
-    found = experiments.loss(
+    experiment = experiments.loss(
         planted("state->hall_source_failed = (uint32_t)", "state->hall_source_failed = 0u * (uint32_t)")
     )
-    assert "samples to the latch" in failed(found)
+    assert "samples to the latch" in failed(experiment)
 
 
 def test_no_current_flows_until_a_position_is_known_and_none_where_it_is_lost_at_once() -> None:
@@ -126,7 +126,7 @@ def test_no_current_flows_until_a_position_is_known_and_none_where_it_is_lost_at
 
 @cache
 def compared() -> Experiment:
-    by_name = {sources.SECTIONS: stage_loop.of_sections(libm=True), sources.PLACED: loops()["calibrated"]}
+    by_name = {sources.SECTIONS: stage_loop.of_sections(libm=True), sources.OPTIMISED: loops()["calibrated"]}
     return sources.experiment(by_name)
 
 
@@ -137,7 +137,7 @@ def test_the_estimate_is_twice_as_near_to_its_path_as_the_sections() -> None:
 @pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
 def test_the_estimate_costs_some_times_as_much() -> None:
     by_sections, placed = (
-        compared().figures[f"{name}: instructions, {sources.BUILD}"] for name in (sources.SECTIONS, sources.PLACED)
+        compared().figures[f"{name}: instructions, {sources.BUILD}"] for name in (sources.SECTIONS, sources.OPTIMISED)
     )
     assert 3 < placed / by_sections < 12  # functions of libm among them
 

@@ -7,8 +7,8 @@ import pytest
 
 from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import endurance, estimator_ensemble
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.execute import host
@@ -56,10 +56,10 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
 
 def test_motions_creep_and_swing() -> None:
     """Within the limits, and half of them come close to these."""
-    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), fleet.TIME.period_s
-    at = motions.sines(TWO.array, fleet.TIME, 400, limits, rng, endurance.SLOWEST)
-    found = [at(k) for k in range(4000)]
-    X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
+    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), estimator_ensemble.TIME.period_s
+    at = motions.random_course(TWO.array, estimator_ensemble.TIME, 400, limits, rng, endurance.SLOWEST)
+    poses = [at(k) for k in range(4000)]
+    X, Y, yaw = (np.array([getattr(p, name) for p in poses]) for name in ("X", "Y", "yaw"))
     speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T
     size = np.hypot(np.diff(X, 2, axis=0), np.diff(Y, 2, axis=0)).max(axis=0) / T**2
     assert speed.max() <= limits.speed and (speed > 0.7 * limits.speed).mean() > 0.4
@@ -69,13 +69,13 @@ def test_motions_creep_and_swing() -> None:
 
 
 def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    stepped = fleet.stepped
+    stepped = estimator_ensemble.step
 
-    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
-    monkeypatch.setattr(fleet, "stepped", careless)
+    monkeypatch.setattr(estimator_ensemble, "step", careless)
     limits = endurance.limits(TWO)
     beyond = Limits(limits.speed, 3 * limits.acceleration)
     assert endurance.run(TWO, BODIES, SAMPLES, beyond).wrong > 20

@@ -34,18 +34,18 @@ class EstimatorConfig:
 
 
 @cache
-def compiled(kind: EstimatorConfig) -> host.Controller:
+def compile_estimator(kind: EstimatorConfig) -> host.Controller:
     """Return the estimator's C in single precision, compiled."""
     block = estimator.guarded_estimator(kind.array, TIME, kind.tuning)
     return build.compiled(unranged(block), np.float32, error=estimator.SURROGATE_ERROR[np.float32])
 
 
-def placed(kind: EstimatorConfig, pose: Pose, before: Pose | None = None, certain: bool = True) -> host.Records:
+def states_at(kind: EstimatorConfig, pose: Pose, before: Pose | None = None, resolved: bool = True) -> host.Records:
     """Return the states of bodies that are at poses (N,), and were at others a sample before, or at rest.
 
     Where that is not certain a yaw about 0 is assumed, as after `init`.
     """
-    state = ensemble.started(compiled(kind), len(pose.X))
+    state = ensemble.started(compile_estimator(kind), len(pose.X))
     w, pitch = kind.array.wave_number, kind.array.pitch
     now, last = (each.place(kind.array.centre) for each in (pose, before or pose))
     for axis, at, past in zip("xy", now, last, strict=True):
@@ -55,38 +55,38 @@ def placed(kind: EstimatorConfig, pose: Pose, before: Pose | None = None, certai
             state[f"estimator_motion_{axis}"] = w * (at - past)
     if kind.tuning.velocity_gain and before:
         state["estimator_motion_yaw"] = pose.yaw - before.yaw
-    state["estimator_yaw"], state["estimator_searching"] = wrapped(pose.yaw), 0
-    if certain:
-        state["estimator_yaw_last_good"] = wrapped(pose.yaw)
+    state["estimator_yaw"], state["estimator_searching"] = wrap_angle(pose.yaw), 0
+    if resolved:
+        state["estimator_yaw_last_good"] = wrap_angle(pose.yaw)
         state["estimator_ambiguity_resolved"] = state["estimator_acquired"] = 1
     return state
 
 
-def moving(kind: EstimatorConfig, at: Course) -> host.Records:
+def states_on_course(kind: EstimatorConfig, at: Course) -> host.Records:
     """Return the states of bodies on a course, before sample 0."""
-    return placed(kind, at(-1), at(-2))
+    return states_at(kind, at(-1), at(-2))
 
 
-def wrapped(angle: Numbers) -> Numbers:
+def wrap_angle(angle: Numbers) -> Numbers:
     """Return angles within half a turn."""
     return (angle + pi) % (2 * pi) - pi
 
 
-def stepped(kind: EstimatorConfig, state: host.Records, volts: Numbers) -> host.Batch:
+def step(kind: EstimatorConfig, state: host.Records, volts: Numbers) -> host.Batch:
     """Advance bodies (N,) by a sample on voltages (N, sensors, 2)."""
-    return compiled(kind).batch(state, motions.named(volts))
+    return compile_estimator(kind).batch(state, motions.by_input(volts))
 
 
-def score(kind: EstimatorConfig, found: Mapping[str, Numbers], pose: Pose) -> Scores:
+def score(kind: EstimatorConfig, outputs: Mapping[str, Numbers], pose: Pose) -> Scores:
     """Return the scores of outputs (N,) by where the bodies are."""
     pitch = kind.array.pitch
-    along = [(found[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
-    errors = np.array([*along, wrapped(found["yaw"] - pose.yaw)])
-    stated = np.array([found[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
-    return Scores(found["valid"] > 0, np.hypot(*along), np.abs(errors) / stated)
+    along = [(outputs[a] - getattr(pose, a) + pitch / 2) % pitch - pitch / 2 for a in "XY"]
+    errors = np.array([*along, wrap_angle(outputs["yaw"] - pose.yaw)])
+    stated = np.array([outputs[f"deviation_{a}"] for a in ("X", "Y", "yaw")])
+    return Scores(outputs["valid"] > 0, np.hypot(*along), np.abs(errors) / stated)
 
 
-def followed(
+def track(
     kind: EstimatorConfig,
     state: host.Records,
     at: Course,
@@ -100,11 +100,13 @@ def followed(
     """
     for k in range(numeric.whole("the number of samples", samples)):
         pose = at(k)
-        batch = stepped(kind, state, spoilt(k, motions.noisy(kind.array, pose, rng)))
+        batch = step(kind, state, spoilt(k, motions.noisy(kind.array, pose, rng)))
         state = batch.states
         yield batch, score(kind, batch.outputs, pose)
 
 
-def scored(kind: EstimatorConfig, state: host.Records, at: Course, samples: int, rng: np.random.Generator) -> Scores:
+def track_scores(
+    kind: EstimatorConfig, state: host.Records, at: Course, samples: int, rng: np.random.Generator
+) -> Scores:
     """Return the scores (samples, N) of bodies that are at known poses; raise ModelError as `followed`."""
-    return ensemble.stacked([scores for _, scores in followed(kind, state, at, samples, rng)])
+    return ensemble.stacked([scores for _, scores in track(kind, state, at, samples, rng)])
