@@ -1,6 +1,6 @@
-"""The field above periodic magnet matrices, from the remanence of each block: Fourier series, symbolic in all of it.
+"""Field above periodic magnet matrices from the remanence of each block: a symbolic Fourier series.
 
-            z ^      strong side                 one pitch l by l is cut into n_x by n_y blocks of height Delta with
+            z ^      strong side                 one pitch l by l has n_x by n_y blocks of height Delta with
               |  ~~~~~~~~~~~~~~~~~~              the remanence J_ij; the origin is the centre of block (0, 0), in the
               +---+---+---+---+---+---> X        plane of the blocks' upper faces. A Halbach array along X is a cell
               | ^ | < | v | > | ^ |              with n_y = 1, one along Y has n_x = 1, and the concentrated-field
@@ -14,10 +14,9 @@ sinc(t) = sin(pi t) / (pi t), the charges of the blocks' faces make above the ma
 
 written as waves (c cos(k.r) + s sin(k.r)) exp(-kappa z), one for each pair of k and -k.
 
-Two ideal arrays have waves (n, 0) and (0, n) with n = 1, 5, 9, .. only. Blocks of one strong and one weak grade make
-the strong blocks m = strong/2 and all others m = weak/sqrt(2). Where these differ, the waves 3, 7, .. appear, and those
-with p, q other than 0 of which one is odd and one even, chiefly (2, +-1) and (1, +-2): model (2) has none of them, and
-they are most of what it leaves.
+Two ideal arrays have waves (n, 0) and (0, n) with n = 1, 5, 9, .. only. Blocks of one strong and one weak grade have
+m = strong/2 and m = weak/sqrt(2). If these differ, the waves 3, 7, .. appear, and waves with nonzero p and q, one odd
+and one even, chiefly (2, +-1) and (1, +-2). Model (2) contains none of them, and they are most of its residual.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Fig. 2.
 """
@@ -88,10 +87,10 @@ def values() -> dict[str, ca.SX]:
 
 
 def directions(cycle_x: Array, cycle_y: Array) -> tuple[Array, Array]:
-    """Return what the strong and the weak blocks are the sums of, (n_x, n_y, 3) each, 0 where there is another block.
+    """Return the directions of the strong and of the weak blocks, (n_x, n_y, 3) each, 0 at other blocks.
 
-    A block is a(i) + b(j) of two cycles (n, 2) along and up: strong where both point up or both down, none where these
-    cancel, else weak. Remanences times these are strong/2 and weak/sqrt(2).
+    A block is the sum a(i) + b(j) of two cycles (n, 2) along and up: strong where both point up or both down, absent
+    where they cancel, else weak. The directions are not unit vectors: multiply them by strong/2 and weak/sqrt(2).
     """
     units = np.zeros((len(cycle_x), len(cycle_y), 3))
     units[:, :, 0], units[:, :, 1] = cycle_x[:, None, 0], cycle_y[None, :, 0]
@@ -117,7 +116,7 @@ def across(cell: Cell) -> Cell:
 
 
 def superpose(a: Cell, b: Cell) -> Cell:
-    """Return the sum of two cells, blocks of one being cut where those of the other end.
+    """Return the sum of two cells, with the single blocks of one divided as in the other.
 
     Raises ModelError unless along X and along Y one has as many blocks as the other or a single one.
     """
@@ -127,10 +126,10 @@ def superpose(a: Cell, b: Cell) -> Cell:
             f"cells of {a.x.shape} and {b.x.shape} blocks do not fit: each side needs equal numbers or a single block"
         )
 
-    def cut(each: ca.SX) -> ca.SX:
+    def divide(each: ca.SX) -> ca.SX:
         return ca.repmat(each, shape[0] // each.shape[0], shape[1] // each.shape[1])
 
-    return Cell(cut(a.x) + cut(b.x), cut(a.y) + cut(b.y), cut(a.z) + cut(b.z))
+    return Cell(divide(a.x) + divide(b.x), divide(a.y) + divide(b.y), divide(a.z) + divide(b.z))
 
 
 def ideal_matrix(strong: ca.SX | float) -> Cell:
@@ -158,11 +157,11 @@ def orders_up_to(highest: int) -> tuple[Order, ...]:
 
 
 def waves(cell: Cell, orders: Iterable[Order], p: Values) -> tuple[Wave, ...]:
-    """Return the waves of a matrix, without those that blocks of these sides do not make.
+    """Return the waves of a matrix, without those that vanish for blocks of these sides.
 
     `p` holds the pitch l and the blocks' height Delta in m.
 
-    Raises ModelError for the order (0, 0), which has no field, and for one that stands twice, as itself or as -k.
+    Raises ModelError for the order (0, 0), which has no field, and for one that is listed twice, as itself or as -k.
     """
     matrix_waves, w = [], wave_number(p)
     for order in _check_distinct(orders):
@@ -201,13 +200,13 @@ def waves_from_amplitudes(
 
 
 def amplitude(wave: Wave, z: ca.SX | float) -> ca.SX:
-    """Return what a wave has of sin(k.r) in B_X in T, z in m above the matrix; of a wave (0, n) in B_Y."""
+    """Return the amplitude of a wave's sin(k.r) in B_X in T, z in m above the matrix; of a wave (0, n) in B_Y."""
     k = wave.kx if wave.order[0] else wave.ky
     return k * wave.cosine * ca.exp(-wave.kappa * z)
 
 
 def amplitudes(cell: Cell, numbers: Iterable[int], z: float) -> list[float]:
-    """Return A_n in T of sin(n w X) in B_X, z in m above a matrix, 0 where its blocks do not make the wave."""
+    """Return A_n in T of sin(n w X) in B_X, z in m above a matrix, 0 where the wave vanishes."""
     orders = [(n, 0) for n in numbers]
     sizes = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, orders, values())}
     return [sizes.get(order, 0.0) for order in orders]
@@ -231,7 +230,7 @@ def _check_distinct(orders: Iterable[Order]) -> tuple[Order, ...]:
         if (p, q) == (0, 0):
             raise ModelError("the order (0, 0) is the mean, which has no field above the matrix: leave it out")
         if (p, q) in distinct or (-p, -q) in distinct:
-            raise ModelError(f"the wave ({p}, {q}) stands twice, as itself or as ({-p}, {-q}): give it once")
+            raise ModelError(f"the wave ({p}, {q}) is listed twice, as itself or as ({-p}, {-q}): give it once")
         distinct.append((p, q))
     return tuple(distinct)
 
@@ -243,7 +242,7 @@ def _sinc(p: int, n: int) -> float:
 
 
 def _phases(order: Order, shape: tuple[int, int]) -> tuple[ca.SX, ca.SX]:
-    """Return cosines and sines (n_x, n_y) of k.r_ij, exact at quarter turns so that what is 0 stays so."""
+    """Return cosines and sines (n_x, n_y) of k.r_ij, exact at quarter turns, with exact zeros."""
     (p, q), (n, m) = order, shape
     turn = n * m
     steps = 4 * (p * m * np.arange(n)[:, None] + q * n * np.arange(m))  # in quarters of a turn, times n m

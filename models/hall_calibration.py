@@ -1,4 +1,4 @@
-"""What the field above the matrix is to the Hall sensors: amplitude, and fits of position, slope and power.
+"""Calibration of the Hall sensors: amplitude of the field, and least-squares fits of position, slope and power.
 
     S(t) = sin t + b sin 5t + d sin 9t,   C(t) = cos t + b cos 5t + d cos 9t     t = 2 pi X / l; b, d = A_5/A_1, A_9/A_1
 
@@ -6,9 +6,9 @@
     S'        = C^3 (q_0 + q_1 S^2)
     S^2 + C^2 = g_0 + g_1 (S C)^2 + g_2 (S C)^4
 
-Each is the fit of least squares over POINTS points of a section or two, in ball arithmetic, each coefficient rounded
-once: alike on every machine. The angle of C + i S is t + arg(1 + b e^4it + d e^8it), so that t is an odd function of r
-by itself: the first fit is arctangent and calibration in one.
+Each is a least-squares fit over POINTS points of one or two sections, in ball arithmetic with each coefficient rounded
+once, which gives the same bits on every machine. The angle of C + i S is t + arg(1 + b e^4it + d e^8it), and t is an
+odd function of r alone: the first fit combines arctangent and calibration.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from synth.analyse import precise
 from synth.plant import Plant
 
 POINTS = 64
-TERMS = 4  # of the position: 3 leave 55 um at most, 4 leave 9.5 um, 5 leave 6.4 um, 7 leave 3.3 um
+TERMS = 4  # of the position: errors of 55 um at most with 3, 9.5 um with 4, 6.4 um with 5, 3.3 um with 7
 
 
 @dataclass(frozen=True)
@@ -57,11 +57,11 @@ class _Wave:
 
 def of(plant: Plant) -> Calibration:
     """Return the calibration for the field at the sensors' nominal height."""
-    return _of(*(plant.parameter(name).value for name in ("l", "Delta", "mu0_M0", "height", "sensitivity")))
+    return _calibrate(*(plant.parameter(name).value for name in ("l", "Delta", "mu0_M0", "height", "sensitivity")))
 
 
 @cache
-def _of(*values: float) -> Calibration:
+def _calibrate(*values: float) -> Calibration:
     with precise.precision():
         l, Delta, m, height, sensitivity = (flint.arb(v) for v in values)
         A = {n: sensitivity * _amplitude(n, l, Delta, m, height) for n in halbach.HARMONICS}

@@ -4,12 +4,12 @@ In the field's axes the Jacobian of sensor k, at the phase (p, q) and the place 
 
     X:  [g, 0, h],  g = B'(p),  h = B(q) - g o_Y        Y:  [0, k, m],  k = B'(q),  m = k o_X - B(p)
 
-by phases in rad and the yaw, so that with the yaw's information N_T, by Lagrange's identity a sum of squares,
+by phases in rad and the yaw, and with the yaw's information N_T, by Lagrange's identity a sum of squares,
 
     N_T = sum over axes of [sum over pairs (g_i h_j - g_j h_i)^2] / sum g^2,
     var yaw = sigma^2 / N_T,    var X = sigma^2 / w^2 (1 / sum g^2 + (sum g h / sum g^2)^2 / N_T).
 
-How large they get between places is proved by `synth.analyse.observability.worst_deviation`.
+`synth.analyse.observability.worst_deviation` proves their largest values between grid points.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
 """
@@ -35,7 +35,7 @@ MOST = 30_000_000  # cells
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Slopes g (2, n, N), V by rad of phase, and turns h (2, n, N), V by rad of yaw, of n sensors along X and Y."""
+    """Derivatives g (2, n, N) by the phase and h (2, n, N) by the yaw, V/rad, of n sensors along X and Y."""
 
     g: Array
     h: Array
@@ -55,7 +55,7 @@ def field(array: PlanarArray, phase: Array, order: int = 0) -> Array:
 
 
 def derivative_bound(array: PlanarArray, order: int) -> float:
-    """Return a bound of the derivative of B of an order, V."""
+    """Return a bound of the derivative of B of some order, V."""
     return array.alpha + 5**order * abs(array.beta)
 
 
@@ -87,7 +87,7 @@ def of_phases(array: PlanarArray, q: Array) -> Array:
 
 
 def units(array: PlanarArray) -> Array:
-    """Return what a rad of each phase and of the yaw is, m and rad (3,)."""
+    """Return the size of a rad of each phase and of the yaw, m and rad (3,)."""
     w = array.wave_number
     return np.array([1 / w, 1 / w, 1.0])
 
@@ -100,7 +100,7 @@ def deviations(array: PlanarArray, q: Array) -> Array:
 
 
 def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
-    """Return bounds (3, N) of how far the Jacobian's columns, in V, move in cells q +- half (3, N), rad."""
+    """Return bounds (3, N) of the change of the Jacobian's columns, in V, in cells q +- half (3, N), rad."""
     place = sensor_phases(array, q[2])
     reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
     moved = [half[i] + reach * half[2] for i in (0, 1)]
@@ -119,7 +119,7 @@ def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
 def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
     """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
-    Raises ModelError where that takes more than MOST cells, as where the rank is lost; the message tells where.
+    Raises ModelError if that needs more than MOST cells, as where the rank is lost; the message says where.
     """
     low, high = yaw
     if not -pi <= low <= high <= pi:

@@ -1,11 +1,12 @@
-"""Hall voltages over (X, Y, yaw) as phasors: measurement model and Jacobian of two-axis sensors in the body's plane.
+"""Measurement model and Jacobian over (X, Y, yaw) of two-axis Hall sensors in the body's plane, with phasors.
 
-R(yaw) V - B(P) is as long as V - R(yaw)' B, the residual of a sensor. In the field's axes the Jacobian is sparse,
+R(yaw) V - B(P) has the length of V - R(yaw)' B, the residual of a sensor. In the field's axes the Jacobian is sparse,
 
     X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y      o = w R(yaw) r: the sensor's place about the centre
     Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X      in rad of phase, B' by the phase
 
-A displaced phase is the predicted one turned by a small angle; sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
+Phasors of a displaced pose are the predicted ones rotated by a small angle, and
+sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
 """
@@ -31,7 +32,7 @@ POWERS = (1, 3, 5)  # of the sine, in alpha sin p + beta sin 5p
 class Sensor:
     """A sensor at a pose: its phases along X and Y, its place about the centre, rad, its voltages in field axes, V.
 
-    `field` are the constant and the coefficients of sin, sin^3 and sin^5, `slope` those of the derivative.
+    `field` are the constant and the coefficients of sin, sin^3 and sin^5; `slope` are those of the derivative.
     """
 
     phases: tuple[Phasor, Phasor]
@@ -66,7 +67,7 @@ def constants(array: PlanarArray) -> list[Constant]:
 
 
 def rotation_phasor(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
-    """Return the phasor of a small yaw, and 1 - cos, which is 2 sin^2 of its half."""
+    """Return the phasor of a small yaw, and its versine 1 - cos = 2 sin^2(yaw / 2)."""
     sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
     named.append((Signal("yaw_change_sine", "1", -1, 1, "sine of the change of yaw in the sample"), sine))
     named.append((Signal("half_yaw_change_sine", "1", -2, 2, "sine of half the change of yaw, times sqrt(2)"), half))
@@ -74,7 +75,7 @@ def rotation_phasor(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
 
 
 def displace(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
-    """Return sensors of a body that is displaced by (U, V, T)."""
+    """Return the sensors of a body displaced by (U, V, T)."""
     turn, versine = rotation_phasor(at[2], named)
     return [_displaced(s, at, turn, versine) for s in sensors]
 

@@ -1,9 +1,9 @@
-"""Hall voltages in six degrees of freedom as phasors: measurement model and Jacobian of sensors anywhere in a body.
+"""Measurement model and Jacobian in six degrees of freedom of two-axis Hall sensors in a body, with phasors.
 
     V_k = [u v]' B(P_k),   P_k = (X, Y, Z) + R r_k,    q = (phase_x, phase_y, rise, roll, pitch, yaw) in rad
 
-In units of phase, so that the gradient of B is that of `hall_two_waves` over w and places are o = w R r. With rows p of
-the gradient turned into the body's axes, p_i = R' grad B R_i, b = R' B and a sensor at (x, y, z) rad in the body,
+Lengths are in units of phase: the gradient of B is that of `hall_two_waves` over w, and places are o = w R r. With rows
+p of the gradient in the body's axes, p_i = R' grad B R_i, b = R' B and a sensor at (x, y, z) rad in the body,
 
     u:  p_1 by phases,  t = (y p_13 - z p_12,  z p_11 - x p_13 - b_3,  x p_12 - y p_11 + b_2)    by turns in the body
     v:  p_2 by phases,  t = (y p_23 - z p_22 + b_3,  z p_12 - x p_23,  x p_22 - y p_12 - b_1)
@@ -33,7 +33,7 @@ class Attitude:
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """Where a sensor is in the body, rad, its voltages, and the field's alpha and beta that it sees, V."""
+    """Position of a sensor in the body, rad, its voltages, and alpha and beta of the field, V."""
 
     arm: tuple[float, float, float]
     volts: tuple[ca.SX, ca.SX]
@@ -43,7 +43,7 @@ class Sensor:
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """A sensor with the waves along X and Y that it sees."""
+    """A sensor with the waves along X and Y at its position."""
 
     sensor: Sensor
     x: Waves
@@ -69,7 +69,7 @@ def attitude(yaw: Phasor, by_x: ca.SX, by_y: ca.SX) -> Attitude:
 
 
 def place(of: Sensor, body: Attitude) -> Vector:
-    """Return where a sensor is about the body's origin, rad."""
+    """Return the position of a sensor from the body's origin, rad."""
     return [total(r * e[i] for r, e in zip(of.arm, body.axes, strict=True) if r) for i in range(3)]
 
 
@@ -97,7 +97,7 @@ def _flux(by: Observed) -> Vector:
 
 
 def residuals(by: Observed, body: Attitude) -> list[ca.SX]:
-    """Return what u and v read beyond the model, V."""
+    """Return the residuals of u and v, V."""
     B = _flux(by)
     return [volts - dot(e, B) for volts, e in zip(by.sensor.volts, body.axes[:2], strict=True)]
 
@@ -121,6 +121,6 @@ def rows(by: Observed, body: Attitude) -> tuple[Vector, Vector]:
 
 
 def _angles(t: Vector, body: Attitude) -> Vector:
-    """Return by roll, pitch and yaw what is `t` by turns about the body's axes."""
+    """Return the derivatives by roll, pitch and yaw, from those `t` by rotations about the body's axes."""
     roll = body.roll
     return t[0], roll.cosine * t[1] - roll.sine * t[2], total(e[2] * each for e, each in zip(body.axes, t, strict=True))

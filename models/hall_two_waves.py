@@ -1,10 +1,10 @@
-"""Two-axis Hall sensors over a field of two waves each way, in volts: model (2) without gamma and delta, times V/T.
+"""Two-axis Hall sensors in a field of two waves along each axis: model (2) without gamma and delta, in volts.
 
     in the plane    B_X(X) = c + alpha sin(w X) + beta sin(5 w X),   B_Y likewise in Y,   w = 2 pi / pitch
     over the gap    B = -grad Phi,   a_1 = alpha, a_5 = beta
                     Phi = sum over n = 1, 5 of a_n / (n w) exp(-n w (Z - height)) (cos(n w X) + cos(n w Y))
 
-so that B_X is the same at the height, without c: offsets of the sensors are to be taken off before.
+This B_X agrees with the first at the height, without c: subtract the sensors' offsets first.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 6 (b).
 """
@@ -30,7 +30,7 @@ MIN_SENSORS = 3  # sensors of two axes for six unknowns
 
 
 class _Periodic:
-    """An array over a field of a pitch in m, of sensors at `arms` in rad of phase."""
+    """Array in a field with a pitch in m, of sensors at `arms` in rad of phase."""
 
     pitch: float
     arms: Any
@@ -46,11 +46,11 @@ class _Periodic:
         return max(abs(x) + abs(y) for x, y, *_ in self.arms)
 
     def yaw_within(self, phase: float) -> float:
-        """Return the yaw in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
+        """Return the yaw T in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
         return sqrt(1 + 2 * phase / self.reach) - 1
 
     def _check(self, positive: Iterable[str], finite: Iterable[str]) -> None:
-        """Make fields floats; raise ModelError for one that is no number, or not above 0 where it must be."""
+        """Convert fields to floats; raise ModelError for one that is not a number, or not above 0 where it must be."""
         for name in positive:
             object.__setattr__(self, name, numeric.positive(name, getattr(self, name)))
         for name in finite:
@@ -59,10 +59,10 @@ class _Periodic:
 
 @dataclass(frozen=True)
 class PlanarArray(_Periodic):
-    """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
+    """Sensors at `positions` in the body, m, their field in V, and the noise `deviation` of each axis, V.
 
-    Lists and arrays are taken, too. Raises ModelError for fewer than two places or more than 26 sensors, or a figure
-    that is no number or out of its range.
+    Positions may be lists or an array. Raises ModelError for fewer than two places, more than 26 sensors, or a value
+    that is not a number or out of its range.
     """
 
     positions: tuple[Pair, ...]
@@ -75,12 +75,12 @@ class PlanarArray(_Periodic):
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", numeric.places(self.positions, 2))
         if len(set(self.positions)) < 2:
-            raise ModelError(f"sensors are at {self.positions}: the yaw takes two places, give another one")
+            raise ModelError(f"sensors are at {self.positions}: the yaw needs two places, give another one")
         self._check(("alpha", "pitch", "deviation"), ("c", "beta"))
 
     @property
     def centre(self) -> Pair:
-        """Return the mean of the positions, m: where the estimate is made, so that X, Y and yaw are least coupled."""
+        """Return the mean of the positions, m: the estimated point, where X, Y and yaw are least coupled."""
         n = len(self.positions)
         return sum(x for x, _ in self.positions) / n, sum(y for _, y in self.positions) / n
 
@@ -98,12 +98,12 @@ class PlanarArray(_Periodic):
 
 @dataclass(frozen=True)
 class SpatialArray(_Periodic):
-    """Sensors at `positions` in the body, m, and the field that they see at a `height` in m above the matrix, V.
+    """Sensors at `positions` in the body, m, and their field at a `height` in m above the matrix, V.
 
-    Their axes are along the body's x and y; each is noisy by `deviation`, V. Positions may be lists or an array.
+    Their axes are along the body's x and y, each with noise `deviation`, V. Positions may be lists or an array.
 
-    Raises ModelError for fewer than three places or more than 26 sensors, for places that are all above one another,
-    or a figure that is no number or out of its range.
+    Raises ModelError for fewer than three places or more than 26 sensors, for places all above one another,
+    or a value that is not a number or out of its range.
     """
 
     positions: tuple[Triple, ...]
@@ -122,7 +122,7 @@ class SpatialArray(_Periodic):
         if len({r[:2] for r in self.positions}) < 2:
             raise ModelError(
                 f"all sensors are at x, y = {self.positions[0][:2]} m, above one another: their voltages differ by the "
-                "decay with Z alone, which hardly tells turns from displacements; give places apart in x and y"
+                "decay with Z alone, which hardly separates rotations from displacements; give places apart in x and y"
             )
         self._check(("alpha", "height", "pitch", "deviation"), ("beta",))
 
@@ -167,7 +167,7 @@ def level(array: SpatialArray, q: Array) -> Array:
 
 
 def model(array: AnyArray) -> tuple[HallArray, tuple[Wave, ...]]:
-    """Return the sensors and waves of `hall_array` that read as `array`: sensors of no volume, two waves each way."""
+    """Return the equivalent sensors and waves of `hall_array`: zero volume, two waves along each axis."""
     if isinstance(array, SpatialArray):
         height, sensors = (
             array.height,
@@ -180,7 +180,7 @@ def model(array: AnyArray) -> tuple[HallArray, tuple[Wave, ...]]:
 
 
 def check_poses(poses: ArrayLike) -> Array:
-    """Return poses (N, 6) of X, Y, Z and angles; raise ModelError for another shape, none, or what is not finite."""
+    """Return poses (N, 6) of X, Y, Z and angles; raise ModelError for another shape, none, or infinite values."""
     return numeric.table("the poses of X, Y, Z, roll, pitch, yaw", poses, len(hall_array.SPATIAL))
 
 

@@ -107,7 +107,7 @@ def of_three(emitted: Emitted) -> Subject:
 
 def of_six(array: SpatialArray) -> Subject:
     """Return the estimator of six degrees of freedom, on a motion and on random states and inputs."""
-    block = unranged(six_estimator.guarded(array, config.TIME))  # this block does not ship
+    block = unranged(six_estimator.guarded_estimator(array, config.TIME))  # this block does not ship
     emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"

@@ -177,8 +177,8 @@ def test_orders_that_blocks_do_not_make_are_left_out() -> None:
     ("call", "message"),
     [
         (lambda: cf.waves(MADE, [(0, 0)], P), "no field"),
-        (lambda: cf.waves(MADE, [(1, 0), (1, 0)], P), "stands twice"),
-        (lambda: cf.waves(MADE, [(2, 1), (-2, -1)], P), "stands twice"),
+        (lambda: cf.waves(MADE, [(1, 0), (1, 0)], P), "listed twice"),
+        (lambda: cf.waves(MADE, [(2, 1), (-2, -1)], P), "listed twice"),
         (lambda: cf.array([1.0, 0.0], [1.0]), "one of each for every block"),
         (lambda: cf.array([], []), "one of each for every block"),
         (lambda: cf.superpose(cf.array([1, 0], [0, 1]), cf.halbach_array(0.7)), "do not fit"),

@@ -69,7 +69,7 @@ def test_the_map_after_the_loss_of_a_sensor() -> None:
     assert tuple(accuracy) == ("all", *(f"without {k}" for k in "abcde"))
     assert np.isfinite(worst(accuracy)).all() and (worst(accuracy)[1:] > worst(accuracy)[0]).all()
     assert (median(accuracy)[1:, :3] < 5e-6).all() and (median(accuracy)[1:, 3:] < 3e-4).all()
-    with pytest.raises(ModelError, match="4 sensors have none to spare"):
+    with pytest.raises(ModelError, match="4 sensors have no redundant one"):
         hall_accuracy.losses(FOUR)
 
 

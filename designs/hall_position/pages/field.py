@@ -1,4 +1,4 @@
-"""The field in the report: waves, spacing of sensors, model (2) of a scan, and how it goes with the gap."""
+"""Field in the report: waves, spacing of sensors, fit of model (2) to a scan, and its dependence on the air gap."""
 
 from collections.abc import Mapping
 
@@ -20,7 +20,7 @@ from synth.report.maps import Map
 POINTS = 97  # of a field's picture, along a pitch
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)  # m
 SCAN, SEED = 24, 4  # places along a pitch at each height; of its noise
-MISALIGNMENT = np.radians(1.0)  # about Z, of the sensor whose model is told by the gap, so that gamma is seen
+MISALIGNMENT = np.radians(1.0)  # about Z, of the scanned sensor: it makes gamma observable
 FABRICATED = (*orders_on_axes((1, 3, 5, 7, 9)), *CROSS)
 NUMBERS = (1, 3, 5, 7, 9)
 PRINTED = 3  # spacings of (3)
@@ -53,7 +53,7 @@ def blocks(stage: Stage) -> dict[str, Made]:
 
 
 def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:
-    """Return model (2) of scans at HEIGHTS of a sensor that is TURNED, and how its coefficients decay."""
+    """Return fits of model (2) at HEIGHTS, of a sensor with MISALIGNMENT, and the decay of its coefficients."""
     sensor = hall_array.Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, MISALIGNMENT))
     one, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(FABRICATED)
     fits = {}
@@ -87,7 +87,7 @@ def _amplitudes(stage: Stage) -> Rows:
 
 
 def _harmonics(stage: Stage, z: float) -> Chart:
-    """Return Fig. 3: amplitudes by number, above ideal blocks and those that were made, z in m above the blocks."""
+    """Return Fig. 3: amplitudes by number, above ideal and fabricated blocks, z in m above the blocks."""
     first = list(range(1, 10))
     numbers, sizes = [*first, 11], [*stage.amplitudes(first, z), stage.cross(z)]
     made = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
@@ -98,7 +98,7 @@ def _harmonics(stage: Stage, z: float) -> Chart:
 
 
 def _surface(above: Mapping[str, Surface]) -> Figure:
-    """Return Fig. 4: B_X over the target area above ideal blocks and those that were made."""
+    """Return Fig. 4: B_X over the target area above ideal and fabricated blocks."""
     shown = [Map(f"B_X, {name}, mT", 1e3 * of.B_X) for name, of in above.items()]
     return maps.signed(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
 
@@ -114,7 +114,7 @@ def _sections(above: Mapping[str, Surface]) -> Figure:
 
 
 def _spacing(stage: Stage) -> Figure:
-    """Return Fig. 5: what two sensors read along X, and how insensitive a pair gets by its spacing."""
+    """Return Fig. 5: voltages of two sensors along X, and the least slope of a pair over its spacing."""
     waves, printed = stage.waves(orders_on_axes(hall_figures.HARMONICS)), hall_figures.spacings(PRINTED, stage.pitch)
     line = hall_figures.line(waves, float(printed[0]), height=stage.height)
     of = hall_figures.least_slopes(waves, 240, stage.height)
@@ -134,7 +134,7 @@ def _spacing(stage: Stage) -> Figure:
 
 
 def _residuals(fit: Fit) -> Figure:
-    """Return Fig. 8: a scan of a voltage, model (2) of it, and what is left; scanned places are middles of squares."""
+    """Return Fig. 8: a scan of a voltage, its fit by model (2), and the residual; places are the centres of squares."""
     n, half = int(np.sqrt(len(fit.measured))), fit.Y[1] / 2
     sides = [(1e3 * float(v[0] - half), 1e3 * float(v[-1] + half)) for v in (fit.X, fit.Y)]
     shown = {"(a) measured, V": fit.measured, "(b) model (2), V": fit.modelled, "(c) left, mV": 1e3 * fit.residual}
@@ -142,7 +142,7 @@ def _residuals(fit: Fit) -> Figure:
 
 
 def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure:
-    """Return |alpha|, |beta|, .. of fits by the height, and the law of decay from the ones at the sensors' height."""
+    """Return |alpha|, |beta|, .. of fits over the height, and the law of decay from the sensors' height."""
     z, lines = np.linspace(HEIGHTS[0], HEIGHTS[-1], 50), []
     for (name, greek), decay, colour in zip(GREEK.items(), decays, COLOURS, strict=False):
         law = np.exp(decay.estimate["ln"] - decay.law * (z - stage.height))

@@ -1,13 +1,13 @@
-"""The loops of x, y and yaw closed by the estimate: the controller, the filters' lag, a sample of delay, the stage.
+"""Loops of x, y and yaw with the estimate: controller, the filters' lag, a sample of delay, stage.
 
     i_AQ .. i_CD                                                          x, y, phi behind their filters, z, theta, psi
     ---*--->[ delay, hold, motors, stage ]--->[ 200 Hz, sampler ]-----*--->[ Hall sensors, lasers, controller ]---+
        ^                                                                                                          |
        +----------------------------------------------------------------------------------------------------------+
 
-As `designs.planar_6dof.loops`, whose cuts these are. The field is model (2). One filter of the first order for each
-voltage is one for each of x, y and yaw, as the voltages are linear in small motions; that of the upright axes, which
-move the voltages too, is left out.
+The loops are opened as in `designs.planar_6dof.loops`. The field is model (2). For small motions the voltages are
+linear, and a first-order filter for each voltage is equivalent to one for each of x, y and yaw. The filters' effect on
+the vertical axes, which move the voltages too, is neglected.
 """
 
 import numpy as np
@@ -30,12 +30,12 @@ from synth.verify import agree
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
 PLACES = 3  # over a pitch
-SETTLED = 300  # samples after which the estimate rests
+SETTLED = 300  # samples after which the estimate is at rest
 SPATIAL = ("x", "y", "z", "theta", "psi", "phi")  # as in hall_array.SPATIAL
 
 
 def section(points: int = PLACES) -> page.Section:
-    """Return the loops that the estimate closes beside those that the sections close."""
+    """Return the loops with the estimate beside those with the sections."""
     source = Source(config.array(config.THREE))
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
@@ -59,7 +59,7 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
 
 
 def open_loop(source: Source, block: Block, place: Place) -> Parts:
-    """Return both parts of the loop with the platen at rest at a place, m."""
+    """Return both parts of the open loop with the platen at rest at a place, m."""
     plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
     stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), loops.commutation_matrix(plant, pose)
     motors = stage.select(AXES, PHASES)
@@ -83,7 +83,7 @@ def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:
 
 
 def initial_states(block: Block, of: Sensors, pose: Place) -> dict[str, float]:
-    """Return the initial states of a controller whose estimator knows that the platen is at a place, without yaw."""
+    """Return the initial states of a controller whose estimator is initialised at a place, at yaw 0."""
     states = {s.name: s.initial for s in block.states}
     for axis, centre in zip("xy", of.centre, strict=True):
         at = (pose[axis] + centre) / of.pitch

@@ -1,4 +1,4 @@
-"""Redundant sensors and six degrees of freedom in the report, which the paper leaves as future work."""
+"""Redundant sensors and six degrees of freedom in the report; the paper leaves both as future work."""
 
 from collections.abc import Mapping
 
@@ -24,7 +24,7 @@ COLUMNS = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw
 
 
 def blocks(stage: Stage) -> dict[str, Made]:
-    """Return the layouts, why three sensors do not do, and the tuning."""
+    """Return the layouts, the determinants of three sensors, and the tuning."""
     three = {"third sensor added": PUBLISHED} | {f"searched, ±{turn}°": LAYOUTS[turn] for turn in LAYOUTS}
     return {
         "six.places": drawings.layouts({f"{n} sensors": places for n, places in layouts.SPATIAL.items()}),
@@ -40,7 +40,7 @@ def section(stage: Stage) -> page.Section:
 
 
 def optimised_layout(stage: Stage, sensors: int) -> SpatialArray:
-    """Return a layout that was searched, in the field of model (2)."""
+    """Return the optimised layout of some sensors, in the field of model (2)."""
     of, any_place = stage.pair, tuple((x, 0.0, 0.0) for x in (0.0, 1.0, 2.0))
     array = SpatialArray(any_place, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
     return hall_two_waves.with_positions(array, layouts.SPATIAL[sensors])
@@ -78,7 +78,7 @@ def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
 
 
 def _misfit(of: SpatialArray) -> page.Table:
-    """Return the errors by waves that the model has not, to first order."""
+    """Return the errors due to waves outside the model, to first order."""
     sensors = hall_array.point_sensors([(x, y) for x, y, _ in of.positions])
     off = 1e6 * hall_accuracy.misfit(of, sensors, Stage().waves(errors.WAVES), hall_accuracy.cell(of, LEVEL, POINTS))
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())

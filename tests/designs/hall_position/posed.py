@@ -32,7 +32,7 @@ Columns = Mapping[str, Numbers]
 
 @cache
 def block(array: Array, tuning: Tuning = USUAL) -> Block:
-    return unranged(six_estimator.guarded(array, TIME, tuning))
+    return unranged(six_estimator.guarded_estimator(array, TIME, tuning))
 
 
 @cache
