@@ -92,9 +92,9 @@ def draw_blocks(tolerances: Tolerances = USUAL) -> AsBuilt:
     nominal = finite_matrix.made()
     n, rng = len(nominal.places), np.random.default_rng(tolerances.seed)
     stronger = 1 + tolerances.remanence * rng.uniform(-1, 1, (n, n, 1))
-    drawn = np.cross(nominal.remanence, rng.standard_normal((n, n, 3)))
-    length = np.linalg.norm(drawn, axis=2, keepdims=True)
-    axis = drawn / np.where(length > 0, length, 1.0)  # across the magnetisation; places without a block have none
+    normal = np.cross(nominal.remanence, rng.standard_normal((n, n, 3)))
+    length = np.linalg.norm(normal, axis=2, keepdims=True)
+    axis = normal / np.where(length > 0, length, 1.0)  # across the magnetisation; places without a block have none
     tilt = tolerances.tilt * rng.uniform(-1, 1, (n, n, 1))
     tilted = np.cos(tilt) * nominal.remanence + np.sin(tilt) * np.cross(axis, nominal.remanence)
     off = tolerances.place * rng.uniform(-1, 1, (n, n, 3))
@@ -109,9 +109,9 @@ def series(of: AsBuilt, harmonics: int = HARMONICS) -> Series:
     for a, b, c in product(range(ORDER + 1), repeat=3):
         if a + b + c <= ORDER:
             weight = of.off[:, :, 0] ** a * of.off[:, :, 1] ** b * of.off[:, :, 2] ** c
-            moved = replace(of.blocks, remanence=of.blocks.remanence * weight[:, :, None])
+            weighted = replace(of.blocks, remanence=of.blocks.remanence * weight[:, :, None])
             shift = (-1j * kx) ** a * (-1j * ky) ** b * kappa**c / (factorial(a) * factorial(b) * factorial(c))
-            total += shift * finite_matrix.series(moved, harmonics).potential
+            total += shift * finite_matrix.series(weighted, harmonics).potential
     return replace(bare, potential=total * _mean(bare))
 
 

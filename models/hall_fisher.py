@@ -103,12 +103,12 @@ def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
     """Return bounds (3, N) of the change of the Jacobian's columns, in V, in cells q +- half (3, N), rad."""
     place = sensor_phases(array, q[2])
     reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
-    moved = [half[i] + reach * half[2] for i in (0, 1)]
+    phase_change = [half[i] + reach * half[2] for i in (0, 1)]
     columns = []
     for i, j in ((0, 1), (1, 0)):
         p, q_across = q[i] + place[i], q[j] + place[j]
-        g = np.abs(field(array, p, 2)) * moved[i] + derivative_bound(array, 3) / 2 * moved[i] ** 2
-        B = np.abs(field(array, q_across, 1)) * moved[j] + derivative_bound(array, 2) / 2 * moved[j] ** 2
+        g = np.abs(field(array, p, 2)) * phase_change[i] + derivative_bound(array, 3) / 2 * phase_change[i] ** 2
+        B = np.abs(field(array, q_across, 1)) * phase_change[j] + derivative_bound(array, 2) / 2 * phase_change[j] ** 2
         lever = reach * half[2]
         h = B + np.abs(place[j]) * g + (np.abs(field(array, p, 1)) + g) * lever
         columns.append((g, h))

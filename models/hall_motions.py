@@ -42,9 +42,9 @@ class Pose:
         (x, y), c, s = at, np.cos(self.yaw), np.sin(self.yaw)
         return self.X + c * x - s * y, self.Y + s * x + c * y
 
-    def displaced(self, by: Each, heading: Numbers, turned: Each = 0.0) -> "Pose":
+    def displaced(self, by: Each, heading: Numbers, rotation: Each = 0.0) -> "Pose":
         """Return poses displaced by a distance in m along a heading in rad, and turned in rad."""
-        return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + turned)
+        return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + rotation)
 
 
 Course = Callable[[int], Pose]  # from the number of a sample to the poses of the bodies

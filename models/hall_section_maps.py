@@ -159,8 +159,8 @@ def watch(
         noticed = np.where(fresh, k, noticed)
         if (noticed >= 0).all():
             break
-    moved = np.hypot(*velocity) * block.time.period_s * noticed
-    return Watch(noticed, named, error, np.where(noticed < 0, np.inf, moved))
+    distance = np.hypot(*velocity) * block.time.period_s * noticed
+    return Watch(noticed, named, error, np.where(noticed < 0, np.inf, distance))
 
 
 def _states_in_motion(block: Block, start: Array, velocity: Array) -> dict[str, Array]:

@@ -41,7 +41,8 @@ latches in the fifth. A residual is significant above PART of its bound. If rho 
 because an error -r_2 of V_ax reduces s_x^2 by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 through h_2. Otherwise
 the error has grown slowly and the yaw has followed, which distributes the error of one sensor over r_1 and r_2. Then
 the four voltages of these are all suspected, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six if both m_x and m_y
-are significant, or the yaw is beyond MAX_KNOWN_YAW. Errors, noise, undetected failures: docs/decisions/planar_sensing.md.
+are significant, or the yaw is beyond MAX_KNOWN_YAW. Errors, noise and undetected failures are listed in
+docs/decisions/planar_sensing.md.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing".
 """
@@ -231,7 +232,7 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     size = {a: ca.fabs(m[a]) for a in "xy"}
     there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
     beside = {a: ca.fabs(r[a]) > PART["r"] * RESIDUAL * A for a in "xy"}
-    turned = ca.logic_or(beside["x"], beside["y"])
+    yaw_residual = ca.logic_or(beside["x"], beside["y"])
     big = _squared(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
@@ -244,6 +245,6 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
             c: size[a] > mended + NEARLY * A**2,
             other: ca.logic_and(beside[a], nearly),
         }
-        crept = {s: ca.logic_or(turned, there[a]), c: there[a], other: turned}
+        crept = {s: ca.logic_or(yaw_residual, there[a]), c: there[a], other: yaw_residual}
         flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
     return flags

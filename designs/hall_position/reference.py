@@ -153,9 +153,9 @@ def check_integrity(
 ) -> Integrity:
     """Return the flags of a sample that ends at a yaw, from R^-1 (N, 3, 3) without yaw_damping_ratio."""
     redundant, searching = is_redundant(of), state["searching"] > 0
-    moved = ((damping(of) * last.at) ** 2).sum(axis=1)
+    innovation = ((damping(of) * last.at) ** 2).sum(axis=1)
     growth = 1 + state["residual_faults"] if redundant else 1.0
-    gate_exceeded = moved > (growth * of.innovation_gate_sigma * of.deviation) ** 2
+    gate_exceeded = innovation > (growth * of.innovation_gate_sigma * of.deviation) ** 2
     change = yaw - state["yaw_last_good"]
     in_window = np.abs(wrap(wrap(change)[0])[0] if of.yaw_limit + of.yaw_window > pi else change) <= of.yaw_window
     lost = np.where(state["ambiguity_resolved"] > 0, gate_exceeded, searching & ~in_window)

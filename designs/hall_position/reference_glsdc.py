@@ -128,8 +128,8 @@ def correct(of: Problem, trial: Fit) -> Array:
     """Return the displacement (N, n) after a scaled correction, within the bounds."""
     R, z, end = trial.R, of.scale * trial.z, trial.at.copy()
     for block in of.blocks:
-        moved = end[:, block.stop :] - trial.at[:, block.stop :]
-        right = z[:, block] - (R[:, block, block.stop :] @ moved[:, :, None])[:, :, 0]
+        later = end[:, block.stop :] - trial.at[:, block.stop :]
+        right = z[:, block] - (R[:, block, block.stop :] @ later[:, :, None])[:, :, 0]
         diagonal = R[:, block, block]
         scalar = diagonal.shape[1] == 1
         step = right / diagonal[:, 0] if scalar else np.linalg.solve(diagonal, right[:, :, None])[:, :, 0]
@@ -140,8 +140,8 @@ def correct(of: Problem, trial: Fit) -> Array:
 def update_motion(of: Problem, state: Columns, steps: Array, lost: Array) -> dict[str, Array]:
     """Return the predicted motions after `steps` (N, n) in a state's units; 0 where position lock is lost."""
     bounds = of.bounds * of.units
-    moved = {m: np.clip(state[m] + steps[:, i], -bounds[i], bounds[i]) for i, m in enumerate(of.motions)}
-    return {m: np.where(lost, 0, v) for m, v in moved.items()}
+    motions = {m: np.clip(state[m] + steps[:, i], -bounds[i], bounds[i]) for i, m in enumerate(of.motions)}
+    return {m: np.where(lost, 0, v) for m, v in motions.items()}
 
 
 def restart(state: Columns, fault: Array, phases: Columns) -> tuple[dict[str, Array], Array]:

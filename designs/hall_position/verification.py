@@ -145,14 +145,14 @@ def compare_double(of: Subject, steps: Steps, first: tuple[str, Stepped], c64: S
     a = agree.compare(steps.what, *pair, FLOOR, of.block)
     outputs, states = agree.differences(first[1], c64, FLOOR, of.block)
     magnified = np.max([*outputs.values(), *states.values()], axis=0) / (EPSILON * steps.severity)
-    unlike = int(np.count_nonzero(first[1].faults != c64.faults))
+    differing = int(np.count_nonzero(first[1].faults != c64.faults))
     name = f"{steps.what}: {first[0]} against c64"
     return [a], [
         Check(name, a.worst, suite.EXACT, f"max({FLOOR:g}, |y|)", f"worst of {a.samples} steps, {a.signal}"),
         Check(f"{name}, next states", a.state_worst, suite.EXACT, "of range", a.state),
         Check(f"{name}, deviations", _relative_deviation_error(pair[0][1], pair[1][1]), RELATIVE, "of itself"),
         Check(f"{name}, where magnified", float(magnified[above].max(initial=0.0)), MAX_ROUNDING_ERRORS, OF_CONDITION),
-        Check(f"{name}, fault words unlike", unlike, 0, "1"),
+        Check(f"{name}, fault words unlike", differing, 0, "1"),
     ]
 
 
@@ -219,9 +219,9 @@ def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
     ):
         both = (outputs["valid"] > 0) & (double["valid"] > 0)
         worst = max(float(np.abs(outputs[y] - double[y])[both].max(initial=0.0)) for y in ("X", "Y"))
-        unlike = float(np.mean(outputs["valid"] != double["valid"]))
+        differing = float(np.mean(outputs["valid"] != double["valid"]))
         about = f"{np.count_nonzero(both)} of {both.size} samples from init are valid"
         what = f"{of.name}, each its own way: {name} against c64"
         checks.append(Check(f"{what}, where valid", worst, limit, "m", about))
-        checks.append(Check(f"{what}, valid unlike", unlike, share, "1"))
+        checks.append(Check(f"{what}, valid unlike", differing, share, "1"))
     return checks

@@ -80,7 +80,7 @@ def test_lost_rank_is_infinite() -> None:
     assert np.isinf(accuracy.deviations).all() and np.isinf(accuracy.condition).all()
 
 
-def averaged(sensors: HallArray, waves: Sequence[cf.Wave]) -> Array:
+def average_volume(sensors: HallArray, waves: Sequence[cf.Wave]) -> Array:
     """Return FOUR with the mean of the waves of number 1 and 5 over the sensors' volume."""
     of = {w.order: hall_array.average_over_volume(w, ca.SX.eye(3), sensors.volume) for w in waves}
     alpha, beta = (sensors.chain.gain * float(ca.DM(ca.evalf(cf.amplitude(of[n, 0], 3e-3)))) for n in (1, 5))
@@ -94,7 +94,7 @@ def test_what_the_field_has_beyond_the_model_moves_the_pose() -> None:
     orders = cf.orders_on_axes((1, 3, 5, 7, 9)) + cf.CROSS
     waves = cf.waves(cell, orders, p)
     sensors = hall_array.HallArray(tuple(hall_array.Sensor(r) for r in FOUR.positions))
-    array, at = averaged(sensors, waves), places(200, 2)
+    array, at = average_volume(sensors, waves), places(200, 2)
     rms = np.sqrt((hall_accuracy.misfit(array, sensors, waves, at) ** 2).mean(axis=0))
     assert (rms[:3] > 3e-5).all() and (rms[:3] < 1.5e-4).all() and (rms[3:] > 1e-3).all() and (rms[3:] < 6e-3).all()
     model = [w for w in waves if w.order in ((1, 0), (0, 1), (5, 0), (0, 5))]
@@ -159,10 +159,10 @@ def test_two_sensors_are_as_published() -> None:
 @pytest.mark.parametrize("waves", ["9th", "cross"])
 def test_waves_beyond_the_model_change_the_worst_little(waves: str) -> None:
     orders = cf.orders_on_axes((1, 5, 9)) + (cf.CROSS if waves == "cross" else ())
-    made = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), orders, P)
+    fabricated = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), orders, P)
     of = hall_array.sensors(PLACES)
     accuracy = hall_accuracy.of_sensors(
-        of, made, hall_two_waves.poses(l, 60).T, hall_accuracy.rms_radius(of)
+        of, fabricated, hall_two_waves.poses(l, 60).T, hall_accuracy.rms_radius(of)
     ).deviations.max(axis=0)
     assert (accuracy < [5.3e-6, 5.3e-6, 200e-6]).all() and accuracy[0] > 4.5e-6
 
@@ -178,8 +178,8 @@ def test_misaligned_sensors_are_seen() -> None:
 def test_a_quarter_turn_exchanges_the_axes() -> None:
     array = hall_array.point_sensors(PLACES)
     q = hall_two_waves.poses(l, 7, 0.3).T
-    turned = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
-    ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, turned))
+    rotated = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
+    ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, rotated))
     np.testing.assert_allclose(theirs.deviations, ours.deviations[:, [1, 0, 2]], rtol=1e-9)
 
 

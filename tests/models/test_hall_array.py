@@ -19,8 +19,8 @@ from tests.models import matrix_oracle
 P = cf.values()
 l = matrix_oracle.l
 w = 2 * np.pi / l
-MADE = cf.fabricated_matrix(P["strong"], P["weak"])
-WAVES = cf.waves(MADE, cf.orders_on_axes((1, 5, 9)) + cf.CROSS, P)
+FABRICATED = cf.fabricated_matrix(P["strong"], P["weak"])
+WAVES = cf.waves(FABRICATED, cf.orders_on_axes((1, 5, 9)) + cf.CROSS, P)
 ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V
 FITTED = cf.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, P)
 PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l), (0.640 * l, 0.613 * l))
@@ -112,7 +112,7 @@ def of_magpylib(q: np.ndarray) -> np.ndarray:
 
 def test_six_axes_are_what_sensors_of_another_library_read_above_blocks() -> None:
     q = poses(12, six=True) * [0.4, 0.4, 1, 1, 1, 1]
-    theirs, waves = of_magpylib(q), cf.waves(MADE, cf.orders_up_to(5) + cf.orders_on_axes((7, 9)), P)
+    theirs, waves = of_magpylib(q), cf.waves(FABRICATED, cf.orders_up_to(5) + cf.orders_on_axes((7, 9)), P)
 
     def off(array: HallArray) -> float:
         pose = ca.SX.sym("pose", 6)
@@ -161,16 +161,16 @@ def test_the_mean_over_the_sensitive_volume_is_exact(factor: int) -> None:
         assert np.abs(point - theirs).max() > 1e-6 * factor**2  # what the field at the middle is off by
 
 
-@pytest.mark.parametrize(("n", "less", "moved"), [(1, 1.434e-5, 2e-10), (5, 3.588e-4, 1.1e-7), (9, 1.1639e-3, 1.1e-6)])
-def test_what_the_volume_takes_from_each_harmonic(n: int, less: float, moved: float) -> None:
-    wave, volume = cf.waves(MADE, [(n, 0)], P)[0], CROOKED.volume
+@pytest.mark.parametrize(("n", "less", "by_yaw"), [(1, 1.434e-5, 2e-10), (5, 3.588e-4, 1.1e-7), (9, 1.1639e-3, 1.1e-6)])
+def test_what_the_volume_takes_from_each_harmonic(n: int, less: float, by_yaw: float) -> None:
+    wave, volume = cf.waves(FABRICATED, [(n, 0)], P)[0], CROOKED.volume
     factors = [
         hall_array.average_over_volume(wave, hall_array._about_z(ca.SX(yaw)), volume).cosine / wave.cosine
         for yaw in np.linspace(0, np.pi / 4, 9)
     ]
     losses = 1 - np.array([float(each) for each in factors])
     assert losses[0] == pytest.approx(less, rel=1e-3)
-    assert np.ptp(losses) < moved
+    assert np.ptp(losses) < by_yaw
 
 
 def test_two_sensors_go_blind_at_a_place_and_three_do_not() -> None:
@@ -218,7 +218,7 @@ def test_gain_offset_and_height_may_be_chosen_and_the_field_symbolic() -> None:
     waves = cf.waves(cf.fabricated_matrix(strong, P["weak"]), cf.orders_on_axes((1, 5)), P)
     array = HallArray((Sensor((0.0, 0.0, 0.0), gain=(2.0, 1.0), offset=(0.5, 0.0)),), Chain(sensitivity=0.1), POINTS)
     f = hall_array.planar(array, waves, height).function(strong, height)
-    q, A = [l / 4, 0.0, 0.0], {n: float(cf.amplitude(cf.waves(MADE, [(n, 0)], P)[0], 5e-3)) for n in (1, 5)}
+    q, A = [l / 4, 0.0, 0.0], {n: float(cf.amplitude(cf.waves(FABRICATED, [(n, 0)], P)[0], 5e-3)) for n in (1, 5)}
     assert float(f(q, 1.43, 5e-3)[0][0]) == pytest.approx(0.5 + 2 * 2.1 * (A[1] + A[5]))
     assert float(f(q, 1.50, 5e-3)[0][0]) > float(f(q, 1.43, 5e-3)[0][0])
 

@@ -66,7 +66,7 @@ def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
     assert (worst.bound <= 1.011 * worst.met).all()
 
 
-def exceeded(array: Array, half: np.ndarray, count: int = 4000) -> int:
+def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
     """Return how many poses drawn in drawn cells exceed the cell's bound."""
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
@@ -81,14 +81,14 @@ def exceeded(array: Array, half: np.ndarray, count: int = 4000) -> int:
 @pytest.mark.parametrize("array", [THREE, replace(THREE, c=0.5)])
 @pytest.mark.parametrize("half", [(0.01, 0.01, 0.002), (0.001, 0.001, 0.001), (0.02, 0.0, 0.0), (0.0, 0.0, 0.01)])
 def test_no_pose_in_a_cell_exceeds_its_bound(array: Array, half: tuple[float, float, float]) -> None:
-    assert exceeded(array, np.array(half)[:, None]) == 0
+    assert count_exceeding(array, np.array(half)[:, None]) == 0
 
 
 @pytest.mark.parametrize("part", [0, 1, 2])
 def test_a_bound_that_forgets_a_column_is_caught(part: int, monkeypatch: pytest.MonkeyPatch) -> None:
     right, kept = hall_fisher.column_changes, np.where(np.arange(3) == part, 0.0, 1.0)[:, None]
     monkeypatch.setattr(hall_fisher, "column_changes", lambda *of: right(*of) * kept)
-    assert any(exceeded(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
+    assert any(count_exceeding(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
 
 
 def test_two_sensors_have_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,10 +15,10 @@ from synth.synthesise.identify.logs import Log
 
 l = 50.8e-3
 P = cf.values()
-MADE = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), cf.orders_on_axes((1, 3, 5, 9)) + cf.CROSS, P)
+FABRICATED = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), cf.orders_on_axes((1, 3, 5, 9)) + cf.CROSS, P)
 MODEL = cf.waves_from_amplitudes({1: 0.37502, 5: -0.02146}, 3e-3, P)
-TURNED = HallArray((Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, 0.02)),), volume=(0.0, 0.0, 0.0))
-EXACT = replace(TURNED, chain=Chain(noise=0.0))
+MISALIGNED = HallArray((Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, 0.02)),), volume=(0.0, 0.0, 0.0))
+EXACT = replace(MISALIGNED, chain=Chain(noise=0.0))
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)
 
 
@@ -39,7 +39,7 @@ def test_a_turned_sensor_is_the_model_exactly(channel: str, along: str, sign: in
 
 
 def test_the_residual_above_blocks_is_as_published() -> None:
-    aligned = replace(TURNED, sensors=(Sensor((0.0, 0.0, 0.0)),))
+    aligned = replace(MISALIGNED, sensors=(Sensor((0.0, 0.0, 0.0)),))
     waves = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), cf.orders_up_to(5) + cf.orders_on_axes((7, 9)), P)
     fit = hall_scan.fit(hall_scan.simulate_scan(aligned, waves, hall_scan.places(l, 40), 1), "V_ax", l)
     assert abs(fit.estimate["alpha"] - 8.4 * 0.37502) < 1e-3 and abs(fit.estimate["beta"] + 8.4 * 0.02146) < 1e-3
@@ -49,7 +49,7 @@ def test_the_residual_above_blocks_is_as_published() -> None:
     assert "and nowhere more" in repr(fit)
 
 
-def covered(noise: float, stated: float) -> float:
+def coverage(noise: float, stated: float) -> float:
     """Return the part of intervals, of the level 0.9, that hold the truth."""
     k = {"c": 0.01, "alpha": 3.15, "beta": -0.18, "gamma": 0.03, "delta": -0.002}
     at, inside = hall_scan.places(l, 9), []
@@ -63,19 +63,19 @@ def covered(noise: float, stated: float) -> float:
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
-    assert abs(covered(1e-3, 1.0) - 0.9) < 0.045  # three deviations of 400 draws
-    assert covered(1e-3, 0.7) < 0.85  # intervals too short by a third would be seen
+    assert abs(coverage(1e-3, 1.0) - 0.9) < 0.045  # three deviations of 400 draws
+    assert coverage(1e-3, 0.7) < 0.85  # intervals too short by a third would be seen
 
 
 def test_a_line_does_not_tell_the_coefficients_apart() -> None:
-    log = hall_scan.simulate_scan(TURNED, MODEL, hall_scan.places(l, 32), 0)
+    log = hall_scan.simulate_scan(MISALIGNED, MODEL, hall_scan.places(l, 32), 0)
     line = log.samples["Y"] == log.samples["Y"][3]
     with pytest.raises(ModelError, match=r"gamma"):
         hall_scan.fit(Log({name: v[line] for name, v in log.samples.items()}), "V_ax", l)
 
 
 def by_height(waves: tuple[cf.Wave, ...], noise: float = 1e-3) -> dict[float, hall_scan.Fit]:
-    array = replace(TURNED, chain=Chain(noise=noise))
+    array = replace(MISALIGNED, chain=Chain(noise=noise))
     return {
         z: hall_scan.fit(hall_scan.simulate_scan(array, waves, hall_scan.places(l, 20, (z,)), seed), "V_ax", l)
         for seed, z in enumerate(HEIGHTS)
@@ -84,7 +84,7 @@ def by_height(waves: tuple[cf.Wave, ...], noise: float = 1e-3) -> dict[float, ha
 
 @pytest.mark.parametrize("coefficient", ["alpha", "beta", "gamma"])
 def test_coefficients_decay_by_the_law(coefficient: str) -> None:
-    decay = hall_scan.decay(by_height(MADE), coefficient, l)
+    decay = hall_scan.decay(by_height(FABRICATED), coefficient, l)
     low, high = decay.estimate.intervals[1]
     assert low <= decay.law <= high and high - low < 0.1 * decay.law
 
@@ -102,7 +102,7 @@ def test_refusals() -> None:
     with pytest.raises(SignalError, match="give X or Y"):
         hall_scan.fit(Log(dict.fromkeys("XYV", np.zeros(1))), "V", l, "Z")
     with pytest.raises(SignalError, match="no signal 'V_bx'"):
-        hall_scan.fit(hall_scan.simulate_scan(TURNED, MODEL, hall_scan.places(l, 8), 0), "V_bx", l)
+        hall_scan.fit(hall_scan.simulate_scan(MISALIGNED, MODEL, hall_scan.places(l, 8), 0), "V_bx", l)
     with pytest.raises(SignalError, match="'c' has no decay"):
         hall_scan.decay(fits, "c", l)
     with pytest.raises(SignalError, match="three or more"):
@@ -112,7 +112,7 @@ def test_refusals() -> None:
 
 
 def test_a_scan_goes_through_a_file() -> None:
-    log = hall_scan.simulate_scan(TURNED, MADE, hall_scan.places(l, 12), 3)
+    log = hall_scan.simulate_scan(MISALIGNED, FABRICATED, hall_scan.places(l, 12), 3)
     rows = log.columns(("X", "Y", "V_ax")).tolist()
     text = "\n".join(["X [m], Y [m], V_ax [V]", *(", ".join(map(repr, row)) for row in rows)])
     read = log_file.parsed(text, {"X": "m", "Y": "m", "V_ax": "V"})

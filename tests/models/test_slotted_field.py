@@ -63,7 +63,7 @@ def by_modes(motor: sf.Geometry, gap: float, modes: int) -> np.ndarray:
     return np.r_[table[:, :4].mean(axis=0), abs(np.fft.rfft(table[:, 4])[1]) / 3]
 
 
-def by_modes_extrapolated(motor: sf.Geometry, gap: float) -> np.ndarray:
+def extrapolate_by_modes(motor: sf.Geometry, gap: float) -> np.ndarray:
     coarse, fine = by_modes(motor, gap, 20), by_modes(motor, gap, 40)
     return fine + (fine - coarse) / (2 ** (4 / 3) - 1)
 
@@ -93,19 +93,21 @@ def miss(forces: sf.Forces, expected: np.ndarray) -> float:
 
 
 @pytest.fixture(scope="module")
-def converged() -> dict[float, sf.Converged]:
+def converged_forces() -> dict[float, sf.Converged]:
     return {gap: sf.extrapolated(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.fixture(scope="module")
 def modal() -> dict[float, np.ndarray]:
-    return {gap: by_modes_extrapolated(MOTOR, gap) for gap in GAPS}
+    return {gap: extrapolate_by_modes(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.mark.parametrize("gap", GAPS)
-def test_mode_matching_agrees(gap: float, converged: dict[float, sf.Converged], modal: dict[float, np.ndarray]) -> None:
+def test_mode_matching_agrees(
+    gap: float, converged_forces: dict[float, sf.Converged], modal: dict[float, np.ndarray]
+) -> None:
     """The cogging is held less tightly: 1e-4 is about what either method still changes in it when refined."""
-    forces = converged[gap]
+    forces = converged_forces[gap]
     assert miss(forces.value, modal[gap][:4]) < 5e-5
     assert miss(forces.value, modal[gap]) < 3e-4
     assert np.all(np.abs(np.array(astuple(forces.value)) - modal[gap]) < np.array(astuple(forces.error)))

@@ -71,8 +71,8 @@ def _column_bound(array: SpatialArray, tuning: SpatialTuning) -> float:
     """Return a bound of a column's square over its damping: |B| and the gradient times an axis are below 2 slope."""
     lift = array.wave_number * tuning.gap + tuning.tilt * max(hypot(*r) for r in array.arms)
     slope = exp(lift) + 5 * abs(array.beta) / array.alpha * exp(5 * lift)
-    turned = sum((2 * slope * (1 + hypot(*r))) ** 2 for r in array.arms) / array.radius**2
-    return ceil(2 * max(len(array.arms) * (2 * slope) ** 2, turned) / tuning.damping)
+    column = sum((2 * slope * (1 + hypot(*r))) ** 2 for r in array.arms) / array.radius**2
+    return ceil(2 * max(len(array.arms) * (2 * slope) ** 2, column) / tuning.damping)
 
 
 def sensors(array: SpatialArray, u: Exprs, k: Exprs, excluded: Vector | None) -> list[Sensor]:
@@ -105,15 +105,17 @@ def correct(pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: Named) -
         if not i:
             return first
         by = dict(zip(POSE, at, strict=True))
-        turned = hall_spatial.attitude(heading.times(phasor.of(by["yaw"])), *(pose[n] + by[n] for n in POSE[3:5]))
-        moved = [hall_spatial.place(s, turned) for s in sensors]
+        body_at_trial = hall_spatial.attitude(
+            heading.times(phasor.of(by["yaw"])), *(pose[n] + by[n] for n in POSE[3:5])
+        )
+        places_at_trial = [hall_spatial.place(s, body_at_trial) for s in sensors]
         displaced = [
-            [p.times(phasor.of(clip(at[i] + (o[i] - begun[i]), of.phase_change))) for i, p in enumerate(along)]
-            for o, begun, along in zip(moved, places, phases, strict=True)
+            [p.times(phasor.of(clip(at[i] + (o[i] - predicted[i]), of.phase_change))) for i, p in enumerate(along)]
+            for o, predicted, along in zip(places_at_trial, places, phases, strict=True)
         ]
         rise = pose["rise"] + by["rise"]
-        seen = [hall_spatial.observe(*each, rise) for each in zip(sensors, moved, displaced, strict=True)]
-        return [e for each in seen for e in hall_spatial.residuals(each, turned)]
+        seen = [hall_spatial.observe(*each, rise) for each in zip(sensors, places_at_trial, displaced, strict=True)]
+        return [e for each in seen for e in hall_spatial.residuals(each, body_at_trial)]
 
     factors = glsdc.factorise(rows, of.damping, of.column_bound)
     return glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, of.damping, named), of.descent)

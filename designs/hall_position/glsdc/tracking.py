@@ -188,8 +188,8 @@ def advance(solution: Solution[Normal], integrity: Integrity, prediction: Exprs,
     next |= restarts.next_phases(restart, pose, x)
     if tuning.velocity_gain:
         gains = (tuning.velocity_gain, tuning.velocity_gain, tuning.velocity_gain / tuning.yaw_damping_ratio)
-        moved = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
-        next |= {m: ca.if_else(x["searching"], 0, v) for m, v in moved.items()}
+        motions = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
+        next |= {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
     return NextState(pose, by["yaw"], next, inside, resolved)
 
 

@@ -102,9 +102,9 @@ def step(loop: Loop, name: str) -> Experiment:
     run = loop.run(SETTLE + AFTER, {"x": set_point})
     first, last = _samples(0.25, SETTLE), _samples(SETTLE + AFTER - 0.5, SETTLE + AFTER)
     ends = {n: float(run[n][last].mean()) for n in ("x", "y", "phi", "x_raw")}
-    moved, estimated = (ends[n] - float(run[n][first].mean()) for n in ("x", "x_raw"))
+    motion, estimated = (ends[n] - float(run[n][first].mean()) for n in ("x", "x_raw"))
     figures = {
-        "true motion, mm": 1e3 * moved,
+        "true motion, mm": 1e3 * motion,
         "motion as estimated, mm": 1e3 * estimated,
         "true x at the end, mm": 1e3 * ends["x"],
         "true y at the end, um": 1e6 * ends["y"],
@@ -112,7 +112,7 @@ def step(loop: Loop, name: str) -> Experiment:
         "Fig. 11: true motion, mm": 1e3 * (STEP + (OVERSHOOT if plain else 0.0)),
     }
     figures |= _step_errors(calibration.calibrated_source().map) if plain else {}
-    checks = (Check("error of the motion", abs(moved - STEP), ACCURACY if plain else CALIBRATED, "m"), *usual(run))
+    checks = (Check("error of the motion", abs(motion - STEP), ACCURACY if plain else CALIBRATED, "m"), *usual(run))
     title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if plain else 'calibrated, Fig. 11(b)'}"
     return Experiment(f"step_{name}", title, sources.ABOUT, run, ("x", "x_raw"), {"x": set_point}, figures, checks)
 

@@ -72,8 +72,8 @@ class Loop:
 
     def _noise(self, n: int) -> dict[str, Array]:
         volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.rig.seed)
-        drawn = np.random.default_rng(self.rig.seed + 1).standard_normal((len(planar_stage.LASERS), n))
-        rows = (*volts, *(interface.LASER_NOISE * drawn))
+        laser_noise = np.random.default_rng(self.rig.seed + 1).standard_normal((len(planar_stage.LASERS), n))
+        rows = (*volts, *(interface.LASER_NOISE * laser_noise))
         return dict(zip((*planar_stage.HALL, *planar_stage.LASERS), rows, strict=True))
 
 

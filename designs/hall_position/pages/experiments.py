@@ -38,9 +38,9 @@ def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
 
 def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
     """Return every experiment, with the text of `beside` on the paper's figure, by name."""
-    drawn = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
+    tables = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
     return standard.experiments(
-        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, drawn=drawn, fine=SMALL)
+        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, drawn=tables, fine=SMALL)
     )
 
 

@@ -90,11 +90,11 @@ def _harmonics(stage: Stage, z: float) -> Chart:
     """Return Fig. 3: amplitudes by number, above ideal and fabricated blocks, z in m above the blocks."""
     first = list(range(1, 10))
     numbers, sizes = [*first, 11], [*stage.amplitudes(first, z), stage.cross(z)]
-    made = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
+    fabricated = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
     ideal = Line(first, stage.amplitudes(first, z, True), "ideal", {"ls": "", "marker": "o", "ms": 7, "mfc": "none"})
     ticks = {"xlim": (0.5, numbers[-1] + 0.5), "xticks": numbers, "xticklabels": [*map(str, first), "(2, 1)"]}
     labels = "number n of sin(n ω X)", "amplitude of B_X, T", f"{1e3 * z:g} mm above"
-    return Chart([ideal, made], *labels, levels=(0.0,), legend="upper right", options=ticks)
+    return Chart([ideal, fabricated], *labels, levels=(0.0,), legend="upper right", options=ticks)
 
 
 def _surface(above: Mapping[str, Surface]) -> Figure:

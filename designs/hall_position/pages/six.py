@@ -59,14 +59,14 @@ def _layout(of: SpatialArray, sensors: int) -> page.Section:
         "turns": ([Map("roll or pitch, µrad", np.maximum(roll, pitch)), Map("yaw, µrad", yaw)], (50.0, 500.0), "µrad"),
     }
     sides, caption = [(0.0, 1e3 * of.pitch)] * 2, f"Standard deviations for 1 mV, level at {1e3 * of.height:g} mm."
-    drawn = [
+    drawings = [
         page.Figure(figures.svg(maps.maps(shown, sides, scale, 2, label=unit), f"six-{sensors}-{name}"), caption)
         for name, (shown, scale, unit) in pairs.items()
     ]
     tables = [_table(hall_accuracy.conditions(of, POINTS), "under conditions")]
     if sensors > ENOUGH:
         tables.append(_table(hall_accuracy.losses(of, POINTS), "after the loss of a sensor, level"))
-    return page.Section(f"{sensors} sensors", (*drawn, *tables, _misfit(of)))
+    return page.Section(f"{sensors} sensors", (*drawings, *tables, _misfit(of)))
 
 
 def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:

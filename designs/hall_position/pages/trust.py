@@ -65,8 +65,8 @@ def basins(of: EstimatorConfigs) -> dict[str, Made]:
     for name, each in by_name.items():
         for after, shares in ((1, each.first), (SAMPLES, each.last)):
             rows += [(name, after, 1e3 * d, *(100 * row).tolist()) for d, row in zip(each.off, shares, strict=True)]
-    turned = next(iter(by_name.values())).turned
-    columns = ("of", "samples", "off by up to, mm", *(f"turned by up to {np.degrees(t):.3g}°" for t in turned))
+    yaws = next(iter(by_name.values())).turned
+    columns = ("of", "samples", "off by up to, mm", *(f"turned by up to {np.degrees(t):.3g}°" for t in yaws))
     return {
         "trust.capture_radius": maps.maps(
             radius, [(0.0, pitch)] * 2, (0.0, pitch / 4), columns=2, log=False, label="mm"

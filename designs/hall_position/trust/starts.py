@@ -50,14 +50,14 @@ def basin(config: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, s
     """
     rng, pitch = np.random.default_rng(seed), config.array.pitch
     pose = motions.random_poses(config.array, bodies, yaw, rng)
-    off, turned = MAX_DISTANCE * pitch * rng.random(bodies), MAX_YAW * rng.random(bodies)
-    start = pose.displaced(off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
+    off, yaw_error = MAX_DISTANCE * pitch * rng.random(bodies), MAX_YAW * rng.random(bodies)
+    start = pose.displaced(off, rng.uniform(0, 2 * np.pi, bodies), yaw_error * rng.choice([-1, 1], bodies))
     scores = estimator_ensemble.track_scores(
         config, estimator_ensemble.states_at(config, start, resolved=False), motions.course_at_rest(pose), samples, rng
     )
     edges = [MAX_DISTANCE * pitch * np.arange(BINS[0] + 1) / BINS[0], MAX_YAW * np.arange(BINS[1] + 1) / BINS[1]]
-    every, _, _ = np.histogram2d(off, turned, edges)
-    converged = [np.histogram2d(off[right], turned[right], edges)[0] for right in scores.right[[0, -1]]]
+    every, _, _ = np.histogram2d(off, yaw_error, edges)
+    converged = [np.histogram2d(off[right], yaw_error[right], edges)[0] for right in scores.right[[0, -1]]]
     with np.errstate(invalid="ignore"):
         first, last = (readonly(good / every) for good in converged)
     return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.wrong.sum()))

@@ -36,14 +36,14 @@ def block(array: Array, tuning: Tuning = USUAL) -> Block:
 
 
 @cache
-def emitted(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
+def emit_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
     return write.emit(unranged(block(array, tuning)), scalar, error=six_estimator.SURROGATE_ERROR[scalar])
 
 
 @cache
-def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
-    made = emitted(array, tuning, scalar)
-    return host.load(made.files, made.manifest)
+def compile_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
+    files = emit_c(array, tuning, scalar)
+    return host.load(files.files, files.manifest)
 
 
 def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
@@ -78,11 +78,11 @@ def noisy(array: Array, pose: Numbers, seed: int = 0) -> Numbers:
     return exact + array.deviation * np.random.default_rng(seed).standard_normal(exact.shape)
 
 
-def wrapped(angle: Numbers) -> Numbers:
+def wrap_angle(angle: Numbers) -> Numbers:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def known(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numbers]:
+def known_state(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numbers]:
     """Return the reference's state (N,) of bodies that are known to be, at rest, at poses (N, 6)."""
     n, w = len(pose), array.wave_number
     state = {name: np.repeat(v, n) for name, v in reference_six.initial_state(setup(array, tuning)).items()}
@@ -90,31 +90,31 @@ def known(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numb
         count = np.round(pose[:, i] / array.pitch)
         state |= {f"phase_{axis}": w * (pose[:, i] - count * array.pitch), f"count_{axis}": count}
     state |= {"rise": w * (pose[:, 2] - array.height), "roll": pose[:, 3], "pitch": pose[:, 4]}
-    return state | {"yaw": wrapped(pose[:, 5]), "yaw_last_good": wrapped(pose[:, 5]), "searching": np.zeros(n)}
+    return state | {"yaw": wrap_angle(pose[:, 5]), "yaw_last_good": wrap_angle(pose[:, 5]), "searching": np.zeros(n)}
 
 
-def records(
+def state_records(
     array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Records:
     """Return the C's state records (N,) for states of the reference."""
-    states = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
+    states = np.repeat(compile_c(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
     for name, v in state.items():
         states[f"estimator_{name}"] = v
     return states
 
 
-def given(array: Array, V: Numbers) -> dict[str, Numbers]:
+def by_input(array: Array, V: Numbers) -> dict[str, Numbers]:
     """Return voltages (N, sensors, 2) by the names of the inputs."""
     return dict(zip((s.name for s in channels.voltages(len(array.positions))), V.reshape(len(V), -1).T, strict=True))
 
 
-def replayed(
+def replay(
     array: Array, pose: Numbers, V: Numbers, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Columns:
     """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N, 6)."""
-    state, samples = records(array, known(array, pose, tuning), tuning, scalar), []
+    state, samples = state_records(array, known_state(array, pose, tuning), tuning, scalar), []
     for now in V:
-        batch = compiled(array, tuning, scalar).batch(state, given(array, now))
+        batch = compile_c(array, tuning, scalar).batch(state, by_input(array, now))
         state = batch.states
         samples.append(batch.outputs)
     return {name: np.array([f[name] for f in samples]) for name in samples[0]}
@@ -148,5 +148,5 @@ def places(n: int, seed: int, yaw: float = 0.09, gap: float = 4e-4, tilt: float 
 def errors(outputs: Columns, pose: Numbers) -> Numbers:
     """Return by how much the poses found are off (.., 6), m and rad."""
     off = np.stack([outputs[name] for name in six_estimator.OUTPUTS], axis=-1) - pose
-    off[..., 5] = wrapped(off[..., 5])
+    off[..., 5] = wrap_angle(off[..., 5])
     return off

@@ -136,19 +136,19 @@ def advance(of: Setup, state: Columns, pose: Array, fault: Array) -> tuple[Array
     """Return the poses (N, 6) of the outputs, the next states, and which are within their ranges."""
     outputs, units, limits = pose.copy(), problem(of).units, ranges(of)
     inside = np.all(np.abs(pose[:, 2:5]) < limits, axis=1)
-    moved: dict[str, Array] = {}
+    located: dict[str, Array] = {}
     for i, axis in enumerate("xy"):
         phase, turns = wrap(units[i] * pose[:, i])
         counted = np.abs(state[f"count_{axis}"]) < of.pitches
-        moved |= {f"phase_{axis}": phase, f"count_{axis}": state[f"count_{axis}"] + np.where(counted, turns, 0)}
-        outputs[:, i] = (phase / (2 * pi) + moved[f"count_{axis}"]) * of.pitch
+        located |= {f"phase_{axis}": phase, f"count_{axis}": state[f"count_{axis}"] + np.where(counted, turns, 0)}
+        outputs[:, i] = (phase / (2 * pi) + located[f"count_{axis}"]) * of.pitch
         inside &= counted
     outputs[:, 2] += of.height
     outputs[:, 5] = wrap(pose[:, 5])[0]
-    changes, restart = glsdc.restart(state, fault, moved)
+    changes, restart = glsdc.restart(state, fault, located)
     level = np.clip(pose[:, 2:5], -limits, limits) * units[2:5]
-    moved |= {name: level[:, i] for i, name in enumerate(POSE[2:5])}
-    next = {name: np.where(restart, 0.0, v) for name, v in moved.items()} | changes
+    located |= {name: level[:, i] for i, name in enumerate(POSE[2:5])}
+    next = {name: np.where(restart, 0.0, v) for name, v in located.items()} | changes
     next |= {"yaw": np.where(restart, state["yaw_last_good"], outputs[:, 5])}
     next |= {"yaw_last_good": np.where(fault, state["yaw_last_good"], outputs[:, 5])}
     next |= {"searching": np.where(restart, 1, np.where(fault, state["searching"], 0))}

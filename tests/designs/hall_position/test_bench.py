@@ -127,7 +127,7 @@ def test_another_design_is_refused() -> None:
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    drawn, _ = random_steps.in_operation(random_steps.subject(config.NAME), bench.RANDOM)
+    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), bench.RANDOM)
     sequence = subject(config.NAME).sequences["random"]
     assert len(sequence) == bench.RANDOM
-    np.testing.assert_array_equal(sequence.states["estimator_yaw"], drawn["estimator_yaw"].astype(np.float32))
+    np.testing.assert_array_equal(sequence.states["estimator_yaw"], states["estimator_yaw"].astype(np.float32))

@@ -44,11 +44,11 @@ def subject() -> Subject:
 
 
 @cache
-def measured() -> Row:
+def measure_three() -> Row:
     return costs.row(subject(), PLAIN)
 
 
-def looping(emitted: Emitted) -> Emitted:
+def with_loop(emitted: Emitted) -> Emitted:
     """Return the C with a loop before it returns."""
     name = f"{config.THREE}.c"
     loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return faults;"
@@ -59,9 +59,9 @@ def looping(emitted: Emitted) -> Emitted:
 
 @GCC
 def test_a_loop_that_is_planted_shows_as_more() -> None:
-    slower = costs.row(subject()._replace(emitted=rivals.emitted(looping(three()))), PLAIN)
-    assert 4 * TURNS <= slower.emitted - measured().emitted <= 10 * TURNS  # load, compare, branch, add, store
-    assert slower.casadi == measured().casadi
+    slower = costs.row(subject()._replace(emitted=rivals.emitted(with_loop(three()))), PLAIN)
+    assert 4 * TURNS <= slower.emitted - measure_three().emitted <= 10 * TURNS  # load, compare, branch, add, store
+    assert slower.casadi == measure_three().casadi
 
 
 @GCC
@@ -71,8 +71,8 @@ def test_no_kind_of_steps_has_costlier_ones() -> None:
     all_steps = steps.joined("all", [steps.thinned(s, THIN) for s in every])
     spent = meter.run(subject().emitted, all_steps, PLAIN).cost.instructions
     assert {s.name for s in every} > set(costs.COSTLY)
-    assert spent.max() <= 1.01 * measured().emitted
-    assert spent.min() < 0.9 * measured().emitted  # so that it matters which steps are given
+    assert spent.max() <= 1.01 * measure_three().emitted
+    assert spent.min() < 0.9 * measure_three().emitted  # so that it matters which steps are given
 
 
 @GCC
@@ -92,7 +92,7 @@ def test_without_the_compiler_it_is_said(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(cross, "available", lambda: ("zig",))
     rows = costs.measure(Emitted({}, {}), posed.FOUR)
     assert rows == ()
-    assert "arm-none-eabi-gcc is not installed" in rendered(rows)
+    assert "arm-none-eabi-gcc is not installed" in render(rows)
 
 
 def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
@@ -120,11 +120,11 @@ def test_it_finds_its_way_and_loses_it() -> None:
 
 
 def test_every_row_is_shown() -> None:
-    html = rendered((Row("three", "plain", 600, 3795, 7225), Row("six", "contracted", 240, 5557, 10581)))
+    html = render((Row("three", "plain", 600, 3795, 7225), Row("six", "contracted", 240, 5557, 10581)))
     for text in ("three", "plain", "600", "3,795", "7,225", "1.90", "six", "contracted", "5,557", "10,581"):
         assert text in html.replace("\u202f", ","), text
     assert html.count("1.90") == 2 and "instructions are not cycles" in html
 
 
-def rendered(rows: Sequence[Row]) -> str:
+def render(rows: Sequence[Row]) -> str:
     return page.render(page.Report("costs", "", (costs.section(rows),)))

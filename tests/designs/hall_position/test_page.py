@@ -36,9 +36,9 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
 
 
-def rows_of(made: Made) -> Rows:
-    assert isinstance(made, list)
-    return made
+def rows_of(block: Made) -> Rows:
+    assert isinstance(block, list)
+    return block
 
 
 def tables(section: Section) -> dict[str, Table]:

@@ -61,8 +61,8 @@ def test_every_experiment_is_on_the_page_with_the_papers_figure() -> None:
     runs = [run(columns, name) for name in shown]
     section, blocks = experiments.section(runs, shown), experiments.blocks(None, runs)
     assert len(section.sections) == len(runs)
-    drawn = [blocks[f"experiments.{name}"] for name in ("steps", "zigzags")]
-    assert [len(each.axes) for each in drawn if isinstance(each, Drawing)] == [2, 3]
+    drawings = [blocks[f"experiments.{name}"] for name in ("steps", "zigzags")]
+    assert [len(each.axes) for each in drawings if isinstance(each, Drawing)] == [2, 3]
     for part, beside in zip(section.sections, shown.values(), strict=True):
         (figure,) = (b for b in part.blocks if isinstance(b, Figure))
         assert figure.beside == beside and "±5 V" in figure.caption and part.title == "x by 10 µm"
@@ -71,8 +71,8 @@ def test_every_experiment_is_on_the_page_with_the_papers_figure() -> None:
 def test_the_error_map_is_drawn_as_it_is() -> None:
     of = error_map.ErrorMap(lookup_table.square(2e-3, 1e-3), np.arange(75.0).reshape(3, 5, 5) * 1e-5)
     blocks = experiments.blocks(of, [])
-    rows, drawn = blocks["calibration.shares"], blocks["calibration.map"]
-    assert isinstance(rows, list) and isinstance(drawn, Drawing)
+    rows, drawing = blocks["calibration.shares"], blocks["calibration.map"]
+    assert isinstance(rows, list) and isinstance(drawing, Drawing)
     assert rows[0] == (
         "X",
         pytest.approx(10 * np.sqrt(np.mean(np.arange(25.0) ** 2))),
@@ -92,14 +92,14 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
     hertz = np.array([5.0, 12.0, 30.0])
     z = np.exp(2j * np.pi * hertz / 800)
 
-    def apart() -> float:
+    def difference() -> float:
         parts, worst = own_loops.open_loop(source, block, place), 0.0
         for axis in ("x", "y", "phi"):
             ours, theirs = (loops.opened(each, [axis]).response(z).ravel() for each in (parts, other))
             worst = max(worst, float(np.abs(ours / theirs * (1 + 1j * hertz / 200) - 1).max()))
         return worst
 
-    assert apart() < 0.025
+    assert difference() < 0.025
     with monkeypatch.context() as patched:  # a filter that is forgotten
         patched.setattr(hall_chain, "filtered", lambda motors, outputs, chain: motors)
-        assert apart() > 0.1
+        assert difference() > 0.1

@@ -26,10 +26,10 @@ TWO = {config.NAME: trust.estimators()[config.NAME]}
 @cache
 def with_libm(kind: EstimatorConfig) -> host.Controller:
     """Return the same C with sines of libm, which is emitted in a tenth of the time."""
-    made = write.emit(
+    files = write.emit(
         unranged(estimator.guarded_estimator(kind.array, estimator_ensemble.TIME, kind.tuning)), np.float32, libm=True
     )
-    return host.load(made.files, made.manifest)
+    return host.load(files.files, files.manifest)
 
 
 @pytest.fixture(autouse=True)
@@ -47,8 +47,8 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(trust, name, value)
 
 
-def rows_of(made: Made) -> Rows:
-    return made.rows if isinstance(made, Table) else made  # type: ignore[return-value]
+def rows_of(block: Made) -> Rows:
+    return block.rows if isinstance(block, Table) else block  # type: ignore[return-value]
 
 
 def test_the_basin_is_shown_as_it_is() -> None:

@@ -24,11 +24,11 @@ SEARCH = 60  # samples from init, at rest, in which the place is found
 
 
 @cache
-def made() -> Mapping[str, Emitted]:
+def emitted_files() -> Mapping[str, Emitted]:
     return DESIGN.emit(np.float32)
 
 
-def committed(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]]:
+def committed_files(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]]:
     folder = ROOT / "generated_c" / name
     manifest, vectors = (json.loads((folder / f"{file}.json").read_text()) for file in ("manifest", "vectors"))
     return {p.name: p.read_text() for p in folder.glob("*.[ch]")}, manifest, vectors
@@ -37,7 +37,7 @@ def committed(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]
 @pytest.mark.parametrize("name", config.PLACES)
 def test_regeneration_gives_the_committed_bytes(name: str) -> None:
     folder = ROOT / "generated_c" / name
-    fresh = {file: text for file, text in made()[name].files.items() if file != "vectors.json"}
+    fresh = {file: text for file, text in emitted_files()[name].files.items() if file != "vectors.json"}
     recorded = {file: (folder / file).read_text() for file in fresh}
     assert recorded == fresh, f"generated_c/{name} is stale: run `python -m designs.hall_position` and commit"
     assert {p.name for p in folder.iterdir()} == {*fresh, "vectors.json"}
@@ -56,21 +56,21 @@ def test_no_constant_is_near_where_rounding_turns(name: str) -> None:
 @pytest.mark.parametrize("name", config.PLACES)
 def test_the_committed_c_answers_its_vectors(name: str) -> None:
     """To the last bit: without contraction no compiler has a choice, and the C calls nothing of libm but roots."""
-    files, manifest, recorded = committed(name)
+    files, manifest, recorded = committed_files(name)
     inputs = {n: np.array(v) for n, v in recorded["inputs"].items()}
     replay = host.load(files, manifest).replay(inputs)
     assert replay.faults.tolist() == recorded["faults"]
     for signal, values in recorded["outputs"].items():
         np.testing.assert_array_equal(replay.outputs[signal], np.array(values, dtype=np.float32))
     number = next(iter(re.findall(r"estimator_field_5 = (-[\d.]+)f;", files[f"{name}.c"])))
-    spoilt = {file: text.replace(number, number[:-1] + "9") for file, text in files.items()}
-    other = host.load(spoilt, manifest).replay(inputs)
+    corrupted = {file: text.replace(number, number[:-1] + "9") for file, text in files.items()}
+    other = host.load(corrupted, manifest).replay(inputs)
     assert any((other.outputs[n] != np.array(v, dtype=np.float32)).any() for n, v in recorded["outputs"].items())
 
 
 @pytest.mark.parametrize("name", config.PLACES)
 def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
-    _, _, recorded = committed(name)
+    _, _, recorded = committed_files(name)
     words, out = np.array(recorded["faults"]), {n: np.array(v) for n, v in recorded["outputs"].items()}
     expected = np.zeros(bench.VECTORS, dtype=np.int64)
     expected[bench.SHORT_FAULT] = 1 << 1
@@ -92,7 +92,7 @@ def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
 def test_no_warning(compiler: str) -> None:
     chosen = host_compiler.find_compiler() if compiler == "host" else host_compiler.zig_compiler()
     assert chosen is not None, "the ziglang wheel is not installed: pip install -e .[dev]"
-    for files in made().values():
+    for files in emitted_files().values():
         host_compiler.check({n: t for n, t in files.files.items() if n.endswith((".c", ".h"))}, compiler=chosen)
 
 

@@ -38,7 +38,7 @@ def sound() -> Witnesses:
 
 
 @cache
-def drawn(kind: str) -> Steps:
+def steps_of(kind: str) -> Steps:
     of = subject()
     if kind == "motions":
         inputs = random_steps.along_motions(of, SIZES[kind])
@@ -47,15 +47,15 @@ def drawn(kind: str) -> Steps:
     return verification.condition_steps(of, kind, *draw(of, SIZES[kind]))
 
 
-def failed(comparison: Comparison | Sequence[Check]) -> list[str]:
+def failed_names(comparison: Comparison | Sequence[Check]) -> list[str]:
     checks = comparison[1] if isinstance(comparison, tuple) else comparison
     return [c.name for c in checks if not c.passed]
 
 
-def told(witness: agree.Witness, kind: str = "random", name: str = "casadi") -> list[str]:
-    steps = drawn(kind)
+def failing_checks(witness: agree.Witness, kind: str = "random", name: str = "casadi") -> list[str]:
+    steps = steps_of(kind)
     c64 = sound().of["c64"](steps.states, steps.inputs)
-    return failed(verification.compare_double(subject(), steps, (name, witness(steps.states, steps.inputs)), c64))
+    return failed_names(verification.compare_double(subject(), steps, (name, witness(steps.states, steps.inputs)), c64))
 
 
 def off_by(block: Block, factor: float) -> Block:
@@ -95,39 +95,41 @@ def test_the_sound_estimator_passes() -> None:
 def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
     factor = 2.0 if name == "residual_limit" else 1.05
     other = Setup(subject().setup.numbers | {name: factor * getattr(subject().setup, name)})
-    assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
+    assert failing_checks(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 
 
 @pytest.mark.parametrize("name", ["BAD_SAMPLES", "SPAN"])
 def test_a_wrong_guard_in_the_reference_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference_guard, name, 4)
-    failing = told(agree.reference(partial(reference_guard.step, subject().setup)), "edge", "reference")
+    failing = failing_checks(agree.reference(partial(reference_guard.step, subject().setup)), "edge", "reference")
     assert failing
 
 
-@pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
-def test_a_wrong_constant_in_casadis_step_is_told(made: Callable[[Block], agree.Witness]) -> None:
-    assert told(made(off_by(subject().block, 1 + 1e-9))) and not told(made(subject().block))
+@pytest.mark.parametrize("make_witness", [agree.casadi, agree.casadi_own_c])
+def test_a_wrong_constant_in_casadis_step_is_told(make_witness: Callable[[Block], agree.Witness]) -> None:
+    assert failing_checks(make_witness(off_by(subject().block, 1 + 1e-9))) and not failing_checks(
+        make_witness(subject().block)
+    )
 
 
 def test_a_missing_fault_is_told() -> None:
     deaf = agree.casadi(replace(subject().block, faults=()))
-    assert all("fault words" in name for name in told(deaf)) and told(deaf)
+    assert all("fault words" in name for name in failing_checks(deaf)) and failing_checks(deaf)
 
 
 def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of these alone: what is asked of the others would not see it."""
-    steps, witness = drawn("random"), sound().of["reference"]
+    steps, witness = steps_of("random"), sound().of["reference"]
     monkeypatch.setattr(verification, "ILL_CONDITIONED", 100.0)
     above = steps.severity > verification.ILL_CONDITIONED
     assert 0 < np.mean(above) < 0.5
 
-    def spoilt(states: Any, inputs: Any) -> Stepped:
+    def corrupted(states: Any, inputs: Any) -> Stepped:
         stepped = witness(states, inputs)
         return replace(stepped, outputs={**stepped.outputs, "X": stepped.outputs["X"] + np.where(above, 1e-8, 0.0)})
 
-    (name,) = told(spoilt)
-    assert "where magnified" in name and not told(witness)
+    (name,) = failing_checks(corrupted)
+    assert "where magnified" in name and not failing_checks(witness)
     assert not verification.ill_conditioned_share(steps).passed  # too many are compared so
     one = replace(steps, severity=np.ones(len(above)))
     assert verification.ill_conditioned_share(one).found == 0
@@ -136,26 +138,26 @@ def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyP
 def test_no_number_is_told() -> None:
     witness = sound().of["reference"]
 
-    def spoilt(states: Any, inputs: Any) -> Stepped:
+    def corrupted(states: Any, inputs: Any) -> Stepped:
         stepped = witness(states, inputs)
         yaw = stepped.outputs["yaw"].copy()
-        yaw[np.argmax(drawn("random").severity)] = np.nan
+        yaw[np.argmax(steps_of("random").severity)] = np.nan
         return replace(stepped, outputs={**stepped.outputs, "yaw": yaw})
 
-    assert told(spoilt)
+    assert failing_checks(corrupted)
 
 
 @cache
 def wrong_in_single() -> Witnesses:
     block = off_by(subject().block, 1.001)
-    made = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
-    return replace(sound(), c32=host.load(made.files, made.manifest))
+    files = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
+    return replace(sound(), c32=host.load(files.files, files.manifest))
 
 
 def test_single_precision_that_is_wrong_is_told() -> None:
-    of, steps = subject(), drawn("motions")
-    assert failed(verification.compare_single(of, sound(), steps)) == []
-    names = failed(verification.compare_single(of, wrong_in_single(), steps))
+    of, steps = subject(), steps_of("motions")
+    assert failed_names(verification.compare_single(of, sound(), steps)) == []
+    names = failed_names(verification.compare_single(of, wrong_in_single(), steps))
     assert any(name.endswith("where converged") for name in names)
 
 
@@ -168,7 +170,7 @@ def test_another_output_that_is_wrong_in_single_is_told(
 ) -> None:
     emitted, by = agree.emitted, sound()
 
-    def spoilt(controller: host.Controller) -> agree.Witness:
+    def corrupted(controller: host.Controller) -> agree.Witness:
         def step(states: Any, inputs: Any) -> Stepped:
             stepped = emitted(controller)(states, inputs)
             wrong = np.asarray(stepped.outputs[output], dtype=np.float64) * factor + more
@@ -176,26 +178,26 @@ def test_another_output_that_is_wrong_in_single_is_told(
 
         return step if controller is by.c32 else emitted(controller)
 
-    monkeypatch.setattr(agree, "emitted", spoilt)
-    (name,) = failed(verification.compare_single(subject(), by, drawn("motions")))
+    monkeypatch.setattr(agree, "emitted", corrupted)
+    (name,) = failed_names(verification.compare_single(subject(), by, steps_of("motions")))
     assert output.split("_")[0] in name
 
 
 def test_costs_that_hang_by_more_than_rounding_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is left out of single precision is limited: a margin a thousand times as wide leaves out too much."""
     monkeypatch.setattr(verification, "STEP", 1000 * verification.STEP)
-    (name,) = failed(verification.compare_single(subject(), sound(), drawn("motions")))
+    (name,) = failed_names(verification.compare_single(subject(), sound(), steps_of("motions")))
     assert name.endswith("costs apart by rounding in single")
 
 
 def test_a_deviation_that_is_wrong_in_double_is_told() -> None:
     witness = sound().of["reference"]
 
-    def spoilt(states: Any, inputs: Any) -> Stepped:
+    def corrupted(states: Any, inputs: Any) -> Stepped:
         stepped = witness(states, inputs)
         return replace(stepped, outputs={**stepped.outputs, "deviation_Y": stepped.outputs["deviation_Y"] * (1 + 1e-9)})
 
-    (name,) = told(spoilt)
+    (name,) = failing_checks(corrupted)
     assert name.endswith("deviations")
 
 
@@ -206,19 +208,19 @@ def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPat
             replace(subject().block, faults=()), np.float64, error=estimator.SURROGATE_ERROR[np.float64]
         ),
     )
-    names = failed(verification.compare_single(subject(), other, drawn("motions")))
+    names = failed_names(verification.compare_single(subject(), other, steps_of("motions")))
     assert any("decisions otherwise" in name for name in names)
 
 
 def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     of = subject()
     inputs = random_steps.along_motions(of, SIZES["motions"])
-    names = failed(verification.free_running(of, wrong_in_single(), inputs))
+    names = failed_names(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
     changed = {"deviation": 1.5 * of.setup.deviation, "beta": 1.0001 * of.setup.beta}
     other = partial(reference_guard.step, Setup(of.setup.numbers | changed))
     by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
-    assert any("reference" in name for name in failed(verification.free_running(of, by, inputs)))
+    assert any("reference" in name for name in failed_names(verification.free_running(of, by, inputs)))
 
 
 def test_motions_cross_pitches_turn_around_and_latch() -> None:
@@ -231,7 +233,7 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     valid = outputs["valid"] > 0
     known = np.where(valid, outputs["X"], -np.inf).max(axis=0) - np.where(valid, outputs["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2
-    steps = drawn("motions")
+    steps = steps_of("motions")
     yaw = np.unwrap(steps.states["estimator_yaw"].reshape(n, bodies), axis=0)
     assert np.ptp(yaw[:, 1]) > 2 * np.pi
     words = sound().of["c64"](steps.states, steps.inputs).faults.reshape(n, bodies)
@@ -239,7 +241,7 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     assert latched[-1].tolist() == [k % random_steps.BAD_COLUMNS == 0 for k in range(bodies)]
     assert not latched[:305].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}
     assert all(
-        np.mean(drawn(kind).severity > verification.ILL_CONDITIONED) < verification.MAX_ILL_CONDITIONED
+        np.mean(steps_of(kind).severity > verification.ILL_CONDITIONED) < verification.MAX_ILL_CONDITIONED
         for kind in SIZES
     )
 

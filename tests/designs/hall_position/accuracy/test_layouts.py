@@ -103,8 +103,8 @@ def test_the_cost_is_the_largest_deviation(array: PlanarArray | SpatialArray) ->
 def test_four_sensors_tell_the_pose_everywhere() -> None:
     """Within 4.9 um, and a hundredth of that by half a pitch of angles, at yaws of 5 degrees to either side."""
     assert 4.4e-6 < hall_accuracy.cost(FOUR, FINE) < 4.9e-6
-    moved = replace(FOUR, positions=(*FOUR.positions[:3], (0.0, 0.0, 0.0)))
-    assert hall_accuracy.cost(moved, FINE) > 10e-6
+    displaced = replace(FOUR, positions=(*FOUR.positions[:3], (0.0, 0.0, 0.0)))
+    assert hall_accuracy.cost(displaced, FINE) > 10e-6
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.5])

@@ -19,24 +19,24 @@ from tests.designs.hall_position.tracked import (
     L,
     Pose,
     W,
-    begun,
+    before_start,
     block,
-    compiled,
-    given,
-    known,
+    by_input,
+    compile_c,
+    known_state,
     motion,
     noisy,
-    records,
     setup,
+    state_records,
 )
 
 EXACT = tolerances.of("double")
 EPS = 2.0**-52
-SEVERE = 1e3  # from which on errors are allowed in proportion to what magnifies them
+ILL_CONDITIONED = 1e3  # from which on errors are allowed in proportion to what magnifies them
 SHARE = 8  # times that and the precision; 1.3 is seen
 
 
-def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
+def random_samples(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
     """Return states anywhere (N,), voltages (N, sensors, 2) and which of these are refused.
 
     A third of the voltages are those of a pose about where the sample begins, a third of one further away; the others
@@ -75,12 +75,12 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     return state, np.clip(V, -4.9, 4.9), rng.random(V.shape) < 0.01
 
 
-def held(V: Numbers, refused: Numbers) -> Numbers:
+def held_voltages(V: Numbers, refused: Numbers) -> Numbers:
     """Return what the guard passes on: 0 before the first sample that it accepts."""
     return np.where(refused, 0.0, V)
 
 
-def apart(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
+def difference(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, a tenth of the voltages' range, and flags by 1."""
     gap = [np.abs(outputs[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
@@ -93,13 +93,13 @@ def apart(outputs: Columns, after: host.Records, out: Columns, next: Columns) ->
 
 def disagreement(array: Array, n: int, of: Setup) -> Numbers:
     """Return by how much the C differs from the reference in n steps, over what is allowed, (N,)."""
-    state, V, refused = drawn(array, n, 3)
-    out, next = reference.step(of, state, held(V, refused), refused)
-    batch = compiled(array).batch(records(array, state), given(array, np.where(refused, np.nan, V)))
-    severe = reference_rounding.magnification(of, state, held(V, refused), refused)
-    allowed = np.where(severe > SEVERE, SHARE * EPS * severe, EXACT)
-    assert (severe > SEVERE).mean() < 0.02 and next["lock_lost"].mean() > 0.5
-    return apart(batch.outputs, batch.states, out, next) / allowed
+    state, V, refused = random_samples(array, n, 3)
+    out, next = reference.step(of, state, held_voltages(V, refused), refused)
+    batch = compile_c(array).batch(state_records(array, state), by_input(array, np.where(refused, np.nan, V)))
+    severe = reference_rounding.magnification(of, state, held_voltages(V, refused), refused)
+    allowed = np.where(severe > ILL_CONDITIONED, SHARE * EPS * severe, EXACT)
+    assert (severe > ILL_CONDITIONED).mean() < 0.02 and next["lock_lost"].mean() > 0.5
+    return difference(batch.outputs, batch.states, out, next) / allowed
 
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
@@ -109,13 +109,13 @@ def test_c_agrees_with_the_reference_from_any_state(array: Array) -> None:
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
 def test_the_block_agrees_with_the_reference(array: Array) -> None:
-    state, V, _ = drawn(array, 300, 4)
+    state, V, _ = random_samples(array, 300, 4)
     of, clear = block(array), np.zeros(V.shape, bool)
     x = np.tile(of.initial[:, np.newaxis], 300)
     for i, s in enumerate(of.states):
         name = s.name.removeprefix("estimator_")
         x[i] = state.get(name, x[i])
-    y = of.function().map(300)(x, np.array([*given(array, V).values()]))[1].full()
+    y = of.function().map(300)(x, np.array([*by_input(array, V).values()]))[1].full()
     out, _ = reference.step(setup(array), state, V, clear)
     allowed = np.maximum(EXACT, SHARE * EPS * reference_rounding.magnification(setup(array), state, V, clear))
     for signal, values in zip(of.outputs, y, strict=True):
@@ -125,13 +125,13 @@ def test_the_block_agrees_with_the_reference(array: Array) -> None:
 
 def over_motions(array: Array, pose: Pose, of: Setup) -> float:
     """Return the worst difference of C and reference that each go their own way."""
-    V, state = noisy(array, pose), known(array, begun(pose))
-    after, gap, clear = records(array, state), 0.0, np.zeros(V.shape[1:], bool)
+    V, state = noisy(array, pose), known_state(array, before_start(pose))
+    after, gap, clear = state_records(array, state), 0.0, np.zeros(V.shape[1:], bool)
     for now in V:
         out, state = reference.step(of, state, now, clear)
-        batch = compiled(array).batch(after, given(array, now))
+        batch = compile_c(array).batch(after, by_input(array, now))
         after = batch.states
-        gap = max(gap, float(apart(batch.outputs, after, out, state).max()))
+        gap = max(gap, float(difference(batch.outputs, after, out, state).max()))
     return gap
 
 
@@ -185,15 +185,18 @@ def test_another_reference_is_seen(name: str, value: float, monkeypatch: pytest.
 def test_single_precision_is_within_a_micrometre() -> None:
     """Of double precision, each going its own way: ten times less where the position is valid."""
     pose = motion(400, 50, 6, travel=0.2, yaw=0.04)
-    after = {scalar: records(TWO, known(TWO, begun(pose)), scalar=scalar) for scalar in (np.float32, np.float64)}
-    apart, valid = [], []
+    after = {
+        scalar: state_records(TWO, known_state(TWO, before_start(pose)), scalar=scalar)
+        for scalar in (np.float32, np.float64)
+    }
+    differences, valid = [], []
     for now in noisy(TWO, pose):
         outputs = {}
         for scalar, state in after.items():
-            batch = compiled(TWO, scalar=scalar).batch(state, given(TWO, now))
+            batch = compile_c(TWO, scalar=scalar).batch(state, by_input(TWO, now))
             after[scalar], outputs[scalar] = batch.states, batch.outputs
         single, double = outputs[np.float32], outputs[np.float64]
-        apart.append(np.hypot(single["X"] - double["X"], single["Y"] - double["Y"]))
+        differences.append(np.hypot(single["X"] - double["X"], single["Y"] - double["Y"]))
         valid.append((single["valid"] > 0) & (double["valid"] > 0))
-    assert np.mean(valid) > 0.6 and np.array(apart)[np.array(valid)].max() < 1e-7
-    assert np.array(apart).max() < 1e-6
+    assert np.mean(valid) > 0.6 and np.array(differences)[np.array(valid)].max() < 1e-7
+    assert np.array(differences).max() < 1e-6

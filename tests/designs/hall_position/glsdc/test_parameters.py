@@ -60,9 +60,9 @@ def test_what_is_no_figure_of_an_array_is_refused(name: str, value: Any) -> None
     ],
 )
 def test_what_is_no_place_is_refused(positions: Any, message: str) -> None:
-    for made in (array, six):
+    for make in (array, six):
         with pytest.raises(ModelError, match=message):
-            made(positions=positions)
+            make(positions=positions)
 
 
 def test_more_sensors_than_are_named_are_refused() -> None:
@@ -94,15 +94,15 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
-    for made, sensors in ((estimator, two), (six_estimator, FOUR)):
+    for module, sensors in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
-            made.guarded_estimator(sensors, time)
+            module.guarded_estimator(sensors, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 
 
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
-    for made in (config.array, config.block):
+    for make in (config.array, config.block):
         with pytest.raises(DesignError, match="give one of hall_position, hall_position_three"):
-            made(name)
+            make(name)

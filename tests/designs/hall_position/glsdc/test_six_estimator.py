@@ -25,16 +25,16 @@ from tests.designs.hall_position.posed import (
     Columns,
     L,
     block,
-    compiled,
+    by_input,
+    compile_c,
     errors,
-    given,
-    known,
+    known_state,
     motion,
     noisy,
     places,
-    records,
-    replayed,
+    replay,
     setup,
+    state_records,
     volts,
 )
 
@@ -44,7 +44,7 @@ UP = np.array([0, 0, 3e-3, 0, 0, 0])  # of a body at the height
 SIZES = np.array([1, 1, 1, *3 * [25.4e-3]])  # m, of a unit of each coordinate
 
 
-def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
+def random_samples(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
     """Return states anywhere (N,), voltages (N, sensors, 2) and which of these are refused.
 
     Two thirds of the voltages are those of a pose near to where the sample begins or further away; others are random.
@@ -69,7 +69,7 @@ def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers,
     return state, np.clip(V, -4.9, 4.9), rng.random(V.shape) < 0.01
 
 
-def apart(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
+def difference(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, of the voltages' range, and flags by 1."""
     gap = [np.abs(outputs[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
@@ -79,10 +79,10 @@ def apart(outputs: Columns, after: host.Records, out: Columns, next: Columns) ->
 
 
 def disagreement(array: Array, n: int, of: Setup) -> float:
-    state, V, refused = drawn(array, n, 3)
+    state, V, refused = random_samples(array, n, 3)
     out, next = reference_six.step(of, state, np.where(refused, 0.0, V), refused)
-    batch = compiled(array).batch(records(array, state), given(array, np.where(refused, np.nan, V)))
-    return float(apart(batch.outputs, batch.states, out, next).max())
+    batch = compile_c(array).batch(state_records(array, state), by_input(array, np.where(refused, np.nan, V)))
+    return float(difference(batch.outputs, batch.states, out, next).max())
 
 
 # Against the reference.
@@ -90,7 +90,7 @@ def disagreement(array: Array, n: int, of: Setup) -> float:
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
 def test_c_agrees_with_the_reference_from_any_state(array: Array) -> None:
-    state, V, refused = drawn(array, 6000, 3)
+    state, V, refused = random_samples(array, 6000, 3)
     out, _ = reference_six.step(setup(array), state, np.where(refused, 0.0, V), refused)
     assert 0.3 < out["converged"].mean() < 0.7 and 0.1 < out["valid"].mean() < 0.5
     assert disagreement(array, 6000, setup(array)) < EXACT
@@ -102,12 +102,12 @@ def by_block(array: Array, state: Columns, V: Numbers) -> dict[str, Numbers]:
     x = np.tile(of.initial[:, np.newaxis], n)
     for i, s in enumerate(of.states):
         x[i] = state.get(s.name.removeprefix("estimator_"), x[i])
-    y = of.function().map(n)(x, np.array([*given(array, V).values()]))[1].full()
+    y = of.function().map(n)(x, np.array([*by_input(array, V).values()]))[1].full()
     return {signal.name: values for signal, values in zip(of.outputs, y, strict=True)}
 
 
 def test_the_block_agrees_with_the_reference() -> None:
-    state, V, _ = drawn(FOUR, 100, 4)
+    state, V, _ = random_samples(FOUR, 100, 4)
     out, _ = reference_six.step(setup(FOUR), state, V, np.zeros(V.shape, bool))
     for name, values in by_block(FOUR, state, V).items():
         np.testing.assert_allclose(values, out[name], rtol=0, atol=6 * EXACT, err_msg=name)
@@ -116,13 +116,13 @@ def test_the_block_agrees_with_the_reference() -> None:
 def test_c_agrees_with_the_reference_over_motions_of_many_pitches_and_turns() -> None:
     pose = motion(250, 80, 5, travel=0.3, turn=13.0)
     assert np.ptp(pose[..., 0], axis=0).max() > 3 * L and np.ptp(pose[..., 5], axis=0).max() > np.pi
-    state, gap, clear = known(FOUR, pose[0]), 0.0, np.zeros((80, 4, 2), bool)
-    after = records(FOUR, state)
+    state, gap, clear = known_state(FOUR, pose[0]), 0.0, np.zeros((80, 4, 2), bool)
+    after = state_records(FOUR, state)
     for now in noisy(FOUR, pose):
         out, state = reference_six.step(setup(FOUR), state, now, clear)
-        batch = compiled(FOUR).batch(after, given(FOUR, now))
+        batch = compile_c(FOUR).batch(after, by_input(FOUR, now))
         after = batch.states
-        gap = max(gap, float(apart(batch.outputs, after, out, state).max()))
+        gap = max(gap, float(difference(batch.outputs, after, out, state).max()))
     assert gap < EXACT
 
 
@@ -164,7 +164,7 @@ def test_it_finds_the_least_squares_solution() -> None:
     pose = places(12, 1)
     V = noisy(FOUR, pose)
     near = pose + np.random.default_rng(2).standard_normal(pose.shape) * np.array([30e-6] * 3 + [1e-3] * 3)
-    outputs = compiled(FOUR).batch(records(FOUR, known(FOUR, near)), given(FOUR, V)).outputs
+    outputs = compile_c(FOUR).batch(state_records(FOUR, known_state(FOUR, near)), by_input(FOUR, V)).outputs
     assert outputs["valid"].all()
     for k, at in enumerate(pose):
 
@@ -180,19 +180,21 @@ def test_it_finds_the_least_squares_solution() -> None:
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
 def test_errors_are_as_large_as_it_says(array: Array) -> None:
     pose = np.repeat(places(60, 3)[np.newaxis], 60, axis=0)
-    outputs = replayed(array, pose[0], noisy(array, pose))
+    outputs = replay(array, pose[0], noisy(array, pose))
     off, sure = errors(outputs, pose), outputs["valid"] > 0
     assert sure.mean() > 0.99
     for i, name in enumerate(six_estimator.OUTPUTS):
         ratio = np.sqrt(np.mean((off[..., i] / outputs[f"deviation_{name}"])[sure] ** 2))
         assert 0.9 < ratio < 1.1, name
-    louder = errors(replayed(array, pose[0], noisy(replace(array, deviation=1.3e-3), pose)), pose)
+    louder = errors(replay(array, pose[0], noisy(replace(array, deviation=1.3e-3), pose)), pose)
     assert np.sqrt(np.mean((louder[..., 2] / outputs["deviation_Z"]) ** 2)) > 1.2  # the check can fail
 
 
 def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     pose = places(100, 4)
-    outputs = compiled(FOUR).batch(records(FOUR, known(FOUR, pose)), given(FOUR, volts(FOUR, pose))).outputs
+    outputs = (
+        compile_c(FOUR).batch(state_records(FOUR, known_state(FOUR, pose)), by_input(FOUR, volts(FOUR, pose))).outputs
+    )
     H = hall_two_waves.rows(FOUR, pose)
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
     for i, name in enumerate(six_estimator.OUTPUTS):
@@ -204,7 +206,7 @@ def test_the_deviations_are_those_of_cramer_and_rao() -> None:
 def test_it_follows_motions() -> None:
     """Of 0.7 m/s, 7 m/s^2, 0.4 mm of gap and 8 mrad of tilt: each sample is valid but a few in a thousand."""
     pose = motion(300, 40, 6, travel=0.1)
-    outputs = replayed(FOUR, pose[0], noisy(FOUR, pose))
+    outputs = replay(FOUR, pose[0], noisy(FOUR, pose))
     off, sure = errors(outputs, pose), outputs["valid"] > 0
     assert sure.mean() > 0.995 and not outputs["lock_lost"].any()
     assert np.abs(off[sure][:, :3]).max() < 25e-6 and np.abs(off[sure][:, 3:]).max() < 1e-3
@@ -214,10 +216,10 @@ def test_it_follows_motions() -> None:
 def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     n, of = 2000, setup(array)
     pose, V = places(n, 6), np.random.default_rng(6).uniform(-4.9, 4.9, (2000, len(array.positions), 2))
-    state = known(array, pose) | {"searching": np.ones(n)}
+    state = known_state(array, pose) | {"searching": np.ones(n)}
     start, weights, problem = reference_six.predict(of, state), np.ones(V.shape[:2]), reference_six.problem(of)
     before = reference_glsdc.fit(problem, start, 0 * start, V, weights).cost
-    after = compiled(array).batch(records(array, state), given(array, V)).outputs
+    after = compile_c(array).batch(state_records(array, state), by_input(array, V)).outputs
     end = np.stack([after[name] for name in six_estimator.OUTPUTS], axis=1) - start - UP
     end[:, :2] = (end[:, :2] + L / 2) % L - L / 2
     cost = reference_glsdc.fit(problem, start, end, V, weights).cost
@@ -243,7 +245,7 @@ def test_where_rank_is_lost_it_is_damped() -> None:
         low, high = (middle, high) if same else (low, middle)
     pose = low[np.newaxis]
     for array, lost in ((doubled, 1), (FOUR, 0)):
-        outputs = by_block(array, known(array, pose), volts(array, pose))
+        outputs = by_block(array, known_state(array, pose), volts(array, pose))
         assert outputs["damped"] == lost and outputs["valid"] == 1 - lost and outputs["converged"] == 1
 
 
@@ -266,7 +268,7 @@ def test_sensors_at_one_place_count_once() -> None:
 def test_beyond_its_ranges_it_is_not_valid(change: list[float]) -> None:
     """It is valid up to them; the motion goes on past them within 40 ms."""
     pose = np.tile(places(1, 7, gap=0.0, tilt=0.0), (32, 1, 1)) + 1.4 * np.linspace(0, 1, 32)[:, None, None] * change
-    outputs = replayed(FOUR, pose[0], volts(FOUR, pose))
+    outputs = replay(FOUR, pose[0], volts(FOUR, pose))
     outside = np.abs(pose[..., 2] - 3e-3) > USUAL.gap
     outside |= (np.abs(pose[..., 3:5]) > USUAL.tilt).any(axis=-1)
     assert outside.any() and not (outputs["valid"] > 0)[outside].any()
@@ -277,7 +279,7 @@ def test_a_false_voltage_leaves_residuals_and_is_not_valid() -> None:
     pose = np.repeat(places(200, 8)[np.newaxis], 4, axis=0)
     V = volts(FOUR, pose)
     V[1:, :, 2, 1] += 0.5
-    outputs = replayed(FOUR, pose[0], V)
+    outputs = replay(FOUR, pose[0], V)
     assert outputs["valid"][0].all() and not outputs["valid"][1].any()
     assert (outputs["residual"][1] > USUAL.residual_limit).mean() > 0.9
 
@@ -286,7 +288,7 @@ def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
     pose = np.repeat(places(40, 9)[np.newaxis], 30, axis=0)
     V = noisy(FIVE, pose)
     V[10:, :, 1, 0] = np.nan
-    outputs = replayed(FIVE, pose[0], V)
+    outputs = replay(FIVE, pose[0], V)
     off = errors(outputs, pose)[10:]
     left = replace(FIVE, positions=(FIVE.positions[0], *FIVE.positions[2:]))
     H = hall_two_waves.rows(left, pose[0])
@@ -296,16 +298,16 @@ def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
     assert np.sqrt(np.mean((off / bound)[sure] ** 2)) < 1.1
     V = noisy(FOUR, pose)
     V[10:, :, 1, 0] = np.nan
-    assert not replayed(FOUR, pose[0], V)["valid"][10:].any()
+    assert not replay(FOUR, pose[0], V)["valid"][10:].any()
 
 
 def test_from_anywhere_in_the_pitch_it_finds_its_place() -> None:
     """Level and at the height within 0.3 mm and 5 mrad, yaw 2 degrees: all of 200 in a quarter of a second."""
     pose = np.repeat(places(200, 10, yaw=0.035, gap=3e-4, tilt=5e-3)[np.newaxis], 200, axis=0)
-    V, state = noisy(FOUR, pose), records(FOUR, known(FOUR, np.tile(UP, (200, 1))))
+    V, state = noisy(FOUR, pose), state_records(FOUR, known_state(FOUR, np.tile(UP, (200, 1))))
     state["estimator_searching"] = 1
     for now in V:
-        batch = compiled(FOUR).batch(state, given(FOUR, now))
+        batch = compile_c(FOUR).batch(state, by_input(FOUR, now))
         state = batch.states
     off, sure = errors(batch.outputs, pose[-1]), batch.outputs["valid"] > 0
     off[:, :2] = (off[:, :2] + L / 2) % L - L / 2

@@ -38,8 +38,8 @@ def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() ->
     assert np.all(SEVEN * after < before) and np.all(SEVEN * peak < peak_before)
     assert max(peak[:2]) < 45e-6
     assert peak_before[0] < 1.4e-3  # what the paper found
-    turned = ErrorMap(source.map.grid, source.map.added.transpose(0, 2, 1))
-    worse, _ = errors(correct(turned, estimated), reference)
+    transposed = ErrorMap(source.map.grid, source.map.added.transpose(0, 2, 1))
+    worse, _ = errors(correct(transposed, estimated), reference)
     assert np.all(worse > 3 * after)
 
 

@@ -26,24 +26,24 @@ Columns = dict[str, np.ndarray]
 
 
 @cache
-def emitted() -> write.Emitted:
+def emit_source() -> write.Emitted:
     return write.emit(unranged(closed_loop._source(TIME, "")), np.float64)
 
 
 def answers(changed: Columns | None = None, old: str = "", new: str = "") -> Columns:
     """Return what ``hall_source`` makes of a steady motion that is valid from FIRST on, `old` in its C being `new`."""
-    made, k = emitted(), np.arange(N)
-    text = made.files["hall_source.c"]
+    source, k = emit_source(), np.arange(N)
+    text = source.files["hall_source.c"]
     assert old in text
     inputs: Columns = {"X": SPEED * k, "Y": -SPEED * k, "yaw": np.full(N, 2e-3), "valid": k >= FIRST}
     inputs |= {"excluded_sensor": np.zeros(N), "lock_lost": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
     inputs |= {"y_ref_held": np.full(N, -0.01), "phi_ref_held": np.zeros(N)}
     inputs |= changed or {}
-    controller = host.load({**made.files, "hall_source.c": text.replace(old, new)}, made.manifest)
+    controller = host.load({**source.files, "hall_source.c": text.replace(old, new)}, source.manifest)
     return controller.replay({name: np.asarray(v, float) for name, v in inputs.items()}).outputs
 
 
-def gone(first: int, count: int) -> Columns:
+def dropout(first: int, count: int) -> Columns:
     """Return flags that are not valid in some samples, and estimates that are nonsense there."""
     k = np.arange(N)
     bad = (k >= first) & (k < first + count)
@@ -60,9 +60,9 @@ def test_a_valid_estimate_is_the_position_and_until_then_the_set_point_is() -> N
 
 def test_what_is_not_valid_does_not_move_the_position_beyond_the_motion_so_far() -> None:
     k = np.arange(N)
-    outputs = answers(gone(50, 4))["x_raw"]
+    outputs = answers(dropout(50, 4))["x_raw"]
     assert np.abs(outputs - SPEED * k)[50:54].max() < 0.2 * SPEED  # the motion is known to 2 % after 40 samples
-    at_rest = answers({**gone(50, 4), "X": np.where(k < 50, 0.0, 0.09)})["x_raw"]
+    at_rest = answers({**dropout(50, 4), "X": np.where(k < 50, 0.0, 0.09)})["x_raw"]
     assert np.abs(at_rest[50:54]).max() == 0
     assert at_rest[54] == 0.09
 
@@ -73,16 +73,16 @@ def test_what_is_not_valid_does_not_move_the_position_beyond_the_motion_so_far()
 )
 def test_a_position_that_is_not_held_is_told(old: str, new: str) -> None:
     k = np.arange(N)
-    outputs = answers(gone(50, 4), old, new)["x_raw"]
+    outputs = answers(dropout(50, 4), old, new)["x_raw"]
     assert np.abs(outputs - SPEED * k)[50:54].max() > SPEED
 
 
 def test_invalid_samples_in_a_row_are_counted_to_the_suspicion_and_a_valid_one_begins_anew() -> None:
     lost = closed_loop.MAX_INVALID
     for count, suspected in ((lost - 1, False), (lost, True)):
-        outputs = answers(gone(30, count))
+        outputs = answers(dropout(30, count))
         assert outputs["suspected"].any() == suspected
-    outputs = answers(gone(30, N))
+    outputs = answers(dropout(30, N))
     assert np.argmax(outputs["suspected"]) == 30 + lost + 1
     assert all(outputs[f"suspect_{name}"][-1] for name in planar_stage.HALL)
     twice = {"valid": (np.arange(N) >= FIRST) & (np.arange(N) % 6 != 0)}

@@ -91,7 +91,7 @@ def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
     assert [r.document()["id"] for r in rows.values()] == list(rows)
 
 
-def recomputed(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
+def recompute(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
     """Return a row of a changed stage or with other numbers in the print."""
     of = PRINTED[name]
     changed = {k: Printed(text, of.numbers[k].unit) for k, text in numbers.items()}
@@ -99,7 +99,7 @@ def recomputed(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
     return audit.computed(row, paper.scope(stage, {**PRINTED, name: row}))
 
 
-def computed_by(name: str, **functions: object) -> Row:
+def compute_with(name: str, **functions: object) -> Row:
     """Return a row that some functions are given in place of those of its name."""
     bench = paper.scope(STAGE, PRINTED)
     return audit.computed(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
@@ -126,14 +126,14 @@ def computed_by(name: str, **functions: object) -> Row:
     ],
 )
 def test_a_defect_changes_the_verdict(name: str, stage: Stage, numbers: dict[str, str]) -> None:
-    assert str(recomputed(name, stage, **numbers).verdict) == "N"
+    assert str(recompute(name, stage, **numbers).verdict) == "N"
 
 
 def test_verdicts_on_layouts_follow_their_figures() -> None:
-    assert str(computed_by("K-13", singular_points=lambda *_: np.zeros((0, 2))).verdict) == "R"
+    assert str(compute_with("K-13", singular_points=lambda *_: np.zeros((0, 2))).verdict) == "R"
     offset = rank.voltage_changes(replace(STAGE.three, c=0.1))  # an offset of all voltages tells quarter turns apart
-    assert str(computed_by("K-15", voltage_changes=lambda _: offset).verdict) == "N"
-    worse = computed_by("K-14", by_waves=lambda s, of: errors.by_waves(s, of) * 10 ** (len(of.positions) - 2))
+    assert str(compute_with("K-15", voltage_changes=lambda _: offset).verdict) == "N"
+    worse = compute_with("K-14", by_waves=lambda s, of: errors.by_waves(s, of) * 10 ** (len(of.positions) - 2))
     assert str(worse.verdict) == "N"
 
 
@@ -149,12 +149,12 @@ CHANGED = {
 @pytest.mark.parametrize("parameter", list(CHANGED))
 def test_rows_depend_on_what_they_name(rows: dict[str, Row], parameter: str) -> None:
     for name in CHEAP:
-        after = recomputed(name, CHANGED[parameter])
-        moved = any(
+        after = recompute(name, CHANGED[parameter])
+        changed = any(
             abs(f.value - g.value) > 1e-9 * abs(f.value) + 1e-9  # an amplitude of nothing is 1e-17 T
             for f, g in zip(rows[name].recomputed, after.recomputed, strict=True)
         )
-        assert moved == (parameter in after.depends), name
+        assert changed == (parameter in after.depends), name
 
 
 # Oracles
@@ -210,11 +210,11 @@ def test_motions_are_those_between_two_estimates() -> None:
     step, count = 4e-3, STAGE.truth.count
     off = errors.errors(STAGE, True)[0].reshape(count, count)
     X = l / count * np.arange(-count, 2 * count)
-    moved = errors.true_motions(off, l / count, step).reshape(count, count)
+    motions = errors.true_motions(off, l / count, step).reshape(count, count)
     for j in (0, 7, 30):
         seen = X + np.tile(off[:, j], 3)
         for k in (0, 11, 25):
-            true = X[count + k] + moved[j, k]
+            true = X[count + k] + motions[j, k]
             assert np.interp(true, X, seen) - seen[count + k] == pytest.approx(step, abs=1e-9)
 
 

@@ -47,9 +47,9 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
     assert 0.7 < run.valid < 0.85 and run.lost == run.wrong == 0 and run.worst < 1e-4 and run.off < 2e-4
     loose, looser = (
         endurance.run(
-            replace(TWO, tuning=replace(TWO.tuning, yaw_damping_ratio=firm)), BODIES, SAMPLES, endurance.limits(TWO)
+            replace(TWO, tuning=replace(TWO.tuning, yaw_damping_ratio=ratio)), BODIES, SAMPLES, endurance.limits(TWO)
         )
-        for firm in (1.0, 0.2)
+        for ratio in (1.0, 0.2)
     )
     assert loose.off > 2 * run.off and looser.lost > 0.9
 
