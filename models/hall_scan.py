@@ -140,13 +140,13 @@ def decay(
     if coefficient not in NUMBERS:
         raise SignalError(f"'{coefficient}' has no decay: give one of {', '.join(NUMBERS)}")
     if len(fits) < 3:
-        raise SignalError(f"{len(fits)} heights do not tell a rate and its error: scan at three or more")
+        raise SignalError(f"{len(fits)} heights do not determine a rate and its error: scan at three or more")
     for z, scan_fit in fits.items():
         low, high = scan_fit.estimate.intervals[COEFFICIENTS.index(coefficient)]
         if low <= 0 <= high:
             raise SignalError(
                 f"{coefficient} of '{scan_fit.channel}' at {1e3 * z:.4g} mm is {scan_fit.estimate[coefficient]:.3g} V, "
-                "not told from 0: leave that height out"
+                "not distinguishable from 0: leave that height out"
             )
     above = np.array(list(fits)) - height
     y = np.log(np.abs([scan_fit.estimate[coefficient] for scan_fit in fits.values()]))

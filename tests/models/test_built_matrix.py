@@ -1,4 +1,4 @@
-"""The truth field against magpylib's blocks, each moved and turned as drawn, and the stage that stands over it."""
+"""The true field against magpylib's displaced and tilted blocks, and the stage above it."""
 
 from dataclasses import replace
 from math import pi, radians

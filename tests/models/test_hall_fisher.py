@@ -67,7 +67,7 @@ def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
 
 
 def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
-    """Return how many poses drawn in drawn cells exceed the cell's bound."""
+    """Return how many random poses in random cells exceed the cell's bound."""
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
     _, bound = worst_deviation.bounded(

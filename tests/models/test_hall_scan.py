@@ -107,7 +107,7 @@ def test_refusals() -> None:
         hall_scan.decay(fits, "c", l)
     with pytest.raises(SignalError, match="three or more"):
         hall_scan.decay({z: fits[z] for z in HEIGHTS[:2]}, "alpha", l)
-    with pytest.raises(SignalError, match="not told from 0"):
+    with pytest.raises(SignalError, match="not distinguishable from 0"):
         hall_scan.decay(by_height(MODEL, noise=0.5), "delta", l)
 
 

@@ -1,4 +1,4 @@
-"""All points at which two sensors lose rank, against searches from drawn starts and the sensor model's Jacobian."""
+"""All points at which two sensors lose rank, against searches from random starts and the sensor model's Jacobian."""
 
 from dataclasses import replace
 

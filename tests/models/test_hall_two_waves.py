@@ -1,4 +1,4 @@
-"""The field over the gap, and what sensors tell of all six coordinates, against the sensor model of `models`."""
+"""The field over the gap, and the sensors' accuracy in six coordinates, against the sensor model of `models`."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The sequences reach what they are there for: every decision of the machine code, the latch, the search, the worst.
+"""The sequences reach every decision of the machine code, the latch, the search and the costliest steps.
 
 What is measured is the committed C.
 """
@@ -90,7 +90,7 @@ def test_every_decision_is_seen_both_ways(name: str) -> None:
 
 
 @GCC
-def test_a_decision_that_nothing_takes_is_told() -> None:
+def test_a_decision_that_nothing_takes_is_detected() -> None:
     """The planted defect: a branch on a value that no step has."""
     (emitted, _, _), name = subject(config.NAME), config.NAME
     planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"

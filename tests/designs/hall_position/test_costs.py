@@ -1,4 +1,4 @@
-"""What the report says of the other estimators' cost: what is slower shows as more, and every row is shown.
+"""Cost of the other estimators in the report: slower code shows as more instructions, and every row is shown.
 
 The C here computes sines by libm, which is emitted in a tenth of the time; the one that ships is measured in the build.
 """

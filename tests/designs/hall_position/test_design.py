@@ -83,7 +83,7 @@ def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
 
 
 @needs_provers
-def test_a_state_beyond_its_bounds_is_told() -> None:
+def test_a_state_beyond_its_bounds_is_detected() -> None:
     """The planted defect."""
     files, manifest = committed_files(config.NAME)
     name, line = f"{config.NAME}.c", "state->estimator_motion_x = estimator_motion_x_next;"
@@ -94,7 +94,7 @@ def test_a_state_beyond_its_bounds_is_told() -> None:
 
 
 @needs_provers
-def test_a_number_that_is_none_and_passes_is_told() -> None:
+def test_a_number_that_is_none_and_passes_is_detected() -> None:
     files, manifest = committed_files(config.NAME)
     name = f"{config.NAME}.c"
     deaf = files[name].replace("if (fabsf(V_ax) <= 5.0f) {", "if (!(fabsf(V_ax) > 5.0f)) {")

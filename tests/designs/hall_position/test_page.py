@@ -1,4 +1,4 @@
-"""The report: its parts are there, and what they show is right."""
+"""The report: all parts are present, and their numbers are right."""
 
 import re
 from pathlib import Path

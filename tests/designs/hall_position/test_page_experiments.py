@@ -1,4 +1,4 @@
-"""The report's parts on the closed loop: runs as they are, calibration, the loop as opened."""
+"""Closed loop in the report: experiments, calibration, the open loop."""
 
 import tomllib
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ from synth.simulate.scenario import Trajectory
 
 
 def run(values: dict[str, np.ndarray], name: str = "step_plain", more: Mapping[str, float] = {}) -> Experiment:
-    """Return an experiment that shows the columns given."""
+    """Return an experiment that shows columns of values."""
     n = len(next(iter(values.values())))
     trajectory = Trajectory(np.arange(n) / 800, values, {}, {}, {}, {}, np.zeros(n, np.uint32), {})
     references = {"x": np.full(n, 4e-3)} if "x" in values else {}

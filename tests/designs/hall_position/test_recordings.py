@@ -104,7 +104,7 @@ def test_the_field_is_that_of_the_fabricated_matrix() -> None:
 
 
 @pytest.mark.parametrize("name", config.PLACES)
-def test_the_numbers_are_told(name: str) -> None:
+def test_the_gains_are_committed(name: str) -> None:
     document = json.loads((ROOT / "generated_c" / name / "gains.json").read_text())
     array, numbers = config.array(name), document["design"]
     k = {c: v["value"] for c, v in document["constants"].items()}

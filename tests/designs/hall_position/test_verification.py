@@ -1,4 +1,4 @@
-"""Verification passes the sound estimator and tells every planted defect: in the reference, the Block and the C."""
+"""Verification passes the sound estimator and detects every planted defect: in the reference, the Block and the C."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -92,33 +92,33 @@ def test_the_sound_estimator_passes() -> None:
         ),
     ],
 )
-def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
+def test_a_wrong_number_in_the_reference_is_detected(kind: str, name: str) -> None:
     factor = 2.0 if name == "residual_limit" else 1.05
     other = Setup(subject().setup.numbers | {name: factor * getattr(subject().setup, name)})
     assert failing_checks(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 
 
 @pytest.mark.parametrize("name", ["BAD_SAMPLES", "SPAN"])
-def test_a_wrong_guard_in_the_reference_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_guard_in_the_reference_is_detected(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference_guard, name, 4)
     failing = failing_checks(agree.reference(partial(reference_guard.step, subject().setup)), "edge", "reference")
     assert failing
 
 
 @pytest.mark.parametrize("make_witness", [agree.casadi, agree.casadi_own_c])
-def test_a_wrong_constant_in_casadis_step_is_told(make_witness: Callable[[Block], agree.Witness]) -> None:
+def test_a_wrong_constant_in_casadis_step_is_detected(make_witness: Callable[[Block], agree.Witness]) -> None:
     assert failing_checks(make_witness(off_by(subject().block, 1 + 1e-9))) and not failing_checks(
         make_witness(subject().block)
     )
 
 
-def test_a_missing_fault_is_told() -> None:
+def test_a_missing_fault_is_detected() -> None:
     deaf = agree.casadi(replace(subject().block, faults=()))
     assert all("fault words" in name for name in failing_checks(deaf)) and failing_checks(deaf)
 
 
-def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of these alone: what is asked of the others would not see it."""
+def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted in ill-conditioned steps only: the checks of the other steps do not see it."""
     steps, witness = steps_of("random"), sound().of["reference"]
     monkeypatch.setattr(verification, "ILL_CONDITIONED", 100.0)
     above = steps.severity > verification.ILL_CONDITIONED
@@ -135,7 +135,7 @@ def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyP
     assert verification.ill_conditioned_share(one).found == 0
 
 
-def test_no_number_is_told() -> None:
+def test_nan_is_detected() -> None:
     witness = sound().of["reference"]
 
     def corrupted(states: Any, inputs: Any) -> Stepped:
@@ -154,7 +154,7 @@ def wrong_in_single() -> Witnesses:
     return replace(sound(), c32=host.load(files.files, files.manifest))
 
 
-def test_single_precision_that_is_wrong_is_told() -> None:
+def test_single_precision_that_is_wrong_is_detected() -> None:
     of, steps = subject(), steps_of("motions")
     assert failed_names(verification.compare_single(of, sound(), steps)) == []
     names = failed_names(verification.compare_single(of, wrong_in_single(), steps))
@@ -165,7 +165,7 @@ def test_single_precision_that_is_wrong_is_told() -> None:
     ("output", "factor", "more"),
     [("yaw", 1.0, 1e-4), ("residual", 1.0, 1e-3), ("deviation_X", 1.01, 0.0), ("deviation_yaw", 0.9, 0.0)],
 )
-def test_another_output_that_is_wrong_in_single_is_told(
+def test_another_output_that_is_wrong_in_single_is_detected(
     output: str, factor: float, more: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     emitted, by = agree.emitted, sound()
@@ -183,14 +183,14 @@ def test_another_output_that_is_wrong_in_single_is_told(
     assert output.split("_")[0] in name
 
 
-def test_costs_that_hang_by_more_than_rounding_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is left out of single precision is limited: a margin a thousand times as wide leaves out too much."""
+def test_a_wider_margin_leaves_out_too_many_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The share of steps left out in single precision is limited: a thousand times the margin exceeds it."""
     monkeypatch.setattr(verification, "STEP", 1000 * verification.STEP)
     (name,) = failed_names(verification.compare_single(subject(), sound(), steps_of("motions")))
     assert name.endswith("costs apart by rounding in single")
 
 
-def test_a_deviation_that_is_wrong_in_double_is_told() -> None:
+def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
     witness = sound().of["reference"]
 
     def corrupted(states: Any, inputs: Any) -> Stepped:
@@ -212,7 +212,7 @@ def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPat
     assert any("decisions otherwise" in name for name in names)
 
 
-def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_free_running_witnesses_that_diverge_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     of = subject()
     inputs = random_steps.along_motions(of, SIZES["motions"])
     names = failed_names(verification.free_running(of, wrong_in_single(), inputs))

@@ -1,4 +1,4 @@
-"""The estimator: what it finds, how well it says it knows, what it flags, and that it comes back."""
+"""The estimator: convergence, standard deviations, corrections, flags at singular points, refused arguments."""
 
 from dataclasses import replace
 
@@ -47,7 +47,7 @@ def rms(values: Numbers) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-# What it finds.
+# Convergence and deviations.
 
 
 def test_the_voltages_here_are_those_of_the_sensor_model() -> None:
@@ -75,7 +75,7 @@ def test_a_sample_finds_a_body_that_has_moved(array: Array) -> None:
 
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
-def test_errors_are_as_large_as_it_says(array: Array) -> None:
+def test_errors_match_the_stated_deviations(array: Array) -> None:
     pose = at_rest(places(60, 3, 0.1), 100)
     outputs = replay(array, before_start(pose), noisy(array, pose))
     sure = outputs["valid"] > 0
@@ -111,12 +111,12 @@ def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     H = np.stack(slopes, axis=2)
     bound = 1e-3 * np.sqrt(np.linalg.inv(H.transpose(0, 2, 1) @ H).diagonal(axis1=1, axis2=2))
     for i, name in enumerate(size):
-        # The damping makes them smaller, by what it decides instead of the voltages: 1 % of the worst here.
+        # The prior makes them smaller: by 1 % at the worst place here.
         np.testing.assert_allclose(outputs[f"deviation_{name}"], bound[:, i], rtol=1e-2)
         assert (outputs[f"deviation_{name}"] < bound[:, i] * (1 + 1e-6)).all()
 
 
-def test_three_sensors_tell_the_position_everywhere_as_well_as_the_facts_say() -> None:
+def test_deviations_of_three_sensors_over_the_pitch_are_the_known_ones() -> None:
     grid = L * np.arange(100) / 100
     pose = Pose(*(v.ravel() for v in np.meshgrid(grid, grid)), np.zeros(10_000))
     outputs = (
@@ -158,7 +158,7 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
 
 
 def test_five_corrections_of_a_fifth_take_three_samples_as_in_the_paper() -> None:
-    """0.8^15 = 3.5 % is left of a step; of one correction a sample 51 %. The last that is tried is not yet followed."""
+    """0.8^15 = 3.5 % of a step remains; 51 % with one correction a sample. The last trial is not applied yet."""
     pose = places(200, 7, 0.02)
     target = at_rest(Pose(pose.X + 5e-4, pose.Y, pose.yaw), 3)
     for iterations, left in ((6, 0.8**15), (2, 0.8**3)):
@@ -168,11 +168,11 @@ def test_five_corrections_of_a_fifth_take_three_samples_as_in_the_paper() -> Non
         assert not outputs["valid"][0].any()
 
 
-# Where the voltages do not tell.
+# Singular points.
 
 
-def test_at_a_singular_place_it_stays_and_says_so() -> None:
-    """Half a second with a tenth of the noise: the place itself is flat, so that the noise alone would not jump far."""
+def test_at_a_singular_point_it_stays_and_is_damped() -> None:
+    """Half a second with a tenth of the noise; at the point itself the noise alone causes no large jump."""
     n, rest = 400, Pose(*(np.full(20, v) for v in (*SINGULAR, 0.0)))
     pose = at_rest(rest, n)
     V = volts(TWO, pose) + 1e-4 * np.random.default_rng(0).standard_normal((n, 20, 2, 2))
@@ -184,16 +184,16 @@ def test_at_a_singular_place_it_stays_and_says_so() -> None:
 
 
 def crossing(n: int) -> Pose:
-    """Return n ways straight through the singular place, at 5 to 300 mm/s and any heading."""
+    """Return n straight paths through the singular point, at 5 to 300 mm/s and any heading."""
     rng, t = np.random.default_rng(11), np.arange(-200, 200)[:, np.newaxis] / 800
     speed, heading, turn = 10 ** rng.uniform(-2.3, -0.5, n), rng.uniform(0, 2 * np.pi, n), rng.uniform(-0.3, 0.3, n)
     return Pose(SINGULAR[0] + speed * np.cos(heading) * t, SINGULAR[1] + speed * np.sin(heading) * t, turn * t)
 
 
-def test_a_singular_place_is_passed() -> None:
-    """Two ways lead out of it, on which two sensors see nearly the same.
+def test_a_singular_point_is_passed() -> None:
+    """Two curves lead out of it, on which two sensors have nearly the same voltages.
 
-    The motion before it tells which is right, that of the yaw above all.
+    The motion before it, above all that of the yaw, determines the right one.
     """
     pose = crossing(300)
     V = noisy(TWO, pose)
@@ -206,7 +206,7 @@ def test_a_singular_place_is_passed() -> None:
     assert outputs["damped"].max(axis=0).mean() > 0.95 and position_error(outputs, pose).max() < 1e-3
 
 
-# What it is given.
+# Refused arguments.
 
 
 @pytest.mark.parametrize(

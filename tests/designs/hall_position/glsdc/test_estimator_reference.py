@@ -32,20 +32,20 @@ from tests.designs.hall_position.tracked import (
 
 EXACT = tolerances.of("double")
 EPS = 2.0**-52
-ILL_CONDITIONED = 1e3  # from which on errors are allowed in proportion to what magnifies them
+ILL_CONDITIONED = 1e3  # magnification above which the allowed error is proportional to it
 SHARE = 8  # times that and the precision; 1.3 is seen
 
 
 def random_samples(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
     """Return states anywhere (N,), voltages (N, sensors, 2) and which of these are refused.
 
-    A third of the voltages are those of a pose about where the sample begins, a third of one further away; the others
+    A third of the voltages belong to a pose near the predicted one, a third to one further away; the others
     are random.
     """
     rng, of, k = np.random.default_rng(seed), setup(array), len(array.positions)
     state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_last_good", "start_x", "start_y")}
     state["yaw"] *= rng.choice([0.06, 1.0], n)  # half of them where an estimate may be valid
-    # Every other yaw is about the known one, where a place may become certain.
+    # Every other yaw is near the last good one, where the ambiguity may be resolved.
     about = state["yaw"] + rng.uniform(-0.12, 0.12, n)
     state["yaw_last_good"] = np.where(
         rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_last_good"]
@@ -69,14 +69,14 @@ def random_samples(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers],
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
     V = noisy(array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), seed)
     V = np.where((rng.random(n) < 0.33)[:, np.newaxis, np.newaxis], rng.uniform(-5, 5, V.shape), V)
-    # In a tenth one sensor reads what it likes.
+    # In a tenth of the samples one sensor has random voltages.
     some, one = rng.random(n) < 0.1, rng.integers(0, k, n)
     V[some, one[some]] = rng.uniform(-5, 5, (some.sum(), 2))
     return state, np.clip(V, -4.9, 4.9), rng.random(V.shape) < 0.01
 
 
 def held_voltages(V: Numbers, refused: Numbers) -> Numbers:
-    """Return what the guard passes on: 0 before the first sample that it accepts."""
+    """Return the guard's held voltages: 0 before the first accepted sample."""
     return np.where(refused, 0.0, V)
 
 
@@ -124,7 +124,7 @@ def test_the_block_agrees_with_the_reference(array: Array) -> None:
 
 
 def over_motions(array: Array, pose: Pose, of: Setup) -> float:
-    """Return the worst difference of C and reference that each go their own way."""
+    """Return the worst difference between free-running C and reference."""
     V, state = noisy(array, pose), known_state(array, before_start(pose))
     after, gap, clear = state_records(array, state), 0.0, np.zeros(V.shape[1:], bool)
     for now in V:
@@ -183,7 +183,7 @@ def test_another_reference_is_seen(name: str, value: float, monkeypatch: pytest.
 
 
 def test_single_precision_is_within_a_micrometre() -> None:
-    """Of double precision, each going its own way: ten times less where the position is valid."""
+    """Of double precision, both free-running: ten times less where the position is valid."""
     pose = motion(400, 50, 6, travel=0.2, yaw=0.04)
     after = {
         scalar: state_records(TWO, known_state(TWO, before_start(pose)), scalar=scalar)

@@ -1,4 +1,4 @@
-"""What the estimators are given: lists become tuples, and what is no figure, place or time is refused by its name."""
+"""Arguments of the estimators: lists become tuples; invalid numbers, places and times are refused by name."""
 
 from typing import Any
 

@@ -71,7 +71,7 @@ def by_reference(pose: Numbers, V: Numbers) -> dict[str, Numbers]:
 
 
 def test_single_precision_is_far_below_the_noise() -> None:
-    """Each going its own way: 0.1 um and 10 urad at most; the pose is known to 2 um and 90 urad, rms."""
+    """Both free-running: 0.1 um and 10 urad at most; the pose is known to 2 um and 90 urad, rms."""
     pose = motion(300, 30, 6, travel=0.1)
     V = noisy(FOUR, pose)
     double = by_reference(pose, V)

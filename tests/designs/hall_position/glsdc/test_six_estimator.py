@@ -1,4 +1,4 @@
-"""The estimator of six degrees of freedom: as C against NumPy's, what it finds and how well it says so, its flags."""
+"""The estimator of six degrees of freedom: C against the NumPy reference, convergence, deviations, flags."""
 
 from dataclasses import replace
 
@@ -156,7 +156,7 @@ def test_another_reference_is_seen(name: str, value: object, monkeypatch: pytest
     assert disagreement(FOUR, 2000, setup(FOUR)) > 1e6 * EXACT
 
 
-# What it finds.
+# Convergence and deviations.
 
 
 def test_it_finds_the_least_squares_solution() -> None:
@@ -178,7 +178,7 @@ def test_it_finds_the_least_squares_solution() -> None:
 
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
-def test_errors_are_as_large_as_it_says(array: Array) -> None:
+def test_errors_match_the_stated_deviations(array: Array) -> None:
     pose = np.repeat(places(60, 3)[np.newaxis], 60, axis=0)
     outputs = replay(array, pose[0], noisy(array, pose))
     off, sure = errors(outputs, pose), outputs["valid"] > 0
@@ -198,7 +198,7 @@ def test_the_deviations_are_those_of_cramer_and_rao() -> None:
     H = hall_two_waves.rows(FOUR, pose)
     bound = 1e-3 * np.sqrt(np.diagonal(np.linalg.inv(H.transpose(0, 2, 1) @ H), axis1=1, axis2=2))
     for i, name in enumerate(six_estimator.OUTPUTS):
-        # The damping makes them smaller, by what it decides instead of the voltages: 1 % at most.
+        # The prior makes them smaller: by 1 % at most.
         np.testing.assert_allclose(outputs[f"deviation_{name}"], bound[:, i], rtol=1e-2)
         assert (outputs[f"deviation_{name}"] < bound[:, i] * (1 + 1e-6)).all()
 
@@ -227,7 +227,7 @@ def test_no_sample_raises_the_cost_whatever_the_voltages(array: Array) -> None:
     assert (cost < 0.9 * before).mean() > 0.5
 
 
-# What it flags.
+# Flags.
 
 
 def test_where_rank_is_lost_it_is_damped() -> None:
@@ -284,7 +284,7 @@ def test_a_false_voltage_leaves_residuals_and_is_not_valid() -> None:
     assert (outputs["residual"][1] > USUAL.residual_limit).mean() > 0.9
 
 
-def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
+def test_a_refused_sensor_is_excluded_where_one_is_redundant() -> None:
     pose = np.repeat(places(40, 9)[np.newaxis], 30, axis=0)
     V = noisy(FIVE, pose)
     V[10:, :, 1, 0] = np.nan
@@ -301,7 +301,7 @@ def test_a_refused_sensor_is_left_out_where_one_is_to_spare() -> None:
     assert not replay(FOUR, pose[0], V)["valid"][10:].any()
 
 
-def test_from_anywhere_in_the_pitch_it_finds_its_place() -> None:
+def test_the_search_converges_from_anywhere_in_the_pitch() -> None:
     """Level and at the height within 0.3 mm and 5 mrad, yaw 2 degrees: all of 200 in a quarter of a second."""
     pose = np.repeat(places(200, 10, yaw=0.035, gap=3e-4, tilt=5e-3)[np.newaxis], 200, axis=0)
     V, state = noisy(FOUR, pose), state_records(FOUR, known_state(FOUR, np.tile(UP, (200, 1))))

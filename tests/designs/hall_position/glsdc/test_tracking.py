@@ -1,4 +1,4 @@
-"""From sample to sample: it follows, goes on without a sensor that fails, and finds its place again."""
+"""Tracking and integrity: motion, exclusion of a failed sensor, loss of position lock, search."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_it_follows_over_many_pitches_and_turns_of_the_yaw() -> None:
     assert np.abs(wrap_angle(outputs["yaw"] - pose.yaw)).max() < 0.02 and not outputs["lock_lost"].any()
 
 
-def test_without_expecting_the_motion_turning_bodies_are_lost() -> None:
+def test_without_prediction_of_motion_rotating_bodies_lose_lock() -> None:
     pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(velocity_gain=0.0, yaw_limit=np.pi)
     outputs = replay(THREE, before_start(pose), noisy(THREE, pose), tuning)
     assert (position_error(outputs, pose).max(axis=0) > 1e-3).mean() > 0.1
@@ -42,7 +42,7 @@ def test_of_three_sensors_one_may_be_refused() -> None:
     V = noisy(THREE, pose)
     V[100:, :, 1, 0] = np.nan
     outputs = replay(THREE, before_start(pose), V)
-    # Two sensors remain, which are valid until they pass where they lose rank.
+    # Two sensors remain, which are valid until they pass a singular point.
     sure = outputs["valid"] > 0
     assert sure[20:100].all() and sure[105].mean() > 0.5 and 0 < sure[-1].mean() < 0.5
     assert np.isfinite(outputs["X"]).all() and position_error(outputs, pose)[sure].max() < 2e-4
@@ -60,8 +60,8 @@ def test_of_two_sensors_none_may_be_refused() -> None:
 
 
 @pytest.mark.parametrize("sensor", [0, 1, 2])
-def test_of_three_sensors_a_dead_one_is_left_out(sensor: int) -> None:
-    """By its difference from what the motion leads to expect: the two that remain agree with that."""
+def test_of_three_sensors_a_dead_one_is_excluded(sensor: int) -> None:
+    """By its innovation: the two that remain agree with the prediction."""
     pose = motion(400, 100, 10 + sensor, travel=0.05, yaw=0.02)
     V = noisy(THREE, pose)
     V[100:, :, sensor] = 0.0
@@ -72,7 +72,7 @@ def test_of_three_sensors_a_dead_one_is_left_out(sensor: int) -> None:
     assert position_error(outputs, pose)[100:, right][outputs["valid"][100:, right] > 0].max() < 3e-4
 
 
-def test_a_glitch_leaves_no_sensor_out() -> None:
+def test_a_glitch_excludes_no_sensor() -> None:
     pose = motion(150, 50, 12, travel=0.05, yaw=0.02)
     V = noisy(THREE, pose)
     V[100 : 100 + tracking.SUSPECT - 1, :, 1] = 0.0
@@ -80,10 +80,10 @@ def test_a_glitch_leaves_no_sensor_out() -> None:
     assert not outputs["excluded_sensor"].any() and not outputs["valid"][100].any() and outputs["valid"][105:].all()
 
 
-def test_what_no_body_does_is_not_followed() -> None:
-    """A leap of 3 mm in a sample: its place is lost, and nothing is valid until `init`.
+def test_a_leap_loses_position_lock() -> None:
+    """A leap of 3 mm in a sample: position lock is lost, and nothing is valid until `init`.
 
-    But where all sensors but one read the same before and after, that one has failed as far as anybody can tell.
+    Where the voltages of all sensors but one are the same before and after, a failure of that one cannot be excluded.
     """
     pose = at_rest(places(200, 15, 0.02), 100)
     leap = Pose(pose.X.copy(), pose.Y, pose.yaw)
@@ -95,8 +95,8 @@ def test_what_no_body_does_is_not_followed() -> None:
 
 
 @pytest.mark.parametrize("residual", [0.1, 0.01])
-def test_from_anywhere_in_the_pitch_it_finds_its_place(residual: float) -> None:
-    """From `init`, at a yaw within 4.5 degrees of the one that is assumed."""
+def test_the_search_converges_from_anywhere_in_the_pitch(residual: float) -> None:
+    """From `init`, at a yaw within 4.5 degrees of the assumed one."""
     rest = places(300, 13, 0.08)
     pose, tuning = at_rest(rest, 40), Tuning(residual_limit=residual)
     state, outputs = np.repeat(compile_c(THREE, tuning).init()[np.newaxis], 300), []
@@ -119,7 +119,7 @@ def test_a_body_that_leaves_the_pitches_is_not_valid_again() -> None:
     assert crossing < 400 and pose.X[crossing + 50 :].min() < 0
 
 
-def test_beyond_the_yaws_that_are_declared_nothing_is_valid_any_more() -> None:
+def test_beyond_the_yaw_limit_nothing_is_valid_any_more() -> None:
     t = np.arange(800)[:, np.newaxis] / 800
     pose = Pose(0 * t + 0.01, 0 * t + 0.02, 0.3 * np.sin(5 * t))
     outputs = replay(THREE, before_start(pose), noisy(THREE, pose))

@@ -1,4 +1,4 @@
-"""What stands between the estimate and the regulators: held, predicted, counted, and passed on only when valid."""
+"""`hall_source` between estimate and regulators: only valid estimates pass; others are predicted and counted."""
 
 from functools import cache
 
@@ -58,7 +58,7 @@ def test_a_valid_estimate_is_the_position_and_until_then_the_set_point_is() -> N
     assert not outputs["suspected"].any()
 
 
-def test_what_is_not_valid_does_not_move_the_position_beyond_the_motion_so_far() -> None:
+def test_an_invalid_estimate_is_replaced_by_the_prediction() -> None:
     k = np.arange(N)
     outputs = answers(dropout(50, 4))["x_raw"]
     assert np.abs(outputs - SPEED * k)[50:54].max() < 0.2 * SPEED  # the motion is known to 2 % after 40 samples
@@ -71,13 +71,13 @@ def test_what_is_not_valid_does_not_move_the_position_beyond_the_motion_so_far()
     ("old", "new"),
     [("const double valid = in->valid;", "const double valid = 1.0;"), ("= x + motion_x;", "= x - motion_x;")],
 )
-def test_a_position_that_is_not_held_is_told(old: str, new: str) -> None:
+def test_a_position_that_is_not_held_is_detected(old: str, new: str) -> None:
     k = np.arange(N)
     outputs = answers(dropout(50, 4), old, new)["x_raw"]
     assert np.abs(outputs - SPEED * k)[50:54].max() > SPEED
 
 
-def test_invalid_samples_in_a_row_are_counted_to_the_suspicion_and_a_valid_one_begins_anew() -> None:
+def test_consecutive_invalid_samples_raise_the_suspicion_and_a_valid_one_resets_the_count() -> None:
     lost = closed_loop.MAX_INVALID
     for count, suspected in ((lost - 1, False), (lost, True)):
         outputs = answers(dropout(30, count))
@@ -94,7 +94,7 @@ def test_a_search_at_the_beginning_is_no_failure() -> None:
 
 
 @pytest.mark.parametrize(("number", "letter"), [(1, "a"), (2, "b"), (3, "c")])
-def test_a_sensor_that_is_left_out_is_named(number: int, letter: str) -> None:
+def test_an_excluded_sensor_is_suspected(number: int, letter: str) -> None:
     k = np.arange(N)
     outputs = answers({"excluded_sensor": np.where(k >= 40, number, 0)})
     assert np.argmax(outputs["suspected"]) == 41
@@ -102,7 +102,7 @@ def test_a_sensor_that_is_left_out_is_named(number: int, letter: str) -> None:
     assert named == {f"V_{letter}x", f"V_{letter}y"}
 
 
-def test_an_estimate_that_has_restarted_is_not_used() -> None:
+def test_an_estimate_without_position_lock_is_not_used() -> None:
     k = np.arange(N)
     outputs = answers({"lock_lost": k >= 30, "X": np.where(k >= 30, 0.09, SPEED * k)})
     assert np.abs(outputs["x_raw"] - SPEED * k)[30:36].max() < SPEED
@@ -111,7 +111,7 @@ def test_an_estimate_that_has_restarted_is_not_used() -> None:
 
 
 @pytest.mark.parametrize("elsewhere", [{"X": np.full(N, 0.0455)}, {"Y": np.full(N, -0.03)}, {"yaw": np.full(N, 1.57)}])
-def test_a_position_begins_in_the_middle_pitch_and_not_turned(elsewhere: Columns) -> None:
+def test_a_position_starts_in_the_middle_pitch_at_a_small_yaw(elsewhere: Columns) -> None:
     outputs = answers(elsewhere)
     assert not outputs["known"].any() and np.all(outputs["x_raw"] == 0.02)
 
@@ -125,7 +125,7 @@ def test_places_within_the_pitch_are_those_of_the_position() -> None:
     assert np.abs(outputs["within_x"]).max() <= allocation.PITCH / 2
 
 
-def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_ready() -> None:
+def test_the_planar_controllers_law_is_unchanged_except_for_its_ready_input() -> None:
     plant = planar_stage.plant()
     blocks = lqg.law(plant)
     *changed, gate = closed_loop.gate_currents(blocks, TIME)

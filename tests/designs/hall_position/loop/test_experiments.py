@@ -1,6 +1,6 @@
-"""The experiments over the truth field and the two sources beside each other; what breaks the loop breaks a check.
+"""Experiments in the true field and comparison of the sources; each planted defect fails a check.
 
-The C takes its sines from libm: it is emitted sooner, and the polynomials are another test's matter.
+The C calls libm's sines, which makes emission faster; other tests cover the polynomials.
 """
 
 from dataclasses import replace
@@ -66,7 +66,7 @@ def test_the_zigzag() -> None:
     assert plain.figures["x and y, um rms"] > 60
 
 
-def test_a_correction_with_the_wrong_sign_is_told() -> None:
+def test_a_correction_with_the_wrong_sign_is_detected() -> None:
     both = {**loops(), "calibrated": loop_with_defect("X_corrected = X + ", "X_corrected = X - ")}
     assert failed_names(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
 
@@ -85,11 +85,11 @@ REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady
     ],
     ids=["used", "zeros", "without motion", "half the motion"],
 )
-def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, failing: set[str]) -> None:
+def test_a_position_that_is_not_held_in_dropouts_is_detected(old: str, new: str, failing: set[str]) -> None:
     assert failing == failed_names(experiments.dropouts(loop_with_defect(old, new)))
 
 
-def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
+def test_the_response_to_a_wrong_sample_is_that_of_the_linear_loop() -> None:
     source, plant = closed_loop.Source(config.array(config.THREE)), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     parts = page_loops.open_loop(source, block, {})
@@ -103,20 +103,20 @@ def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None
     assert 0.94 * experiments.RESPONSE < max(distances) < experiments.RESPONSE
 
 
-def test_a_loop_without_its_latch_is_told() -> None:
+def test_a_loop_without_its_latch_is_detected() -> None:
     experiment = experiments.loss(
         loop_with_defect("state->hall_source_failed = (uint32_t)", "state->hall_source_failed = 0u * (uint32_t)")
     )
     assert "samples to the latch" in failed_names(experiment)
 
 
-def test_no_current_flows_until_a_position_is_known_and_none_where_it_is_lost_at_once() -> None:
+def test_no_current_flows_until_a_position_is_known() -> None:
     loop, samples = loops()["calibrated"], 400
     blind, rng = np.arange(samples) < 200, np.random.default_rng(4)
     nonsense = {n: Override(blind, rng.uniform(-4, 4, samples)) for n in planar_stage.HALL}
     run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=nonsense)
     currents = np.abs([run.commands[s.name] for s in planar_stage.INPUTS])
-    assert not currents.any()  # it has looked for its place again, and may be a pitch off
+    assert not currents.any()  # the search may have ended a pitch off
     shorter = {n: replace(o, mask=np.arange(samples) < 3) for n, o in nonsense.items()}
     run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=shorter)
     first = int(np.argmax(run["valid"] > 0))

@@ -206,7 +206,7 @@ def test_errors_above_blocks_are_those_of_another_solver() -> None:
 
 
 def test_motions_are_those_between_two_estimates() -> None:
-    """A body that moves as far as told moves its estimate by the step."""
+    """A body that moves by the true motion moves its estimate by the step."""
     step, count = 4e-3, STAGE.truth.count
     off = errors.errors(STAGE, True)[0].reshape(count, count)
     X = l / count * np.arange(-count, 2 * count)

@@ -1,4 +1,4 @@
-"""Within the speed and acceleration that are derived nothing is lost; a little beyond it is. Runs are seeded."""
+"""Within the derived speed and acceleration position lock is held; slightly beyond it is lost. Runs are seeded."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, conf
 BODIES, SAMPLES = 2000, 250
 
 
-def test_the_limits_are_those_of_reach_and_surprise() -> None:
+def test_the_limits_follow_from_the_largest_step_and_the_innovation_gate() -> None:
     limits = endurance.limits(THREE)
     assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
     assert limits.acceleration == pytest.approx(38.96, rel=1e-3)

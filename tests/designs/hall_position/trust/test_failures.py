@@ -1,4 +1,4 @@
-"""A sensor fails: what is flagged and when, what goes on, and what nobody can see."""
+"""Sensor failures: detection and its delay, continued operation, undetected errors."""
 
 from dataclasses import replace
 from typing import Any
@@ -18,7 +18,7 @@ from synth.errors import ModelError
 from synth.execute import host
 
 THREE = EstimatorConfig(config.array(config.THREE))
-# The field as well known as the noise lets residuals tell, ten deviations.
+# A residual limit of ten standard deviations of the noise.
 FOUR = EstimatorConfig(hall_two_waves.with_positions(config.array(), layouts.REDUNDANT), Tuning(residual_limit=0.01))
 MOVING = Limits(0.5, 5.0)
 BODIES = 500
@@ -51,7 +51,7 @@ def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
 
 @pytest.mark.parametrize(("failure", "lost"), [("no number", 0.0), ("dead", 0.015)])
 @pytest.mark.parametrize("sensor", [1, 2, 3, 4])
-def test_so_they_may_at_the_limits_of_motion(
+def test_of_four_sensors_any_one_may_be_lost_at_the_limits_of_motion(
     failure: str, lost: float, sensor: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """For a quarter of a second after it, pitches counted as far as that leads."""
@@ -63,13 +63,15 @@ def test_so_they_may_at_the_limits_of_motion(
 
 @pytest.mark.parametrize("failure", ["dead", "saturated"])
 @pytest.mark.parametrize("sensor", [1, 2, 3])
-def test_of_three_sensors_it_is_named_and_four_voltages_go_on_until_they_lose_rank(failure: str, sensor: int) -> None:
+def test_of_three_sensors_it_is_isolated_and_the_others_continue_until_they_lose_rank(
+    failure: str, sensor: int
+) -> None:
     outcome = failures.run_failure(THREE, failure, sensor, BODIES, None)
     assert outcome.isolated > 0.99 and outcome.lost < 0.005 and outcome.valid > (0.5 if sensor == 2 else 0.9)
     assert outcome.misleading < 0.01 and outcome.worst < 5e-4
 
 
-def test_what_is_not_seen_does_little_harm() -> None:
+def test_undetected_failures_cause_small_errors() -> None:
     """One axis that is dead where it reads next to nothing, and whatever is stuck at rest."""
     dead, stuck = (failures.undetected_error(FOUR, name, 1, 32) for name in ("one axis", "stuck"))
     hidden = np.isfinite(dead)

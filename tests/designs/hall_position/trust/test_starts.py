@@ -1,4 +1,4 @@
-"""Where starts lead, near the place and from `init`, and that nothing is valid away from the truth."""
+"""Convergence near the position and from `init`; nothing is valid at a wrong position."""
 
 from typing import Any
 
@@ -94,7 +94,7 @@ def test_three_sensors_find_every_place_within_forty_samples() -> None:
     assert scores.right[-1].all() and took.shape == (24 * 24 * 5,)
 
 
-def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_nearly_anywhere() -> None:
+def test_two_sensors_are_unambiguous_in_a_part_of_the_pitch_at_rest_and_nearly_everywhere_in_motion() -> None:
     pose = grid(16, YAWS / 2)
     rest, moving = starts.cold_start(TWO, pose, 60), starts.cold_start(TWO, pose, 400, speed=0.05)
     at_rest, in_motion = ((each.first_valid > 0).mean() for each in (rest, moving))
