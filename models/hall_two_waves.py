@@ -185,7 +185,7 @@ def check_poses(poses: ArrayLike) -> Array:
 
 
 def rows(array: SpatialArray, poses: ArrayLike) -> Array:
-    """Return the Jacobians (N, 2 sensors, 6) in V/m and V/rad at poses (N, 6) in m and rad; raise as `checked`."""
+    """Return the Jacobians (N, 2 sensors, 6) in V/m and V/rad at poses (N, 6) in m and rad; raise as `check_poses`."""
     q = check_poses(poses).T
     slopes = _one().map(q.shape[1])
     field = (array.alpha, array.beta, array.height, array.pitch)

@@ -3,13 +3,13 @@
 Prediction: the body moves as in the last sample, motion <- motion + velocity_gain * correction; for the yaw, which is
 damped more, the gain is smaller by yaw_damping_ratio.
 
-Residual fault: the residuals exceed `residual_limit`, or with the ambiguity resolved the innovation exceeds its gate.
-The correction is then discarded and the pose is the prediction. At the SUSPECT-th consecutive fault, with more than two
-sensors, the sensor with the largest innovation is excluded permanently. For this the voltages must be inconsistent: no
-other pose may fit all of them. The innovations of the others must be within the bounds of model and motion, and
-CONTRAST times smaller in square. After PATIENCE faults position lock is lost. The position is then searched as after
-`init`, until a sample converges without a fault: corrections are not gated, and every PATIENCE samples start elsewhere
-in the pitch, at the last good yaw.
+Residual fault: the residuals exceed `residual_limit`; or the innovation exceeds its gate with the ambiguity resolved;
+or a search ends outside the yaw window. While tracking, the correction is then discarded. At the SUSPECT-th
+consecutive fault, with more than two sensors, the sensor with the largest innovation is excluded permanently. For
+this the voltages must be inconsistent: no other pose may fit all of them. The innovations of the others must be
+within the bounds of model and motion, and CONTRAST times smaller in square. After PATIENCE faults position lock is
+lost. The position is then searched as after `init`, until a sample converges without a fault: corrections are not
+gated, and every PATIENCE samples start elsewhere in the pitch, at the last good yaw.
 
 Ambiguity: at singular points of two sensors, curves of equal voltages cross, and a body that passes one may be tracked
 on the wrong curve until the residuals show it. The ambiguity is therefore resolved only where no other pose in a window
@@ -149,7 +149,7 @@ def check_integrity(
 
 
 def _is_unambiguous(excluded: Vector | None, in_window: ca.SX, weight: ca.SX, x: Exprs, of: Problem) -> ca.SX:
-    """Return whether no other pose has the same voltages, from the second sample after the search on.
+    """Return whether no other pose has the same voltages, from the first sample after the one that ended the search.
 
     With two sensors the yaw must be in the window. A moving body exceeds the gate until its motion has been estimated.
     """
@@ -212,9 +212,9 @@ def _largest_innovation(residuals: Vector, of: Problem) -> tuple[ca.SX, ca.SX]:
     """Return the number, from 1, of the sensor with the largest innovation, and whether it alone has failed."""
     n = len(of.array.positions)
     squares = [a**2 + b**2 for a, b in zip(residuals[:n], residuals[n:], strict=True)]
-    most, number, others = squares[0], ca.SX(1), ca.SX(0)
+    largest, number, others = squares[0], ca.SX(1), ca.SX(0)
     for k, square in enumerate(squares[1:], 2):
-        number = ca.if_else(square > most, k, number)
-        most, others = ca.fmax(square, most), others + ca.fmin(square, most)
+        number = ca.if_else(square > largest, k, number)
+        largest, others = ca.fmax(square, largest), others + ca.fmin(square, largest)
     agree = others <= 2 * (n - 1) * of.innovation_bound**2
-    return number, ca.logic_and(agree, CONTRAST * others <= most)
+    return number, ca.logic_and(agree, CONTRAST * others <= largest)

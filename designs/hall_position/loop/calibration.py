@@ -58,7 +58,7 @@ def samples(
 ) -> tuple[Numbers, Numbers]:
     """Return estimates (N, 3) and laser positions, means over TOGETHER samples along lines `line` m apart.
 
-    Pitches are counted from the origin, where the platen starts. Raises ModelError as `hall_bench.settled`.
+    Pitches are counted from the origin, where the platen starts. Raises ModelError as `hall_bench.static_voltages`.
     """
     poses = hall_bench.scan(reach, line, TOGETHER)
     block = unranged(estimator.guarded_estimator(source.array, TIME, closed_loop.TUNING))

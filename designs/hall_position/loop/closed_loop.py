@@ -14,8 +14,8 @@ estimate out of the loop:
                     m <- m + VELOCITY_GAIN (estimate - prediction)
     invalid         the position is the prediction, the last position plus the motion
 
-After MAX_INVALID consecutive invalid samples all Hall voltages are suspects; both voltages of an excluded sensor are at
-once. Then no sample is complete, and the guard latches BAD_SAMPLES later.
+After MAX_INVALID consecutive invalid samples all Hall voltages are suspects; both voltages of an excluded sensor become
+suspects at once. Then no sample is complete, and the guard latches BAD_SAMPLES later.
 
 The choice of PLACES: docs/decisions/hall_position_loop.md.
 """
@@ -74,7 +74,7 @@ def controller(name: str, plant: Plant, time: Discrete, law: Sequence[Block], so
     """
     if len(source.array.positions) != SENSORS:
         raise ModelError(
-            f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give so many"
+            f"the source has {len(source.array.positions)} sensors: the stage reads {SENSORS}, give that many"
         )
     return interface.controller(name, plant, time, position_blocks(source, time), gate_currents(law, time))
 
@@ -90,15 +90,15 @@ def position_blocks(source: Source, time: Discrete) -> list[Block]:
 def _source(time: Discrete, suffix: str) -> Block:
     """Return ``hall_source``, which reads estimates whose names end in `suffix`."""
     estimate = {axis: replace(sensing.RAW[axis], name=f"{ESTIMATE[axis]}{suffix}") for axis in HORIZONTAL}
-    valid, restarted = Signal("valid", "1", 0, 1), Signal("lock_lost", "1", 0, 1, "the count of pitches is unknown")
-    without = Signal("excluded_sensor", "1", 0, ALL_SENSORS - 1, "number of the excluded sensor")
+    valid, lock_lost = Signal("valid", "1", 0, 1), Signal("lock_lost", "1", 0, 1, "the count of pitches is unknown")
+    excluded = Signal("excluded_sensor", "1", 0, ALL_SENSORS - 1, "number of the excluded sensor")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        known, begins = x["known"], ca.SX(1)
+        known, starts = x["known"], ca.SX(1)
         for axis, far in START_RANGE.items():
-            begins = ca.logic_and(begins, ca.fabs(u[estimate[axis].name]) <= far)
+            starts = ca.logic_and(starts, ca.fabs(u[estimate[axis].name]) <= far)
         sound = ca.logic_and(u["valid"], ca.logic_not(u["lock_lost"]))
-        good = ca.logic_and(sound, ca.logic_or(known, begins))
+        good = ca.logic_and(sound, ca.logic_or(known, starts))
         after = ca.logic_and(good, known)
         next: dict[str, ca.SX] = {"known": ca.if_else(good, 1, known)}
         output: dict[str, ca.SX] = {KNOWN.name: known}
@@ -118,7 +118,7 @@ def _source(time: Discrete, suffix: str) -> Block:
         "hall_source",
         time,
         law,
-        inputs=[*estimate.values(), valid, restarted, without, *references],
+        inputs=[*estimate.values(), valid, lock_lost, excluded, *references],
         outputs=[*sensing.RAW.values(), *sensing.WITHIN, KNOWN, sensing.SUSPECTED, *sensing.SUSPECTS],
         states=_states(),
         tag="predict while invalid, count to the latch",
@@ -169,8 +169,6 @@ def gate_currents(law: Sequence[Block], time: Discrete) -> list[Block]:
     def gate(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in demanded.items()})
 
-    inputs, tag = (
-        [*(replace(s, name=demanded[s.name]) for s in computed), KNOWN],
-        "no current until a position is known",
-    )
+    inputs = [*(replace(s, name=demanded[s.name]) for s in computed), KNOWN]
+    tag = "no current until a position is known"
     return [*blocks, build("known_gate", time, gate, inputs=inputs, outputs=computed, tag=tag)]

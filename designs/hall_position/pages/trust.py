@@ -60,6 +60,7 @@ def basins(of: EstimatorConfigs) -> dict[str, Made]:
     """Return capture radius and basins of the compiled C."""
     radius = [Map(NAMES[n], 1e3 * starts.capture_radius(estimator, POINTS)) for n, estimator in of.items()]
     pitch = 1e3 * next(iter(of.values())).array.pitch
+    sides = [(0.0, pitch)] * 2
     by_name = {NAMES[name]: starts.basin(estimator, BODIES, YAW, SAMPLES) for name, estimator in of.items()}
     rows: list[tuple[page.Cell, ...]] = []
     for name, each in by_name.items():
@@ -68,9 +69,7 @@ def basins(of: EstimatorConfigs) -> dict[str, Made]:
     yaws = next(iter(by_name.values())).turned
     columns = ("of", "samples", "off by up to, mm", *(f"turned by up to {np.degrees(t):.3g}°" for t in yaws))
     return {
-        "trust.capture_radius": maps.maps(
-            radius, [(0.0, pitch)] * 2, (0.0, pitch / 4), columns=2, log=False, label="mm"
-        ),
+        "trust.capture_radius": maps.maps(radius, sides, (0.0, pitch / 4), columns=2, log=False, label="mm"),
         "trust.basins": page.Table("Starts that converge to the true position, %", columns, tuple(rows), digits=3),
         "trust.wrong": [(name, each.samples, each.wrong) for name, each in by_name.items()],
     }

@@ -64,10 +64,8 @@ def limits(config: EstimatorConfig) -> Limits:
     """Return the limits of speed and acceleration of the sensors' centre, with MARGIN."""
     t, a, T = config.tuning, config.array, estimator_ensemble.TIME.period_s
     e = t.innovation_gate_sigma * a.deviation / (a.alpha * sqrt(t.damping))
-    speed, acceleration = (
-        t.max_phase_step / 2 / (a.wave_number * T),
-        (1 - MARGIN) * t.velocity_gain * e / (a.wave_number * T**2),
-    )
+    speed = t.max_phase_step / 2 / (a.wave_number * T)
+    acceleration = (1 - MARGIN) * t.velocity_gain * e / (a.wave_number * T**2)
     return Limits(speed, acceleration, YAW_SHARE * tracking.valid_yaw_limit(a, t))
 
 
@@ -76,7 +74,7 @@ def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed
 
     Half of the bodies reach the limits, the others a random share of them down to SLOWEST.
 
-    Raises ModelError for no sample, and as `motions.sines`.
+    Raises ModelError for no sample, and as `random_course`.
     """
     config = replace(config, tuning=replace(config.tuning, pitches=PITCHES))
     rng = np.random.default_rng(seed)

@@ -121,11 +121,8 @@ def _run(config: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np
             volts[:, sensor - 1] = fails(volts[:, sensor - 1], held)
         return volts
 
-    return list(
-        estimator_ensemble.track(
-            config, estimator_ensemble.states_on_course(config, at), at, BEFORE + AFTER, rng, corrupt
-        )
-    )[BEFORE:]
+    state = estimator_ensemble.states_on_course(config, at)
+    return list(estimator_ensemble.track(config, state, at, BEFORE + AFTER, rng, corrupt))[BEFORE:]
 
 
 def _is_flagged(batch: host.Batch) -> NDArray[np.bool_]:
@@ -140,11 +137,8 @@ def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     flag = _first_sample(np.array([_is_flagged(batch) for batch in batches]))
     exceeding = _first_sample(np.array([batch.outputs["residual"] > config.tuning.residual_limit for batch in batches]))
     exceeded, valid = exceeding < AFTER, scores.valid
-    excluded = (
-        state["estimator_excluded_sensor"]
-        if "estimator_excluded_sensor" in (state.dtype.names or ())
-        else np.zeros(exceeding.size)
-    )
+    name = "estimator_excluded_sensor"
+    excluded = state[name] if name in (state.dtype.names or ()) else np.zeros(exceeding.size)
     rms = np.sqrt((scores.deviations**2).mean(axis=1))
     return Outcome(
         residual_exceeded=float(exceeded.mean()),

@@ -52,9 +52,8 @@ def basin(config: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, s
     pose = motions.random_poses(config.array, bodies, yaw, rng)
     off, yaw_error = MAX_DISTANCE * pitch * rng.random(bodies), MAX_YAW * rng.random(bodies)
     start = pose.displaced(off, rng.uniform(0, 2 * np.pi, bodies), yaw_error * rng.choice([-1, 1], bodies))
-    scores = estimator_ensemble.track_scores(
-        config, estimator_ensemble.states_at(config, start, resolved=False), motions.course_at_rest(pose), samples, rng
-    )
+    state = estimator_ensemble.states_at(config, start, resolved=False)
+    scores = estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), samples, rng)
     edges = [MAX_DISTANCE * pitch * np.arange(BINS[0] + 1) / BINS[0], MAX_YAW * np.arange(BINS[1] + 1) / BINS[1]]
     every, _, _ = np.histogram2d(off, yaw_error, edges)
     converged = [np.histogram2d(off[right], yaw_error[right], edges)[0] for right in scores.right[[0, -1]]]
@@ -74,11 +73,8 @@ def capture_radius(config: EstimatorConfig, points: int, seed: int = 0) -> Numbe
     X, Y, d, h = np.meshgrid(along, along, rings, 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, indexing="ij")
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
     state = estimator_ensemble.states_at(config, pose.displaced(d.ravel(), h.ravel()), resolved=False)
-    right = (
-        estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), 1, rng)
-        .right.reshape(X.shape)
-        .all(axis=3)
-    )
+    scores = estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), 1, rng)
+    right = scores.right.reshape(X.shape).all(axis=3)
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 
@@ -93,6 +89,5 @@ def cold_start(config: EstimatorConfig, pose: Pose, samples: int, speed: float =
     def at(k: int) -> Pose:
         return pose.displaced(speed * k * estimator_ensemble.TIME.period_s, heading)
 
-    return estimator_ensemble.track_scores(
-        config, ensemble.started(estimator_ensemble.compile_estimator(config), n), at, samples, rng
-    )
+    state = ensemble.started(estimator_ensemble.compile_estimator(config), n)
+    return estimator_ensemble.track_scores(config, state, at, samples, rng)
