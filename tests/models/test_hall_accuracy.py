@@ -132,7 +132,7 @@ def test_maps_of_no_points_are_refused(points: Any) -> None:
 
 
 def test_an_error_of_other_sensors_or_without_rank_is_refused() -> None:
-    with pytest.raises(ModelError, match="5 sensors meet 4 of the model"):
+    with pytest.raises(ModelError, match="5 sensors and 4 of the model"):
         hall_accuracy.misfit(FOUR, *hall_two_waves.model(FIVE), places(1, 0))
     still = replace(FOUR, positions=((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)))
     with pytest.raises(ModelError, match="rank is lost at 1 of the places"):
