@@ -98,7 +98,7 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
 def _name(controller: host.Controller) -> str:
     name = str(controller.manifest["design"])
     if name not in config.PLACES:
-        raise DesignError(f"'{name}' is none of {', '.join(config.PLACES)}: measure one of these")
+        raise DesignError(f"'{name}' is not one of {', '.join(config.PLACES)}: measure one of these")
     return name
 
 

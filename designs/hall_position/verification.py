@@ -188,11 +188,11 @@ def compare_single(of: Subject, by: Witnesses, steps: Steps) -> Comparison:
 
 def _same_decisions(of: Subject, double: Stepped, single: Stepped) -> NDArray[np.bool_]:
     """Return for each step whether flags and counts are equal, and no angle is wrapped in one of the two only."""
-    alike = suite.decide_alike(of.block, double, single)
+    same = suite.decide_alike(of.block, double, single)
     for flag in DECISIONS:
-        alike &= double.outputs[flag] == single.outputs[flag]
+        same &= double.outputs[flag] == single.outputs[flag]
     _, states = agree.differences(double, single, FLOOR, of.block)
-    return alike & np.all([states[s.name] < 0.5 for s in of.block.states if not s.integer], axis=0)
+    return same & np.all([states[s.name] < 0.5 for s in of.block.states if not s.integer], axis=0)
 
 
 def _relative_deviation_error(first: Stepped, second: Stepped) -> float:

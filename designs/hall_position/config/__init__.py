@@ -42,7 +42,7 @@ def array(name: str = NAME) -> Array:
     Raises DesignError for an unknown name.
     """
     if name not in tuple(PLACES):
-        raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
+        raise DesignError(f"'{name}' is not one of the shipped estimators: give one of {', '.join(PLACES)}")
     of = Stage().array(PLACES[name])
     return replace(of, alpha=digits.cut(of.alpha, DIGITS), beta=digits.cut(of.beta, DIGITS))
 

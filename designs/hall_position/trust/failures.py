@@ -1,7 +1,7 @@
 """Response of the estimate to a sensor failure: dead, saturated, NaN, weak or stuck, at rest and in motion.
 
     dead         both voltages of a sensor are 0 V            one axis     one of them is 0 V
-    saturated    one is at the end of the converter           no number    one is NaN
+    saturated    one is at the end of the converter           NaN          one is NaN
     stuck        one keeps its value                          weak         both are a tenth smaller
     none         no failure, for comparison
 
@@ -50,7 +50,7 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
         "saturated": lambda now, before: _replace_first_axis(
             np.where(now[:, 0] < 0, -channels.SPAN, channels.SPAN), now
         ),
-        "no number": lambda now, before: _replace_first_axis(np.nan, now),
+        "NaN": lambda now, before: _replace_first_axis(np.nan, now),
         "weak": lambda now, before: WEAK * now,
         "stuck": lambda now, before: _replace_first_axis(before[:, 0], now),
     }
@@ -109,7 +109,7 @@ def undetected_error(config: EstimatorConfig, failure: str, sensor: int, points:
 def _run(config: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.random.Generator) -> Samples:
     """Return the samples from the failure on."""
     if failure not in tuple(FAILURES):
-        raise ModelError(f"'{failure}' is no failure that is known: give one of {', '.join(FAILURES)}")
+        raise ModelError(f"'{failure}' is not a known failure: give one of {', '.join(FAILURES)}")
     numeric.whole("the number of the sensor that fails", sensor, 1, len(config.array.positions))
     fails, held = FAILURES[failure], np.zeros(0)
 

@@ -122,7 +122,7 @@ def test_casadis_own_c_takes_twice_as_many() -> None:
 def test_another_design_is_refused() -> None:
     controller = subject(config.NAME).controller
     other = SimpleNamespace(manifest={**controller.manifest, "design": "other"})
-    with pytest.raises(DesignError, match="'other' is none of hall_position, hall_position_three"):
+    with pytest.raises(DesignError, match="'other' is not one of hall_position, hall_position_three"):
         bench.replay(other)  # type: ignore[arg-type]
 
 

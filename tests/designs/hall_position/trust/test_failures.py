@@ -35,10 +35,10 @@ def test_a_residual_out_of_its_bound_is_flagged_at_once(failure: str, within: Li
     for kind in (THREE, FOUR):
         outcome = failures.run_failure(kind, failure, 2, BODIES, within)
         assert outcome.delay == 0 <= MAX_DELAY
-        assert outcome.residual_exceeded > 0.6 or (failure, within) == ("stuck", None) or failure == "no number"
+        assert outcome.residual_exceeded > 0.6 or (failure, within) == ("stuck", None) or failure == "NaN"
 
 
-@pytest.mark.parametrize("failure", ["dead", "saturated", "no number"])
+@pytest.mark.parametrize("failure", ["dead", "saturated", "NaN"])
 @pytest.mark.parametrize("sensor", [1, 2, 3, 4])
 def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
     """Within 10 deviations all of them, and rms as far as these say."""
@@ -46,10 +46,10 @@ def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
         outcome = failures.run_failure(FOUR, failure, sensor, BODIES, within)
         assert outcome.flagged == 1 and outcome.lost == 0 and outcome.valid > 0.99
         assert 0.9 < outcome.error < 1.1 and outcome.misleading < 0.005 and outcome.worst < 1.5e-4
-        assert outcome.isolated == (failure != "no number")
+        assert outcome.isolated == (failure != "NaN")
 
 
-@pytest.mark.parametrize(("failure", "lost"), [("no number", 0.0), ("dead", 0.015)])
+@pytest.mark.parametrize(("failure", "lost"), [("NaN", 0.0), ("dead", 0.015)])
 @pytest.mark.parametrize("sensor", [1, 2, 3, 4])
 def test_of_four_sensors_any_one_may_be_lost_at_the_limits_of_motion(
     failure: str, lost: float, sensor: int, monkeypatch: pytest.MonkeyPatch
@@ -111,8 +111,8 @@ def test_an_estimate_without_flags_is_seen(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize(
     ("failure", "sensor", "message"),
     [
-        ("asleep", 1, "'asleep' is no failure that is known: give one of none, dead, "),
-        (["dead"], 1, "is no failure"),
+        ("asleep", 1, "'asleep' is not a known failure: give one of none, dead, "),
+        (["dead"], 1, "is not a known failure"),
         ("dead", 0, "the sensor that fails is 0: give a whole number of at least 1 and at most 4"),
         ("dead", 5, "the sensor that fails is 5"),
         ("dead", -1, "the sensor that fails is -1"),
