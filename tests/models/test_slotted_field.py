@@ -244,9 +244,9 @@ def test_magnet_sides_snapped_to_the_grid_are_caught(monkeypatch: pytest.MonkeyP
     assert _bend("tau_p") > 2e-3
 
 
-def test_published_motor(converged: dict[float, sf.Converged]) -> None:
+def test_published_motor(converged_forces: dict[float, sf.Converged]) -> None:
     """Converged figures; closed form at 25 mm: thrust 12.488, vertical 13.446 N per rms A, lift 25.937 N."""
-    at = {gap: c.value for gap, c in converged.items()}
+    at = {gap: c.value for gap, c in converged_forces.items()}
     assert at[25e-3].thrust == pytest.approx(9.0833, rel=1e-4)
     assert at[25e-3].vertical == pytest.approx(9.6728, rel=1e-4)
     assert at[25e-3].attraction == pytest.approx(0.119342, rel=1e-4)
