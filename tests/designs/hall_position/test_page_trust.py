@@ -99,7 +99,7 @@ def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None
     assert row[7] == max(f.delay for f in outcomes) and row[8] == pytest.approx(
         100 * max(f.misleading for f in outcomes)
     )
-    assert sum("unseen" in axes.get_title() for axes in trust._undetected_error_map(kind).axes) == 2
+    assert sum("not flagged" in axes.get_title() for axes in trust._undetected_error_map(kind).axes) == 2
 
 
 def test_a_failure_that_is_not_flagged_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
