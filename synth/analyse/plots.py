@@ -77,7 +77,7 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
     Raises SignalError and ModelError as `margins.of_loop`.
     """
     transfer.check_limits(low, high)
-    model = transfer.read(loop)
+    model = transfer.of_loop(loop)
     marked = margins or loop_margins.of_loop(loop)
     period = model.time.period_s if not isinstance(model, Delayed) and isinstance(model.time, Discrete) else None
     w, L = _response(model, marked, low, high)

@@ -63,7 +63,7 @@ def by_modes(motor: sf.Geometry, gap: float, modes: int) -> np.ndarray:
     return np.r_[table[:, :4].mean(axis=0), abs(np.fft.rfft(table[:, 4])[1]) / 3]
 
 
-def by_modes_extrapolated(motor: sf.Geometry, gap: float) -> np.ndarray:
+def extrapolate_by_modes(motor: sf.Geometry, gap: float) -> np.ndarray:
     coarse, fine = by_modes(motor, gap, 20), by_modes(motor, gap, 40)
     return fine + (fine - coarse) / (2 ** (4 / 3) - 1)
 
@@ -88,27 +88,29 @@ def smooth_series(motor: sf.Geometry, gap: float) -> np.ndarray:
     )
 
 
-def miss(found: sf.Forces, wanted: np.ndarray) -> float:
-    return float(np.max(np.abs(np.array(astuple(found))[: len(wanted)] / wanted - 1)))
+def miss(forces: sf.Forces, expected: np.ndarray) -> float:
+    return float(np.max(np.abs(np.array(astuple(forces))[: len(expected)] / expected - 1)))
 
 
 @pytest.fixture(scope="module")
-def converged() -> dict[float, sf.Converged]:
+def converged_forces() -> dict[float, sf.Converged]:
     return {gap: sf.extrapolated(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.fixture(scope="module")
 def modal() -> dict[float, np.ndarray]:
-    return {gap: by_modes_extrapolated(MOTOR, gap) for gap in GAPS}
+    return {gap: extrapolate_by_modes(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.mark.parametrize("gap", GAPS)
-def test_mode_matching_agrees(gap: float, converged: dict[float, sf.Converged], modal: dict[float, np.ndarray]) -> None:
+def test_mode_matching_agrees(
+    gap: float, converged_forces: dict[float, sf.Converged], modal: dict[float, np.ndarray]
+) -> None:
     """The cogging is held less tightly: 1e-4 is about what either method still changes in it when refined."""
-    found = converged[gap]
-    assert miss(found.value, modal[gap][:4]) < 5e-5
-    assert miss(found.value, modal[gap]) < 3e-4
-    assert np.all(np.abs(np.array(astuple(found.value)) - modal[gap]) < np.array(astuple(found.error)))
+    forces = converged_forces[gap]
+    assert miss(forces.value, modal[gap][:4]) < 5e-5
+    assert miss(forces.value, modal[gap]) < 3e-4
+    assert np.all(np.abs(np.array(astuple(forces.value)) - modal[gap]) < np.array(astuple(forces.error)))
 
 
 def test_smooth_gap_agrees_with_the_series() -> None:
@@ -242,9 +244,9 @@ def test_magnet_sides_snapped_to_the_grid_are_caught(monkeypatch: pytest.MonkeyP
     assert _bend("tau_p") > 2e-3
 
 
-def test_published_motor(converged: dict[float, sf.Converged]) -> None:
+def test_published_motor(converged_forces: dict[float, sf.Converged]) -> None:
     """Converged figures; closed form at 25 mm: thrust 12.488, vertical 13.446 N per rms A, lift 25.937 N."""
-    at = {gap: c.value for gap, c in converged.items()}
+    at = {gap: c.value for gap, c in converged_forces.items()}
     assert at[25e-3].thrust == pytest.approx(9.0833, rel=1e-4)
     assert at[25e-3].vertical == pytest.approx(9.6728, rel=1e-4)
     assert at[25e-3].attraction == pytest.approx(0.119342, rel=1e-4)
