@@ -62,7 +62,7 @@ def block(n: int) -> Block:
     position = [Signal(f"q{k}", "m", -STROKE, STROKE, "position") for k in range(1, n + 1)]
     set_point = [Signal(f"r{k}", "m", -REACH, REACH, "set-point") for k in range(1, n + 1)]
     current = [Signal(f"i{k}", "A", -CURRENT, CURRENT, "current") for k in range(1, n + 1)]
-    guarded = [safety.Guarded(position[0], 0.0, True), safety.Guarded(set_point[0], 0.0, False)]
+    guarded = [safety.GuardedInput(position[0], 0.0, True), safety.GuardedInput(set_point[0], 0.0, False)]
     axes = [b for k in range(1, n + 1) for b in _axis(k)]
     parts = [safety.guard(TIME, guarded, BAD_SAMPLES), *axes, safety.safe_output(TIME, current, safe(n))]
     inputs = [s.name for pair in zip(position, set_point, strict=True) for s in pair]
@@ -75,7 +75,7 @@ def safe(n: int) -> safety.Safety:
     return safety.Safety(BAD_SAMPLES, dict.fromkeys(names, 0.0), dict.fromkeys(names, 50.0), "an example")
 
 
-def emitted(n: int, scalar: type[np.floating]) -> write.Emitted:
+def emit(n: int, scalar: type[np.floating]) -> write.EmittedCode:
     """Return the C of n axes."""
     return write.emit(block(n), scalar)
 
@@ -136,19 +136,19 @@ def measure_growth(n: int) -> Growth:
     return Growth(n, composed - start, done - composed, len(text), text.count("\n"), worst)
 
 
-def disagreement(controller_block: Block, double: write.Emitted) -> float:
+def disagreement(controller_block: Block, double: write.EmittedCode) -> float:
     """Return the worst difference of the float64 C from CasADi's evaluation over random steps.
 
     Differences of outputs are relative to max(1 A, |i|), those of next states to their ranges.
     """
     controller = host.load(double.files, double.manifest)
-    x = host.columns(steps.drawn(controller, SAMPLES).states)
+    x = host.columns(steps.random_steps(controller, SAMPLES).states)
     for s in controller_block.states:
         if s.name.startswith(("filter", "regulator")):
             x[s.name][::2] *= NEAR  # elsewhere the limits hide differences
     # Only the first axis has a guard that keeps its inputs in range.
     u = host.columns(steps.in_range(controller, SAMPLES).inputs)
-    expected, computed = agree.casadi(controller_block.rounded(np.float64))(x, u), agree.emitted(controller)(x, u)
+    expected, computed = agree.casadi(controller_block.rounded(np.float64))(x, u), agree.emitted_c(controller)(x, u)
     agreement = agree.compare("random steps", ("casadi", expected), ("c64", computed), 1.0, controller_block)
     return max(agreement.worst, agreement.state_worst)
 

@@ -42,7 +42,7 @@ from synth.errors import SynthError
 LIMIT_S = 5.0
 MEMORY = 4 << 30  # bytes
 VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "compose", "check")
-UNCHECKED = ("timing.Discrete", "check.Check", "safety.Guarded", "logs.Log")  # check their own arguments
+UNCHECKED = ("timing.Discrete", "check.Check", "safety.GuardedInput", "logs.Log")  # check their own arguments
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",
     "structure.transmission_zeros": "the damping of a zero at 0",

@@ -110,7 +110,7 @@ def usual() -> Call:
     rest = trim.trim(maglev, {"gap": 0.02}, ["current"])
     held = discretise.zero_order_hold(stage, T)
     gain = lqr.lqrd(stage, np.eye(2), np.eye(1), T)
-    estimator = kalman.sampled(stage, 1e-4 * np.eye(2), [[1e-6]], T)
+    estimator = kalman.kalmd(stage, 1e-4 * np.eye(2), [[1e-6]], T)
     servo = optimal_servo.lqrd(stage, [0.0], np.ones(3), np.eye(1), T)
     rows = np.linspace(0.0, 1.0, 12)
     return {

@@ -58,7 +58,7 @@ def examples() -> Mapping[str, Call]:
             "units": UNITS,
         },
         "conversions.coefficients": {"system": common["transfer"]},
-        "statespace.together": {"systems": [stage, stage]},
+        "statespace.in_common_time": {"systems": [stage, stage]},
         "statespace.from_control": {"system": stage.to_control()},
         "block.State": {"signal": GAP, "initial": 0.02, "integer": False},
         "block.Constant": {"name": "k", "value": 1.0, "unit": "1", "source": "given"},

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.execute import recorder, trace
 from synth.verify import lines, meter, rivals
@@ -23,26 +23,26 @@ from synth.verify.steps import Steps
 FRAME = "frame"
 
 
-def measure(emitted: Emitted, stimulus: Steps, build: meter.Build) -> dict[str, NDArray[np.int64]]:
+def measure(emitted: EmittedCode, stimulus: Steps, build: meter.Build) -> dict[str, NDArray[np.int64]]:
     """Return the instructions (N,) that each step issues by Block, in the order of the text, FRAME last.
 
     Raises CompileError as `meter.run`, and SignalError when there is no step.
     """
     if not len(stimulus):
         raise SignalError("parts of a step: found 0 steps, need 1 or more: give steps")
-    candidate = rivals.emitted(emitted)
-    path = meter.linked(candidate, build)
-    machine = meter.booted(candidate, build, path)
+    candidate = rivals.emitted_c(emitted)
+    path = meter.link(candidate, build)
+    machine = meter.boot(candidate, build, path)
     names, owner = _owners(emitted, machine.code, candidate.entry, path)
     entry = _in_function(machine.code, candidate.entry)
     counted = []
-    with recorder.attached(machine.engine) as record:
+    with recorder.attach(machine.engine) as record:
         arguments = candidate.placed(machine, stimulus).arguments
         for k, row in enumerate(arguments, 1):
             machine.calls(candidate.entry, row[np.newaxis])
             record.call_ended()
             if record.is_filling or k == len(arguments):
-                path_taken = trace.follow(machine.code, record.take())
+                path_taken = trace.reconstruct_path(machine.code, record.take())
                 counted.append(_count_by_owner(path_taken, owner, entry, len(names)))
     counts = np.concatenate(counted)
     return {name: counts[:, k] for k, name in enumerate(names)}
@@ -63,7 +63,7 @@ def _in_function(code: trace.Code, function: str) -> NDArray[np.bool_]:
     return np.asarray(code.function == names.index(function))
 
 
-def _owners(emitted: Emitted, code: trace.Code, entry: str, path: Path) -> tuple[list[str], NDArray[np.intp]]:
+def _owners(emitted: EmittedCode, code: trace.Code, entry: str, path: Path) -> tuple[list[str], NDArray[np.intp]]:
     """Return the names of the owners, and the index of the owner of each instruction (I,) of an image."""
     source = f"{emitted.manifest['design']}.c"
     blocks = _blocks(emitted.manifest["trace"])

@@ -43,7 +43,7 @@ class Subject:
 
     name: str
     block: Block
-    emitted: write.Emitted
+    emitted: write.EmittedCode
     controller: host.Controller
     within: Steps
     every: Steps
@@ -80,9 +80,9 @@ def controller_subject(name: str, block: Block, experiments: Sequence[Run]) -> S
     rig = loop.of(block, controller)
     runs = [experiment.run(rig) for experiment in experiments]
     sequences = stimuli.sequences(rig, runs, lambda _: None, bench.stimuli(controller))
-    loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
+    loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
     sound = steps.thinned(steps.without_faults(controller, loops), BREAKDOWN_STEPS)
-    return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))
+    return Subject(name, block, emitted, controller, sound, steps.concatenate("all", sequences))
 
 
 def cores() -> Iterator[Subject]:
@@ -92,8 +92,8 @@ def cores() -> Iterator[Subject]:
         emitted = write.emit(unranged(block), np.float32)
         controller = host.load(emitted.files, emitted.manifest)
         errors = {axis: 1e-6 * np.sin(np.arange(CORE) + i) for i, axis in enumerate(HORIZONTAL)}
-        small = steps.recorded(controller, "small", errors)
-        every = steps.joined("all", [small, steps.drawn(controller, CORE)])
+        small = steps.record(controller, "small", errors)
+        every = steps.concatenate("all", [small, steps.random_steps(controller, CORE)])
         yield Subject(f"{order} core", block, emitted, controller, small, every)
 
 
@@ -104,7 +104,7 @@ def builds() -> list[meter.Build]:
 
 def measure(subject: Subject, build: meter.Build) -> Costs:
     """Measure a subject by a build, and CasADi's C for comparison."""
-    every = meter.run(rivals.emitted(subject.emitted), subject.every, build).cost.instructions
+    every = meter.run(rivals.emitted_c(subject.emitted), subject.every, build).cost.instructions
     worst = subject.every.part(np.array([np.argmax(every)]))
     within, costliest = (parts.measure(subject.emitted, sequence, build) for sequence in (subject.within, worst))
     shares: dict[str, tuple[float, int]] = {}
@@ -118,7 +118,7 @@ def measure(subject: Subject, build: meter.Build) -> Costs:
 
 def _ratio(subject: Subject, build: meter.Build, shimmed: bool) -> float:
     common = steps.thinned(subject.within, COMMON_STEPS[shimmed])
-    candidates = rivals.emitted(subject.emitted), rivals.casadi(subject.block, shimmed)
+    candidates = rivals.emitted_c(subject.emitted), rivals.casadi(subject.block, shimmed)
     ours, casadis = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
     return float(casadis / ours)
 

@@ -89,7 +89,7 @@ class Field:
 
 def draw_blocks(tolerances: Tolerances = USUAL) -> AsBuilt:
     """Return the blocks of two grades with random errors within tolerances."""
-    nominal = finite_matrix.made()
+    nominal = finite_matrix.fabricated_blocks()
     n, rng = len(nominal.places), np.random.default_rng(tolerances.seed)
     stronger = 1 + tolerances.remanence * rng.uniform(-1, 1, (n, n, 1))
     normal = np.cross(nominal.remanence, rng.standard_normal((n, n, 3)))

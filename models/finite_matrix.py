@@ -86,13 +86,13 @@ def blocks(strong: float, weak: float) -> Blocks:
     return Blocks(places, strong / 2 * first + weak / sqrt(2) * second)
 
 
-def ideal() -> Blocks:
+def ideal_blocks() -> Blocks:
     """Return the matrix of two ideal arrays with the remanence of Table 2."""
     m = VALUES["mu0_M0"]
     return blocks(2 * m, sqrt(2) * m)
 
 
-def made() -> Blocks:
+def fabricated_blocks() -> Blocks:
     """Return the matrix of the fabricated blocks."""
     return blocks(STRONG, WEAK)
 

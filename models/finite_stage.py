@@ -59,7 +59,7 @@ class Tables:
 @cache
 def tables(made: bool, end_turns: float) -> Tables:
     """Return the tables of the matrix as built, or of ideal blocks."""
-    blocks = finite_matrix.made() if made else finite_matrix.ideal()
+    blocks = finite_matrix.fabricated_blocks() if made else finite_matrix.ideal_blocks()
     return Tables(_motor(blocks, end_turns), *_flux(blocks))
 
 
@@ -166,7 +166,9 @@ def closed_law_deviations(made: bool, radius: float) -> dict[tuple[str, str], fl
     Forces are per A of the quadrature or the direct current, over K, and in the middle pitch unless stated otherwise.
     Torques are about the motor's own centre. Keys are (quantity, unit).
     """
-    series = finite_matrix.series(finite_matrix.made() if made else finite_matrix.ideal(), FORCE_HARMONICS)
+    series = finite_matrix.series(
+        finite_matrix.fabricated_blocks() if made else finite_matrix.ideal_blocks(), FORCE_HARMONICS
+    )
     y, K = series.grid(MOTOR_RANGE), float(lorentz_motor.force_constant({n: ca.SX(v) for n, v in VALUES.items()}))
     phases = [finite_motor.maps(series, phase, "value", MOTOR_RANGE) for phase in PHASES]
     per_ampere = finite_motor.commutated_wrenches(np.array(phases), y)

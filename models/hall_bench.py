@@ -43,7 +43,7 @@ class Bench:
     chain: Chain = field(default_factory=Chain)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "places", numeric.places(self.places, 2))
+        object.__setattr__(self, "places", numeric.positions(self.places, 2))
         numeric.whole("the number of places", len(self.places), 2, MAX_SENSORS)
 
     @property

@@ -21,7 +21,7 @@ import casadi as ca
 from models.hall_two_waves import PlanarArray
 from synth.block import Constant
 from synth.blocks import phasor
-from synth.blocks.glsdc import Named, Vector
+from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
@@ -66,7 +66,7 @@ def constants(array: PlanarArray) -> list[Constant]:
     ]
 
 
-def rotation_phasor(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
+def rotation_phasor(yaw: ca.SX, named: NamedExpressions) -> tuple[Phasor, ca.SX]:
     """Return the phasor of a small yaw, and its versine 1 - cos = 2 sin^2(yaw / 2)."""
     sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
     named.append((Signal("yaw_change_sine", "1", -1, 1, "sine of the change of yaw in the sample"), sine))
@@ -74,7 +74,7 @@ def rotation_phasor(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
     return Phasor(1 - half**2, sine), half**2
 
 
-def displace(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
+def displace(sensors: Sequence[Sensor], at: Vector, named: NamedExpressions) -> list[Sensor]:
     """Return the sensors of a body displaced by (U, V, T)."""
     turn, versine = rotation_phasor(at[2], named)
     return [_displaced(s, at, turn, versine) for s in sensors]

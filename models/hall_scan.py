@@ -43,7 +43,7 @@ PARAMETERS = tuple(Parameter(name, 0.0, "V", 0.0, "(2)") for name in COEFFICIENT
 ACROSS = {"X": "Y", "Y": "X"}
 
 
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """Fit of model (2) to a channel: estimates in V with intervals, measured and modelled voltages (N,) in V.

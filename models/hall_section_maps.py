@@ -89,13 +89,13 @@ def deviation(plant: Plant) -> float:
     return hall_calibration.of(plant).volts_per_metre * NOISE
 
 
-def faults(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
+def zero_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
     """Return the effect of each voltage dropping to zero at rest, at points^2 places over a pitch; see `estimation`."""
     block, start = estimation(plant, time, filters), _places(plant, points)
     return {name: watch(plant, block, start, 0 * start, SETTLED, name) for name in planar_stage.HALL}
 
 
-def stuck(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
+def stuck_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
     """Return the effect of each voltage sticking while the platen moves at SPEED, as `faults`.
 
     It moves from each place in both directions along the voltage's axis, over a pitch at most.

@@ -72,7 +72,7 @@ PART = {"m": 0.2, "r": 0.3}  # of these
 BIG = 1.5
 NEARLY, SMALL = 0.1, 0.3  # of A^2
 MAX_KNOWN_YAW = 0.01  # rad
-AGAIN = 0.5  # of rho, to confirm a contradiction
+CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
 
 RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") for a in "xy"}
@@ -134,7 +134,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(r1, r2, X.m, Y.m, A)
         beyond = ca.logic_or(x["contradiction_left"], squared > (RESIDUAL * A) ** 2)
-        doubt = ca.if_else(known, ca.logic_and(squared > (AGAIN * RESIDUAL * A) ** 2, beyond), 0)
+        doubt = ca.if_else(known, ca.logic_and(squared > (CONFIRMATION * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
         output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}

@@ -73,7 +73,7 @@ class PlanarArray(_Periodic):
     deviation: float = 1e-3
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "positions", numeric.places(self.positions, 2))
+        object.__setattr__(self, "positions", numeric.positions(self.positions, 2))
         if len(set(self.positions)) < 2:
             raise ModelError(f"sensors are at {self.positions}: the yaw needs two places, give another one")
         self._check(("alpha", "pitch", "deviation"), ("c", "beta"))
@@ -114,7 +114,7 @@ class SpatialArray(_Periodic):
     deviation: float = 1e-3
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "positions", numeric.places(self.positions, 3))
+        object.__setattr__(self, "positions", numeric.positions(self.positions, 3))
         if len(set(self.positions)) < MIN_SENSORS:
             raise ModelError(
                 f"{len(set(self.positions))} sensors have fewer than six voltages: give {MIN_SENSORS} places or more"

@@ -82,7 +82,7 @@ def thrust(plant: Plant, gap: float, variant: str) -> float:
 @lru_cache(maxsize=8)
 def slotted_forces(plant: Plant, gap: float, cells: int) -> slotted_field.Forces:
     """Return the forces of the slotted field at a gap in m."""
-    return slotted_field.extrapolated(maglev_stage.geometry(plant), gap, cells).value
+    return slotted_field.extrapolate(maglev_stage.geometry(plant), gap, cells).value
 
 
 def a1(plant: Plant, gap: float) -> float:

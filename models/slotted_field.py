@@ -202,7 +202,7 @@ def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
     return Forces(thrust, vertical, attraction, lift, 2 * float(np.abs(np.fft.rfft(table[:, 4])[1])) / POSITIONS)
 
 
-def extrapolated(geometry: Geometry, gap: float, cells: int = 12) -> Converged:
+def extrapolate(geometry: Geometry, gap: float, cells: int = 12) -> Converged:
     """Return Richardson's (4 F(2 cells) - F(cells))/3, the scheme being of second order; ValueError as in `grid`."""
     coarse, fine = (np.array(astuple(forces(geometry, gap, n))) for n in (cells, 2 * cells))
     correction = (fine - coarse) / 3

@@ -100,10 +100,10 @@ def _refusal(where: str, name: str, value: object, kind: Kind) -> SynthError:
     unit = next((text for end, text in UNITS.items() if number and name.endswith(end)), "")
     error = TimingError if unit == SECONDS or name in OF_TIME else SignalError
     need = kind.need.replace("a number", f"a number{unit}", 1)
-    return error(f"`{name}` of `{where}` is {found(value)}: give {need}")
+    return error(f"`{name}` of `{where}` is {describe(value)}: give {need}")
 
 
-def found(value: object) -> str:
+def describe(value: object) -> str:
     """Describe a value in a few words, for an error message."""
     if np.ma.isMaskedArray(value):
         return f"a masked array of shape {np.shape(value)}"
@@ -166,7 +166,7 @@ def matrix(name: str, values: ArrayLike) -> Array:
     return array
 
 
-def fitting(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
+def matrix_of_shape(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
     """Return a finite matrix as float64; raise SignalError for another shape (`columns` None: any), called `name`."""
     array = matrix(name, values)
     expected = (rows, array.shape[1] if columns is None else columns)

@@ -215,7 +215,7 @@ def build(
     )
     step = laws.evaluate(f"the law of block '{name}'", law, u, x, k)
     if not isinstance(step, Step):
-        raise SignalError(f"the law of block '{name}' returns {arguments.found(step)}: return a Step")
+        raise SignalError(f"the law of block '{name}' returns {arguments.describe(step)}: return a Step")
     laws.require_names(f"block '{name}': outputs", [s.name for s in outputs], step.output)
     laws.require_names(f"block '{name}': next states", [s.name for s in states], step.next)
     advanced = {s.name: ca.SX(step.next[s.name]) for s in states}

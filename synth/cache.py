@@ -24,7 +24,7 @@ T = TypeVar("T")
 KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def kept(function: Callable[P, T]) -> Callable[P, T]:
+def cached(function: Callable[P, T]) -> Callable[P, T]:
     """Cache the results of a function that depends on its arguments alone.
 
     A call with an argument that has no digest computes its result each time. Exceptions are not cached.

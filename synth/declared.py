@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import build, host
 from synth.progress import Progress
 from synth.report.audit import Row
@@ -30,7 +30,7 @@ from synth.verify.steps import Steps
 from synth.workspace import Bench
 
 
-def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
+def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Controller:
     """Return the stage's controller in a scalar type, compiled once."""
     return _compile(stage, np.dtype(scalar).name)
 
@@ -38,15 +38,15 @@ def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
 @lru_cache(maxsize=8)
 def _compile(stage: Stage, scalar: str) -> host.Controller:
     kind = np.float32 if scalar == "float32" else np.float64
-    return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
+    return build.compile_block(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
 
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under its controller in a scalar type."""
-    return Rig(stage, stage.plant, compiled(stage, scalar))
+    return Rig(stage, stage.plant, compiled_controller(stage, scalar))
 
 
-def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
+def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error, block = stage.surrogate_error.get(scalar), stage.controller.block
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
@@ -63,7 +63,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
     return folders
 
 
-def _with_vectors(files: Emitted, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> Emitted:
+def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> EmittedCode:
     text = vectors.document(inputs, answers.outputs, answers.faults)
     return replace(files, files={**files.files, "vectors.json": text})
 
@@ -82,9 +82,9 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
     """Run the experiments with the emitted C; a check of each fails where a state of the laws reached its bound."""
-    single, double = rig(stage, stage.scalar), compiled(stage, np.float64)
+    single, double = rig(stage, stage.scalar), compiled_controller(stage, np.float64)
     runs = experiments.run(single, stage.experiments, progress)
-    return [headroom.judged(run, double, stage.limited) for run in runs]
+    return [headroom.with_headroom(run, double, stage.limited) for run in runs]
 
 
 def no_audit(stage: Stage) -> Iterator[Row]:
@@ -113,7 +113,7 @@ def bench(
 
 def report(
     stage: Stage,
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],

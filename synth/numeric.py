@@ -85,7 +85,7 @@ def rows(name: str, values: object, size: int) -> tuple[tuple[float, ...], ...]:
     return tuple(numbers(name, row) for row in entries)
 
 
-def places(values: object, size: int) -> tuple[tuple[float, ...], ...]:
+def positions(values: object, size: int) -> tuple[tuple[float, ...], ...]:
     """Return positions of sensors, `size` coordinates each; raise ModelError for other values and for more than 26."""
     positions = rows("positions", values, size)
     if len(positions) > MOST_SENSORS:

@@ -110,6 +110,6 @@ def _pair(name: str, values: object) -> tuple[Mapping[str, ca.SX], Mapping[str, 
     if isinstance(values, tuple) and len(values) == 2 and all(isinstance(part, Mapping) for part in values):
         return values
     raise SignalError(
-        f"the physics of plant '{name}' returns {arguments.found(values)}: return two mappings, the derivatives by "
+        f"the physics of plant '{name}' returns {arguments.describe(values)}: return two mappings, the derivatives by "
         "state and the outputs by name"
     )

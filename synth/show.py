@@ -59,7 +59,7 @@ R = TypeVar("R", bound=Shown)
 T = TypeVar("T")
 
 
-def printed(kind: K) -> K:
+def with_repr(kind: K) -> K:
     """Add the display methods to a class with a sheet: text for a prompt, HTML and LaTeX for a notebook."""
     for method, form in {"__repr__": text, "_repr_html_": html, "_repr_latex_": latex}.items():
         setattr(kind, method, lambda self, form=form: form(self.sheet()))
@@ -69,7 +69,7 @@ def printed(kind: K) -> K:
 @dataclass_transform(frozen_default=True, eq_default=False)
 def result(kind: type[R]) -> type[R]:
     """Make a class a frozen dataclass, compared by identity, with the display methods."""
-    return printed(dataclass(frozen=True, eq=False, repr=False)(kind))
+    return with_repr(dataclass(frozen=True, eq=False, repr=False)(kind))
 
 
 def number(value: complex, digits: int = 5) -> str:
@@ -79,7 +79,7 @@ def number(value: complex, digits: int = 5) -> str:
     return f"{np.real(value):.{digits}g}{np.imag(value):+.{digits}g}i"
 
 
-def named(name: str, unit: str) -> str:
+def with_unit(name: str, unit: str) -> str:
     """Return the name with its unit in brackets, or the name alone where the unit is unknown."""
     return f"{name} [{unit}]" if unit else name
 

@@ -132,7 +132,7 @@ def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
     """Return the names in order; raise SignalError when one is listed twice."""
     signals = tuple(signals)
     if strangers := [s for s in signals if not isinstance(s, Signal | Parameter)]:
-        raise SignalError(f"{arguments.found(strangers[0])} is no signal: give a list of Signals or Parameters")
+        raise SignalError(f"{arguments.describe(strangers[0])} is no signal: give a list of Signals or Parameters")
     listed = tuple(s.name for s in signals)
     for name in listed:
         if listed.count(name) > 1:

@@ -32,7 +32,7 @@ from synth.declaration import (
     Stage,
     Synthesis,
 )
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.progress import Progress
@@ -135,10 +135,10 @@ def _signal(declared: Sensor | SetPoint | Actuator, of: Signal) -> Signal:
     return Signal(declared.name, of.unit, declared.low, declared.high, declared.about)
 
 
-def guarded(around: Interface) -> tuple[safety.Guarded, ...]:
+def guarded_inputs(around: Interface) -> tuple[safety.GuardedInput, ...]:
     """Return the inputs of the controller in the form of the guard; sensors are its measurements."""
-    sensors = [safety.Guarded(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
-    points = [safety.Guarded(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
+    sensors = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
+    points = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
     return (*sensors, *points)
 
 
@@ -210,7 +210,7 @@ def _composition(
     actuators = [a.name for a in around.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     parts = (
-        safety.guard(time, guarded(around), around.bad_samples, around.suspected, reason=around.reason),
+        safety.guard(time, guarded_inputs(around), around.bad_samples, around.suspected, reason=around.reason),
         *([errors(time, around, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, around, demands)] if demands else []),
@@ -234,7 +234,7 @@ def design(
     controller: Controller,
     plant: Plant,
     *,
-    emit: Callable[[Stage, type[np.floating]], Mapping[str, Emitted]] = declared.emit,
+    emit: Callable[[Stage, type[np.floating]], Mapping[str, EmittedCode]] = declared.emit,
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
     simulate: Callable[[Stage, Progress], Sequence[Experiment]] = declared.simulate,
     audit: Callable[[Stage], Iterator[Row]] = declared.no_audit,

@@ -27,7 +27,9 @@ def readonly(values: ArrayLike) -> Array:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise SignalError(f"{arguments.found(values)} is not an array of real numbers ({error}): give one") from error
+        raise SignalError(
+            f"{arguments.describe(values)} is not an array of real numbers ({error}): give one"
+        ) from error
     array.flags.writeable = False
     return array
 
@@ -80,7 +82,7 @@ class StateSpace:
 
     def labels(self, names: Sequence[str]) -> tuple[str, ...]:
         """Return each name with its unit."""
-        return tuple(show.named(name, self.unit(name)) for name in names)
+        return tuple(show.with_unit(name, self.unit(name)) for name in names)
 
     def sheet(self) -> show.Sheet:
         """Return the four matrices as one table: states and outputs down, states and inputs across."""
@@ -195,7 +197,7 @@ def of(system: System) -> StateSpace:
 
 
 @arguments.checked
-def together(*systems: System) -> tuple[StateSpace, ...]:
+def in_common_time(*systems: System) -> tuple[StateSpace, ...]:
     """Return Systems for a connection as StateSpaces with a common time.
 
     A python-control system with `dt` None takes the time of the others. One with `dt` True is sampled with an unknown
@@ -236,7 +238,7 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
     if not all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt", "state_labels")):
-        raise SignalError(f"{arguments.found(system)} is no StateSpace of python-control: give one, or use `of`")
+        raise SignalError(f"{arguments.describe(system)} is no StateSpace of python-control: give one, or use `of`")
     time = conversions.time_of(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

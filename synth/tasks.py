@@ -19,7 +19,7 @@ import numpy as np
 from synth import cache, slices, store, workspace
 from synth.check import Check
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host
@@ -71,12 +71,12 @@ class Built:
     checks: tuple[Check, ...]
 
 
-def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, Emitted]]:
+def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, EmittedCode]]:
     """Return the task of emitting the files of generated_c/<name>/, by folder."""
 
-    def compute(say: Progress) -> dict[str, Emitted]:
+    def compute(say: Progress) -> dict[str, EmittedCode]:
         say("gains and C")
-        return dict(workspace.emitted(design, scalar))
+        return dict(workspace.emitted_files(design, scalar))
 
     return Task("gains and C", compute, (design.emit, scalar))
 

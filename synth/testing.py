@@ -33,7 +33,7 @@ __all__ = [
     "test_the_c_compiles_without_a_warning",
     "test_the_committed_files_are_regenerated_byte_for_byte",
     "test_the_evidence_passes",
-    "unnoticed",
+    "undetected_defects",
     "variants",
 ]
 
@@ -70,10 +70,10 @@ def test_defects_that_are_planted_are_found(design: Design) -> None:
     """Compare variants of the controller, each with one defect, with the reference."""
     if design.stage is None:
         pytest.skip("defects are planted in a declared stage: this design was not made by stage.design")
-    assert unnoticed(design.stage) == []
+    assert undetected_defects(design.stage) == []
 
 
-def unnoticed(stage: Stage) -> list[str]:
+def undetected_defects(stage: Stage) -> list[str]:
     """Return the planted defects that the comparison with the reference does not detect."""
     states, inputs = _steps(stage)
     expected = agree.reference(standard.require_reference(stage))(states, inputs)
@@ -90,8 +90,8 @@ def unnoticed(stage: Stage) -> list[str]:
 def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
     """Return random and edge steps, and those of a closed loop up to the latch and of latches from the limits."""
     rig, block = declared.rig(stage, np.float64), stage.controller.block
-    loop = steps.recorded(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
-    recorded = steps.joined("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
+    loop = steps.record(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
+    recorded = steps.concatenate("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
     rng = np.random.default_rng(standard.SEED)
     random_steps = [sampling.in_operation(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
     x = {s.name: recorded.states[s.name].astype(np.float64) for s in block.states}

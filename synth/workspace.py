@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from synth.block import Block
 from synth.declaration import Stage
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import host
 from synth.progress import Progress
@@ -26,7 +26,7 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
-Report = Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
+Report = Callable[[Mapping[str, EmittedCode], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Design:
 
     name: str
     scalar: type[np.floating]
-    emit: Callable[[type[np.floating]], Mapping[str, Emitted]]
+    emit: Callable[[type[np.floating]], Mapping[str, EmittedCode]]
     verify: Callable[[Progress, bool], Evidence]
     simulate: Callable[[Progress], Sequence[Experiment]]
     bench: Bench
@@ -99,7 +99,7 @@ def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
     return [_load(name) for name in (selected or present)]
 
 
-def emitted(design: Design, scalar: type[np.floating]) -> Mapping[str, Emitted]:
+def emitted_files(design: Design, scalar: type[np.floating]) -> Mapping[str, EmittedCode]:
     """Return the emitted files by folder; raise DesignError when no folder has the name of the design."""
     folders = design.emit(scalar)
     if design.name not in folders:

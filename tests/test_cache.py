@@ -158,14 +158,14 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     from synth.emit.approx import minimax, surrogate
     from synth.emit.passes import replace
 
-    before = slices.digest(replace._fitted)
+    before = slices.digest(replace._fit)
     monkeypatch.setattr(surrogate, "TRIALS", 2)
-    assert slices.digest(replace._fitted) != before
+    assert slices.digest(replace._fit) != before
     monkeypatch.undo()
-    assert slices.digest(replace._fitted) == before
+    assert slices.digest(replace._fit) == before
     monkeypatch.setattr(minimax, "fit", lambda *a: None)
     with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.minimax\.fit"):
-        slices.digest(replace._fitted)
+        slices.digest(replace._fit)
 
 
 def test_a_slice_holds_what_runs_and_little_else() -> None:
@@ -237,7 +237,7 @@ def test_a_symbol_in_two_expressions_is_one() -> None:
 def test_what_cannot_be_compared_is_computed_each_time(folder: Path) -> None:
     count = []
 
-    @cache.kept
+    @cache.cached
     def work(value: object) -> int:
         count.append(value)
         return len(count)

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from benchmarks import axes
 from synth import cli, tasks, workspace
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.progress import Progress
 from synth.verify import on_target, prove, steps
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
 RUNNER = CliRunner()
-EMITTED = {scalar: {"axes_2": axes.emitted(2, scalar)} for scalar in (np.float32, np.float64)}
+EMITTED = {scalar: {"axes_2": axes.emit(2, scalar)} for scalar in (np.float32, np.float64)}
 
 
 def replay(controller: host.Controller) -> dict[str, Any]:
@@ -39,10 +39,13 @@ def replay(controller: host.Controller) -> dict[str, Any]:
 
 
 def sequences(controller: host.Controller, report: Progress) -> list[Steps]:
-    return [steps.recorded(controller, "loop", replay(controller), closed_loop=True), steps.drawn(controller, 2000)]
+    return [
+        steps.record(controller, "loop", replay(controller), closed_loop=True),
+        steps.random_steps(controller, 2000),
+    ]
 
 
-def report(files: Mapping[str, Emitted], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
+def report(files: Mapping[str, EmittedCode], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
     return "cost: none" if cost is None else f"cost: {len(cost.coverage)}"
 
 
@@ -106,7 +109,7 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
 
 @pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    def differs(emitted: Emitted, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
+    def differs(emitted: EmittedCode, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
         return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
 
     monkeypatch.setattr(on_target, "verify", differs)

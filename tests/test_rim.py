@@ -9,7 +9,7 @@ import pytest
 
 from synth.analyse import discretise, disk, interconnect, sensitivity, transfer
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import StateSpace, of, together
+from synth.statespace import StateSpace, in_common_time, of
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.feedback import inverse_lqr, lqr
 from synth.synthesise.observers import lqg
@@ -43,7 +43,7 @@ def test_a_sampled_controller_of_no_period_does_not_meet_a_continuous_plant() ->
     with pytest.raises(TimingError, match=r"a sampled system \(dt is True\) meets continuous time"):
         sensitivity.close(PLANT, GAINS["a static gain"](True))
     with pytest.raises(SignalError, match="there is no sample period, dt is None"):
-        together(GAINS["a static gain"](None), GAINS["a lag"](None))
+        in_common_time(GAINS["a static gain"](None), GAINS["a lag"](None))
     gain = GAINS["a static gain"](None)
     named = of(HELD).renamed({"u[0]": "f", "y[0]": "q"})
     assert interconnect.connect([named, gain], ["f", "u[0]"], ["q", "y[0]"], {}).time == Discrete(0.1)

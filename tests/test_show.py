@@ -25,7 +25,7 @@ DOUBLE = StateSpace(
 SAMPLED = discretise.zero_order_hold(DOUBLE, 0.1)
 
 
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, repr=False)
 class Pair:
     """Two numbers with a title that needs escaping."""
@@ -164,4 +164,4 @@ def test_of_a_large_table_the_ends_are_shown_in_text_and_in_html() -> None:
 
 
 def test_a_unit_stands_in_brackets_where_it_is_known() -> None:
-    assert show.named("gap", "m") == "gap [m]" and show.named("gap", "") == "gap"
+    assert show.with_unit("gap", "m") == "gap [m]" and show.with_unit("gap", "") == "gap"

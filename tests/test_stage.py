@@ -76,7 +76,7 @@ def test_a_law_without_its_actuator_is_refused() -> None:
 
 
 def test_once_latched_the_laws_stand_still_and_the_outputs_go_to_their_safe_values() -> None:
-    controller = declared.compiled(PID.DESIGN.stage, np.float64)
+    controller = declared.compiled_controller(PID.DESIGN.stage, np.float64)
     n = 100
     held = {"z": np.full(n, 1e-4), "x": np.full(n, 5e-4), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     held["z"][20:] = np.nan

@@ -55,7 +55,7 @@ def test_each_command_says_so_in_one_line(tmp_path: Path, command: str) -> None:
     assert ended.returncode == 2 and ended.stderr.count("\n") == 1 and "synth new NAME" in ended.stderr, ended.stderr
 
 
-def design(name: str, **emitted: write.Emitted) -> workspace.Design:
+def design(name: str, **emitted: write.EmittedCode) -> workspace.Design:
     """Return a design without an audit that emits `emitted`; the rest of it is not to be reached."""
 
     def never(*_: Any) -> NoReturn:
@@ -82,7 +82,7 @@ def test_a_design_under_another_name_than_its_folder_is_refused_at_once(
 def test_a_design_that_emits_under_another_name_is_refused_before_anything_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = design("stage", levitator=write.Emitted({}, {}))
+    made = design("stage", levitator=write.EmittedCode({}, {}))
     monkeypatch.setattr(workspace, "designs", lambda *_: [made])
     monkeypatch.chdir(tmp_path)
     for command in (

@@ -73,25 +73,25 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
     progress("sequences")
     name = _name(controller)
     volts = {kind: _measure(name, LONG, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
-    loops = [steps.recorded(controller, kind, motions.by_input(V), closed_loop=True) for kind, V in volts.items()]
-    lost = steps.recorded(controller, "lost", motions.by_input(_misplaced_voltages(volts["turns"], volts["motions"])))
-    recorded = [*loops, lost, steps.recorded(controller, "refused", replay(controller))]
-    pool = steps.joined("all of these", recorded)
+    loops = [steps.record(controller, kind, motions.by_input(V), closed_loop=True) for kind, V in volts.items()]
+    lost = steps.record(controller, "lost", motions.by_input(_misplaced_voltages(volts["turns"], volts["motions"])))
+    recorded = [*loops, lost, steps.record(controller, "refused", replay(controller))]
+    pool = steps.concatenate("all of these", recorded)
     wrong = [
         _shifted_states(controller, pool),
         _random_steps(controller, name),
-        steps.anew(controller, pool, "states resampled"),
+        steps.resampled(controller, pool, "states resampled"),
     ]
-    near = steps.at_ends(controller, steps.joined("wrong", wrong), EACH_END, NEAR)
-    perturbed = steps.shaken(controller, near, "perturbed", *PERTURBED)
+    near = steps.at_range_ends(controller, steps.concatenate("wrong", wrong), EACH_END, NEAR)
+    perturbed = steps.perturbed(controller, near, "perturbed", *PERTURBED)
     return [
         *(steps.thinned(each, EACH) for each in recorded),
         *(steps.thinned(each, RANDOM) for each in wrong),
-        steps.faulty(controller, {name: float(v[0]) for name, v in motions.by_input(volts["motions"]).items()}),
-        steps.edges(controller, loops[0]),
-        steps.drawn(controller, RANDOM),
-        *(steps.rare(controller, each, RARE) for each in (pool, *wrong)),
-        steps.thinned(steps.at_ends(controller, perturbed, EACH_END), EACH),
+        steps.fault_steps(controller, {name: float(v[0]) for name, v in motions.by_input(volts["motions"]).items()}),
+        steps.edge_steps(controller, loops[0]),
+        steps.random_steps(controller, RANDOM),
+        *(steps.rarest(controller, each, RARE) for each in (pool, *wrong)),
+        steps.thinned(steps.at_range_ends(controller, perturbed, EACH_END), EACH),
     ]
 
 

@@ -23,7 +23,7 @@ from models.hall_motions import Numbers
 from models.hall_two_waves import SpatialArray
 from synth.block import unranged
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
 from synth.verify import meter, rivals, steps
@@ -66,7 +66,7 @@ class Subject(NamedTuple):
     steps: Steps
 
 
-def measure(three: Emitted, four: SpatialArray) -> Sequence[Row]:
+def measure(three: EmittedCode, four: SpatialArray) -> Sequence[Row]:
     """Measure the emitted C of three sensors, and that of four sensors in six degrees of freedom.
 
     The latter is emitted here, which takes most of the time, while compilers run in parallel as separate processes.
@@ -88,7 +88,7 @@ def measure(three: Emitted, four: SpatialArray) -> Sequence[Row]:
 def _compile(of: Subject, build: Build) -> None:
     """Compile both texts into the cache of products, for the runs below."""
     for candidate in (of.emitted, of.casadi):
-        meter.booted(candidate, build, meter.linked(candidate, build))
+        meter.boot(candidate, build, meter.link(candidate, build))
 
 
 def row(of: Subject, build: Build) -> Row:
@@ -97,12 +97,12 @@ def row(of: Subject, build: Build) -> Row:
     return Row(of.name, build.name, len(of.steps), emitted, casadi)
 
 
-def of_three(emitted: Emitted) -> Subject:
+def of_three(emitted: EmittedCode) -> Subject:
     """Return the emitted C of three sensors, with steps that include the costliest ones."""
     sequences = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
-    costly = steps.joined("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
+    costly = steps.concatenate("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
     casadi = rivals.casadi(config.block(config.THREE), shimmed=True)
-    return Subject("three sensors", rivals.emitted(emitted), casadi, costly)
+    return Subject("three sensors", rivals.emitted_c(emitted), casadi, costly)
 
 
 def of_six(array: SpatialArray) -> Subject:
@@ -111,7 +111,7 @@ def of_six(array: SpatialArray) -> Subject:
     emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
-    return Subject(name, rivals.emitted(emitted), rivals.casadi(block, shimmed=True), sequence)
+    return Subject(name, rivals.emitted_c(emitted), rivals.casadi(block, shimmed=True), sequence)
 
 
 def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:
@@ -121,7 +121,7 @@ def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:
     V += array.deviation * np.random.default_rng(SEED).standard_normal(V.shape)
     V[FALSE_VOLTAGES] *= -1
     inputs = dict(zip((s.name for s in channels.voltages(len(array.positions))), V.T, strict=True))
-    return steps.joined("all", [steps.recorded(controller, "motion", inputs), steps.drawn(controller, SIX)])
+    return steps.concatenate("all", [steps.record(controller, "motion", inputs), steps.random_steps(controller, SIX)])
 
 
 def motion(array: SpatialArray, n: int) -> Numbers:

@@ -11,7 +11,7 @@ from designs.hall_position import config, costs
 from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
 from models.hall_stage import Stage
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
 from synth.report.captions import Made
@@ -27,7 +27,7 @@ ABOUT = (
 
 
 def report(
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
@@ -36,7 +36,7 @@ def report(
     """Return the report as one HTML document, with all experiments in `runs`."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     stage = Stage()
-    blocks = captions.captioned(_blocks(stage, data, runs), data["blocks"])
+    blocks = captions.with_captions(_blocks(stage, data, runs), data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
     parts = [
         experiments.section(runs, data["beside"]),
@@ -51,7 +51,7 @@ def report(
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
     law = ("law", "GLSDC, Fig. 9, five corrections a sample")
     facts = (*standard.facts(config.TIME, np.float32, inputs, outputs), law)
-    return template.assembled(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
+    return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
 
 
 def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Made]:

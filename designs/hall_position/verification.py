@@ -26,7 +26,7 @@ from synth.check import Check
 from synth.execute import host
 from synth.simulate import ensemble
 from synth.verify import agree, suite
-from synth.verify.agree import Stepped
+from synth.verify.agree import StepResults
 from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
 from synth.verify.suite import Witnesses
@@ -106,8 +106,8 @@ def compare_witnesses(of: Subject, by: Witnesses, sizes: Mapping[str, int], prog
 
 def steps_along(of: Subject, controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
     """Return the consecutive steps of the C from `init` over columns (samples, bodies) of inputs."""
-    batches = list(ensemble.replayed(controller, inputs))
-    before = [ensemble.started(controller, len(batches[0].states)), *(batch.states for batch in batches[:-1])]
+    batches = list(ensemble.replay(controller, inputs))
+    before = [ensemble.initial_states(controller, len(batches[0].states)), *(batch.states for batch in batches[:-1])]
     recorded = np.concatenate(before)
     return {s.name: recorded[s.name] for s in of.block.states}, {n: v.ravel() for n, v in inputs.items()}
 
@@ -138,10 +138,10 @@ def ill_conditioned_share(steps: Steps) -> Check:
     return Check(name, float(np.mean(above)), MAX_ILL_CONDITIONED, "1", about)
 
 
-def compare_double(of: Subject, steps: Steps, first: tuple[str, Stepped], c64: Stepped) -> Comparison:
+def compare_double(of: Subject, steps: Steps, first: tuple[str, StepResults], c64: StepResults) -> Comparison:
     """Compare a witness {name, steps} with the C in double precision."""
     above = steps.severity > ILL_CONDITIONED
-    pair = (first[0], suite.part(first[1], ~above)), ("c64", suite.part(c64, ~above))
+    pair = (first[0], suite.select(first[1], ~above)), ("c64", suite.select(c64, ~above))
     a = agree.compare(steps.what, *pair, FLOOR, of.block)
     outputs, states = agree.differences(first[1], c64, FLOOR, of.block)
     magnified = np.max([*outputs.values(), *states.values()], axis=0) / (EPSILON * steps.severity)
@@ -162,12 +162,12 @@ def compare_single(of: Subject, by: Witnesses, steps: Steps) -> Comparison:
     The states are those of the C in double precision, rounded. Steps are left out where a decision differs, and where,
     far from a solution, two costs of several volts differ by rounding only: there positions may differ too.
     """
-    double, single = suite.in_single(by, steps.states, steps.inputs)
+    double, single = suite.in_both_precisions(by, steps.states, steps.inputs)
     same = _same_decisions(of, double, single)
     converged = double.outputs["converged"] > 0
     narrow = ~converged & (steps.margin < STEP)
     chosen = same & ~narrow & (steps.severity <= ILL_CONDITIONED)
-    pair = suite.part(double, chosen), suite.part(single, chosen)
+    pair = suite.select(double, chosen), suite.select(single, chosen)
     a = agree.compare(steps.what, ("c64", pair[0]), ("c32", pair[1]), FLOOR, of.block, np.float32)
     less = "single less double"
     rows = [
@@ -186,7 +186,7 @@ def compare_single(of: Subject, by: Witnesses, steps: Steps) -> Comparison:
     ]
 
 
-def _same_decisions(of: Subject, double: Stepped, single: Stepped) -> NDArray[np.bool_]:
+def _same_decisions(of: Subject, double: StepResults, single: StepResults) -> NDArray[np.bool_]:
     """Return for each step whether flags and counts are equal, and no angle is wrapped in one of the two only."""
     same = suite.decide_alike(of.block, double, single)
     for flag in DECISIONS:
@@ -195,13 +195,13 @@ def _same_decisions(of: Subject, double: Stepped, single: Stepped) -> NDArray[np
     return same & np.all([states[s.name] < 0.5 for s in of.block.states if not s.integer], axis=0)
 
 
-def _relative_deviation_error(first: Stepped, second: Stepped) -> float:
+def _relative_deviation_error(first: StepResults, second: StepResults) -> float:
     """Return the largest relative difference of a standard deviation."""
     sizes = {n: np.abs(v.astype(np.float64)) for n, v in first.outputs.items() if n.startswith("deviation")}
     return max(float((_gap(first, second, n) / size).max(initial=0.0)) for n, size in sizes.items())
 
 
-def _gap(first: Stepped, second: Stepped, name: str) -> Numbers:
+def _gap(first: StepResults, second: StepResults, name: str) -> Numbers:
     return np.abs(second.outputs[name].astype(np.float64) - first.outputs[name])
 
 
@@ -209,8 +209,8 @@ def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
     """Compare valid positions of the free-running reference and of single precision with those of the C."""
     start = {s.name: s.initial for s in of.block.states}
     double, reference_outputs, single = (
-        agree.recorded(witness, start, inputs).outputs
-        for witness in (by.of["c64"], by.of["reference"], agree.emitted(by.c32))
+        agree.run(witness, start, inputs).outputs
+        for witness in (by.of["c64"], by.of["reference"], agree.emitted_c(by.c32))
     )
     checks = []
     for name, outputs, limit, share in (

@@ -271,7 +271,9 @@ def phase_currents(plant: Plant) -> Block:
     """
     tau = ca.SX(plant.parameter("tau").value)
     along = [INTERFACE.signals[n] for n in "xz"]
-    guarded = [safety.Guarded(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)]
+    guarded = [
+        safety.GuardedInput(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)
+    ]
     peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, with rounding
     outputs = [
         Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")

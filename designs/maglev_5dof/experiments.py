@@ -171,7 +171,9 @@ def _tracking(rig: Rig, four: bool) -> Experiment:
 def without_anti_windup(scalar: str) -> host.Controller:
     """Return the controller without its anti-windup, compiled in a scalar type by name."""
     kind, plant = np.dtype(scalar).type, maglev_stage.plant()
-    return build.compiled(control.controller(plant, anti_windup=False).block, kind, error=control.SURROGATE_ERROR[kind])
+    return build.compile_block(
+        control.controller(plant, anti_windup=False).block, kind, error=control.SURROGATE_ERROR[kind]
+    )
 
 
 def _windup(rig: Rig, anti_windup: bool) -> Experiment:

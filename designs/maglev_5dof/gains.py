@@ -37,7 +37,7 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "poles_rad_s": [digits.pole(s) for s in published.poles],
         "certificate": digits.certificate(published.certificate),
         "sampled_data_optimum": {
-            "K": [digits.cut(v, 6) for v in sampled.K[0]],
-            "worst_cost_ratio_of_K": digits.cut(lqr.cost_ratio(model, rounded, Q, R, period, exact=True), 4),
+            "K": [digits.significant(v, 6) for v in sampled.K[0]],
+            "worst_cost_ratio_of_K": digits.significant(lqr.cost_ratio(model, rounded, Q, R, period, exact=True), 4),
         },
     }

@@ -28,7 +28,7 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     """Return the report as one HTML document; arguments as `template.report`."""
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), paths, LONGEST, WINDOW)
-    loop_part = standard.loops(robustness.opened(verification.loops(stage)))
+    loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
     extra = template.Extra(_values(stage.plant), [loop_part], maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 

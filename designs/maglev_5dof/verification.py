@@ -46,7 +46,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     samples = random_steps(by.block, RANDOM_STEPS)
     compared = suite.compare("random steps", by, *samples, FLOOR)
     share = float(np.mean(is_saturated(by.of["c64"](*samples).outputs)))
-    double, single = suite.in_single(by, *samples)
+    double, single = suite.in_both_precisions(by, *samples)
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
     progress("edge steps")
@@ -56,7 +56,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
     compared += suite.replay(by, replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY), FLOOR)
     progress("single against double over 60 s")
-    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact(of, _unit(floor))]
+    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact_checks(of, _unit(floor))]
     checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
     return Evidence(stage.name, (*compared, in_single, *edge), tuple(checks))
 

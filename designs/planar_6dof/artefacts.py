@@ -57,13 +57,13 @@ def _compensator(axis: str, sampled: lead_lag.LeadLag, continuous: lead_lag.Comp
         "continuous": {"gain": continuous.gain, "zeros": list(continuous.zeros), "poles": list(continuous.poles)},
         "sampled": {
             "gain": sampled.gain,
-            "zeros": [digits.cut(z.real, 12) for z in sampled.zeros],
-            "poles": [digits.cut(vertical.pole(sampled), 12), 1.0],
+            "zeros": [digits.significant(z.real, 12) for z in sampled.zeros],
+            "poles": [digits.significant(vertical.pole(sampled), 12), 1.0],
         },
         "certificate": {
-            "at_rad_s": digits.cut(sampled.at, 6),
-            "gain_error": digits.cut(sampled.gain_error, 3),
-            "phase_error_degrees": digits.cut(sampled.phase_error, 3),
+            "at_rad_s": digits.significant(sampled.at, 6),
+            "gain_error": digits.significant(sampled.gain_error, 3),
+            "phase_error_degrees": digits.significant(sampled.phase_error, 3),
         },
     }
 

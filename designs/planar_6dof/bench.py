@@ -39,11 +39,11 @@ BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  
 def stimuli(controller: host.Controller) -> list[Steps]:
     """Return the travel, the saturated travel, and the failures from states of the travel."""
     rng = np.random.default_rng(SEED)
-    along = steps.recorded(controller, "travel", travel(rng))
-    saturated = steps.joined("saturated", [steps.recorded(controller, "", travel(rng, yaw)) for yaw in YAWS])
+    along = steps.record(controller, "travel", travel(rng))
+    saturated = steps.concatenate("saturated", [steps.record(controller, "", travel(rng, yaw)) for yaw in YAWS])
     once = failures(along, rng)
-    again = Steps("failures again", steps.taken(controller, once).states, once.inputs)
-    isolated = Steps("failures named", steps.taken(controller, again).states, once.inputs)
+    again = Steps("failures again", steps.evaluate(controller, once).states, once.inputs)
+    isolated = Steps("failures named", steps.evaluate(controller, again).states, once.inputs)
     return [along, saturated, once, again, isolated]
 
 

@@ -52,7 +52,7 @@ def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
         Map(f"error of raw φ at {1e3 * yaw:g} mrad, mrad", 1e3 * at_yaw.error["phi"]),
         Map(f"noise of raw φ for {1e6 * sensing_maps.NOISE:g} µm, mrad rms", 1e3 * level.noise["phi"]),
     ]
-    return maps.signed(panels, _over_pitch(plant), IN_PLANE)
+    return maps.signed_maps(panels, _over_pitch(plant), IN_PLANE)
 
 
 def undetected_failures(plant: Plant, silent: Mapping[str, NDArray[np.bool_]]) -> Figure:

@@ -119,7 +119,9 @@ def step_experiment(loop: Rig, run: StepRun, name: str, title: str, limits: Limi
     about = f"{run.axis} by {run.height / 1e-6:.4g} {small}, {_about(loop)}"
     figures = {key: float(value) for key, value in figures.items()}
     references = {run.axis: run.reference}
-    return Experiment(name, title, about, run.noisy, (run.axis,), references, figures, (*checks, *usual(run.noisy)))
+    return Experiment(
+        name, title, about, run.noisy, (run.axis,), references, figures, (*checks, *common_checks(run.noisy))
+    )
 
 
 def step_metrics(run: StepRun) -> dict[str, float]:
@@ -155,7 +157,7 @@ def _with_amplifiers(loop: Rig, name: str, volts: float) -> Experiment:
 
 def _at_rest(loop: Rig, name: str, title: str, run: Trajectory, figures: Mapping[str, float]) -> Experiment:
     about = f"{len(run.time) * loop.period_s:g} s, {_about(loop)}"
-    return Experiment(name, title, about, run, HORIZONTAL, {}, figures, usual(run))
+    return Experiment(name, title, about, run, HORIZONTAL, {}, figures, common_checks(run))
 
 
 STANDSTILLS = (
@@ -177,7 +179,7 @@ def rest_figures(loop: Rig, run: Trajectory) -> dict[str, float]:
     }
 
 
-def usual(run: Trajectory) -> tuple[Check, ...]:
+def common_checks(run: Trajectory) -> tuple[Check, ...]:
     """Return the checks of every run without a failure: no fault, and no current above the limit of Table 1."""
     return (
         Check("samples with a fault", float(np.count_nonzero(run.faults)), 0.0, "1"),

@@ -87,7 +87,7 @@ def standstill(loop: Rig, name: str) -> Experiment:
     checks = [Check(f"noise of {a}", noise[a] / closed[a], NOISE_RATIO_LIMIT, "1", about) for a in HORIZONTAL]
     checks += [Check(f"noise of {a}", noise[a], RANGE[a] / 10, "rad", "a tenth of its range") for a in ("theta", "psi")]
     title, shown = "At rest, finite matrix", ("x", "y", "psi")
-    return Experiment(name, title, f"{shared.REST:g} s", run, shown, {}, figures, (*checks, *shared.usual(run)))
+    return Experiment(name, title, f"{shared.REST:g} s", run, shown, {}, figures, (*checks, *shared.common_checks(run)))
 
 
 STANDSTILL = Run("standstill_finite", standstill)

@@ -56,7 +56,7 @@ INTERFACE = stage.interface(
     suspected=planar_stage.HALL,
 )
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
-INPUTS, OUTPUTS = stage.guarded(INTERFACE), INTERFACE.outputs
+INPUTS, OUTPUTS = stage.guarded_inputs(INTERFACE), INTERFACE.outputs
 
 
 def controller(name: str, plant: Plant, time: Discrete, sensing_blocks: Sequence[Block], law: Sequence[Block]) -> Block:

@@ -80,10 +80,10 @@ def positions_of_run(run: Trajectory, period_s: float, predicted: bool = True) -
 
 @cache
 def _position_controller(period_s: float, predicted: bool) -> host.Controller:
-    return compile_block(view(Discrete(period_s), predicted))
+    return compile_block(position_block(Discrete(period_s), predicted))
 
 
-def view(time: Discrete, predicted: bool = True) -> Block:
+def position_block(time: Discrete, predicted: bool = True) -> Block:
     """Return the Block from voltages to raw positions and residuals, `predicted` by the filters or not.
 
     Filtered positions are outputs in either case.
@@ -96,4 +96,4 @@ def view(time: Discrete, predicted: bool = True) -> Block:
 
 def compile_block(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
     """Return the compiled C of a Block, emitted as in the shipped controller."""
-    return build.compiled(block, scalar, error=interface.SURROGATE_ERROR[scalar])
+    return build.compile_block(block, scalar, error=interface.SURROGATE_ERROR[scalar])

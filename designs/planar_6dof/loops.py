@@ -45,7 +45,7 @@ HORIZONTAL = MOTORS[:3]
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class LoopParts:
     """The stage from motor currents in A to positions in m and rad, the controller back, and the delay in samples."""
 
     plant: StateSpace
@@ -63,45 +63,47 @@ class OpenLoop:
     margins: margins.Margins
 
 
-def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
+def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> LoopParts:
     """Return plant and controller of the loop of a whole controller, with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
     stage = linearise.linearise(plant, trim.trim(plant, pose, []))
     C = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
-    K = loop.linearised(block, *rest_point(plant, block, pose))
-    return around(stage.select(AXES, PHASES), K, C, commutation_matrix(plant, pose), delay)
+    K = loop.linearise_block(block, *rest_point(plant, block, pose))
+    return in_motor_coordinates(stage.select(AXES, PHASES), K, C, commutation_matrix(plant, pose), delay)
 
 
-def around(stage: StateSpace, controller: StateSpace, measurement: Array, E: Array, delay: float = 1) -> Parts:
+def in_motor_coordinates(
+    stage: StateSpace, controller: StateSpace, measurement: Array, E: Array, delay: float = 1
+) -> LoopParts:
     """Return a loop in motor currents and positions; `measurement` (9, 6) maps positions to sensor values."""
     K = controller.select(PHASES, SENSED)
     B, C, D = K.B @ measurement, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ measurement
     motors = replace(stage, B=stage.B @ E, D=stage.D @ E, inputs=MOTORS)
-    return Parts(motors, replace(K, B=B, C=C, D=D, inputs=AXES, outputs=MOTORS), delay)
+    return LoopParts(motors, replace(K, B=B, C=C, D=D, inputs=AXES, outputs=MOTORS), delay)
 
 
 def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
     """Return states and inputs of the controller with the platen at rest at its set-points, as measured."""
-    outputs, view = plant.output_values(place), simulated.view(block.time)
+    outputs, view = plant.output_values(place), simulated.position_block(block.time)
     measured = {name: float(outputs[name][0]) for name in SENSED}
     positions = _hold_inputs(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLING_SAMPLES).outputs
     inputs = measured | {f"{a}_ref": float(positions[a][-1]) if a in positions else place.get(a, 0.0) for a in AXES}
     return {name: float(v[0]) for name, v in _hold_inputs(block, inputs, 2).states.items()}, inputs
 
 
-def _hold_inputs(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Stepped:
+def _hold_inputs(block: Block, inputs: Mapping[str, float], samples: int) -> agree.StepResults:
     """Return outputs and states of a Block after some samples of constant inputs, from init."""
     start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
-    return agree.recorded(agree.casadi(block), start, columns)
+    return agree.run(agree.casadi(block), start, columns)
 
 
-def opened(both: Parts, signals: Sequence[str]) -> StateSpace:
+def open_loop(both: LoopParts, signals: Sequence[str]) -> StateSpace:
     """Return L (p, p), opened at some of the axes and motor currents, with all others closed.
 
     Raises SignalError for another signal.
     """
     sensors, actuators = ({name: name for name in ends} for ends in (both.plant.outputs, both.plant.inputs))
-    return loop.opened(both.plant, both.controller, list(signals), sensors, actuators, both.delay)
+    return loop.open_loop(both.plant, both.controller, list(signals), sensors, actuators, both.delay)
 
 
 def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> list[OpenLoop]:
@@ -109,12 +111,12 @@ def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> lis
     return of_parts(parts(plant, block), axes, label)
 
 
-def of_parts(both: Parts, axes: Iterable[str], label: str) -> list[OpenLoop]:
+def of_parts(both: LoopParts, axes: Iterable[str], label: str) -> list[OpenLoop]:
     """Return the loops of some axes, all others closed."""
-    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [opened(both, [axis])]]
+    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [open_loop(both, [axis])]]
 
 
-def whole(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
+def rounded_controller(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the controller of `interface` with its constants in single precision."""
     return interface.controller("whole", plant, time, sensed, law).rounded(np.float32)
 
@@ -125,7 +127,7 @@ def with_axis_of(law: Sequence[Block], other: Sequence[Block], axis: str) -> lis
     return [replacement.get(b.name, b) for b in law]
 
 
-def spread(pitch: float, places: int) -> list[Place]:
+def places_over_pitch(pitch: float, places: int) -> list[Place]:
     """Return places spread over a pitch in x and in y."""
     offsets = (pitch * ((np.arange(places) + 0.5) / places - 0.5)).tolist()
     return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
@@ -133,15 +135,15 @@ def spread(pitch: float, places: int) -> list[Place]:
 
 def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, margins.Margins]]:
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
-    each_place = (parts(plant, block, place) for place in spread(plant.parameter("l").value, places))
-    return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in each_place]
+    each_place = (parts(plant, block, place) for place in places_over_pitch(plant.parameter("l").value, places))
+    return [{axis: margins.of_loop(open_loop(each, [axis])) for axis in AXES} for each in each_place]
 
 
-def horizontal(both: Parts) -> dict[str, StateSpace]:
+def horizontal(both: LoopParts) -> dict[str, StateSpace]:
     """Return the loop of x, y and phi opened at the quadrature currents, at the positions, and at both."""
     cuts = {"currents": HORIZONTAL, "positions": allocation.HORIZONTAL}
     cuts["both"] = (*HORIZONTAL, *allocation.HORIZONTAL)
-    return {name: opened(both, cut) for name, cut in cuts.items()}
+    return {name: open_loop(both, cut) for name, cut in cuts.items()}
 
 
 def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:

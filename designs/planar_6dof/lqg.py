@@ -204,11 +204,11 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
     return [*(regulate(plant, axis) for axis in axes(plant)), *upright, *motors]
 
 
-def sensed(plant: Plant) -> list[Block]:
+def sensing_blocks(plant: Plant) -> list[Block]:
     """Return the Blocks from Hall voltages to measured positions."""
     return [sensing.sensing(plant, TIME, predicted=False)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, sensed(plant), law(plant, variant, regulate))
+    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), law(plant, variant, regulate))

@@ -19,7 +19,7 @@ from models import halbach, hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
 from models import planar_allocation as allocation
 from synth.block import Block
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
@@ -77,7 +77,7 @@ class Contents:
 
 def report(
     contents: Callable[[Plant], Contents],
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
@@ -92,7 +92,7 @@ def report(
         **_at_rest(runs, time, design),
         **_run_figures(runs, time, design),
     }
-    values = captions.captioned(computed, data["blocks"])
+    values = captions.with_captions(computed, data["blocks"])
     equations = (*design.equations, *map(tuple, data["equations"]["upright"]))
     loop_part = standard.loops(design.loops)
     parts = (
@@ -108,7 +108,7 @@ def report(
     )
     inputs = "6 Hall voltages, 3 laser distances, 6 set-points"
     facts = (*standard.facts(time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", design.line))
-    return template.assembled(design.block.name, ABOUT, facts, parts, {**values, **design.values}, ("planar_6dof",))
+    return template.assemble(design.block.name, ABOUT, facts, parts, {**values, **design.values}, ("planar_6dof",))
 
 
 def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
@@ -120,8 +120,8 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
     """Return figures and tables of the stage: derived parameters, sensing, loops and failures."""
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
     filters = filtering.blocks(block.time) if filtered else []
-    silent = sensing_maps.faults(plant, block.time, MAP_POINTS, filters)
-    failed = {"zero": silent, "stuck": sensing_maps.stuck(plant, block.time, PLACES, filters)}
+    silent = sensing_maps.zero_voltages(plant, block.time, MAP_POINTS, filters)
+    failed = {"zero": silent, "stuck": sensing_maps.stuck_voltages(plant, block.time, PLACES, filters)}
     margins_by_place = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
     return {
         "stage.derived": [

@@ -68,7 +68,7 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     states, _ = sampling.anywhere(block, rng, n, INSIDE)
     box = {a: next(s for s in block.inputs if s.name == f"{a}_ref") for a in allocation.AXES}
     middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
-    pose = {a: sampling.inside(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
+    pose = {a: sampling.limited_to_range(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
     known = {"guard_latched": np.zeros(n), "guard_ready": _random_flags(rng, n, 1 - UNREADY)}
     known |= {"sensing_contradiction_confirmed": _random_flags(rng, n, SUSPECTED)} | _sensing_states(
         plant, pose, rng, n
@@ -78,7 +78,7 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
         listed = ", ".join(unknown)
         raise SignalError(f"'{block.name}' has the states {listed} with no value for a known pose: add them here")
     error = {a: rng.normal(0, PART, n) * subject.size * _saturating_error(block, plant, a) for a in allocation.AXES}
-    references = {f"{a}_ref": sampling.inside(box[a], pose[a] + error[a]) for a in allocation.AXES}
+    references = {f"{a}_ref": sampling.limited_to_range(box[a], pose[a] + error[a]) for a in allocation.AXES}
     inputs = _with_wrong_voltage(bench.sensor_values(pose), rng, n) | references
     return {s: known.get(s, random) for s, random in states.items()}, inputs
 
@@ -164,7 +164,7 @@ def _random_law_states(
     states = {}
     for s in (s for s in subject.block.states if s.name in law_states(subject.block)):
         value = mean.get(s.name, 0.0) + rng.normal(0, PART * subject.size * most[axis_of(s.name)], n)
-        states[s.name] = sampling.inside(s.signal, value)
+        states[s.name] = sampling.limited_to_range(s.signal, value)
     return states
 
 

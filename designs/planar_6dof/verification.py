@@ -54,7 +54,7 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
     progress("random steps")
     samples = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
     random = {name: witness(*samples) for name, witness in by.of.items()}
-    single, decision_checks = standard.in_single(by, *samples, FLOOR, COUNTS)
+    single, decision_checks = standard.compare_precisions(by, *samples, FLOOR, COUNTS)
     pairs = [
         *compare_witnesses("random steps", subject, random),
         (single, [*decision_checks, *share_checks(samples[0], random["c64"])]),
@@ -72,25 +72,25 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
     return Evidence(subject.block.name, tuple(a for a, _ in pairs), (*checks, *last))
 
 
-def compare_witnesses(what: str, subject: Subject, by: Mapping[str, agree.Stepped]) -> list[Compared]:
+def compare_witnesses(what: str, subject: Subject, by: Mapping[str, agree.StepResults]) -> list[Compared]:
     """Compare all given witnesses with the C in double precision, over the same steps."""
     pairs: list[Compared] = []
     for name in (n for n in suite.OTHERS if n in by):
         a = agree.compare(what, (name, by[name]), ("c64", by["c64"]), FLOOR, subject.block)
         apart, law = law_difference(subject, by[name], by["c64"]), f"{what}: next states of the law of {name} and c64"
-        checks = suite.exact([a], f"max({FLOOR:g} A, |i|)")
+        checks = suite.exact_checks([a], f"max({FLOOR:g} A, |i|)")
         pairs.append((a, [*checks, Check(law, apart, suite.EXACT, "max(|x|, what the motors meet)")]))
     return pairs
 
 
-def replay(by: Witnesses, run: Trajectory) -> dict[str, agree.Stepped]:
+def replay(by: Witnesses, run: Trajectory) -> dict[str, agree.StepResults]:
     """Replay a recorded run from `init` with all witnesses."""
     start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.recorded(by.of[name], start, run.measured) for name in suite.OTHERS}
-    return others | {"c64": agree.replayed(by.c64, run.measured)}
+    others = {name: agree.run(by.of[name], start, run.measured) for name in suite.OTHERS}
+    return others | {"c64": agree.replay(by.c64, run.measured)}
 
 
-def law_difference(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> float:
+def law_difference(subject: Subject, first: agree.StepResults, second: agree.StepResults) -> float:
     """Return the worst difference of the law's next states, relative to max(|value|, authority of the axis).
 
     Their declared bounds are a hundred times the authority, too large a reference for 1e-12.
@@ -102,7 +102,7 @@ def law_difference(subject: Subject, first: agree.Stepped, second: agree.Stepped
     return max(worst)
 
 
-def share_checks(states: Columns, c64: agree.Stepped) -> list[Check]:
+def share_checks(states: Columns, c64: agree.StepResults) -> list[Check]:
     """Return the shares of random steps at limits, with a rejected position, and without a computed law."""
     least, most = AT_A_LIMIT
     limited = float(np.mean(random_steps.is_saturated(c64.outputs)))

@@ -86,7 +86,14 @@ def _circle_experiment(loop: Rig, name: str, noisy: Motion, ideal: Motion) -> Ex
     title = "Circle of 200 mm diameter at 0.2094 rad/s (Fig. 9)"
     about = f"a revolution of {REVOLUTION:.4g} s after {GROWTH:g} s in which the radius grows"
     return Experiment(
-        name, title, about, noisy.run, ("x", "y"), noisy.references, figures, (*checks, *shared.usual(noisy.run))
+        name,
+        title,
+        about,
+        noisy.run,
+        ("x", "y"),
+        noisy.references,
+        figures,
+        (*checks, *shared.common_checks(noisy.run)),
     )
 
 

@@ -55,7 +55,7 @@ def all_loops(plant: Plant) -> list[OpenLoop]:
 
 def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the controller with some filters and a law."""
-    return loops.whole(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
+    return loops.rounded_controller(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
 
 
 def without_filter(axis: str) -> list[Block]:

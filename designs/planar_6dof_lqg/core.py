@@ -78,7 +78,7 @@ def compensator() -> reduced_compensator.Compensator:
 def estimator() -> kalman.Estimator:
     """Return the full-order filter (40) of (26), driven by white accelerations."""
     W, V = [PROCESS_NOISE[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
-    return kalman.sampled(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
+    return kalman.kalmd(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
 
 
 def gain() -> Array:
@@ -148,7 +148,7 @@ def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float
 def axis_estimator(axis: Axis) -> kalman.Estimator:
     """Return the full-order filter of position and rate, driven by white acceleration."""
     W, V = [PROCESS_NOISE[axis.name]], [NOISE[axis.name] ** 2]
-    return kalman.sampled(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
+    return kalman.kalmd(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
 
 
 def full_order(plant: Plant, axis: Axis) -> Block:
@@ -207,9 +207,9 @@ def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> 
     from synth.verify import meter, rivals, steps  # needs the extra `target`
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
-    recorded = steps.recorded(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
+    recorded = steps.record(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
     assert emitted.program is not None
     arithmetic = sum(operations.of_program(emitted.program).values())
     for build in meter.builds():
-        n = meter.run(rivals.emitted(emitted), recorded, build).cost.instructions
+        n = meter.run(rivals.emitted_c(emitted), recorded, build).cost.instructions
         yield what, order, len(of.states), arithmetic, build.name, float(n.mean()), int(n.max())

@@ -47,7 +47,7 @@ def gains() -> dict[str, Any]:
         "certificate": digits.certificate(gain.certificate),
         "printed_weights": {
             "weights_Q": list(lqg.PRINTED_WEIGHTS),
-            "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(of_printed_weights.K).items()},
+            "K": {name: [digits.significant(v, 6) for v in row] for name, row in _rows(of_printed_weights.K).items()},
             "certificate": digits.certificate(of_printed_weights.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
@@ -64,12 +64,12 @@ def _axis(axis: lqg.Axis) -> dict[str, Any]:
     observer = lqg.observer(axis)
     numbers = {"F": observer.F, "G": observer.G, "H": observer.H, "L": observer.L}
     return {
-        "b": digits.cut(axis.b, 12),
-        "gains": {name: digits.cut(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
+        "b": digits.significant(axis.b, 12),
+        "gains": {name: digits.significant(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
         "observer": {
             "pole": lqg.OBSERVER_POLE[axis.name],
             "poles": [digits.pole(z) for z in observer.poles],
-            **{name: digits.cut(float(m[0, 0]), 12) for name, m in numbers.items()},
+            **{name: digits.significant(float(m[0, 0]), 12) for name, m in numbers.items()},
         },
     }
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof import lqg
-from designs.planar_6dof.loops import OpenLoop, Parts
+from designs.planar_6dof.loops import LoopParts, OpenLoop
 from designs.planar_6dof.lqg import CURRENTS, STATES, TIME, Axis
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_lqg import core
@@ -50,7 +50,7 @@ def horizontals(plant: Plant) -> dict[str, dict[str, StateSpace]]:
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
     """Return the controller of a law on measured positions."""
-    return shared.whole(plant, TIME, lqg.sensed(plant), law)
+    return shared.rounded_controller(plant, TIME, lqg.sensing_blocks(plant), law)
 
 
 def law_of_printed_weights(plant: Plant) -> list[Block]:
@@ -68,10 +68,10 @@ def _axis_of_printed_weights(axis: Axis) -> Axis:
     return replace(axis, k1=k1 * axis.k1, k2=k2 * axis.k2, k3=k3 * axis.k3)
 
 
-def as_printed(plant: Plant) -> Parts:
+def as_printed(plant: Plant) -> LoopParts:
     """Return the horizontal stage under (33) with K of (49), which neglects the yaw torque of motor C."""
     stage = shared.parts(plant, whole(plant, lqg.law(plant))).plant
-    return Parts(stage.select(HORIZONTAL, CURRENTS), core.compensator().model)
+    return LoopParts(stage.select(HORIZONTAL, CURRENTS), core.compensator().model)
 
 
 def gain_of_42() -> Array:

@@ -71,7 +71,7 @@ def centre(box: Sequence[Signal]) -> Array:
     return np.array([(s.high + s.low) / 2 for s in box])
 
 
-def entering(expr: ca.SX, symbols: ca.SX, box: Sequence[Signal]) -> list[int]:
+def signal_indices(expr: ca.SX, symbols: ca.SX, box: Sequence[Signal]) -> list[int]:
     """Return the indices of the signals whose `symbols` (d,) occur in an expression."""
     occurs = {s.element_hash() for s in ca.symvar(expr)}
     return [k for k in range(len(box)) if symbols[k].element_hash() in occurs]

@@ -58,7 +58,7 @@ class Couplings:
     def sheet(self) -> show.Sheet:
         """Return one row for each mode or pair, and a line for each weakly coupled one."""
         lines = [
-            f"Weakly {how}: mode {structure.pair(m.value)} in {structure.spelled(m.states)}."
+            f"Weakly {how}: mode {structure.pair(m.value)} in {structure.direction_text(m.states)}."
             for how, modes in (("controllable", self.weakly_controllable), ("observable", self.weakly_observable))
             for m in modes
             if m.value.imag >= 0
@@ -70,7 +70,7 @@ class Couplings:
                 f"{m.observability:.2g}",
                 max(m.by_input, key=m.by_input.__getitem__, default=""),
                 max(m.by_output, key=m.by_output.__getitem__, default=""),
-                structure.spelled(m.states),
+                structure.direction_text(m.states),
             )
             for m in self.modes
             if m.value.imag >= 0
@@ -81,7 +81,7 @@ class Couplings:
 
 
 @arguments.checked
-def couplings(system: System) -> Couplings:
+def modal_measures(system: System) -> Couplings:
     """Return the PBH measures of each mode of a System; raise SignalError as `statespace.of`."""
     model = of(system)
     scaled = staircase.of_model(model)

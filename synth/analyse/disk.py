@@ -135,7 +135,7 @@ def of_loop(loop: System, skew: float = 0.0, certify: bool = True) -> DiskMargin
 
 
 @arguments.checked
-def each(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
+def loop_at_a_time(loop: System, skew: float = 0.0) -> Mapping[str, DiskMargin]:
     """Return the loop-at-a-time disk margins: that of each channel, with the others nominal, by name of L's input.
 
     Raises as `of_loop`.

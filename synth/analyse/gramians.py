@@ -61,7 +61,7 @@ class Gramians:
         relative = self.hankel / (self.hankel.max(initial=0.0) or 1.0)  # its square does not overflow
         part = relative**2 / ((relative**2).sum() or 1.0)
         rows = tuple(
-            (f"{v:.4g}", f"{share:.2%}", structure.spelled(along) or "none")
+            (f"{v:.4g}", f"{share:.2%}", structure.direction_text(along) or "none")
             for v, share, along in zip(self.hankel, part, self.directions, strict=True)
         )
         shares = tuple((n, f"{v:.2%}") for part in (self.by_input, self.by_output) for n, v in part.items())
@@ -93,7 +93,7 @@ def gramians(system: System) -> Gramians:
 
 
 @arguments.checked
-def over(system: System, horizon_s: float) -> Gramians:
+def over_horizon(system: System, horizon_s: float) -> Gramians:
     """Return the Gramians of a System from 0 to `horizon_s`, rounded to whole samples in discrete time.
 
     Raises SignalError as `statespace.of`; TimingError when the horizon is not positive or shorter than a sample;
@@ -229,6 +229,6 @@ def _border_error(model: StateSpace) -> ModelError:
     worst, hint = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
     return ModelError(
         f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
-        f"{structure.spelled(worst.states)} lies on the border of stability{hint}; close a loop around it, "
+        f"{structure.direction_text(worst.states)} lies on the border of stability{hint}; close a loop around it, "
         "take it out of the model, or integrate over a horizon with `over`"
     )

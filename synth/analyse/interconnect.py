@@ -18,7 +18,7 @@ from synth import arguments
 from synth.analyse import equilibrate
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
-from synth.statespace import Array, StateSpace, System, of, together
+from synth.statespace import Array, StateSpace, System, in_common_time, of
 from synth.timing import Continuous, common
 
 Wires = Mapping[str, Mapping[str, float]]
@@ -35,7 +35,7 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
     that reaches no model, a factor that is not finite or a wire of factor 1 or -1 between different units; ModelError
     for an algebraic loop without a solution.
     """
-    parts = together(*models)
+    parts = in_common_time(*models)
     if not parts:
         raise SignalError("there are no models to connect: give at least one")
     time = common(*(m.time for m in parts))

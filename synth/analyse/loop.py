@@ -52,7 +52,7 @@ def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
 
 
 @arguments.checked
-def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
+def linearise_block(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
     """Return the Block's Jacobians at a state and inputs, by name; a state without a value is at its initial value.
 
     Raises SignalError for a missing value or an unknown name.
@@ -82,7 +82,7 @@ def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
 
     Raises TimingError for a plant that is sampled already, a period that is not positive, or a delay that is negative,
     not finite or needs more than 500 states; ModelError for a mode that overflows double precision within a period,
-    and as `precise.resolved`.
+    and as `precise.correctly_rounded`.
     """
     time = Discrete(period_s)
     return _sample_with_delay(of(plant), time, _number(delay_s) / time.period_s)
@@ -136,7 +136,7 @@ def _held_response(plant: StateSpace, T: float, fraction: float) -> Array:
         first = flint.arb(T) * flint.arb(fraction)
         return (precise.matrix(after) * (flint.arb(T) - first)).exp() * (precise.matrix(before) * first).exp()
 
-    E = precise.resolved(compute, f"the exponential over {T:g} s")[:n]
+    E = precise.correctly_rounded(compute, f"the exponential over {T:g} s")[:n]
     if not np.isfinite(E).all():
         raise ModelError(
             f"a mode of the plant overflows double precision within {T:g} s: take a shorter period or leave that "
@@ -146,7 +146,7 @@ def _held_response(plant: StateSpace, T: float, fraction: float) -> Array:
 
 
 @arguments.checked
-def opened(
+def open_loop(
     plant: System,
     controller: System,
     signal: str | Sequence[str],
@@ -184,7 +184,7 @@ def opened(
     states = tuple(f"plant_{s}" for s in P.states) + K.states
     units = {**K.units, **{f"plant_{s}": P.units[s] for s in P.states if s in P.units}}
     outs = tuple(f"{n}_out" for n in signals)
-    return realisation.connected(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
+    return realisation.without_unconnected_states(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,7 +63,7 @@ class PhaseCrossing:
     gain_margin: float
 
 
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, repr=False)
 class Margins:
     """All crossings of a loop, and its margins; Ms is at `peak_frequency` rad/s.
@@ -146,7 +146,7 @@ def _frequency_text(frequency: float) -> str:
 
 
 @arguments.checked
-@cache.kept
+@cache.cached
 def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
     """Return the margins of a scalar loop between `low` and `high` rad/s, and at 0 and infinity or Nyquist.
 

@@ -164,7 +164,7 @@ def _require_finite(compute: Callable[[], Norm], name: str) -> Norm:
 
 def _infinite_because(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
     """Return the reason why the norms are infinite, "" if they are finite, and the mode's frequency in rad/s."""
-    if transfer.decay(poles, time):
+    if transfer.is_stable(poles, time):
         return "", 0.0
     poles = np.sort_complex(poles)
     if isinstance(time, Continuous):

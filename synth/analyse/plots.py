@@ -129,7 +129,7 @@ def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[
         figure, column = _panels(len(signals), height=0.7 + 1.4 * len(signals))
         for axes, (name, values) in zip(np.atleast_1d(column), signals.items(), strict=True):
             axes.plot(t, np.asarray(values, dtype=np.float64), color=COLOURS[0])
-            axes.set_ylabel(show.named(name, units.get(name, "")))
+            axes.set_ylabel(show.with_unit(name, units.get(name, "")))
             _plain(axes)
         axes.set_xlabel("time [s]")
         figure.align_ylabels()
@@ -263,9 +263,9 @@ def _draw_response(axes: Axes, response: TimeResponse, i: int, j: int) -> None:
     if response.final is not None:
         axes.axhline(float(response.final[i, j]), color=LINE, ls="--", lw=0.9)
     if i == 0:
-        axes.set_title(f"{response.signal} at {show.named(response.input_names[j], response.input_units[j])}")
+        axes.set_title(f"{response.signal} at {show.with_unit(response.input_names[j], response.input_units[j])}")
     if j == 0:
-        axes.set_ylabel(show.named(response.output_names[i], response.output_units[i]))
+        axes.set_ylabel(show.with_unit(response.output_names[i], response.output_units[i]))
     if i == response.outputs.shape[1] - 1:
         axes.set_xlabel("time [s]")
     _plain(axes)

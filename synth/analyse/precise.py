@@ -44,7 +44,7 @@ def rounded(balls: flint.arb_mat) -> Array:
     return values
 
 
-def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:
+def correctly_rounded(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
 
     Raises ModelError when 16 times the usual bits do not suffice.
@@ -61,7 +61,7 @@ def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     )
 
 
-def middle(balls: flint.arb_mat) -> flint.arb_mat:
+def midpoints(balls: flint.arb_mat) -> flint.arb_mat:
     """Return the midpoints without their radii."""
     return flint.arb_mat([[balls[i, j].mid() for j in range(balls.ncols())] for i in range(balls.nrows())])
 

@@ -20,7 +20,7 @@ SLOWEST = 1e-6  # of 1 - |z|: a slower mode counts as not decaying
 
 
 @arguments.checked
-def states(system: System, inputs: ArrayLike) -> Array:
+def state_bounds(system: System, inputs: ArrayLike) -> Array:
     """Return bounds (n,) of a stable sampled model's states from 0, for inputs within +-`inputs` (m,).
 
     Raises TimingError for a continuous model; SignalError for bounds that are not finite or are negative; ModelError

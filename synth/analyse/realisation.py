@@ -71,7 +71,7 @@ class Minimal:
             lines.append(f"New, combinations of those removed: {', '.join(self.added)}.")
         kinds = (("uncontrollable", self.uncontrollable), ("unobservable", self.unobservable))
         rows = tuple(
-            (structure.pair(m.value), structure.spelled(m.direction), why)
+            (structure.pair(m.value), structure.direction_text(m.direction), why)
             for why, modes in kinds
             for m in modes
             if m.value.imag >= 0
@@ -195,7 +195,7 @@ def _response(model: StateSpace, points: NDArray[np.complex128]) -> NDArray[np.c
 
 
 @arguments.checked
-def connected(model: StateSpace) -> StateSpace:
+def without_unconnected_states(model: StateSpace) -> StateSpace:
     """Return the model without structurally uncontrollable or unobservable states, from the zeros of A, B, C.
 
     The response stays the same.

@@ -202,7 +202,7 @@ def _rows(D: ca.SX, model: Affine) -> Rows:
 def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-    terms = ca.horzcat(ca.densify(D), rounding.bound(D))
+    terms = ca.horzcat(ca.densify(D), rounding.error_bound(D))
     evaluated = model.box.evaluated(terms, points).transpose(2, 0, 1)
     m = len(model.inputs)
     evaluated = evaluated * np.tile(box.half_widths(model.inputs), 2)

@@ -26,14 +26,14 @@ from synth.errors import ModelError, SignalError
 from synth.signals import names
 from synth.statespace import StateSpace
 
-__all__ = ["ClosedLoop", "Rest", "open_loop", "solve"]
+__all__ = ["ClosedLoop", "Equilibrium", "open_loop", "solve"]
 
 TOLERANCE = 1e-9  # of half the width of a signal's range; for a change, in one period
 
 
 @arguments.checked
 @dataclass(frozen=True, eq=False)
-class Rest:
+class Equilibrium:
     """Equilibrium of a loop: the plant's operating point, the controller's states and inputs, by name, in their units.
 
     `residual` is the largest error of an equation, or change in a period, relative to half the width of its signal's
@@ -49,7 +49,7 @@ class Rest:
     @cached_property
     def controller(self) -> StateSpace:
         """The controller's Jacobians at the equilibrium."""
-        return loop.linearised(self.closed.controller, self.state, self.inputs)
+        return loop.linearise_block(self.closed.controller, self.state, self.inputs)
 
     @cached_property
     def plant(self) -> StateSpace:
@@ -58,21 +58,21 @@ class Rest:
 
 
 @arguments.checked
-def open_loop(rest: Rest, signal: str | Sequence[str]) -> StateSpace:
+def open_loop(rest: Equilibrium, signal: str | Sequence[str]) -> StateSpace:
     """Return the sampled L from `signal`, an actuator, sensor or coordinate, to minus ``<signal>_out`` at equilibrium.
 
     An actuator has the name of the plant's input, a sensor that of the controller's input; with several names L opens
     at all of them. At an actuator the loop opens before the delay and after the point where the controller observes the
-    command. Arguments and errors are those of `loop.opened`.
+    command. Arguments and errors are those of `loop.open_loop`.
     """
     closed = rest.closed
-    return loop.opened(
+    return loop.open_loop(
         rest.plant, rest.controller, signal, closed.sensors, closed.actuators, closed.delay, closed.coordinates
     )
 
 
 @arguments.checked
-def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> Rest:
+def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> Equilibrium:
     """Return the equilibrium of the loop at constant `references`; `near` is a trim of the plant close to it.
 
     Disturbances are those of `near`. Without integral action the equilibrium differs slightly from the trim.
@@ -106,7 +106,7 @@ def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingP
 
 def _equilibrium(
     closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint, trial: rest_equations.Trial
-) -> Rest:
+) -> Equilibrium:
     plant, block = closed.plant, closed.controller
     y = dict(zip(names(plant.outputs), np.asarray(plant.h(trial.x, trial.u, near.p)).ravel(), strict=True))
     inputs = {n: float(y[closed.sensors[n]]) if n in closed.sensors else references[n] for n in names(block.inputs)}
@@ -116,10 +116,10 @@ def _equilibrium(
     values = np.concatenate([trial.x, trial.u])
     outside = tuple(s.name for s, v in zip(signals, values, strict=True) if not s.low <= v <= s.high)
     point = OperatingPoint(trial.x, trial.u, near.p, derivative, near.states, near.inputs, outside)
-    return Rest(closed, point, state, inputs, trial.size)
+    return Equilibrium(closed, point, state, inputs, trial.size)
 
 
-def _require_no_fault(rest: Rest) -> None:
+def _require_no_fault(rest: Equilibrium) -> None:
     """Raise ModelError if the controller raises a fault at equilibrium."""
     block = rest.closed.controller
     flags = [f.output for f in block.faults]

@@ -18,7 +18,7 @@ from synth import arguments
 from synth.analyse import disk, margins, resting, trim
 from synth.analyse.margins import Margins
 from synth.analyse.rest_equations import ClosedLoop, Wires
-from synth.analyse.resting import Rest
+from synth.analyse.resting import Equilibrium
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, SignalError
@@ -165,7 +165,7 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 
 
 @arguments.checked
-def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
+def equilibrium(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
     """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
 
     Raises SignalError for an unknown point; ModelError as `trim.trim` and `resting.solve`.
@@ -185,19 +185,19 @@ def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
 
 
 @arguments.checked
-def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
+def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
     """Return the loop at each operating point and case, opened at each of `signals`, by default `Loops.signals`.
 
     Raises SignalError for an unknown signal; ModelError with the operating point if it has no equilibrium or margins.
     """
     chosen = loops.signals if signals is None else signals
     equilibria = (
-        (point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases)
+        (point, case, equilibrium(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases)
     )
     return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
 
 
-def _open(point: str, case: Case, signal: str, at_rest: Rest) -> OpenLoop:
+def _open(point: str, case: Case, signal: str, at_rest: Equilibrium) -> OpenLoop:
     L = resting.open_loop(at_rest, signal)
     return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
@@ -210,9 +210,9 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 
 
 @arguments.checked
-def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
+def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
-    at_rest = rest(loops, point, case)
+    at_rest = equilibrium(loops, point, case)
     cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
     return {name: disk.of_loop(resting.open_loop(at_rest, list(signals))) for name, signals in cuts.items()}
 

@@ -24,7 +24,7 @@ SEEDS = (1, 2, 3)
 POINTS = 16  # for each seed
 
 
-def bound(exprs: ca.SX) -> ca.SX:
+def error_bound(exprs: ca.SX) -> ca.SX:
     """Return e(v) for each entry of a dense `exprs`, as an expression of the same shape."""
     symbols = ca.vcat(ca.symvar(exprs))
     f = ca.Function("f", [symbols], [ca.densify(exprs)])
@@ -56,7 +56,7 @@ def vanish(exprs: ca.SX, within: Box) -> NDArray[np.bool_]:
     if len(rows):
         points = np.hstack([box.scatter(within.signals, POINTS, seed) for seed in SEEDS])
         nonzeros = ca.vec(exprs).nz[:]
-        value, error = within.evaluated(ca.horzcat(nonzeros, bound(nonzeros)), points).transpose(1, 0, 2)
+        value, error = within.evaluated(ca.horzcat(nonzeros, error_bound(nonzeros)), points).transpose(1, 0, 2)
         zero[rows, columns] = (np.abs(value) <= LIMIT * error).all(axis=1)
     return zero
 

@@ -37,7 +37,7 @@ from synth import arguments, show
 from synth.analyse import interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
-from synth.statespace import StateSpace, System, together
+from synth.statespace import StateSpace, System, in_common_time
 from synth.timing import Continuous, common, period
 
 ARROWS = {
@@ -127,7 +127,7 @@ class ClosedLoop:
     @property
     def stable(self) -> bool:
         """Whether all poles decay, by more than rounding error."""
-        return transfer.decay(self.poles, self.whole.time)
+        return transfer.is_stable(self.poles, self.whole.time)
 
     def _from(self, start: str, end: str) -> StateSpace:
         return self.whole.select(self.signals[end], self.signals[start])
@@ -155,7 +155,7 @@ def close(plant: System, controller: System) -> ClosedLoop:
     for numbers or units that do not fit, or if the controller drives the plant's inputs by name in another order;
     ModelError if I + P K has no inverse.
     """
-    P, K = together(plant, controller)
+    P, K = in_common_time(plant, controller)
     _require_fit(P, K)
     y, v = P.outputs, P.inputs
     signals = {

@@ -109,7 +109,9 @@ class ConditionMap:
         lines = [f"worst cell: {show.number(worst.condition)} at {worst.where}"]
         if self.held:
             lines.append("held: " + ", ".join(f"{n} = {v:.6g}" for n, v in self.held.items()))
-        corner = f"{show.named(self.down.name, self.down.unit)} \\ {show.named(self.across.name, self.across.unit)}"
+        corner = (
+            f"{show.with_unit(self.down.name, self.down.unit)} \\ {show.with_unit(self.across.name, self.across.unit)}"
+        )
         rows = [(f"{v:.4g}", *(f"{c:.3g}" for c in row)) for v, row in zip(down, self.condition, strict=True)]
         table = show.Table((corner, *(f"{v:.4g}" for v in across)), tuple(rows))
         return show.Sheet(f"Condition of the {self.what}", tuple(lines), (table,))
@@ -131,7 +133,7 @@ def scaled(
         )
     if unknown := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
         raise SignalError(f"the matrix contains {', '.join(sorted(unknown))}: give each symbol its signal")
-    indices = box.entering(matrix, symbols, signals)
+    indices = box.signal_indices(matrix, symbols, signals)
     entering = tuple(signals[k] for k in indices)
     function = ca.Function("M", [symbols[indices]], [ca.densify(ca.vec(matrix))])
     unscaled = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
@@ -166,7 +168,7 @@ def worst(matrix: Scaled) -> Worst:
 
 
 @arguments.checked
-def mapped(
+def condition_map(
     matrix: Scaled, down: str, across: str, held: Mapping[str, float] | None = None, what: str = "decoupling matrix"
 ) -> ConditionMap:
     """Return the condition over the ranges of two signals, the others as `held` or in the middle of their ranges.

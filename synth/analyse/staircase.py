@@ -105,7 +105,7 @@ class Split:
     gap: Gap
 
 
-def split(A: Array, B: Array, cut: float = COUPLING) -> Split:
+def controllable_split(A: Array, B: Array, cut: float = COUPLING) -> Split:
     """Return the controllable subspace of a scaled pair, A (n, n), B (n, m), and its complement; tolerance `cut`."""
     reached, gap = _controllable_subspace(A, B, cut)
     rest = _complement(reached)
@@ -145,7 +145,7 @@ def kalman(model: Scaled, cut: float = COUPLING) -> Kalman:
     over the whole staircase and may count as a coupling. The angles between the two subspaces, in contrast, are either
     right angles or far from it.
     """
-    controllable, observable = split(model.A, model.B, cut), split(model.A.T, model.C.T, cut)
+    controllable, observable = controllable_split(model.A, model.B, cut), controllable_split(model.A.T, model.C.T, cut)
     _, cosines, V = np.linalg.svd(observable.inside.T @ controllable.inside)
     k = int((cosines > OVERLAP).sum())
     rest = _complement(V[:k].T)
@@ -170,13 +170,13 @@ def modes(A: Array, basis: Array) -> tuple[Complex, Complex]:
     return values.astype(np.complex128), (basis @ vectors).astype(np.complex128)
 
 
-def unreached(model: Scaled) -> tuple[Complex, Complex]:
+def uncontrollable_modes(model: Scaled) -> tuple[Complex, Complex]:
     """Return the uncontrollable scaled modes (k,), with left eigenvectors (n, k).
 
     The staircase cannot resolve modes that differ by rounding of the fastest mode; it then gives combinations that are
     not eigenvectors. Eigenvectors of A itself with w^H B = 0 replace them.
     """
-    values, w = modes(model.A.T, split(model.A, model.B).outside)
+    values, w = modes(model.A.T, controllable_split(model.A, model.B).outside)
     w = w / np.linalg.norm(w, axis=0)
     allowed = RESIDUAL * (np.linalg.norm(model.A, axis=0)[:, None] + np.abs(values))
     accurate = (np.abs(model.A.T @ w - values * w) <= allowed).all(axis=0)

@@ -107,8 +107,8 @@ class Zeros:
                 f"The response has rank {self.rank} at every s though it has {self.shape[0]} outputs and "
                 f"{self.shape[1]} inputs: some combination of inputs moves no output; no directions are defined."
             )
-        lines += [f"Uncontrollable mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unmoved]
-        lines += [f"Unobservable mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unseen]
+        lines += [f"Uncontrollable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unmoved]
+        lines += [f"Unobservable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unseen]
         title = f"Transmission zeros in {self.time}: {len(self.roots)}"
         return show.Sheet(title, tuple(lines), _tables("zero", self.roots))
 
@@ -150,14 +150,14 @@ def transmission_zeros(system: System) -> Zeros:
 
 
 @arguments.checked
-def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
+def uncontrollable_modes(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
     """Return the uncontrollable modes that do not decay; A (n, n), B (n, m).
 
     Raises SignalError for other shapes or entries that are not finite.
     """
-    A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
+    A, B = arguments.matrix_of_shape("A", A, len(states), len(states)), arguments.matrix_of_shape("B", B, len(states))
     scaled = staircase.scaled(A, B)
-    values, w = staircase.unreached(scaled)
+    values, w = staircase.uncontrollable_modes(scaled)
     slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(scaled.A), axis=1)
     lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * scaled.rate >= 1 - DECAY
     return list(named_modes((values[lasting], w[:, lasting]), scaled.B.T, scaled.rate, states))
@@ -166,7 +166,7 @@ def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> li
 @arguments.checked
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
     """Raise ModelError for the first uncontrollable mode that does not decay."""
-    for mode in unmoved(A, B, states, time):
+    for mode in uncontrollable_modes(A, B, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"(A, B) is not stabilisable: mode {_number(mode.value)} in {who} has |w^H B| = {mode.measure:.0e} "
@@ -177,7 +177,7 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
 @arguments.checked
 def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: str, time: Time) -> None:
     """Raise ModelError for the first unobservable mode that does not decay; `what` is the name of C (p, n)."""
-    for mode in unmoved(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
+    for mode in uncontrollable_modes(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
@@ -224,7 +224,7 @@ def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
 
 
 @arguments.checked
-def spelled(direction: Direction) -> str:
+def direction_text(direction: Direction) -> str:
     """Return a direction as text, each component before its name, largest first; a single name without it."""
     if len(direction) == 1:
         return next(iter(direction))
@@ -259,7 +259,7 @@ def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
             pair(r.value),
             "" if np.isnan(r.damping) else f"{r.damping:.4g}",
             f"{r.frequency:.5g}",
-            *(spelled(getattr(r, c)) for c in shown),
+            *(direction_text(getattr(r, c)) for c in shown),
         )
         for r in roots
         if r.value.imag >= 0
@@ -269,7 +269,7 @@ def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
 
 def _remark(mode: Mode, A: ArrayLike, time: Time) -> str:
     """Return the direction of a mode in several states as text, and a note if rounding hides the mode."""
-    along = f"; its direction is {spelled(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
+    along = f"; its direction is {direction_text(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
     size, fastest = abs(mode.value), float(np.abs(np.linalg.eigvals(np.asarray(A, dtype=float))).max())
     slow = mode.value.real < 0 or 0 < size <= 10 * staircase.COUPLING * fastest
     hidden = slow if isinstance(time, Continuous) else size < 1

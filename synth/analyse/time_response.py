@@ -44,7 +44,7 @@ class TimeResponse:
 
     def sheet(self) -> show.Sheet:
         """Return final value, overshoot, rise and settling time of each channel for a step, and each peak."""
-        labels = [[show.named(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
+        labels = [[show.with_unit(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
         rows = tuple(
             (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
         )
@@ -181,7 +181,7 @@ def _count(model: StateSpace, span: float) -> int:
 
 def _final(model: StateSpace) -> Array | None:
     """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D; None unless it is stable."""
-    if not transfer.decay(model.poles, model.time):
+    if not transfer.is_stable(model.poles, model.time):
         return None
     resolvent = -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
     if equilibrate.is_singular(resolvent):

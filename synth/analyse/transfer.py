@@ -135,7 +135,7 @@ def closed_loop_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
     return np.linalg.eigvals(model.A - factor * model.B @ model.C / (1 + D)).astype(np.complex128)
 
 
-def decay(poles: Complex, time: Time) -> bool:
+def is_stable(poles: Complex, time: Time) -> bool:
     """Tell whether all poles are stable, by more than the rounding error of their matrix."""
     return not not_decaying(poles, time).any()
 
@@ -172,7 +172,7 @@ def trace(
     w = _grid(np.concatenate([poles, closed]), start, top, nodes)
     first = np.asarray(L(w[:1]))
     if first.shape != (1,) or first.dtype.kind not in "fc":
-        raise SignalError(f"`L` gives {arguments.found(first)} for one frequency: give a function w (k,) -> L (k,)")
+        raise SignalError(f"`L` gives {arguments.describe(first)} for one frequency: give a function w (k,) -> L (k,)")
     w, value = refine(L, w, np.asarray(L(w)))
     w.flags.writeable = value.flags.writeable = False
     return Curve(L, w, value, ends(loop))

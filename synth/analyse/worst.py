@@ -34,7 +34,7 @@ LoopOf = Callable[[Mapping[str, float]], Loop]
 
 @arguments.checked
 @dataclass(frozen=True)
-class Figure:
+class Criterion:
     """A scalar figure of a loop, in `unit`; the worst is the largest if `largest`, otherwise the least."""
 
     name: str
@@ -45,12 +45,12 @@ class Figure:
 
 def _margin(
     name: str, unit: str, of: Callable[[margins.Margins], float], if_unstable: float, largest: bool = False
-) -> Figure:
+) -> Criterion:
     def figure(loop: Loop) -> float:
         loop_margins = margins.of_loop(loop)
         return of(loop_margins) if loop_margins.stable else if_unstable
 
-    return Figure(name, unit, figure, largest)
+    return Criterion(name, unit, figure, largest)
 
 
 PHASE_MARGIN = _margin("phase margin", "degrees", lambda m: m.phase_margin, 0.0)
@@ -79,7 +79,7 @@ class Point:
 class Worst:
     """The worst `value` of a figure, attained at the operating point `at` with the parameters' values `where`."""
 
-    figure: Figure
+    figure: Criterion
     value: float
     at: str
     where: Mapping[str, float]
@@ -102,7 +102,7 @@ class Worst:
             "centre",
             "worst vertex",
             "worst",
-            *(show.named(p.name, p.unit) for p in self.parameters),
+            *(show.with_unit(p.name, p.unit) for p in self.parameters),
         )
         rows = tuple(
             (
@@ -118,7 +118,7 @@ class Worst:
 def search(
     loop: LoopOf,
     parameters: Sequence[Parameter],
-    figure: Figure,
+    figure: Criterion,
     points: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Worst:
     """Return the worst of a figure over the parameters' tolerances at each operating point.
@@ -175,7 +175,7 @@ def _parameter_values(parameters: Sequence[Parameter], free: Sequence[Parameter]
     return {p.name: varied.get(p.name, p.value) for p in parameters}
 
 
-def _value(loop: LoopOf, figure: Figure, values: Mapping[str, float]) -> float:
+def _value(loop: LoopOf, figure: Criterion, values: Mapping[str, float]) -> float:
     location = ", ".join(f"{name} = {v:.6g}" for name, v in values.items())
     try:
         value = float(figure.of(loop(values)))
@@ -196,7 +196,7 @@ def _search_point(
     objective: Callable[[Array], float],
     parameters: Sequence[Parameter],
     free: Sequence[Parameter],
-    figure: Figure,
+    figure: Criterion,
 ) -> Point:
     """Return the worst at one operating point; a smaller `objective` is worse."""
     n, sign = len(free), -1.0 if figure.largest else 1.0

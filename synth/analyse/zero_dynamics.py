@@ -104,7 +104,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
     _require_matching(plant, degree, point)
     if weight is not None:
-        weight = arguments.fitting("weight", weight, len(model.inputs), len(model.inputs))
+        weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))
         star = _highest_derivatives(model, degree.degrees)[1]
         N = np.linalg.solve(weight, star.T)
         shares = tuple(f"share_of_{name}" for name in degree.outputs)

@@ -7,7 +7,7 @@ from synth.emit import write
 from synth.execute import host
 
 
-def compiled(
+def compile_block(
     block: Block,
     scalar: type[np.floating] = np.float32,
     *,

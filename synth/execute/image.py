@@ -140,7 +140,7 @@ class Image:
         parts: list[tuple[trace.Counts, cycles.Cycles | None]] = []
         self.write(STACK, _PAINT * (STACK_BYTES // len(_PAINT)))
         self._require_plain_floats()
-        with recorder.attached(self.engine) as record:
+        with recorder.attach(self.engine) as record:
             for row in arguments.tolist():
                 results.append(self._call(function, begin, row))
                 record.call_ended()
@@ -154,7 +154,7 @@ class Image:
         return cycles.timing(self.code)
 
     def _evaluate(self, record: recorder.Record) -> tuple[trace.Counts, cycles.Cycles | None]:
-        path = trace.follow(self.code, record)
+        path = trace.reconstruct_path(self.code, record)
         has_table = self.core == "cortex-m4f"
         return trace.count(self.code, path), cycles.estimate(self._timing, path) if has_table else None
 

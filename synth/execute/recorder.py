@@ -85,7 +85,7 @@ class Recorder:
 
 
 @contextmanager
-def attached(engine: Uc, capacity: int = CAPACITY) -> Iterator[Recorder]:
+def attach(engine: Uc, capacity: int = CAPACITY) -> Iterator[Recorder]:
     """Record every instruction that the engine executes within the `with` block."""
     recorder, handle = Recorder(capacity), ctypes.c_size_t()
     callback = ctypes.cast(_library().synth_record, ctypes.c_void_p)

@@ -116,7 +116,7 @@ def decode(program: elf.Program) -> Code:
     )
 
 
-def follow(code: Code, record: Record) -> Trace:
+def reconstruct_path(code: Code, record: Record) -> Trace:
     """Return the execution path of a record, with the predicated instructions that it skipped in IT blocks.
 
     Raises SynthError when the path leaves the instructions of the program.

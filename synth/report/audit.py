@@ -152,7 +152,7 @@ def functions(*modules: ModuleType) -> dict[str, Any]:
     return {value.__name__: value for value in defined}
 
 
-def computed(printed: Published, scope: Scope) -> Row:
+def recompute(printed: Published, scope: Scope) -> Row:
     """Recompute a row by its formulas.
 
     Raises DesignError as `formulas.evaluate`.
@@ -173,7 +173,7 @@ def rows(scope: Scope, ids: Iterable[str] | None = None) -> Iterator[Row]:
 
     Raises DesignError as `computed`.
     """
-    return (computed(scope.published[id], scope) for id in (scope.published if ids is None else ids))
+    return (recompute(scope.published[id], scope) for id in (scope.published if ids is None else ids))
 
 
 def judge(as_printed: bool, corrected: bool = False) -> Verdict:
@@ -213,7 +213,7 @@ def parse_published(text: str) -> dict[str, Published]:
     return {name: _parse_row(name, entry) for name, entry in tomllib.loads(text).items()}
 
 
-def read(folder: Path) -> dict[str, Published]:
+def read_published(folder: Path) -> dict[str, Published]:
     """Read the published.toml of a folder, as `parse_published`."""
     return parse_published((folder / "published.toml").read_text(encoding="utf-8"))
 

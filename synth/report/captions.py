@@ -19,7 +19,7 @@ Rows = Sequence[Sequence[page.Cell]]
 Made = Value | Figure | Rows
 
 
-def captioned(values: Mapping[str, Made], described: Mapping[str, Any]) -> dict[str, Value]:
+def with_captions(values: Mapping[str, Made], described: Mapping[str, Any]) -> dict[str, Value]:
     """Return values for report.md: drawings and rows with their captions, other values unchanged.
 
     Raises DesignError for a drawing or rows without a description, and as `prose.fill_placeholders`.

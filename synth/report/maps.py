@@ -68,7 +68,7 @@ def maps(
     return figure
 
 
-def signed(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
+def signed_maps(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
     """Draw maps with axis ranges `sides`, each with its own colour scale, symmetric about 0."""
     with panels(2.9, 1, len(shown)) as (figure, grid):
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):

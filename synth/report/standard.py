@@ -15,7 +15,7 @@ import numpy as np
 from synth.analyse.margins import Margins
 from synth.block import Block
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
 from synth.report.audit import Row
@@ -175,7 +175,7 @@ def verification(
     return Section(VERIFICATION, (text, sections.agreements(evidence.agreements), page.Checks("Limits", checks)))
 
 
-def files(emitted: Mapping[str, Emitted]) -> Section:
+def files(emitted: Mapping[str, EmittedCode]) -> Section:
     """Return the size and hash of each emitted file, by folder."""
     texts = {f"{folder}/{name}": text for folder, each in emitted.items() for name, text in each.files.items()}
     return Section(FILES, (sections.files(texts),))

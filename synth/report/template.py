@@ -16,7 +16,7 @@ import numpy as np
 from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Stage
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.report import page, prose, sections, standard
 from synth.report.audit import Row
 from synth.report.equations.derive import Named
@@ -50,7 +50,7 @@ class Extra:
 
 def report(
     stage: Stage,
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
@@ -73,10 +73,10 @@ def report(
     ]
     known = {**values(stage, rows), **extra.values}
     parts = [replaced.get(s.title, s) for s in computed]
-    return assembled(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
+    return assemble(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
 
 
-def assembled(
+def assemble(
     name: str,
     about: str,
     facts: Sequence[tuple[str, str]],
@@ -110,7 +110,7 @@ def _computed_sections(
     return [replaced[title] if title in replaced else make() for title, make in makers.items()]
 
 
-def gains(name: str, files: Mapping[str, Emitted]) -> Mapping[str, Any]:
+def gains(name: str, files: Mapping[str, EmittedCode]) -> Mapping[str, Any]:
     """Return the entry `design` of the emitted gains.json, empty if there is none."""
     emitted = files[name].files if name in files else {}
     return dict(json.loads(emitted["gains.json"]).get("design", {})) if "gains.json" in emitted else {}
@@ -132,9 +132,9 @@ def loops(stage: Stage, required: Sequence[Check]) -> Section:
     if not stage.operating_points:
         return Section(standard.LOOPS, (page.Text("No operating points are declared; there are no loops to show."),))
     opened = verification.loops(stage)
-    disks = {point: robustness.disks(opened, point) for point in opened.points}
+    disks = {point: robustness.disk_margins(opened, point) for point in opened.points}
     blocks = (page.Text(standard.OPENED), sections.disks(disks))
-    return standard.loops(robustness.opened(opened), required, blocks)
+    return standard.loops(robustness.open_loops(opened), required, blocks)
 
 
 def default_style(stage: Stage) -> Shown:

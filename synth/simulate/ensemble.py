@@ -19,15 +19,15 @@ WRONG = 10.0  # deviations: Gaussian noise alone exceeds 6 in 2e-9 of samples
 Columns = Mapping[str, NDArray[Any]]
 
 
-def started(controller: host.Controller, n: int) -> host.Records:
+def initial_states(controller: host.Controller, n: int) -> host.Records:
     """Return the states (n,) of n copies after `init`."""
     return np.repeat(controller.init()[np.newaxis], n)
 
 
-def replayed(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]:
+def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]:
     """Run N copies of `controller` from `init` on inputs (samples, N); yield the results of each sample."""
     samples, n = next(iter(inputs.values())).shape
-    states = started(controller, n)
+    states = initial_states(controller, n)
     for k in range(samples):
         batch = controller.batch(states, {name: np.ascontiguousarray(v[k]) for name, v in inputs.items()})
         states = batch.states
@@ -61,6 +61,6 @@ class Scores:
         return self.valid & ~self.right
 
 
-def stacked(samples: Sequence[Scores]) -> Scores:
+def stack(samples: Sequence[Scores]) -> Scores:
     """Stack the scores of K samples into one, (K, .., N)."""
     return Scores(*(np.array([getattr(each, name) for each in samples]) for name in ("valid", "off", "deviations")))

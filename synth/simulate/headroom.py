@@ -40,7 +40,7 @@ def _ratio(values: np.ndarray, low: float, high: float) -> float:
     return float(np.max(np.abs(values - middle)) / half)
 
 
-def judged(experiment: Experiment, controller: host.Controller, limited: Collection[str] = ()) -> Experiment:
+def with_headroom(experiment: Experiment, controller: host.Controller, limited: Collection[str] = ()) -> Experiment:
     """Return an experiment with its largest r as a measured value, and a check that no state reached its bound.
 
     `limited` names states that may reach it; `controller` is the C in double precision.

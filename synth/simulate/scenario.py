@@ -82,7 +82,11 @@ class Trajectory:
         groups = {"state": self.states, "output": self.outputs, "applied": self.applied}
         groups |= {"measured": self.measured, "command": self.commands}
         rows = (
-            (group, show.named(name, self.units.get(name, "")), *(show.number(e) for e in (v.min(), v.max(), v[-1])))
+            (
+                group,
+                show.with_unit(name, self.units.get(name, "")),
+                *(show.number(e) for e in (v.min(), v.max(), v[-1])),
+            )
             for group, columns in groups.items()
             for name, v in columns.items()
         )

@@ -54,11 +54,11 @@ def read(path: Path | str, required: Mapping[str, str]) -> Log:
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise SignalError(f"{path}, line {line}: a byte is not UTF-8 text: write the file as plain text") from error
-    return parsed(text, required, str(path))
+    return parse(text, required, str(path))
 
 
 @arguments.checked
-def parsed(text: str, required: Mapping[str, str], name: str = "measurements") -> Log:
+def parse(text: str, required: Mapping[str, str], name: str = "measurements") -> Log:
     """Return the samples in a text called `name`, in SI units.
 
     Raises SignalError for a required unit that is not an SI unit; and with the line number for a text without columns,

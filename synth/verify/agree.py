@@ -34,7 +34,7 @@ CHUNK = 1000  # samples per call of CasADi's mapaccum: more samples take more me
 
 
 @dataclass(frozen=True)
-class Stepped:
+class StepResults:
     """N steps: outputs and next states as columns (N,) by name, fault words (N,)."""
 
     outputs: Columns
@@ -64,13 +64,13 @@ class Agreement:
     state: str
 
 
-Witness = Callable[[Columns, Columns], Stepped]
+Witness = Callable[[Columns, Columns], StepResults]
 
 
 def compare(
     what: str,
-    first: tuple[str, Stepped],
-    second: tuple[str, Stepped],
+    first: tuple[str, StepResults],
+    second: tuple[str, StepResults],
     floor: Floor,
     block: Block,
     scalar: type[np.floating] = np.float64,
@@ -93,7 +93,7 @@ def compare(
 
 
 def differences(
-    first: Stepped, second: Stepped, floor: Floor, block: Block
+    first: StepResults, second: StepResults, floor: Floor, block: Block
 ) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
     """Return the differences in each step of outputs and of next states (N,) by name, infinite for NaN.
 
@@ -104,7 +104,7 @@ def differences(
     return outputs, {n: _absolute_difference(first.states[n], second.states[n]) / width for n, width in widths.items()}
 
 
-def _scales(results: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
+def _scales(results: StepResults, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
     """Return the scale (N,) of the relative difference of each output."""
     least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
     return {n: np.maximum(least[n], np.abs(np.asarray(results.outputs[n], dtype=np.float64))) for n in least}
@@ -142,16 +142,16 @@ def _worst(differences: Mapping[str, NDArray[np.float64]]) -> tuple[str, int, fl
     return name, k, float(differences[name][k])
 
 
-def emitted(controller: host.Controller) -> Witness:
+def emitted_c(controller: host.Controller) -> Witness:
     """Return emitted C as a witness: one step from each of N states."""
 
-    def step(states: Columns, inputs: Columns) -> Stepped:
+    def step(states: Columns, inputs: Columns) -> StepResults:
         n = len(next(iter(inputs.values())))
         records = np.zeros(n, controller.state)
         for name, values in states.items():
             records[name] = values
         batch = controller.batch(records, inputs)
-        return Stepped(batch.outputs, host.columns(batch.states), batch.faults)
+        return StepResults(batch.outputs, host.columns(batch.states), batch.faults)
 
     return step
 
@@ -171,68 +171,70 @@ def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
 def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
     """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness."""
 
-    def witness(states: Columns, inputs: Columns) -> Stepped:
+    def witness(states: Columns, inputs: Columns) -> StepResults:
         after, outputs, faults = step(states, inputs)
-        return Stepped(outputs, after, np.asarray(faults, dtype=np.uint32))
+        return StepResults(outputs, after, np.asarray(faults, dtype=np.uint32))
 
     return witness
 
 
-def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
+def run(witness: Witness, states: Mapping[str, float], inputs: Columns) -> StepResults:
     """Run a witness from one state over N consecutive recorded inputs, (N,) or (N, copies), step by step."""
     n, *copies = shape = next(iter(inputs.values())).shape
     current: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
     if isinstance(witness, CasadiWitness) and not copies:
         return witness.run(current, inputs)
     columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
-    rows: list[Stepped] = []
+    rows: list[StepResults] = []
     for k in range(n):
         stepped = witness(current, {name: values[k] for name, values in columns.items()})
         current = stepped.states
-        rows.append(Stepped(stepped.outputs, {}, stepped.faults))
+        rows.append(StepResults(stepped.outputs, {}, stepped.faults))
     outputs = {name: np.reshape([row.outputs[name] for row in rows], shape) for name in rows[0].outputs}
-    return Stepped(outputs, current, np.reshape([row.faults for row in rows], shape))
+    return StepResults(outputs, current, np.reshape([row.faults for row in rows], shape))
 
 
-def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
+def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[StepResults]:
     """Run a witness over recorded inputs (N,) of several runs, each from the same state.
 
     A witness that takes single steps advances all unfinished runs side by side.
     """
     if isinstance(witness, CasadiWitness):
-        return [recorded(witness, states, inputs) for inputs in runs]
+        return [run(witness, states, inputs) for inputs in runs]
     lengths = [len(next(iter(inputs.values()))) for inputs in runs]
     order, ends = sorted(range(len(runs)), key=lambda j: -lengths[j]), sorted({0, *lengths})
-    parts: list[list[Stepped]] = [[] for _ in runs]
+    parts: list[list[StepResults]] = [[] for _ in runs]
     current: Mapping[str, Any] = states
     for first, last in pairwise(ends):
         active = [j for j in order if lengths[j] >= last]
         inputs = {name: np.stack([runs[j][name][first:last] for j in active], axis=1) for name in runs[0]}
         start = {name: value if first == 0 else value[: len(active)] for name, value in current.items()}
-        combined = recorded(witness, start, inputs)
+        combined = run(witness, start, inputs)
         current = combined.states
         for k, j in enumerate(active):
             parts[j].append(_select_run(combined, k))
     return [_concatenate(of_run) for of_run in parts]
 
 
-def _select_run(combined: Stepped, k: int) -> Stepped:
+def _select_run(combined: StepResults, k: int) -> StepResults:
     """Return one of several runs side by side."""
     outputs = {name: value[:, k] for name, value in combined.outputs.items()}
-    return Stepped(outputs, {name: value[k : k + 1] for name, value in combined.states.items()}, combined.faults[:, k])
+    return StepResults(
+        outputs, {name: value[k : k + 1] for name, value in combined.states.items()}, combined.faults[:, k]
+    )
 
 
-def _concatenate(parts: Sequence[Stepped]) -> Stepped:
+def _concatenate(parts: Sequence[StepResults]) -> StepResults:
     """Concatenate consecutive parts of a run."""
     outputs = {name: np.concatenate([part.outputs[name] for part in parts]) for name in parts[0].outputs}
-    return Stepped(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
+    return StepResults(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
 
 
-def replayed(controller: host.Controller, inputs: Columns) -> Stepped:
+def replay(controller: host.Controller, inputs: Columns) -> StepResults:
     """Run emitted C from `init` over N consecutive recorded inputs."""
     replay = controller.replay(inputs)
     state = {name: np.atleast_1d(replay.state[name]) for name in replay.state.dtype.names or ()}
-    return Stepped(replay.outputs, state, replay.faults)
+    return StepResults(replay.outputs, state, replay.faults)
 
 
 def _with_fault_word(block: Block) -> ca.Function:
@@ -255,11 +257,11 @@ class CasadiWitness:
     block: Block
     function: ca.Function
 
-    def __call__(self, states: Columns, inputs: Columns) -> Stepped:
+    def __call__(self, states: Columns, inputs: Columns) -> StepResults:
         """Return one step from each of N states."""
         return self._unstack(*(np.asarray(r) for r in self.function(*self._stack(states, inputs))))
 
-    def run(self, states: Columns, inputs: Columns) -> Stepped:
+    def run(self, states: Columns, inputs: Columns) -> StepResults:
         """Return N consecutive steps from one state; CasADi's mapaccum runs the loop, which avoids a call per step."""
         x, u = self._stack(states, inputs)
         x, recorded = x.reshape(-1, 1), []
@@ -276,7 +278,7 @@ class CasadiWitness:
         u = [np.asarray(inputs[s.name], dtype=np.float64) for s in self.block.inputs]
         return np.array(x), np.array(u)
 
-    def _unstack(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> Stepped:
+    def _unstack(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> StepResults:
         outputs = {s.name: row for s, row in zip(self.block.outputs, y, strict=True)}
         states = {s.name: row for s, row in zip(self.block.states, after, strict=True)}
-        return Stepped(outputs, states, word[0].astype(np.uint32))
+        return StepResults(outputs, states, word[0].astype(np.uint32))

@@ -10,7 +10,7 @@ from synth.check import Check
 from synth.verify.agree import Agreement
 
 
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, repr=False)
 class Evidence:
     """The agreements between witnesses and the checks that follow from them."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import CompileError
 from synth.execute import cross, elf, host, image, recorder
 from synth.verify import cost, lines, operations, rivals, steps
@@ -67,7 +67,11 @@ def builds() -> tuple[Build, ...]:
 
 
 def measure(
-    emitted: Emitted, block: Block, sequences: Sequence[Steps], progress: Callable[[str], None], common: int = COMMON
+    emitted: EmittedCode,
+    block: Block,
+    sequences: Sequence[Steps],
+    progress: Callable[[str], None],
+    common: int = COMMON,
 ) -> Cost:
     """Measure the float32 C of a Block over all sequences, and every generator over `common` steps of closed loops.
 
@@ -77,9 +81,9 @@ def measure(
     comes from a closed loop.
     """
     controller = host.load(emitted.files, emitted.manifest)
-    loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
+    loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
     shared = steps.thinned(steps.without_faults(controller, loops), common)
-    emitted_c = rivals.emitted(emitted)
+    emitted_c = rivals.emitted_c(emitted)
     candidates = (emitted_c, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
     compared, measured, coverages = [], [], []
     for build in builds():
@@ -87,9 +91,9 @@ def measure(
             progress(f"{candidate.name} by {build.name}: {len(shared)} steps")
             compared.append(step_cost(candidate, shared, build, controller))
         progress(f"{emitted_c.name} by {build.name}: {sum(map(len, sequences))} steps")
-        whole = run(emitted_c, steps.joined("all", sequences), build)
+        whole = run(emitted_c, steps.concatenate("all", sequences), build)
         measured += _by_sequence(whole.cost.instructions, sequences, build)
-        coverages.append(covered(emitted_c, whole, build))
+        coverages.append(coverage(emitted_c, whole, build))
     return Cost(
         block.name,
         CORE,
@@ -102,20 +106,20 @@ def measure(
     )
 
 
-def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
+def brief(emitted: EmittedCode, block: Block, inputs: Columns) -> Cost:
     """Measure in a few seconds: some steps of one closed loop, and random states for decision coverage.
 
     Raises CompileError and SignalError as `measure`.
     """
     controller = host.load(emitted.files, emitted.manifest)
-    loop = steps.thinned(steps.recorded(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
-    return measure(emitted, block, [loop, steps.drawn(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
+    loop = steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
+    return measure(emitted, block, [loop, steps.random_steps(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
 
 
 def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     """Measure a candidate over a sequence of steps."""
-    path = linked(candidate, build)
-    machine = booted(candidate, build, path)
+    path = link(candidate, build)
+    machine = boot(candidate, build, path)
     layout = candidate.placed(machine, sequence)
     measured = machine.measure(candidate.entry, layout.arguments).cost
     return Run(measured, layout.outputs(), machine.program.size(), path)
@@ -123,10 +127,10 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
 
 def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
     """Count the executed instructions of each step (N,), without those that are predicated false."""
-    machine = booted(candidate, build, linked(candidate, build))
+    machine = boot(candidate, build, link(candidate, build))
     arguments = candidate.placed(machine, sequence).arguments
     counts = []
-    with recorder.attached(machine.engine) as record:
+    with recorder.attach(machine.engine) as record:
         for row in arguments:
             machine.calls(candidate.entry, row[np.newaxis])
             record.call_ended()
@@ -164,7 +168,7 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
     )
 
 
-def covered(candidate: Candidate, measured: Run, build: Build) -> Coverage:
+def coverage(candidate: Candidate, measured: Run, build: Build) -> Coverage:
     """Return the decision coverage of a run in the functions of a candidate, with a text for each missing outcome.
 
     For a decision in an inlined function the text gives the line of the call.
@@ -186,12 +190,12 @@ def _source(candidate: Candidate, table: lines.Lines, inlined: Sequence[lines.Ca
     return f"; {name}:{line}: {text[line - 1].strip()}" if 0 < line <= len(text) else ""
 
 
-def linked(candidate: Candidate, build: Build) -> Path:
+def link(candidate: Candidate, build: Build) -> Path:
     """Link the image of a candidate by a build, with its line table, and return its path."""
     return cross.link(candidate.files, [candidate.entry], CORE, build.compiler, (*build.flags, *_LINES))
 
 
-def booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
+def boot(candidate: Candidate, build: Build, path: Path) -> image.Image:
     """Load the linked image of a candidate into a core after reset."""
     covered_functions = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
     return image.boot(elf.read(path), CORE, covered_functions)
@@ -207,7 +211,7 @@ def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], bu
 
 def _difference(controller: host.Controller, sequence: Steps, outputs: Columns) -> float:
     """Return the worst difference of an output from the emitted C on the host, relative to the range of the output."""
-    expected = steps.taken(controller, sequence).outputs
+    expected = steps.evaluate(controller, sequence).outputs
     widths = {f["name"]: f["high"] - f["low"] for f in controller.manifest["structs"]["output"]["fields"]}
     gaps = [np.max(np.abs(outputs[n].astype(float) - v.astype(float))) / widths[n] for n, v in expected.items()]
     return float(max(gaps))

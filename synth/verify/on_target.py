@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import cross, host, image, qemu, target
 from synth.verify import agree, steps
@@ -51,7 +51,7 @@ class _HostResults:
     after: host.Batch
 
 
-def verify(emitted: Emitted, inputs: Columns, core: str, progress: Callable[[str], None]) -> tuple[Check, ...]:
+def verify(emitted: EmittedCode, inputs: Columns, core: str, progress: Callable[[str], None]) -> tuple[Check, ...]:
     """Replay inputs (N,) on the core by every installed compiler and emulator; count values that differ in any bit.
 
     Raises DesignError when the core has no hardware for the scalar type, CompileError when no cross compiler is
@@ -62,8 +62,8 @@ def verify(emitted: Emitted, inputs: Columns, core: str, progress: Callable[[str
     if SCALARS[core] != scalar:
         raise DesignError(f"{core}: found C in {scalar}, need {SCALARS[core]}, which it has hardware for: emit that")
     controller = host.load(emitted.files, emitted.manifest)
-    sequence = steps.recorded(controller, "replay", inputs)
-    expected = _HostResults(sequence, steps.taken(controller, sequence))
+    sequence = steps.record(controller, "replay", inputs)
+    expected = _HostResults(sequence, steps.evaluate(controller, sequence))
     checks: list[Check] = []
     for compiler in cross.available():
         if scalar == "float32":
@@ -78,7 +78,7 @@ def verify(emitted: Emitted, inputs: Columns, core: str, progress: Callable[[str
     return tuple(checks)
 
 
-def drift(emitted: Emitted, inputs: Columns, core: str, floor: agree.Floor = None, compiler: str = "gcc") -> Drift:
+def drift(emitted: EmittedCode, inputs: Columns, core: str, floor: agree.Floor = None, compiler: str = "gcc") -> Drift:
     """Replay inputs (N,) with contraction and compare with the host, which computes without it.
 
     For outputs smaller than their floor, see `agree.floors`, the difference is relative to the floor.
@@ -101,7 +101,7 @@ def drift(emitted: Emitted, inputs: Columns, core: str, floor: agree.Floor = Non
     return Drift(core, compiler, len(expected.faults), float(gaps[worst][step]), worst, step, faults_differ)
 
 
-def _double_symbols_check(emitted: Emitted, compiler: str) -> Check:
+def _double_symbols_check(emitted: EmittedCode, compiler: str) -> Check:
     symbols = cross.double_symbols(host.code(emitted.files), compiler)
     about = f"undefined symbols of double arithmetic in the object: {', '.join(symbols) or 'none'}"
     return Check(f"cortex-m4f, {compiler}: double-precision symbols", len(symbols), 0, "symbols", about)

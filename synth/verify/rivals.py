@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import EmitError
 from synth.execute import host
 from synth.execute.image import Image
@@ -70,7 +70,7 @@ class Candidate:
     placed: Callable[[Image, Steps], CallLayout]
 
 
-def emitted(code: Emitted) -> Candidate:
+def emitted_c(code: EmittedCode) -> Candidate:
     """Return the emitted C as a candidate."""
     manifest = code.manifest
     output_struct = host.dtype("output", manifest)

@@ -37,7 +37,7 @@ def states_anywhere(
         if s.integer or s.name in whole:
             columns[s.name] = rng.integers(int(low), int(high) + 1, n).astype(float)
         else:
-            columns[s.name] = inside(s.signal, rng.uniform(low, high, n), margin)
+            columns[s.name] = limited_to_range(s.signal, rng.uniform(low, high, n), margin)
     return columns
 
 
@@ -92,10 +92,10 @@ def _perturbed(
     signal: Signal, values: NDArray[Any], rng: np.random.Generator, size: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     by = size * (signal.high - signal.low) * rng.standard_normal(len(size))
-    return inside(signal, np.nan_to_num(values.astype(np.float64)) + by, MARGIN)
+    return limited_to_range(signal, np.nan_to_num(values.astype(np.float64)) + by, MARGIN)
 
 
-def inside(signal: Signal, values: NDArray[Any], margin: float = MARGIN) -> NDArray[np.float64]:
+def limited_to_range(signal: Signal, values: NDArray[Any], margin: float = MARGIN) -> NDArray[np.float64]:
     """Return values limited to the range of a signal, reduced by `margin` times its width on both sides."""
     margin_width = margin * (signal.high - signal.low)
     return np.clip(values, signal.low + margin_width, signal.high - margin_width)

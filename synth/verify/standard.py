@@ -62,12 +62,12 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     agreements, checks = compare_samples(witness_set, runs)
     progress("replays of closed loops")
     compared = suite.replay(witness_set, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
-    agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, UNIT)]
+    agreements, checks = [*agreements, *compared], [*checks, *suite.exact_checks(compared, UNIT)]
     progress("single against double")
     checks += compare_paths(stage, witness_set)
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
-        checks += robustness.checks(robustness.opened(over_tolerances(stage)), stage.require)
+        checks += robustness.checks(robustness.open_loops(over_tolerances(stage)), stage.require)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 
@@ -97,19 +97,19 @@ def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
 
 def compare_samples(witness_set: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
     """Compare the witnesses over random and edge steps, and single with double over the random ones."""
-    pool = steps.joined(
-        "closed loops", [steps.recorded(witness_set.c64, name, inputs) for name, inputs in runs.items()]
+    pool = steps.concatenate(
+        "closed loops", [steps.record(witness_set.c64, name, inputs) for name, inputs in runs.items()]
     )
     random = sampling.in_operation(witness_set.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
     edge = sampling.edge_steps(witness_set.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
     agreements: list[Agreement] = []
     for what, stimulus in (("random steps", random), ("edge steps", edge)):
         agreements += suite.compare(what, witness_set, *stimulus, None)
-    single, checks = in_single(witness_set, *random)
-    return [*agreements, single], [*suite.exact(agreements, UNIT), *checks]
+    single, checks = compare_precisions(witness_set, *random)
+    return [*agreements, single], [*suite.exact_checks(agreements, UNIT), *checks]
 
 
-def in_single(
+def compare_precisions(
     witness_set: Witnesses,
     states: sampling.Columns,
     inputs: sampling.Columns,
@@ -120,11 +120,11 @@ def in_single(
 
     `counts` are real states that jump with a decision, each with its least jump; a smaller difference counts as equal.
     """
-    double, single = suite.in_single(witness_set, states, inputs)
+    double, single = suite.in_both_precisions(witness_set, states, inputs)
     alike = suite.decide_alike(witness_set.block, double, single)
     for name, jump in (counts or {}).items():
         alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
-    pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
+    pair = ("c64", suite.select(double, alike)), ("c32", suite.select(single, alike))
     a = agree.compare("random steps", *pair, floor, witness_set.block, np.float32)
     share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [

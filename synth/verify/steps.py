@@ -46,9 +46,7 @@ class Steps:
         return Steps(self.name, self.states[chosen], self.inputs[chosen], self.closed_loop)
 
 
-def recorded(
-    controller: host.Controller, name: str, inputs: Mapping[str, ArrayLike], closed_loop: bool = False
-) -> Steps:
+def record(controller: host.Controller, name: str, inputs: Mapping[str, ArrayLike], closed_loop: bool = False) -> Steps:
     """Return the N steps from `init` under input columns (N,) or constants, with the state before each.
 
     Raises SignalError as `host.Controller.replay`.
@@ -58,7 +56,7 @@ def recorded(
     return Steps(name, states[:n], controller.records(inputs, n), closed_loop)
 
 
-def joined(name: str, parts: Sequence[Steps]) -> Steps:
+def concatenate(name: str, parts: Sequence[Steps]) -> Steps:
     """Concatenate steps; raise SignalError for an empty sequence."""
     if not parts:
         raise SignalError(f"steps '{name}': found no part, need at least one: give sequences")
@@ -72,24 +70,24 @@ def thinned(steps: Steps, n: int) -> Steps:
     return steps.part(chosen)
 
 
-def taken(controller: host.Controller, steps: Steps) -> host.Batch:
+def evaluate(controller: host.Controller, steps: Steps) -> host.Batch:
     """Return the results of the compiled C for each step."""
     return controller.batch(np.ascontiguousarray(steps.states), host.columns(steps.inputs))
 
 
 def without_faults(controller: host.Controller, steps: Steps) -> Steps:
     """Return the steps whose fault word is 0."""
-    return steps.part(np.flatnonzero(taken(controller, steps).faults == 0))
+    return steps.part(np.flatnonzero(evaluate(controller, steps).faults == 0))
 
 
 def in_range(controller: host.Controller, n: int) -> Steps:
     """Record n steps under inputs drawn uniformly from their declared ranges, independently for each sample."""
     rng = np.random.default_rng(SEED)
     fields = _fields(controller, "input")
-    return recorded(controller, "random inputs in range", {f["name"]: _uniform(rng, f, n) for f in fields})
+    return record(controller, "random inputs in range", {f["name"]: _uniform(rng, f, n) for f in fields})
 
 
-def drawn(controller: host.Controller, n: int) -> Steps:
+def random_steps(controller: host.Controller, n: int) -> Steps:
     """Draw n steps: states in their declared bounds and often at their ends, inputs also out of range."""
     rng = np.random.default_rng(SEED + 1)
     states, inputs = np.zeros(n, controller.state), np.zeros(n, controller.inputs)
@@ -100,7 +98,7 @@ def drawn(controller: host.Controller, n: int) -> Steps:
     return Steps("random states and inputs", states, inputs)
 
 
-def anew(controller: host.Controller, steps: Steps, name: str) -> Steps:
+def resampled(controller: host.Controller, steps: Steps, name: str) -> Steps:
     """Return steps with some states resampled as in `drawn`: in a third none, in others few or half."""
     rng = np.random.default_rng(SEED + 2)
     n, states = len(steps), steps.states.copy()
@@ -112,7 +110,7 @@ def anew(controller: host.Controller, steps: Steps, name: str) -> Steps:
     return Steps(name, states, steps.inputs)
 
 
-def edges(controller: host.Controller, steps: Steps) -> Steps:
+def edge_steps(controller: host.Controller, steps: Steps) -> Steps:
     """Return steps in which one input has a value at a decision boundary, and the others are unchanged.
 
     Each value uses one of the `steps`; there are about ten values for each input.
@@ -125,13 +123,13 @@ def edges(controller: host.Controller, steps: Steps) -> Steps:
     return Steps("edges", base.states, inputs)
 
 
-def shaken(controller: host.Controller, steps: Steps, name: str, times: int, size: float) -> Steps:
+def perturbed(controller: host.Controller, steps: Steps, name: str, times: int, size: float) -> Steps:
     """Repeat the steps `times` times, with real states and inputs perturbed by up to `size` of their ranges.
 
     Perturbed values stay within their ranges.
     """
     rng = np.random.default_rng(SEED + 3)
-    repeated = joined(name, [steps] * times)
+    repeated = concatenate(name, [steps] * times)
     perturbed = repeated.states.copy(), repeated.inputs.copy()
     sizes = size * 10.0 ** rng.uniform(-3, 0, len(repeated))
     for role, records in zip(("state", "input"), perturbed, strict=True):
@@ -141,9 +139,9 @@ def shaken(controller: host.Controller, steps: Steps, name: str, times: int, siz
     return Steps(name, *perturbed)
 
 
-def rare(controller: host.Controller, steps: Steps, n: int) -> Steps:
+def rarest(controller: host.Controller, steps: Steps, n: int) -> Steps:
     """Return the n steps with the least frequent combination of fault word and integer states before and after."""
-    after = taken(controller, steps)
+    after = evaluate(controller, steps)
     whole = [f["name"] for f in _fields(controller, "state") if f["ctype"] in _INTEGERS]
     key = after.faults.astype(np.uint64)
     for states in (steps.states, after.states):
@@ -154,12 +152,12 @@ def rare(controller: host.Controller, steps: Steps, n: int) -> Steps:
     return Steps(f"rare among {steps.name}", picked.states, picked.inputs)
 
 
-def at_ends(controller: host.Controller, steps: Steps, each: int, within: float = 0.0) -> Steps:
+def at_range_ends(controller: host.Controller, steps: Steps, each: int, within: float = 0.0) -> Steps:
     """Return for both range ends of every output and real next state up to `each` steps that reach the end.
 
     `within` is the tolerated distance, relative to the range. Raises SignalError when no step reaches an end.
     """
-    after, chosen = taken(controller, steps), []
+    after, chosen = evaluate(controller, steps), []
     for role, columns in (("output", after.outputs), ("state", host.columns(after.states))):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
             values, tolerance = columns[f["name"]], within * (f["high"] - f["low"])
@@ -169,21 +167,21 @@ def at_ends(controller: host.Controller, steps: Steps, each: int, within: float 
             )
             chosen += [np.flatnonzero(end)[:each] for end in ends]
     picked = steps.part(np.unique(np.concatenate(chosen)))
-    return joined(f"{steps.name}, at ends", [picked] if len(picked) else [])
+    return concatenate(f"{steps.name}, at ends", [picked] if len(picked) else [])
 
 
-def faulty(controller: host.Controller, good: Mapping[str, float]) -> Steps:
+def fault_steps(controller: host.Controller, good: Mapping[str, float]) -> Steps:
     """Record bad samples of each input alone and of all inputs, between `good` ones, up to the latch and after it.
 
     Raises SignalError as `recorded`, and DesignError for a manifest without safety.
     """
     guarded = [f["input"] for f in controller.manifest["faults"] if "input" in f]
     runs = [
-        recorded(controller, "faults", columns)
+        record(controller, "faults", columns)
         for names in (*((name,) for name in guarded), guarded)
         for columns in _fault_runs(controller, names, good)
     ]
-    return joined("faults", runs)
+    return concatenate("faults", runs)
 
 
 def _fault_runs(

@@ -84,7 +84,7 @@ def sequences(
     progress("sequences")
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
-    loops = [steps.recorded(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
+    loops = [steps.record(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
     return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, design_steps)]
 
 
@@ -98,19 +98,21 @@ def excursions(
 
     States of recorded `loops` and of `design_steps` are resampled.
     """
-    pools = [*([steps.joined("", loops)] if loops else []), *design_steps]
-    random_steps = steps.drawn(controller, DRAWN)
-    resampled = [steps.anew(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
+    pools = [*([steps.concatenate("", loops)] if loops else []), *design_steps]
+    random_steps = steps.random_steps(controller, DRAWN)
+    resampled = [steps.resampled(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
     return [
         *(steps.thinned(each, RANDOM) for each in design_steps),
         *latches(controller, SEED),
-        steps.faulty(controller, at_rest),
-        steps.edges(controller, steps.thinned(pools[0], DRAWN)),
+        steps.fault_steps(controller, at_rest),
+        steps.edge_steps(controller, steps.thinned(pools[0], DRAWN)),
         steps.in_range(controller, RANDOM),
         random_steps,
         *resampled,
-        *(steps.rare(controller, each, RARE) for each in (*design_steps, *resampled)),
-        steps.at_ends(controller, steps.joined("random", [random_steps, *resampled, *design_steps]), EACH_END),
+        *(steps.rarest(controller, each, RARE) for each in (*design_steps, *resampled)),
+        steps.at_range_ends(
+            controller, steps.concatenate("random", [random_steps, *resampled, *design_steps]), EACH_END
+        ),
     ]
 
 
@@ -128,8 +130,8 @@ def latches(controller: host.Controller, seed: int) -> list[Steps]:
         (f["high"] - f["low"]) / safety["slew_per_s"][n] for n, f in fields.items() if n in safety["slew_per_s"]
     )
     after = safety["bad_samples"] + min(ceil(longest / controller.period_s), LONGEST) + steps.GOOD
-    runs = [steps.recorded(controller, "latches", loss_of_measurement(controller, lead, after, rng)) for lead in LEADS]
-    return [steps.joined("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
+    runs = [steps.record(controller, "latches", loss_of_measurement(controller, lead, after, rng)) for lead in LEADS]
+    return [steps.concatenate("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
 
 
 def loss_of_measurement(

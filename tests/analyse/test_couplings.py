@@ -22,14 +22,14 @@ def axes(eps: float) -> StateSpace:
 
 
 def test_weakly_coupled_modes_are_named_with_their_best_input() -> None:
-    whole = couplings.couplings(axes(1e-6))
+    whole = couplings.modal_measures(axes(1e-6))
     assert not whole.weakly_controllable and not whole.weakly_observable
     slow, fast = whole.modes[0], whole.modes[2]
     assert (
         slow.by_input["f"] > 0.1 > 1e-6 > slow.by_input["g"] and fast.by_input["g"] > 0.05 > 1e-3 > fast.by_input["f"]
     )
     assert slow.by_output["y"] > 0.1 and slow.by_output["z"] < 1e-6
-    alone = couplings.couplings(axes(1e-9).select(("y",), ("f",)))
+    alone = couplings.modal_measures(axes(1e-9).select(("y",), ("f",)))
     weak = alone.weakly_controllable + alone.weakly_observable
     assert weak and all(m.value.imag**2 > 8 and set(m.states) <= {"tilt", "rate"} for m in weak)
     assert "Weakly controllable: mode -0.1 +- 2.9983i in" in str(alone) and "best input" in str(alone)
@@ -43,8 +43,8 @@ def test_measures_are_the_same_in_other_units(seed: int) -> None:
     n, m, p = (int(rng.integers(1, k)) for k in (6, 4, 4))
     A, B, C = rng.normal(size=(n, n)), rng.normal(size=(n, m)), rng.normal(size=(p, n))
     x, u, y = (4.0 ** rng.integers(-5, 6, k) for k in (n, m, p))
-    one = couplings.couplings((A, B, C))
-    other = couplings.couplings((A * x / x[:, None], B * u / x[:, None], C * x / y[:, None]))
+    one = couplings.modal_measures((A, B, C))
+    other = couplings.modal_measures((A * x / x[:, None], B * u / x[:, None], C * x / y[:, None]))
     for a, b in zip(one.modes, other.modes, strict=True):
         assert b.value == pytest.approx(a.value, rel=1e-9)
         assert (
@@ -56,14 +56,14 @@ def test_measures_are_the_same_in_other_units(seed: int) -> None:
 def test_an_uncontrollable_mode_has_measure_zero_and_is_not_in_the_minimal_model() -> None:
     U = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     A, B, C = U @ np.diag([-1.0, -2.0, -3.0]) @ U.T, U @ [[1.0], [0.0], [1.0]], np.eye(3) @ U.T
-    measures = couplings.couplings((A, B, C))
+    measures = couplings.modal_measures((A, B, C))
     assert [m.value for m in measures.weakly_controllable] == pytest.approx([-2])
     assert measures.weakly_controllable[0].controllability < tolerances.of("double")
     assert [m.value for m in realisation.minimal((A, B, C)).uncontrollable] == pytest.approx([-2])
 
 
 def test_one_input_cannot_control_two_modes_of_one_eigenvalue() -> None:
-    measures = couplings.couplings(control.ss(-np.eye(2), [[1.0], [1.0]], np.eye(2), 0, 1e-3))
+    measures = couplings.modal_measures(control.ss(-np.eye(2), [[1.0], [1.0]], np.eye(2), 0, 1e-3))
     assert measures.time == Discrete(1e-3)
     assert all(m.controllability < tolerances.of("double") and m.observability > 0.5 for m in measures.modes)
 
@@ -76,7 +76,7 @@ def test_the_measures_of_a_large_model_are_the_least_singular_values() -> None:
     A, B, C = rng.normal(size=(n, n)), rng.normal(size=(n, 2)), rng.normal(size=(1, n))
     part = staircase.of_model(of((A, B, C)))
     b, c = part.B / np.linalg.norm(part.B, axis=0), part.C / np.linalg.norm(part.C)
-    modes = couplings.couplings((A, B, C)).modes
+    modes = couplings.modal_measures((A, B, C)).modes
     assert {m.value.imag > 0 for m in modes} == {True, False}, "both of a pair"
     for mode in modes[::16]:
         shifted = part.A - mode.value / part.rate * np.eye(n)
@@ -88,7 +88,7 @@ def test_the_measures_of_a_large_model_are_the_least_singular_values() -> None:
 
 def test_a_long_chain_of_integrators_does_not_overflow() -> None:
     n = couplings.SMALL + 10
-    measures = couplings.couplings((np.diag(np.ones(n - 1), 1), np.eye(n, 1, -n // 2), np.eye(1, n)))
+    measures = couplings.modal_measures((np.diag(np.ones(n - 1), 1), np.eye(n, 1, -n // 2), np.eye(1, n)))
     assert all(
         m.controllability < tolerances.of("double") and m.observability == pytest.approx(1) for m in measures.modes
     )
@@ -96,13 +96,13 @@ def test_a_long_chain_of_integrators_does_not_overflow() -> None:
 
 @pytest.mark.filterwarnings("error")
 def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
-    assert couplings.couplings(([[-1e-310]], [[1.0]], [[1.0]])).modes[0].controllability == pytest.approx(1)
+    assert couplings.modal_measures(([[-1e-310]], [[1.0]], [[1.0]])).modes[0].controllability == pytest.approx(1)
     with pytest.raises(SignalError, match=r"the entries of A reach 1e\+308: choose units"):
-        couplings.couplings(([[-1e308]], [[1.0]], [[1.0]]))
+        couplings.modal_measures(([[-1e308]], [[1.0]], [[1.0]]))
 
 
 def test_a_model_without_inputs_is_uncontrollable() -> None:
-    measures = couplings.couplings(([[-1.0]], np.zeros((1, 0)), [[1.0]]))
+    measures = couplings.modal_measures(([[-1.0]], np.zeros((1, 0)), [[1.0]]))
     assert (
         measures.modes[0].controllability == 0
         and measures.modes[0].by_input == {}

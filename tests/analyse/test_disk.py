@@ -187,7 +187,7 @@ def test_one_channel_at_a_time_is_the_scalar_loop_with_the_other_closed(sampled:
     loop = sensitivity.close(*lqg_pair(2, sampled, 7)).L
     w = np.geomspace(1e-3, np.pi / 0.3, 20001)
     L = loop.response(point(loop, w))
-    by_channel = disk.each(loop)
+    by_channel = disk.loop_at_a_time(loop)
     assert tuple(by_channel) == loop.inputs
     for k, alone in enumerate(by_channel.values()):
         j = 1 - k

@@ -50,7 +50,7 @@ def satellite() -> tuple[StateSpace, StateSpace]:
 def test_the_spinning_satellite_is_robust_in_each_channel_and_fragile_in_both() -> None:
     """Each channel alone has L = 1/s; with both, 1 -+ d in the gains destabilises for d > 1/sqrt(101) at w = 0."""
     loop = sensitivity.close(*satellite()).Li
-    for alone in disk.each(loop).values():
+    for alone in disk.loop_at_a_time(loop).values():
         assert alone.alpha == pytest.approx(2.0, rel=LEVEL)
     margin = disk.of_loop(loop, skew=-1.0)
     assert margin.alpha == pytest.approx(1 / np.sqrt(101), rel=LEVEL)
@@ -104,7 +104,7 @@ def test_an_unstable_closed_loop_is_refused_with_its_poles() -> None:
     with pytest.raises(ModelError, match=r"poles at 2\+3i, .*no margin"):
         disk.of_loop(([[2.0, 3.0], [-3.0, 2.0]], np.eye(2), np.zeros((2, 2)), np.zeros((2, 2))))
     with pytest.raises(ModelError, match="poles at -1"):
-        disk.each(([[-1.0]], [[0.0]], [[0.0]], [[0.0]], Discrete(0.1)))
+        disk.loop_at_a_time(([[-1.0]], [[0.0]], [[0.0]], [[0.0]], Discrete(0.1)))
 
 
 def test_invalid_loops_are_refused() -> None:

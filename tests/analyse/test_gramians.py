@@ -124,7 +124,7 @@ def test_a_slow_mode_beside_a_fast_one_is_resolved_on_the_diagonal() -> None:
 @pytest.mark.parametrize("time", [Continuous(), Discrete(1e-3)])
 def test_a_model_without_states_has_empty_gramians(time: Time, capfd: pytest.CaptureFixture[str]) -> None:
     static = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[1.0]], (), ("u",), ("y",), time)
-    for grams in (gramians.over(static, 1.0), gramians.gramians(static)):
+    for grams in (gramians.over_horizon(static, 1.0), gramians.gramians(static)):
         assert grams.Wc.shape == grams.Wo.shape == (0, 0) and grams.by_input == {"u": 0}
     assert capfd.readouterr() == ("", ""), "LAPACK writes to the terminal when it is given nothing"
 
@@ -139,7 +139,7 @@ def test_sizes_at_the_ends_of_the_range_are_refused_or_right() -> None:
 
 def test_over_a_horizon_a_double_integrator_has_the_gramian_of_the_textbook() -> None:
     T = 0.3
-    grams = gramians.over(([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]]), T)
+    grams = gramians.over_horizon(([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]]), T)
     np.testing.assert_allclose(grams.Wc, [[T**3 / 3, T**2 / 2], [T**2 / 2, T]], rtol=tolerances.of("double"))
     np.testing.assert_allclose(grams.Wo, [[T, T**2 / 2], [T**2 / 2, T**3 / 3]], rtol=tolerances.of("double"))
     assert grams.residual < tolerances.of("double") and grams.span == "over 0.3 s"
@@ -153,10 +153,10 @@ def test_over_a_horizon_agrees_with_quadrature_and_with_sums() -> None:
     reference = sum(
         w * (r := scipy.linalg.expm(system.A * (1 + t)) @ system.B) @ r.T for t, w in zip(nodes, weights, strict=True)
     )
-    np.testing.assert_allclose(gramians.over(system, 2.0).Wc, reference, rtol=tolerances.of("quadrature"))
+    np.testing.assert_allclose(gramians.over_horizon(system, 2.0).Wc, reference, rtol=tolerances.of("quadrature"))
     sampled = model(5, 0.3, 1e-2)
     for samples in (1, 2, 7, 100):
-        grams = gramians.over(sampled, samples * 1e-2)
+        grams = gramians.over_horizon(sampled, samples * 1e-2)
         power, Wc = sampled.B, np.zeros((n, n))
         for _ in range(samples):
             Wc, power = Wc + power @ power.T, sampled.A @ power
@@ -165,12 +165,12 @@ def test_over_a_horizon_agrees_with_quadrature_and_with_sums() -> None:
 
 def test_invalid_horizons_are_refused() -> None:
     with pytest.raises(TimingError, match=r"`horizon_s` of .* is 'x': give a number of seconds"):
-        gramians.over(([[0.0]], [[1.0]]), "x")  # type: ignore[arg-type]
+        gramians.over_horizon(([[0.0]], [[1.0]]), "x")  # type: ignore[arg-type]
     for horizon in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(TimingError, match=r"the horizon is .*: give a finite positive time"):
-            gramians.over(([[0.0]], [[1.0]]), horizon)
+            gramians.over_horizon(([[0.0]], [[1.0]]), horizon)
     with pytest.raises(TimingError, match="shorter than a sample"):
-        gramians.over(([[0.0]], [[1.0]], Discrete(1.0)), 0.2)
+        gramians.over_horizon(([[0.0]], [[1.0]], Discrete(1.0)), 0.2)
 
 
 def test_the_residual_catches_a_wrong_integral(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,12 +60,12 @@ def controller(signal: str) -> StateSpace:
         through = build("through", TIME, lambda u, x, k: Step({"drive": u["force"]}), inputs=[FORCE], outputs=[DRIVE])
         parts, outputs = (*parts, through), ["drive", "force_out"]
     block = compose("pd", parts, inputs=inputs, outputs=outputs)
-    return loop.linearised(block, {}, dict.fromkeys(inputs, 0.0))
+    return loop.linearise_block(block, {}, dict.fromkeys(inputs, 0.0))
 
 
 def open_loop(signal: str, delay: int = 1) -> StateSpace:
     actuators = {"f": "drive"} if signal == "force" else ACTUATORS
-    return loop.opened(plant(), controller(signal), signal, SENSORS, actuators, delay)
+    return loop.open_loop(plant(), controller(signal), signal, SENSORS, actuators, delay)
 
 
 def closed_loop_poles(L: StateSpace) -> np.ndarray:
@@ -238,7 +238,7 @@ def test_inputs_that_are_not_wired_stay_at_rest_and_names_say_what_is_what() -> 
 def test_jacobians_agree_with_differences_off_rest() -> None:
     block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
     at, h = {"encoder": 0.3, "feed": 1.0}, 1e-6
-    jacobians, f = loop.linearised(block, {"rater_last": 0.2}, at), block.function()
+    jacobians, f = loop.linearise_block(block, {"rater_last": 0.2}, at), block.function()
     up, down = (np.array(f([0.2], [0.3 + d, 1.0])[1]).item() for d in (h, -h))
     assert jacobians.D[0, 0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
     assert jacobians.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
@@ -251,24 +251,24 @@ def test_unknown_names_are_refused() -> None:
         loop.cut(blocks(), "gap")
     block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
     with pytest.raises(SignalError, match=r"not known \['spin'\], missing \['feed'\]"):
-        loop.linearised(block, {"spin": 1.0}, {"encoder": 0.0})
+        loop.linearise_block(block, {"spin": 1.0}, {"encoder": 0.0})
     for sensors, actuators in (({"encoder": "height"}, ACTUATORS), ({"eye": "position"}, ACTUATORS)):
         with pytest.raises(SignalError, match=r"'(height|eye)' is not one of"):
-            loop.opened(plant(), controller("q"), "q", sensors, actuators)
+            loop.open_loop(plant(), controller("q"), "q", sensors, actuators)
     with pytest.raises(SignalError, match=r"from 'torque' to 'f': 'torque' is not one of force, q_out"):
-        loop.opened(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
+        loop.open_loop(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
     with pytest.raises(
         SignalError, match="at 'rate', which is neither a sensor nor an actuator: name one of encoder, f"
     ):
-        loop.opened(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
+        loop.open_loop(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
 
 
 def test_time_and_direct_paths_are_checked() -> None:
     with pytest.raises(TimingError, match="continuous"):
-        loop.opened(plant(), plant(), "f", {}, {})
+        loop.open_loop(plant(), plant(), "f", {}, {})
     with pytest.raises(SignalError, match="at least one sample of delay"):
-        loop.opened(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
-    loop.opened(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
+        loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
+    loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
 
 
 def test_a_flag_that_is_cut_stays_the_flag_of_its_fault() -> None:

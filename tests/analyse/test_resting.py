@@ -51,7 +51,7 @@ def pid_block(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) ->
     states = [State(Signal(n, "1", -b, b), 0) for n, b in bounds.items()]
     states += [State(Signal("flag", "1", 0, 1), 0, True)] if toggles else []
     q = Signal("q", "m", -0.5, 0.5)
-    inputs = [safety.Guarded(q, 0.0, True), safety.Guarded(WISH, 0.0, False)]
+    inputs = [safety.GuardedInput(q, 0.0, True), safety.GuardedInput(WISH, 0.0, False)]
     rest = safety.Safety(3, {"drive": 0.0}, {"drive": 100.0}, "it falls on its feet")
     blocks = [
         safety.guard(TIME, inputs, 3),
@@ -68,7 +68,7 @@ def pid_block(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) ->
     return compose("held", blocks, inputs=["q", "wish"], outputs=["drive"])
 
 
-def at(gap: float, **options: float) -> resting.Rest:
+def at(gap: float, **options: float) -> resting.Equilibrium:
     near = trim.trim(levitation_plant(), {"gap": gap}, ["i"])
     closed = resting.ClosedLoop(levitation_plant(), pid_block(**options), SENSORS, ACTUATORS)
     return resting.solve(closed, {"wish": gap}, near)
@@ -97,7 +97,7 @@ def test_the_integrator_rests_at_the_force_that_the_plant_needs(gap: float) -> N
 
 def test_at_its_initial_state_the_controller_has_no_finite_slope() -> None:
     with pytest.raises(SignalError, match="all entries must be finite"):
-        loop.linearised(pid_block(), {"guard_ready": 1.0}, {"q": 0.3, "wish": 0.3})
+        loop.linearise_block(pid_block(), {"guard_ready": 1.0}, {"q": 0.3, "wish": 0.3})
 
 
 @pytest.mark.parametrize("tap", [0.0, TAP])

@@ -109,7 +109,7 @@ def test_a_constant_matrix_and_a_pole() -> None:
 
 def test_a_map_holds_the_other_signals_and_names_its_worst_cell() -> None:
     scaled = of(matrix_of_determinant(X[0] - 2.5, X[1]) + 0.1 * X[2])
-    condition_map = singularity.mapped(scaled, "a", "c", {"b": 0.9})
+    condition_map = singularity.condition_map(scaled, "a", "c", {"b": 0.9})
     for k, a in enumerate(condition_map.points[0]):
         for l, c in enumerate(condition_map.points[1]):
             at = scaled.at(np.array([[a], [0.9], [c]]))[0]
@@ -121,11 +121,11 @@ def test_a_map_holds_the_other_signals_and_names_its_worst_cell() -> None:
     assert text[0] == "Condition of the decoupling matrix" and text[1].startswith("worst cell: ")
     assert f"at a = {condition_map.points[0][k]:g} m, c = {condition_map.points[1][l]:g} s" in text[1]
     assert text[2] == "held: b = 0.9" and len(text) == 3 + 1 + 9
-    assert singularity.mapped(scaled, "a", "c").held["b"] == pytest.approx(0.55)
+    assert singularity.condition_map(scaled, "a", "c").held["b"] == pytest.approx(0.55)
 
 
 def test_a_singular_cell_is_infinite_in_the_map() -> None:
-    condition_map = singularity.mapped(of(matrix_of_determinant(X[0] - 0.5, X[1])), "a", "b")
+    condition_map = singularity.condition_map(of(matrix_of_determinant(X[0] - 0.5, X[1])), "a", "b")
     assert np.isinf(condition_map.worst.condition) and condition_map.worst.at["a"] == 0.5
     assert condition_map.worst.at["b"] == pytest.approx(0.55)  # the middle one wins a tie
 
@@ -141,4 +141,4 @@ def test_a_singular_cell_is_infinite_in_the_map() -> None:
 )
 def test_a_map_over_unknown_signals_is_refused(down: str, across: str, held: dict[str, float], text: str) -> None:
     with pytest.raises(SignalError, match=text):
-        singularity.mapped(of(matrix_of_determinant(X[0], X[1])), down, across, held)
+        singularity.condition_map(of(matrix_of_determinant(X[0], X[1])), down, across, held)

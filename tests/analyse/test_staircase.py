@@ -53,7 +53,7 @@ def test_a_split_is_orthonormal_and_keeps_coordinates(seed: int) -> None:
     mixed = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     A = scipy.linalg.block_diag(mixed @ np.diag([-1.0, -1.0, -2.0]) @ mixed.T, [[-3.0]], [[-4.0]])
     B = np.vstack([mixed @ [[1.0], [0.0], [1.0]], [[1.0]], [[0.0]]])
-    split = staircase.split(A, B)
+    split = staircase.controllable_split(A, B)
     both = np.hstack([split.inside, split.outside])
     np.testing.assert_allclose(both.T @ both, np.eye(5), atol=tolerances.of("double"))
     np.testing.assert_array_equal(split.inside[:, 0], np.eye(5)[3])
@@ -79,7 +79,7 @@ def test_zeros_come_with_vectors_at_which_the_pencil_is_singular(seed: int) -> N
 
 def uncontrollable_modes(A: np.ndarray, B: list[float]) -> list[tuple[complex, tuple[str, ...]]]:
     names = tuple(f"x{k + 1}" for k in range(len(A)))
-    return [(m.value, m.states) for m in structure.unmoved(A, np.array([B]).T, names, Continuous())]
+    return [(m.value, m.states) for m in structure.uncontrollable_modes(A, np.array([B]).T, names, Continuous())]
 
 
 @pytest.mark.parametrize("fast", [-1e11, 1e11, -1e14])
@@ -104,4 +104,4 @@ def test_a_slow_mode_beside_a_fast_one_is_resolved_on_the_diagonal() -> None:
 
 
 def test_a_direction_in_many_states_is_cut_short() -> None:
-    assert structure.spelled({f"x{k}": 1.0 for k in range(20)}).endswith("1 x7 and 12 more")
+    assert structure.direction_text({f"x{k}": 1.0 for k in range(20)}).endswith("1 x7 and 12 more")

@@ -64,10 +64,10 @@ def test_an_undriven_integrator_beside_driven_ones_is_found_in_any_coordinates(s
     """Computed eigenvalues of the three integrators scatter by 1e-8 and hide the undriven one."""
     U = orthogonal(3, np.random.default_rng(seed))
     A = U @ np.array([[0, 1, 0], [0, 0, 0], [0, 0, 0.0]]) @ U.T
-    modes = structure.unmoved(A, U @ [[0], [1], [0]], state_names(3), CONTINUOUS)
+    modes = structure.uncontrollable_modes(A, U @ [[0], [1], [0]], state_names(3), CONTINUOUS)
     assert [m.value for m in modes] == pytest.approx([0], abs=tolerances.of("double"))
     assert modes[0].measure < tolerances.of("double")
-    assert not structure.unmoved(A, U @ [[0, 0], [1, 0], [0, 1]], state_names(3), CONTINUOUS)
+    assert not structure.uncontrollable_modes(A, U @ [[0, 0], [1, 0], [0, 1]], state_names(3), CONTINUOUS)
 
 
 @settings(derandomize=True, max_examples=25, deadline=None)
@@ -80,10 +80,10 @@ def test_planted_uncontrollable_modes_are_found(seed: int) -> None:
     B = np.vstack([rng.normal(size=(n, m)), np.zeros((k, m))])
     U, units = orthogonal(n + k, rng), 10.0 ** rng.uniform(-3, 3, n + k)
     A, B = units[:, None] * (U @ A @ U.T) / units, units[:, None] * (U @ B)
-    rates = sorted(mode.value.real for mode in structure.unmoved(A, B, state_names(n + k), CONTINUOUS))
+    rates = sorted(mode.value.real for mode in structure.uncontrollable_modes(A, B, state_names(n + k), CONTINUOUS))
     assert rates == pytest.approx(list(planted), rel=1e-6)
     with_inputs = np.hstack([B, np.linalg.norm(A) * U[:, n:] * units[:, None]])
-    assert not structure.unmoved(A, with_inputs, state_names(n + k), CONTINUOUS)
+    assert not structure.uncontrollable_modes(A, with_inputs, state_names(n + k), CONTINUOUS)
 
 
 def test_controllability_agrees_with_the_rank_of_the_controllability_matrix() -> None:
@@ -92,7 +92,7 @@ def test_controllability_agrees_with_the_rank_of_the_controllability_matrix() ->
         A, B = rng.integers(-1, 2, (4, 4)).astype(float), rng.integers(-1, 2, (4, 1)).astype(float)
         out_of_reach = 4 - np.linalg.matrix_rank(control.ctrb(A, B))
         shifted = A + 10 * np.eye(4)  # no mode decays: each counts
-        assert len(structure.unmoved(shifted, B, state_names(4), CONTINUOUS)) == out_of_reach
+        assert len(structure.uncontrollable_modes(shifted, B, state_names(4), CONTINUOUS)) == out_of_reach
 
 
 def system(A: object, B: object, C: object) -> StateSpace:
@@ -112,11 +112,11 @@ def test_transmission_zeros_do_not_depend_on_units() -> None:
 def test_unconnected_states_are_removed_and_the_response_stays() -> None:
     A = np.array([[-1.0, 0, 0, 0], [1, -2, 0, 0], [0, 0, -3, 0], [0, 1, 0, -4]])
     whole = system(A, [[1], [0], [0], [0]], [[0, 1, 1, 0]])
-    part = realisation.connected(whole)
+    part = realisation.without_unconnected_states(whole)
     s = 1j * np.array([0.1, 1, 10])
     assert part.states == ("x0", "x1")
     np.testing.assert_allclose(part.response(s), whole.response(s), rtol=tolerances.of("double"))
-    through = realisation.connected(system([[-1.0]], [[0]], [[1]]))
+    through = realisation.without_unconnected_states(system([[-1.0]], [[0]], [[1]]))
     assert through.states == () and not through.response(s).any()
 
 

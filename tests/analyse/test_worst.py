@@ -96,10 +96,10 @@ def test_a_worst_case_inside_the_box_or_on_its_edge_is_found(inside: tuple[float
     def pair(v: Mapping[str, float]) -> object:
         return ([[-1.0]], [[v["a"], v["b"]]])
 
-    worst_case = worst.search(pair, parameters, worst.Figure("bowl", "1", bowl))
+    worst_case = worst.search(pair, parameters, worst.Criterion("bowl", "1", bowl))
     assert worst_case.value == pytest.approx(7.0, abs=1e-4) and worst_case.points[0].vertex > worst_case.value
     assert worst_case.where == pytest.approx(at, rel=1e-2)
-    hill = worst.search(pair, parameters, worst.Figure("hill", "1", lambda s: -bowl(s), largest=True))
+    hill = worst.search(pair, parameters, worst.Criterion("hill", "1", lambda s: -bowl(s), largest=True))
     assert hill.value == pytest.approx(-7.0, abs=1e-4)
 
 
@@ -154,7 +154,7 @@ def test_invalid_searches_are_refused() -> None:
     with pytest.raises(ModelError, match=r"no phase margin at k = 5: .* 1 \+ L has no inverse"):
         worst.search(lambda v: ([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]), k, worst.PHASE_MARGIN)
     with pytest.raises(ModelError, match="the thing is NaN at k = 5"):
-        worst.search(lambda v: integrator(1.0), k, worst.Figure("thing", "1", lambda s: np.nan))
+        worst.search(lambda v: integrator(1.0), k, worst.Criterion("thing", "1", lambda s: np.nan))
 
 
 @pytest.mark.parametrize("what", ["division", "matrix", "name", "figure"])
@@ -168,7 +168,7 @@ def test_errors_in_the_loop_are_reported_with_the_values(what: str) -> None:
             np.linalg.inv(np.array([[v["k"] - 1.0]]))
         return integrator(v["gain"] if what == "name" else v["k"])
 
-    figure = worst.Figure("length", "1", lambda L: L.length) if what == "figure" else worst.PHASE_MARGIN
+    figure = worst.Criterion("length", "1", lambda L: L.length) if what == "figure" else worst.PHASE_MARGIN
     expected = {"division": "ZeroDivisionError", "matrix": "LinAlgError", "name": "KeyError: 'gain'"}
     kind = expected.get(what, "AttributeError")
     with pytest.raises(ModelError, match=rf"no {figure.name} at k = [12]: {kind}.*mend the loop") as raised:

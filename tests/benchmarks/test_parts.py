@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from benchmarks import axes, parts
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.execute import host
 from synth.verify import lines, meter, rivals, steps
 from synth.verify.steps import Steps
 from tests.execute.planted import COMPILERS
 
-EMITTED = axes.emitted(2, np.float32)
+EMITTED = axes.emit(2, np.float32)
 BUILDS = {b.compiler: b for b in reversed(meter.builds())}  # without contraction
 LOOP = "for (volatile int i = 0; i < 20; i++) { }"
 BLOCKS = {tag.split(":")[0] for tag in EMITTED.manifest["trace"]}
@@ -23,13 +23,13 @@ def stimulus() -> Steps:
     return steps.without_faults(controller, steps.in_range(controller, 60))
 
 
-def planted(before: str, after: str, top: str = "") -> Emitted:
+def planted(before: str, after: str, top: str = "") -> EmittedCode:
     """Return the emitted C with one text replaced and another put in front of the step; no line moves."""
     text = EMITTED.files["axes_2.c"]
     assert text.count(before) == 1
     step = "uint32_t axes_2_step("
     text = text.replace(before, after).replace(step, top + step)
-    return Emitted(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest)
+    return EmittedCode(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest)
 
 
 def line_of(block: str) -> str:
@@ -43,7 +43,7 @@ def line_of(block: str) -> str:
 @pytest.mark.parametrize("build", meter.builds(), ids=[b.name for b in meter.builds()])
 def test_parts_add_up_to_what_is_issued(build: meter.Build, stimulus: Steps) -> None:
     counts = parts.measure(EMITTED, stimulus, build)
-    issued = meter.run(rivals.emitted(EMITTED), stimulus, build).cost.instructions
+    issued = meter.run(rivals.emitted_c(EMITTED), stimulus, build).cost.instructions
     assert np.array_equal(sum(counts.values()), issued)
     assert set(counts) == BLOCKS | {parts.FRAME} and list(counts)[-1] == parts.FRAME
     busy = {"guard", "regulator_1", "regulator_2"}
@@ -75,7 +75,7 @@ def test_a_function_is_charged_to_the_line_that_calls_it(compiler: str, stimulus
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_inlined_calls_stand_at_their_lines(compiler: str) -> None:
-    path = meter.linked(rivals.emitted(EMITTED), BUILDS[compiler])
+    path = meter.link(rivals.emitted_c(EMITTED), BUILDS[compiler])
     text = EMITTED.files["axes_2.c"].splitlines()
     inlined = lines.calls(path, "axes_2_step")
     assert inlined and all(call.low < call.high for call in inlined)

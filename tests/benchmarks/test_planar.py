@@ -22,7 +22,7 @@ def costs() -> dict[str, planar.Costs]:
 
 def test_parts_add_up_to_the_mean_and_to_the_costliest_step(costs: dict[str, planar.Costs]) -> None:
     for name, subject in ((s.name, s) for s in planar.cores()):
-        cost, candidate = costs[name], rivals.emitted(subject.emitted)
+        cost, candidate = costs[name], rivals.emitted_c(subject.emitted)
         issued = meter.run(candidate, subject.every, planar.builds()[0]).cost.instructions
         assert cost.most == issued.max() == sum(most for _, most in cost.parts.values())
         small = meter.run(candidate, steps.thinned(subject.within, 50), planar.builds()[0]).cost.instructions
@@ -55,6 +55,6 @@ def test_every_block_of_a_design_is_in_a_part(name: str) -> None:
 
 def test_within_a_core_no_state_is_at_its_bound() -> None:
     for subject in planar.cores():
-        stepped = steps.taken(subject.controller, subject.within)
+        stepped = steps.evaluate(subject.controller, subject.within)
         fields = subject.emitted.manifest["structs"]["state"]["fields"]
         assert all(np.abs(stepped.states[f["name"]]).max() < 0.9 * f["high"] for f in fields)

@@ -101,10 +101,10 @@ def test_every_call_is_estimated_by_itself() -> None:
 
 
 def path_of(machine: image.Image) -> trace.Trace:
-    with recorder.attached(machine.engine) as record:
+    with recorder.attach(machine.engine) as record:
         machine.call("f")
         record.call_ended()
-        return trace.follow(machine.code, record.take())
+        return trace.reconstruct_path(machine.code, record.take())
 
 
 @pytest.mark.parametrize(

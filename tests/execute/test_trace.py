@@ -31,12 +31,12 @@ def test_instructions_predicated_false_count(compiler: str) -> None:
 def test_the_record_of_the_emulator_omits_them() -> None:
     """The emulator records 5 of these 6 instructions: its hook runs after the test of the condition."""
     machine = loaded("clamp", CLAMP)
-    with recorder.attached(machine.engine) as record:
+    with recorder.attach(machine.engine) as record:
         machine.call("clamp", 5, 0)
         record.call_ended()
         taken = record.take()
     assert len(taken.addresses) == 5
-    assert trace.follow(machine.code, taken).passed.tolist() == [True, True, True, False, True, True]
+    assert trace.reconstruct_path(machine.code, taken).passed.tolist() == [True, True, True, False, True, True]
 
 
 def test_a_whole_block_of_the_fpu_may_be_skipped() -> None:
@@ -94,7 +94,7 @@ def test_every_condition_is_a_decision_once(body: str, decisions: list[str]) -> 
 def test_a_long_record_is_evaluated_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     machine, calls = loaded("sum", LOOP), np.array([[3, n] for n in (1, 30, 2, 30, 30, 1, 5)])
     whole = machine.measure("sum", calls).cost
-    monkeypatch.setattr(recorder.attached.__wrapped__, "__defaults__", (200,))  # two calls of 30 rounds and a bit
+    monkeypatch.setattr(recorder.attach.__wrapped__, "__defaults__", (200,))  # two calls of 30 rounds and a bit
     parts = machine.measure("sum", calls).cost
     assert parts.instructions.tolist() == whole.instructions.tolist() == [3 + 3 * n for n in calls[:, 1]]
     assert machine.measure("sum", calls[:4]).cost.instructions.tolist() == whole.instructions[:4].tolist()  # ends full
@@ -109,7 +109,7 @@ def test_measurement_ends_with_the_call() -> None:
     machine = loaded("sum", LOOP)
     assert machine.call("sum", 2, 3) == 6
     assert machine.measure("sum", np.array([[2, 3]])).cost.instructions.tolist() == [12]
-    with recorder.attached(machine.engine) as record:
+    with recorder.attach(machine.engine) as record:
         pass
     assert machine.call("sum", 2, 3) == 6 and record.take().addresses.size == 0
 
@@ -120,7 +120,7 @@ def test_an_impossible_path_is_refused() -> None:
     for offsets, says in (((0, 4), "not predicated"), ((0, 1), "need an instruction"), ((0, 2, 0), "not predicated")):
         wrong = recorder.Record(np.array([start + o for o in offsets], np.uint32), np.array([len(offsets)]))
         with pytest.raises(SynthError, match=says):
-            trace.follow(code, wrong)
+            trace.reconstruct_path(code, wrong)
 
 
 def test_addresses_map_to_functions() -> None:

@@ -67,7 +67,7 @@ def test_the_tables_add_little() -> None:
 
 
 def test_blocks_are_spread_as_far_as_they_should_be_and_no_further() -> None:
-    as_built, meant = built_matrix.draw_blocks(), finite_matrix.made()
+    as_built, meant = built_matrix.draw_blocks(), finite_matrix.fabricated_blocks()
     sizes = [np.linalg.norm(m, axis=2) for m in (as_built.blocks.remanence, meant.remanence)]
     there = sizes[1] > 0
     ratio = sizes[0][there] / sizes[1][there]

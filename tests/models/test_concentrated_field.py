@@ -129,7 +129,7 @@ def test_any_blocks_have_neither_divergence_nor_curl() -> None:
 
 def test_a_whole_matrix_as_one_cell_has_the_coefficients_of_the_other_series() -> None:
     """Twelve pitches with a matrix of six at a place without symmetry, so that sines count as well as cosines."""
-    matrix, size = finite_matrix.made(), 4 * finite_matrix.CELL
+    matrix, size = finite_matrix.fabricated_blocks(), 4 * finite_matrix.CELL
     J = np.zeros((size, size, 3))
     index = np.arange(-finite_matrix.BEFORE, finite_matrix.BLOCKS - finite_matrix.BEFORE) % size
     J[np.ix_(index, index)] = matrix.remanence

@@ -12,10 +12,10 @@ LATTICE = 1e-4  # T: other matrices of the lattice add 4.7e-5 T, harmonics beyon
 
 @pytest.fixture(scope="module")
 def fabricated() -> finite_matrix.Series:
-    return finite_matrix.series(finite_matrix.made(), 24)
+    return finite_matrix.series(finite_matrix.fabricated_blocks(), 24)
 
 
-BLOCKS = finite_oracle.single(finite_matrix.made())
+BLOCKS = finite_oracle.single(finite_matrix.fabricated_blocks())
 
 
 def difference(series: finite_matrix.Series, z: float = 3e-3) -> float:
@@ -47,7 +47,10 @@ def test_blocks_turned_the_wrong_way_are_caught(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_what_blocks_there_are() -> None:
-    for matrix, strong, weak in ((finite_matrix.made(), 1.43, 1.10), (finite_matrix.ideal(), 1.42, 1.0041)):
+    for matrix, strong, weak in (
+        (finite_matrix.fabricated_blocks(), 1.43, 1.10),
+        (finite_matrix.ideal_blocks(), 1.42, 1.0041),
+    ):
         sizes = np.linalg.norm(matrix.remanence, axis=2)
         counts = [int(np.isclose(sizes, size, atol=1e-4).sum()) for size in (strong, weak, 0.0)]
         assert counts == [72, 432, 72]  # an eighth each, and the rest, of 24 x 24
@@ -61,7 +64,7 @@ def test_harmonics_in_the_middle_pitch(fabricated: finite_matrix.Series) -> None
     for series, n, expected in (
         (fabricated, 1, 0.37502),
         (fabricated, 5, -0.02146),
-        (finite_matrix.series(finite_matrix.ideal(), 24), 1, ideal(1)),
+        (finite_matrix.series(finite_matrix.ideal_blocks(), 24), 1, ideal(1)),
     ):
         pitch = series.summed(finite_matrix.flux_density(series, 3e-3)[0], 25.4e-3)[:-1, :-1]
         wave = np.sin(2 * np.pi * n / 50.8e-3 * series.grid(25.4e-3)[:-1])

@@ -8,7 +8,7 @@ import pytest
 from models import finite_matrix, finite_motor, lorentz_motor
 from tests.models import finite_oracle as oracle
 
-SERIES = finite_matrix.series(finite_matrix.ideal(), 16)
+SERIES = finite_matrix.series(finite_matrix.ideal_blocks(), 16)
 V = finite_matrix.VALUES
 P = {name: ca.SX(value) for name, value in V.items()}
 K = float(lorentz_motor.force_constant(P))
@@ -46,8 +46,8 @@ def test_maps_are_the_lorentz_integral(bars: magpylib.Collection, flat: bool) ->
 
 
 def test_maps_of_blocks_as_made_are_the_lorentz_integral() -> None:
-    series, place = finite_matrix.series(finite_matrix.made(), 16), (60, -74)
-    blocks, wires = oracle.single(finite_matrix.made()), oracle.conductors(True, 3, 16, 4)
+    series, place = finite_matrix.series(finite_matrix.fabricated_blocks(), 16), (60, -74)
+    blocks, wires = oracle.single(finite_matrix.fabricated_blocks()), oracle.conductors(True, 3, 16, 4)
     theirs = oracle.wrenches(blocks, wires, (60 * series.spacing, -74 * series.spacing))
     assert_close(at(maps_of_phases(series, "value", True), place), theirs)
 
@@ -76,7 +76,10 @@ def test_bands_in_another_order_are_caught(
     bars: magpylib.Collection, order: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(lorentz_motor, "OFFSETS", order)
-    series, theirs = finite_matrix.series(finite_matrix.ideal(), 16), oracle.wrenches(bars, WIRES[False], (0.0, 0.0))
+    series, theirs = (
+        finite_matrix.series(finite_matrix.ideal_blocks(), 16),
+        oracle.wrenches(bars, WIRES[False], (0.0, 0.0)),
+    )
     assert np.abs(at(maps_of_phases(series, "value", False), (0, 0)) - theirs).max() > 5
 
 

@@ -42,7 +42,7 @@ def test_tables_keep_their_stated_error(bars: magpylib.Collection, seed: int) ->
 def test_a_spline_that_is_too_coarse_is_caught(bars: magpylib.Collection, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twelve points a pitch instead of 32."""
     monkeypatch.setattr(finite_stage, "FORCE_HARMONICS", 6)
-    motor = finite_stage._motor(finite_matrix.ideal(), 0.0)
+    motor = finite_stage._motor(finite_matrix.ideal_blocks(), 0.0)
     x, y = 0.0123, -0.0457
     off = np.abs(tabulated_map(np.array(motor(x, y)), 0.0, 0.0) - oracle.wrenches(bars, WIRES, (x, y)))
     assert off[:, :3].max() > 2 * ERRORS[0][2]
@@ -80,7 +80,7 @@ def test_the_plant_is_the_quadrature_of_its_three_motors(bars: magpylib.Collecti
 
 
 def test_hall_voltages_are_the_field_of_the_blocks() -> None:
-    plant, blocks = finite_stage.plant(), oracle.single(finite_matrix.made())
+    plant, blocks = finite_stage.plant(), oracle.single(finite_matrix.fabricated_blocks())
     nominal = {n: ca.SX(v) for n, v in V.items()}
     gain = V["sensitivity"] * float(halbach.amplitude(1, ca.SX(3e-3), nominal)) / 0.375
     for X, Y, phi, z in ((0.0, 0.0, 0.0, 0.0), (0.021, -0.047, 0.01, 1e-4), (-0.1, 0.1, -0.01, -1e-4)):

@@ -70,7 +70,7 @@ def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
     """Return how many random poses in random cells exceed the cell's bound."""
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
-    _, bound = worst_deviation.bounded(
+    _, bound = worst_deviation.bound_cells(
         partial(hall_fisher.of_phases, array), partial(hall_fisher.column_changes, array), q, half
     )
     s = hall_fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))

@@ -115,7 +115,7 @@ def test_a_scan_goes_through_a_file() -> None:
     log = hall_scan.simulate_scan(MISALIGNED, FABRICATED, hall_scan.places(l, 12), 3)
     rows = log.columns(("X", "Y", "V_ax")).tolist()
     text = "\n".join(["X [m], Y [m], V_ax [V]", *(", ".join(map(repr, row)) for row in rows)])
-    read = log_file.parsed(text, {"X": "m", "Y": "m", "V_ax": "V"})
+    read = log_file.parse(text, {"X": "m", "Y": "m", "V_ax": "V"})
     np.testing.assert_array_equal(
         hall_scan.fit(read, "V_ax", l).estimate.values, hall_scan.fit(log, "V_ax", l).estimate.values
     )

@@ -32,7 +32,7 @@ N = 20_000
 
 def compiled(block: Block) -> agree.Witness:
     emitted = write.emit(unranged(block), np.float64)
-    return agree.emitted(host.load(emitted.files, emitted.manifest))
+    return agree.emitted_c(host.load(emitted.files, emitted.manifest))
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +146,7 @@ def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: typ
     emitted = write.emit(unranged(block), scalar, error=interface.SURROGATE_ERROR[scalar])
     text = emitted.files[f"{block.name}.c"]
     assert text.count("admit -1.26") == 9 and not re.search(r"i_.._computed = limit", text)
-    phases = agree.emitted(host.load(emitted.files, emitted.manifest))({}, commutation_inputs(q)).outputs
+    phases = agree.emitted_c(host.load(emitted.files, emitted.manifest))({}, commutation_inputs(q)).outputs
     largest = max(np.abs(phases[s.name]).max() for s in allocation.COMPUTED)
     assert allocation.LIMIT * (1 - 2 * allocation.ROUNDING_MARGIN) < largest <= scalar(allocation.LIMIT)
 

@@ -94,7 +94,7 @@ def miss(forces: sf.Forces, expected: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def converged_forces() -> dict[float, sf.Converged]:
-    return {gap: sf.extrapolated(MOTOR, gap) for gap in GAPS}
+    return {gap: sf.extrapolate(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.fixture(scope="module")
@@ -114,8 +114,8 @@ def test_mode_matching_agrees(
 
 
 def test_smooth_gap_agrees_with_the_series() -> None:
-    assert miss(sf.extrapolated(SMOOTH, 25e-3).value, smooth_series(SMOOTH, 25e-3)) < 2e-3
-    assert miss(sf.extrapolated(MOTOR, 25e-3).value, smooth_series(MOTOR, 25e-3)) > 0.05
+    assert miss(sf.extrapolate(SMOOTH, 25e-3).value, smooth_series(SMOOTH, 25e-3)) < 2e-3
+    assert miss(sf.extrapolate(MOTOR, 25e-3).value, smooth_series(MOTOR, 25e-3)) > 0.05
 
 
 def test_recoil_permeability_agrees_with_the_two_layer_solution() -> None:
@@ -126,8 +126,8 @@ def test_recoil_permeability_agrees_with_the_two_layer_solution() -> None:
     B = 4 / np.pi * sf.MU0 * motor.H_c * np.sin(n * np.pi / 2) / n
     B *= motor.mu_rec * t_m / (t_m + motor.mu_rec * t_g) / np.cosh(np.minimum(k * gap, 300))
     lift = motor.L_A * motor.p_m * motor.tau / 4 / sf.MU0 * np.sum(B**2)
-    assert sf.extrapolated(motor, gap).value.lift == pytest.approx(lift, rel=2e-3)
-    assert sf.extrapolated(replace(motor, mu_rec=1.0), gap).value.lift != pytest.approx(lift, rel=2e-2)
+    assert sf.extrapolate(motor, gap).value.lift == pytest.approx(lift, rel=2e-3)
+    assert sf.extrapolate(replace(motor, mu_rec=1.0), gap).value.lift != pytest.approx(lift, rel=2e-2)
 
 
 sf_sheet, sf_slots, sf_line = sf._sheet, sf.slot_currents, sf._mid_gap
@@ -209,8 +209,8 @@ def test_cogging_has_the_slot_pitch_and_no_mean() -> None:
 
 
 def test_slot_depth_does_not_matter() -> None:
-    two, three = (sf.extrapolated(replace(MOTOR, slot_depth=depth * MOTOR.b0), 20e-3, 16).value for depth in (2, 3))
-    shallow = sf.extrapolated(replace(MOTOR, slot_depth=0.5 * MOTOR.b0), 20e-3).value
+    two, three = (sf.extrapolate(replace(MOTOR, slot_depth=depth * MOTOR.b0), 20e-3, 16).value for depth in (2, 3))
+    shallow = sf.extrapolate(replace(MOTOR, slot_depth=0.5 * MOTOR.b0), 20e-3).value
     assert miss(three, np.array(astuple(two))) < 1e-4
     assert miss(shallow, np.array(astuple(two))) > 5e-3
 

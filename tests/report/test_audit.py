@@ -133,4 +133,4 @@ def test_functions_are_those_that_a_module_defines() -> None:
 
 def test_the_prints_of_a_folder_are_read(tmp_path: Path) -> None:
     (tmp_path / "published.toml").write_text(TEXT, encoding="utf-8")
-    assert audit.read(tmp_path) == audit.parse_published(TEXT)
+    assert audit.read_published(tmp_path) == audit.parse_published(TEXT)

@@ -15,7 +15,7 @@ DESCRIBED = {
 def test_rows_become_a_table_and_a_drawing_a_figure() -> None:
     table = page.Table("own", ("x",), ())
     made = {"a.rows": [("one", 1.0)], "a.drawn": Figure(), "a.n": 3, "a.x": -0.5, "a.table": table}
-    values = captions.captioned(made, DESCRIBED)
+    values = captions.with_captions(made, DESCRIBED)
     assert values["a.rows"] == page.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
     drawn = values["a.drawn"]
     assert isinstance(drawn, page.Figure) and drawn.svg.startswith("<svg") and drawn.beside == "Fig. 1"
@@ -24,6 +24,6 @@ def test_rows_become_a_table_and_a_drawing_a_figure() -> None:
 
 def test_what_is_not_described_is_refused() -> None:
     with pytest.raises(DesignError, match=r"'b' has no caption: describe it in report.toml as \[blocks."):
-        captions.captioned({"b": [("one",)]}, DESCRIBED)
+        captions.with_captions({"b": [("one",)]}, DESCRIBED)
     with pytest.raises(DesignError, match=r"a\.n }}, which is not known"):
-        captions.captioned({"a.rows": [("one", 1.0)]}, DESCRIBED)
+        captions.with_captions({"a.rows": [("one", 1.0)]}, DESCRIBED)

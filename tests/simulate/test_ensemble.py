@@ -11,7 +11,7 @@ def test_valid_estimates_away_from_the_truth_are_wrong() -> None:
     one = Scores(np.array([True, True, False, True]), np.arange(4.0), deviations)
     np.testing.assert_array_equal(one.right, [True, False, False, False])
     np.testing.assert_array_equal(one.wrong, [False, True, False, True])
-    both = ensemble.stacked([one, one])
+    both = ensemble.stack([one, one])
     assert both.wrong.shape == both.off.shape == (2, 4) and both.deviations.shape == (2, 2, 4)
     np.testing.assert_array_equal(both.wrong[1], one.wrong)
     np.testing.assert_array_equal(both.first_valid, [1, 1, 0, 1])

@@ -21,7 +21,7 @@ DESIGN: Any = levitator.design("levitator_2dof")
 @pytest.fixture(scope="module")
 def rig() -> Rig:
     stage = DESIGN.DESIGN.stage
-    return Rig(stage, DESIGN.PLANT, declared.compiled(stage, np.float32))
+    return Rig(stage, DESIGN.PLANT, declared.compiled_controller(stage, np.float32))
 
 
 def checks(run: Any) -> dict[str, Any]:

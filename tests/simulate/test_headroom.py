@@ -53,7 +53,7 @@ def test_comparison_of_witnesses_does_not_detect_it(planted: Stage) -> None:
     others = {name: witness for name, witness in by.of.items() if name != "reference"}
     run = planted.experiments[0].run(Rig(planted, planted.plant, by.c64))
     agreements = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
-    assert [c for c in suite.exact(agreements, "A") if not c.passed] == []
+    assert [c for c in suite.exact_checks(agreements, "A") if not c.passed] == []
 
 
 def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None:
@@ -62,7 +62,7 @@ def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None
 
 
 def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
-    controller = declared.compiled(PID.DESIGN.stage, np.float64)
+    controller = declared.compiled_controller(PID.DESIGN.stage, np.float64)
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     ratios = headroom.ratios(controller, inputs)

@@ -13,7 +13,7 @@ GOOD = "# scan of May\nX [mm], turn[deg], V_ax [mV]\n\n12.7, 180, -3.5e0\r\n+.5,
 
 
 def test_units_become_si_to_the_last_bit() -> None:
-    log = log_file.parsed(GOOD, WANTED)
+    log = log_file.parse(GOOD, WANTED)
     assert log.samples["X"].tolist() == [0.0127, 0.0005]
     assert log.samples["V_ax"].tolist() == [-0.0035, 0.007]
     assert log.samples["turn"].tolist() == [np.pi, 0.0]
@@ -47,19 +47,19 @@ def test_units_become_si_to_the_last_bit() -> None:
 )
 def test_what_is_malformed_is_refused_with_its_line(text: str, message: str) -> None:
     with pytest.raises(SignalError) as refused:
-        log_file.parsed(text, WANTED, "scan.csv")
+        log_file.parse(text, WANTED, "scan.csv")
     assert f"scan.csv, {message}" in str(refused.value)
 
 
 def test_a_text_without_columns_is_refused() -> None:
     with pytest.raises(SignalError, match="line 1: there are no columns: begin with names and units"):
-        log_file.parsed("# nothing\n", {})
+        log_file.parse("# nothing\n", {})
 
 
 @pytest.mark.parametrize("unit", ["mm", "inch", ""])
 def test_what_is_wanted_is_in_si_units(unit: str) -> None:
     with pytest.raises(SignalError, match=f"'X' is asked for in '{unit}': logs are in SI units, give one of m, rad"):
-        log_file.parsed("X [m]\n1\n", {"X": unit})
+        log_file.parse("X [m]\n1\n", {"X": unit})
 
 
 def test_files(tmp_path: Path) -> None:

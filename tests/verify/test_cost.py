@@ -13,7 +13,7 @@ from synth.block import Block, State, Step, build
 from synth.emit import write
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.lower import Node, Program
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import CompileError, EmitError, SignalError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host, image
@@ -26,7 +26,7 @@ from synth.verify.steps import Steps
 from tests.execute.planted import COMPILERS, assembly
 
 MADE = axes.block(2)
-EMITTED = axes.emitted(2, np.float32)
+EMITTED = axes.emit(2, np.float32)
 BUILDS = {b.compiler: b for b in reversed(meter.builds())}  # without contraction
 CLAMP = "cmp r0, #3; ite gt; movgt r0, #10; movle r0, #20; cbz r1, 1f; adds r0, #1; 1: bx lr"
 
@@ -44,9 +44,9 @@ def controller() -> host.Controller:
 def sequences(controller: host.Controller) -> list[Steps]:
     time = np.arange(400) * 1e-3
     moved = {"q1": 0.01 * np.sin(30 * time), "r1": 0.0, "q2": 0.02 * np.sin(30 * time), "r2": 0.001}
-    faults = steps.faulty(controller, dict.fromkeys(("q1", "q2", "r1", "r2"), 0.01))
-    loop = steps.recorded(controller, "loop", moved, closed_loop=True)
-    return [loop, replace(faults, closed_loop=True), steps.drawn(controller, 3000)]
+    faults = steps.fault_steps(controller, dict.fromkeys(("q1", "q2", "r1", "r2"), 0.01))
+    loop = steps.record(controller, "loop", moved, closed_loop=True)
+    return [loop, replace(faults, closed_loop=True), steps.random_steps(controller, 3000)]
 
 
 @pytest.fixture(scope="module")
@@ -124,8 +124,8 @@ def test_an_uncovered_branch_is_reported_with_its_line(
     compiler: str, controller: host.Controller, sequences: list[Steps]
 ) -> None:
     """Without faults the branches of fault handling and latch are uncovered, each reported with its line of C."""
-    emitted, build = rivals.emitted(EMITTED), BUILDS[compiler]
-    lost = meter.covered(emitted, meter.run(emitted, sequences[0], build), build)
+    emitted, build = rivals.emitted_c(EMITTED), BUILDS[compiler]
+    lost = meter.coverage(emitted, meter.run(emitted, sequences[0], build), build)
     assert lost.both < lost.decisions and len(lost.missing) == lost.decisions - lost.both
     assert any("latched" in line and "axes_2.c:" in line for line in lost.missing)
 
@@ -135,9 +135,9 @@ def test_an_unreachable_branch_is_reported(compiler: str, sequences: list[Steps]
     text = EMITTED.files["axes_2.c"].replace(
         "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard_ready = 7u; }\n    return faults;"
     )
-    planted = rivals.emitted(Emitted(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
-    everything = steps.joined("all", sequences)
-    lost = meter.covered(planted, meter.run(planted, everything, BUILDS[compiler]), BUILDS[compiler])
+    planted = rivals.emitted_c(EmittedCode(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
+    everything = steps.concatenate("all", sequences)
+    lost = meter.coverage(planted, meter.run(planted, everything, BUILDS[compiler]), BUILDS[compiler])
     # A compiler may branch around what is planted or to it.
     assert lost.missing and all("taken; axes_2.c:" in line for line in lost.missing)
     assert all("q1 == 0.0123456f" in line for line in lost.missing)
@@ -274,7 +274,7 @@ def test_a_state_of_the_block_is_one_of_casadi() -> None:
     made = build("mixed", Discrete(1e-3), law, inputs=[a], outputs=[y], states=states, constants=[])
     emitted = write.emit(made, np.float32)
     controller = host.load(emitted.files, emitted.manifest)
-    loop = steps.recorded(controller, "loop", {"a": np.linspace(-1, 1, 12)}, closed_loop=True)
+    loop = steps.record(controller, "loop", {"a": np.linspace(-1, 1, 12)}, closed_loop=True)
     last = meter.builds()[-1]
     for shimmed in (False, True):
         assert meter.step_cost(rivals.casadi(made, shimmed), loop, last, controller).difference < 1e-6

@@ -84,7 +84,7 @@ def test_a_wrong_certificate_is_found() -> None:
     last = State(Signal("last", "V", -1.5, 1.5), 0.0)
     held = replace(a, name="a_held")
     sine = build("sine", time, law, inputs=[held], outputs=[y], states=[last])
-    guard = safety.guard(time, [safety.Guarded(a, 0.0, True)], 5)
+    guard = safety.guard(time, [safety.GuardedInput(a, 0.0, True)], 5)
     emitted = write.emit(compose("lie", [guard, sine], inputs=["a"], outputs=["y"]), np.float32)
     assert "output y" in fuzz.run(emitted.files, dict(emitted.manifest) | {"safety": {"bad_samples": 5}}, STEPS).finding
 

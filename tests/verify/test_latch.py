@@ -46,5 +46,7 @@ def test_another_safe_value_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_controller_without_safe_output_has_no_checks() -> None:
-    made = write.emit(safety.guard(axes.TIME, [safety.Guarded(axes.Signal("q", "m", -1, 1), 0.0, True)], 3), np.float64)
+    made = write.emit(
+        safety.guard(axes.TIME, [safety.GuardedInput(axes.Signal("q", "m", -1, 1), 0.0, True)], 3), np.float64
+    )
     assert latch.verify(host.load(made.files, made.manifest)) == ()

@@ -10,13 +10,13 @@ import pytest
 
 from benchmarks import axes
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import CompileError, DesignError, SignalError
 from synth.execute import cross, host, qemu, target
 from synth.verify import on_target
 
 SCALARS = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
-EMITTED = {core: axes.emitted(2, scalar) for core, scalar in SCALARS.items()}
+EMITTED = {core: axes.emit(2, scalar) for core, scalar in SCALARS.items()}
 HAS_QEMU = bool(shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc"))
 with_gcc = pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="no gcc")
 FADE = re.compile(r"(filter_2_fade = )([\d.]+)")
@@ -108,7 +108,7 @@ def test_a_planted_double_is_a_failed_check(core: str) -> None:
     """The Cortex-M7 has doubles in hardware and no such check."""
     made = EMITTED[core]
     text = made.files["axes_2.c"].replace("const float q2 = in->q2;", "const float q2 = (float)(in->q2 * 0.1 * 10.0);")
-    checks = on_target.verify(Emitted(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
+    checks = on_target.verify(EmittedCode(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
     if core == "cortex-m7":
         assert not failed(checks)
         return

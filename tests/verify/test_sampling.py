@@ -49,7 +49,7 @@ def test_whole_numbers_and_margins() -> None:
 def test_steps_in_operation_are_near_recorded_ones() -> None:
     rig = declared.rig(PID.DESIGN.stage, np.float64)
     inputs = stimuli.closed_loop(rig, 500).measured
-    recorded = steps.recorded(rig.controller, "loop", inputs)
+    recorded = steps.record(rig.controller, "loop", inputs)
     states, drawn = sampling.in_operation(BLOCK, np.random.default_rng(5), N, recorded)
     assert set(states) == {s.name for s in BLOCK.states} and set(drawn) == {s.name for s in BLOCK.inputs}
     for s in BLOCK.states:

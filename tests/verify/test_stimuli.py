@@ -16,7 +16,7 @@ STAGE = PID.DESIGN.stage
 
 @pytest.fixture(scope="module")
 def controller() -> host.Controller:
-    return declared.compiled(STAGE, np.float32)
+    return declared.compiled_controller(STAGE, np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -25,11 +25,11 @@ def doubled() -> host.Controller:
     faster = tuple(replace(a, slew_per_s=2 * a.slew_per_s) for a in PID.INTERFACE.actuators)
     laws = [law for made in STAGE.controller.laws for law in made.blocks]
     made = PID.stage.controller("levitator_pid", PID.TIME, replace(PID.INTERFACE, actuators=faster), laws)
-    return build.compiled(made.block, np.float32)
+    return build.compile_block(made.block, np.float32)
 
 
 def _differs(one: host.Controller, other: host.Controller, among: steps.Steps) -> bool:
-    first, second = (steps.taken(c, among).outputs for c in (one, other))
+    first, second = (steps.evaluate(c, among).outputs for c in (one, other))
     return any(not np.array_equal(first[name], second[name]) for name in first)
 
 
@@ -46,7 +46,7 @@ def test_a_doubled_slew_is_found_by_the_replay_too(controller: host.Controller, 
 
 def test_latches_end_at_rest(controller: host.Controller) -> None:
     (latches,) = stimuli.latches(controller, stimuli.SEED)
-    taken = steps.taken(controller, latches)
+    taken = steps.evaluate(controller, latches)
     assert (taken.faults >> 31).mean() > 0.5 and np.abs(taken.outputs["i1"]).max() > 2.9
     assert taken.outputs["i1"][-1] == taken.outputs["i2"][-1] == 0
 

@@ -44,7 +44,7 @@ def array(name: str = NAME) -> Array:
     if name not in tuple(PLACES):
         raise DesignError(f"'{name}' is not one of the shipped estimators: give one of {', '.join(PLACES)}")
     of = Stage().array(PLACES[name])
-    return replace(of, alpha=digits.cut(of.alpha, DIGITS), beta=digits.cut(of.beta, DIGITS))
+    return replace(of, alpha=digits.significant(of.alpha, DIGITS), beta=digits.significant(of.beta, DIGITS))
 
 
 def controller(name: str = NAME) -> Controller:
@@ -79,6 +79,6 @@ def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
         "positions_pitches": [list(place) for place in PLACES[name]],
         "period_s": TIME.period_s,
         "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
-        "tuning": {k: digits.cut(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
+        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
         "bad_samples": channels.BAD_SAMPLES,
     }

@@ -71,7 +71,7 @@ def with_guard(name: str, time: Discrete, sensors: int, block: Block, reason: st
     `reason` tells the caller what the latch means.
     """
     inputs = voltages(sensors)
-    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=reason)
+    guard = safety.guard(time, [safety.GuardedInput(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=reason)
     return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
 
 

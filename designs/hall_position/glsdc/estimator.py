@@ -28,7 +28,7 @@ from models import hall_planar
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
 from synth.blocks import glsdc, phasor
-from synth.blocks.glsdc import Named
+from synth.blocks.glsdc import NamedExpressions
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -56,9 +56,9 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Blo
     of, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        named: Named = []
+        named: NamedExpressions = []
         excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, of)
-        heading = phasor.reduced(prediction["yaw"], 2, "yaw_fraction", named)
+        heading = phasor.by_range_reduction(prediction["yaw"], 2, "yaw_fraction", named)
         sensors = planar_model.sensors(u, prediction, k, heading, excluded, of, named)
         solution = glsdc.descend(planar_model.trial_function(sensors, of, named), of.descent)
         normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
@@ -92,7 +92,7 @@ def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:
     return [*outputs, tracking.excluded_sensor_number(array)] if tracking.is_redundant(array) else outputs
 
 
-def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: Named) -> Phasor:
+def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: NamedExpressions) -> Phasor:
     """Return the centre from the body's origin, m, at a heading that has changed by a yaw since the sample began."""
     x, y = array.centre
     if x == y == 0:

@@ -27,7 +27,7 @@ from models.hall_planar import Row, Sensor
 from models.hall_two_waves import PlanarArray
 from synth.block import Exprs
 from synth.blocks import phasor
-from synth.blocks.glsdc import Choose, Descent, Named, Trial, Vector, total
+from synth.blocks.glsdc import Descent, LimitStep, NamedExpressions, Trial, Vector, total
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
@@ -85,7 +85,7 @@ class Normal:
             decrease += n.slope**2 * n.inverse
         return decrease
 
-    def solve(self, choose: Choose) -> list[ca.SX]:
+    def solve(self, choose: LimitStep) -> list[ca.SX]:
         """Return the end of a scaled correction: the yaw first, then the phases for the yaw as limited."""
         yaw, yaw_change = choose(2, self.scale * (self.right / self.information))
         ends = [
@@ -111,7 +111,7 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
 
 
 def sensors(
-    u: Exprs, pose: Exprs, k: Exprs, heading: Phasor, excluded: Vector | None, of: Problem, named: Named
+    u: Exprs, pose: Exprs, k: Exprs, heading: Phasor, excluded: Vector | None, of: Problem, named: NamedExpressions
 ) -> list[Sensor]:
     """Return the sensors at the predicted pose; an excluded one has zero voltages in a zero field.
 
@@ -126,7 +126,7 @@ def sensors(
 
         place = heading.times(Phasor(ca.SX(ax), ca.SX(ay)))
         at = pose["phase_x"] + place.cosine, pose["phase_y"] + place.sine
-        x, y = (phasor.reduced(p, of.halvings, "phase_fraction", named) for p in at)
+        x, y = (phasor.by_range_reduction(p, of.halvings, "phase_fraction", named) for p in at)
         vx, vy = (if_in_use(u[f"V_{letter}{a}_held"]) for a in AXES)
         field = [if_in_use(ca.SX(of.array.c)), *(if_in_use(k[f"field_{i}"]) for i in hall_planar.POWERS)]
         slope = [if_in_use(k[f"slope_{i - 1}"]) for i in hall_planar.POWERS]
@@ -135,7 +135,9 @@ def sensors(
     return [sensor(n) for n in range(len(of.array.positions))]
 
 
-def trial_function(sensors: Sequence[Sensor], of: Problem, named: Named) -> Callable[[int, Vector], Trial[Normal]]:
+def trial_function(
+    sensors: Sequence[Sensor], of: Problem, named: NamedExpressions
+) -> Callable[[int, Vector], Trial[Normal]]:
     """Return the function that evaluates the i-th trial at a displacement (U, V, T)."""
     damping, radius = of.damping, of.tuning.yaw_damping_ratio * of.array.radius
 

@@ -25,7 +25,7 @@ from designs.hall_position.glsdc.spatial_model import POSE, Problem
 from models.hall_two_waves import SpatialArray
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import glsdc
-from synth.blocks.glsdc import Factorised, Named, Solution
+from synth.blocks.glsdc import LdlNormalEquations, NamedExpressions, Solution
 from synth.errors import ModelError
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -72,7 +72,7 @@ def estimator(array: SpatialArray, time: Discrete, tuning: SpatialTuning = USUAL
     of, redundant = spatial_model.problem(array, tuning), is_redundant(array)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        named: Named = []
+        named: NamedExpressions = []
         prediction = _predict(x, of)
         excluded = channels.refused_sensors(len(array.positions), u) if redundant else None
         solution = spatial_model.correct(prediction, spatial_model.sensors(array, u, k, excluded), of, named)
@@ -132,7 +132,9 @@ def _predict(x: Exprs, of: Problem) -> dict[str, ca.SX]:
     return prediction | {s.name: clip(prediction[s.name], s) for s in of.ranges[2:5]}
 
 
-def _advance(solution: Solution[Factorised], fault: ca.SX, prediction: Exprs, x: Exprs, of: Problem) -> NextState:
+def _advance(
+    solution: Solution[LdlNormalEquations], fault: ca.SX, prediction: Exprs, x: Exprs, of: Problem
+) -> NextState:
     """Return the pose and the states after the corrections of the predicted pose."""
     by = restarts.gate_correction(fault, POSE, solution.at, x)
     pose = {name: prediction[name] + by[name] for name in POSE}

@@ -20,7 +20,7 @@ from models.hall_spatial import Sensor
 from models.hall_two_waves import SpatialArray
 from synth.block import Exprs, clip
 from synth.blocks import glsdc, phasor
-from synth.blocks.glsdc import Descent, Factorised, Named, Solution, Vector
+from synth.blocks.glsdc import Descent, LdlNormalEquations, NamedExpressions, Solution, Vector
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
@@ -87,15 +87,18 @@ def sensors(array: SpatialArray, u: Exprs, k: Exprs, excluded: Vector | None) ->
     return sensors
 
 
-def correct(pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: Named) -> Solution[Factorised]:
+def correct(
+    pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: NamedExpressions
+) -> Solution[LdlNormalEquations]:
     """Return the solution of the corrections of a predicted pose."""
-    heading = phasor.reduced(pose["yaw"], 2, "yaw_fraction", named)
+    heading = phasor.by_range_reduction(pose["yaw"], 2, "yaw_fraction", named)
     # Makes the rounded bound symmetric: X and Y then share their polynomials.
     heading = Phasor(ca.fmax(heading.cosine, -1), heading.sine)
     body = hall_spatial.attitude(heading, pose["roll"], pose["pitch"])
     places = [hall_spatial.place(s, body) for s in sensors]
     phases = [
-        [phasor.reduced(pose[POSE[i]] + o[i], of.halvings, "phase_fraction", named) for i in (0, 1)] for o in places
+        [phasor.by_range_reduction(pose[POSE[i]] + o[i], of.halvings, "phase_fraction", named) for i in (0, 1)]
+        for o in places
     ]
     seen = [hall_spatial.observe(*each, pose["rise"]) for each in zip(sensors, places, phases, strict=True)]
     first = [e for each in seen for e in hall_spatial.residuals(each, body)]

@@ -47,10 +47,10 @@ def array(bench: Bench) -> Array:
     """Return the array for the estimator: mean model of the channels, with the misfit as noise."""
     scans = hall_bench.fits(bench, PITCH, TIME)
     c, alpha, beta = (
-        digits.cut(float(np.mean([f.estimate[name] for f in scans])), DIGITS) for name in ("c", "alpha", "beta")
+        digits.significant(float(np.mean([f.estimate[name] for f in scans])), DIGITS) for name in ("c", "alpha", "beta")
     )
     misfit = float(np.sqrt(np.mean([np.mean(f.residual**2) for f in scans])))
-    return Array(bench.places, c, alpha, beta, PITCH, digits.cut(misfit, 2))
+    return Array(bench.places, c, alpha, beta, PITCH, digits.significant(misfit, 2))
 
 
 def samples(
@@ -62,7 +62,7 @@ def samples(
     """
     poses = hall_bench.scan(reach, line, TOGETHER)
     block = unranged(estimator.guarded_estimator(source.array, TIME, closed_loop.TUNING))
-    controller = build.compiled(block, np.float32, libm=True)
+    controller = build.compile_block(block, np.float32, libm=True)
     read = controller.replay(hall_bench.sampled_voltages(bench, poses, TIME, seed)).outputs
     columns = np.stack([np.asarray(read[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
     valid = np.asarray(read["valid"]).reshape(-1, TOGETHER).all(axis=1)

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from designs.hall_position.loop import calibration, closed_loop, sources, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
 from designs.planar_6dof import interface
-from designs.planar_6dof.experiments import usual
+from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
 from synth.blocks.error_map import ErrorMap
 from synth.check import Check
@@ -92,7 +92,7 @@ def standstill(loop: Loop) -> Experiment:
     noise = {axis: figures[f"{axis} as estimated, um rms"] / 1e6 for axis in "xy"}
     checks = [Check(f"noise of {axis} as estimated", rms, FINE, "m", bar) for axis, rms in noise.items()]
     about = f"{sources.REST:g} s, {sources.ABOUT}"
-    return Experiment("rest", "At rest", about, run, HORIZONTAL, {}, figures, (*checks, *usual(run)))
+    return Experiment("rest", "At rest", about, run, HORIZONTAL, {}, figures, (*checks, *common_checks(run)))
 
 
 def step(loop: Loop, name: str) -> Experiment:
@@ -112,7 +112,10 @@ def step(loop: Loop, name: str) -> Experiment:
         "Fig. 11: true motion, mm": 1e3 * (STEP + (OVERSHOOT if plain else 0.0)),
     }
     figures |= _step_errors(calibration.calibrated_source().map) if plain else {}
-    checks = (Check("error of the motion", abs(motion - STEP), ACCURACY if plain else CALIBRATED, "m"), *usual(run))
+    checks = (
+        Check("error of the motion", abs(motion - STEP), ACCURACY if plain else CALIBRATED, "m"),
+        *common_checks(run),
+    )
     title = f"x by 4 mm, {'not calibrated, Fig. 11(a)' if plain else 'calibrated, Fig. 11(b)'}"
     return Experiment(f"step_{name}", title, sources.ABOUT, run, ("x", "x_raw"), {"x": set_point}, figures, checks)
 
@@ -152,7 +155,7 @@ def zigzags(both: Mapping[str, Loop]) -> list[Experiment]:
             checks.append(Check("error over that without calibration", ratio, 1 / IMPROVEMENT, "1", "rms"))
         title = f"Zigzag, Fig. 10, {'not calibrated' if name == 'plain' else name}"
         shown, references = ("x", "y"), {"x": x, "y": y}
-        checks += usual(run)
+        checks += common_checks(run)
         experiments.append(
             Experiment(f"zigzag_{name}", title, sources.ABOUT, run, shown, references, figures, tuple(checks))
         )
@@ -194,7 +197,7 @@ def staircase(loop: Loop) -> Experiment:
     figures["noise of the estimate on a step, um rms"] = 1e6 * spread
     checks.append(Check("noise of the estimate", spread, RESOLUTION, "m", "below 10 um, Fig. 12"))
     about, shown, title = f"{COUNT} steps, {sources.ABOUT}", ("x_raw", "x"), "x by 10 um, Fig. 12"
-    return Experiment("staircase", title, about, run, shown, {"x": set_point}, figures, (*checks, *usual(run)))
+    return Experiment("staircase", title, about, run, shown, {"x": set_point}, figures, (*checks, *common_checks(run)))
 
 
 def dropouts(loop: Loop) -> Experiment:

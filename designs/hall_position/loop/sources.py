@@ -12,7 +12,7 @@ import numpy as np
 
 from designs.hall_position.loop import calibration, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
-from designs.planar_6dof.experiments import usual
+from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
 from synth.check import Check
 from synth.execute import cross
@@ -63,7 +63,7 @@ def experiment(by_name: Mapping[str, Loop]) -> Experiment:
         Check(f"{axis} off its path", errors[OPTIMISED][axis], errors[SECTIONS][axis] / 2, unit, about)
         for axis, unit in UNITS.items()
     ]
-    checks += [check for run in runs.values() for check in usual(run)]
+    checks += [check for run in runs.values() for check in common_checks(run)]
     title, about = "A slow path through a pitch, by each source", f"4.8 mm/s, {ABOUT}"
     return Experiment("sources", title, about, runs[OPTIMISED], tuple(UNITS), set_points(), figures, tuple(checks))
 
@@ -83,6 +83,6 @@ def _path_errors(run: Trajectory) -> dict[str, float]:
 
 def instructions(loop: Loop, run: Trajectory) -> list[int]:
     """Return the largest instruction count of a controller step on a Cortex-M4F; empty without the compiler."""
-    path = steps.thinned(steps.recorded(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
+    path = steps.thinned(steps.record(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
     builds = [b for b in (meter.builds() if cross.available() else ()) if b.name == BUILD]
-    return [int(meter.run(rivals.emitted(loop.emitted), path, b).cost.instructions.max()) for b in builds]
+    return [int(meter.run(rivals.emitted_c(loop.emitted), path, b).cost.instructions.max()) for b in builds]

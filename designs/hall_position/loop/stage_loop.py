@@ -24,7 +24,7 @@ from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import build, host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
@@ -43,7 +43,7 @@ class Loop:
 
     rig: Rig
     bench: Bench
-    emitted: Emitted
+    emitted: EmittedCode
     view: host.Controller
     gain_ratio: float = 1.0
 
@@ -89,7 +89,7 @@ def of_sections(libm: bool = False) -> Loop:
     plant = planar_stage.plant()
     bench = Bench(planar_stage.hall_places(plant))
     gain_ratio = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
-    shown = planar.view(TIME, predicted=False)
+    shown = planar.position_block(TIME, predicted=False)
     return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, gain_ratio)
 
 
@@ -107,5 +107,5 @@ def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, ga
     rig = replace(planar.of(block, host.load(emitted.files, emitted.manifest)), plant=plant)
     step, sensors = bench.chain.step, rig.stage.interface.sensors
     converted = tuple(replace(s, resolution=step) if s.name in planar_stage.HALL else s for s in sensors)
-    seen = build.compiled(shown, np.float32, libm=libm, error=error)
+    seen = build.compile_block(shown, np.float32, libm=libm, error=error)
     return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, gain_ratio)

@@ -87,7 +87,7 @@ def _calibration(of: ErrorMap) -> dict[str, Made]:
     return {
         "calibration.size": f"{of.grid.size[0]} × {of.grid.size[1]}",
         "calibration.spacing": 1e3 * of.grid.spacing,
-        "calibration.map": maps.signed(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes]),
+        "calibration.map": maps.signed_maps(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes]),
         "calibration.shares": shares,
     }
 

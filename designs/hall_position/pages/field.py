@@ -100,7 +100,7 @@ def _harmonics(stage: Stage, z: float) -> Chart:
 def _surface(above: Mapping[str, Surface]) -> Figure:
     """Return Fig. 4: B_X over the target area above ideal and fabricated blocks."""
     shown = [Map(f"B_X, {name}, mT", 1e3 * of.B_X) for name, of in above.items()]
-    return maps.signed(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
+    return maps.signed_maps(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
 
 
 def _sections(above: Mapping[str, Surface]) -> Figure:
@@ -138,7 +138,7 @@ def _residuals(fit: Fit) -> Figure:
     n, half = int(np.sqrt(len(fit.measured))), fit.Y[1] / 2
     sides = [(1e3 * float(v[0] - half), 1e3 * float(v[-1] + half)) for v in (fit.X, fit.Y)]
     shown = {"(a) measured, V": fit.measured, "(b) model (2), V": fit.modelled, "(c) left, mV": 1e3 * fit.residual}
-    return maps.signed([Map(title, values.reshape(n, n)) for title, values in shown.items()], sides)
+    return maps.signed_maps([Map(title, values.reshape(n, n)) for title, values in shown.items()], sides)
 
 
 def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure:

@@ -16,7 +16,7 @@ from designs.hall_position import config
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
-from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
+from designs.planar_6dof.loops import PHASES, SENSED, LoopParts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray as Sensors
@@ -41,13 +41,13 @@ def section(points: int = PLACES) -> page.Section:
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     parts = open_loop(source, block, {})
     shown = loops.of_parts(parts, HORIZONTAL, ESTIMATE)
-    by_sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
+    by_sections = loops.rounded_controller(plant, lqg.TIME, lqg.sensing_blocks(plant), lqg.law(plant))
     shown += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
     return standard.loops(shown, blocks=(_over_pitch(source, block, points),))
 
 
 def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
-    places = loops.spread(source.array.pitch, points)
+    places = loops.places_over_pitch(source.array.pitch, points)
     by_place = [loops.of_parts(open_loop(source, block, place), HORIZONTAL, ESTIMATE) for place in places]
     rows = []
     for axis, each in zip(HORIZONTAL, zip(*by_place, strict=True), strict=True):
@@ -58,7 +58,7 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
     return page.Table(caption, ("axis", "all stable", *sections.RANGES), tuple(rows))
 
 
-def open_loop(source: Source, block: Block, place: Place) -> Parts:
+def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
     """Return both parts of the open loop with the platen at rest at a place, m."""
     plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
     stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), loops.commutation_matrix(plant, pose)
@@ -70,9 +70,9 @@ def open_loop(source: Source, block: Block, place: Place) -> Parts:
     inputs = dict(zip(SENSED, [*volts.tolist(), *distances.tolist()], strict=True))
     inputs |= {f"{axis}_ref": pose[axis] for axis in AXES}
     held = {name: np.full(SETTLED, value) for name, value in inputs.items()}
-    rested = agree.recorded(agree.casadi(block), initial_states(block, source.array, pose), held).states
-    K = loop.linearised(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
-    return loops.around(hall_chain.filtered(motors, HORIZONTAL, Chain()), K, shown, E)
+    rested = agree.run(agree.casadi(block), initial_states(block, source.array, pose), held).states
+    K = loop.linearise_block(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
+    return loops.in_motor_coordinates(hall_chain.filtered(motors, HORIZONTAL, Chain()), K, shown, E)
 
 
 def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:

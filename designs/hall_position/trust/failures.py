@@ -133,7 +133,7 @@ def _is_flagged(batch: host.Batch) -> NDArray[np.bool_]:
 
 def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     batches, each = zip(*samples, strict=True)
-    scores, state = ensemble.stacked(each), batches[-1].states
+    scores, state = ensemble.stack(each), batches[-1].states
     flag = _first_sample(np.array([_is_flagged(batch) for batch in batches]))
     exceeding = _first_sample(np.array([batch.outputs["residual"] > config.tuning.residual_limit for batch in batches]))
     exceeded, valid = exceeding < AFTER, scores.valid

@@ -89,5 +89,5 @@ def cold_start(config: EstimatorConfig, pose: Pose, samples: int, speed: float =
     def at(k: int) -> Pose:
         return pose.displaced(speed * k * estimator_ensemble.TIME.period_s, heading)
 
-    state = ensemble.started(estimator_ensemble.compile_estimator(config), n)
+    state = ensemble.initial_states(estimator_ensemble.compile_estimator(config), n)
     return estimator_ensemble.track_scores(config, state, at, samples, rng)

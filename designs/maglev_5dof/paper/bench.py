@@ -135,8 +135,8 @@ def _controller(known: Plant, corrected: bool) -> host.Controller:
     return host.load(emitted.files, emitted.manifest)
 
 
-@cache.kept
-def _emit(parameters: tuple[tuple[str, float], ...], corrected: bool) -> write.Emitted:
+@cache.cached
+def _emit(parameters: tuple[tuple[str, float], ...], corrected: bool) -> write.EmittedCode:
     """Return the C of the controller for these parameters of the plant.
 
     It calls the functions of the C library, because no polynomials are fitted for new parameters.

@@ -31,5 +31,5 @@ def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
 
 def printed() -> dict[str, Published]:
     """Return what the paper prints, by row, with the groups of parameters before each row's formulas."""
-    prints = audit.read(Path(__file__).parent).items()
+    prints = audit.read_published(Path(__file__).parent).items()
     return {id: replace(p, computed={**BY_GROUP, **p.computed}) for id, p in prints}

@@ -166,10 +166,10 @@ def _observer_gain(held: StateSpace, pole: float) -> Array:
 def unobservable_modes(of: Stage, integrals: bool, shown: bool = False) -> int:
     """Return the number of unobservable modes of `model`; `shown` takes the integrals as outputs, too."""
     m = model(of, integrals)
-    return len(structure.unmoved(m.A.T, np.eye(9, 6) if shown else m.C.T, m.states, m.time))
+    return len(structure.uncontrollable_modes(m.A.T, np.eye(9, 6) if shown else m.C.T, m.states, m.time))
 
 
 def uncontrollable_modes(of: Stage, integrals: bool) -> int:
     """Return the number of uncontrollable modes of `model`."""
     m = model(of, integrals)
-    return len(structure.unmoved(m.A, m.B, m.states, m.time))
+    return len(structure.uncontrollable_modes(m.A, m.B, m.states, m.time))

@@ -39,4 +39,4 @@ def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = N
 
 def printed() -> dict[str, Published]:
     """Return what the paper prints, by row."""
-    return audit.read(Path(__file__).parent)
+    return audit.read_published(Path(__file__).parent)

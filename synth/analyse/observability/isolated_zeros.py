@@ -129,7 +129,7 @@ def newton(equations: Equations, start: Array) -> Place | None:
 def _isolate(equations: Equations, at: Place) -> Cube:
     """Return the largest of CUBES about a zero that is proved to contain no other."""
     n = equations.n
-    inverse = precise.middle(equations.slopes(at).inv())
+    inverse = precise.midpoints(equations.slopes(at).inv())
     offset = inverse * equations.values(at)
     for half in CUBES:
         box = [v + Ball(0, half) for v in at]

@@ -66,7 +66,7 @@ def search(
         count += q.shape[1]
         kept = []
         for part in np.array_split(np.arange(q.shape[1]), ceil(q.shape[1] / AT_ONCE)):
-            s, bound = bounded(deviations, changes, q[:, part], half)
+            s, bound = bound_cells(deviations, changes, q[:, part], half)
             for i in np.flatnonzero(s.max(axis=1) > met):
                 met[i], at[i] = s[i].max(), q[:, part[s[i].argmax()]]
             undecided = (bound > (1 + tolerance) * met[:, None]).any(axis=0)
@@ -79,7 +79,7 @@ def search(
 
 
 @arguments.checked
-def bounded(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
+def bound_cells(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
     """Return deviations at the centres q (n, N) and bounds in the cells of half sides (n, 1), inf without a bound.
 
     Raises SignalError unless the arguments are matrices, ModelError for shapes that do not fit each other.

@@ -86,7 +86,7 @@ def design(
         compensator = method(_compensator(model, crossover, integral_corner, sections, lead, gain), period_s, crossover)
         if not isinstance(compensator, LeadLag):
             raise SignalError(
-                f"the method returns {arguments.found(compensator)}: give one of lead_lag, like prewarped"
+                f"the method returns {arguments.describe(compensator)}: give one of lead_lag, like prewarped"
             )
         return compensator
 

@@ -34,7 +34,7 @@ MOST_INTEGRATORS = 10  # of a compensator: with more, a loop has no phase margin
 
 
 @arguments.checked
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, repr=False)
 class Compensator:
     """K by gain, zeros and poles, in 1/s, or in z if sampled; `units` are those of input and output.
@@ -74,7 +74,7 @@ class Compensator:
         rows = [("gain", show.number(self.gain, 8))]
         rows += [(f"zero [{variable}]", show.number(v, 8)) for v in self.zeros]
         rows += [(f"pole [{variable}]", show.number(v, 8)) for v in self.poles]
-        ends = " to ".join(show.named(name, self.units.get(name, "")) for name in (self.input, self.output))
+        ends = " to ".join(show.with_unit(name, self.units.get(name, "")) for name in (self.input, self.output))
         equation = show.ratio("K", "s" if variable == "1/s" else "z", self.gain, self.zeros, self.poles)
         table = show.Table(("", "value"), tuple(rows), equation=equation)
         return show.Sheet(f"Compensator in {self.time}, {ends}", (), (table,))
@@ -193,10 +193,10 @@ def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
 
 
 @arguments.checked
-def held(compensator: Compensator, period_s: float, at: float) -> LeadLag:
+def zero_order_hold(compensator: Compensator, period_s: float, at: float) -> LeadLag:
     """Return the exact discretisation with a zero-order hold at the input.
 
-    Raises TimingError as `tustin`; ModelError as `precise.resolved`.
+    Raises TimingError as `tustin`; ModelError as `precise.correctly_rounded`.
     """
     _check_sampling(compensator, period_s, at)
     return _with_errors(compensator, discretise.zero_order_hold(compensator.model, period_s), "held", at)

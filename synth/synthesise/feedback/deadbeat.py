@@ -53,7 +53,7 @@ def feedback(system: System) -> Deadbeat:
     if isinstance(model.time, Continuous):
         raise TimingError("no constant gain is deadbeat in continuous time: sample the model, or place fast poles")
     part = staircase.scaled(model.A, model.B)
-    split = staircase.split(part.A, part.B)
+    split = staircase.controllable_split(part.A, part.B)
     if len(model.inputs) == 1 and len(model.A) and not split.outside.size:
         poles = np.zeros(len(model.A), dtype=np.complex128)
         K, steps = pole_placement.ackermann(part.A, part.B, poles), len(poles)
@@ -71,13 +71,13 @@ def _remainder(model: StateSpace, part: staircase.Scaled, gain: Array, steps: in
 
 
 @arguments.checked
-def lasting(model: StateSpace) -> tuple[complex, str]:
+def largest_uncontrollable_mode(model: StateSpace) -> tuple[complex, str]:
     """Return the largest uncontrollable mode, with the states that dominate it.
 
     Raises ModelError where all modes are controllable.
     """
     part = staircase.scaled(model.A, model.B)
-    values, vectors = staircase.modes(part.A.T, staircase.split(part.A, part.B).outside)
+    values, vectors = staircase.modes(part.A.T, staircase.controllable_split(part.A, part.B).outside)
     if not len(values):
         raise ModelError(f"the inputs {', '.join(model.inputs)} control every mode: no mode is uncontrollable")
     k = int(np.argmax(np.abs(values)))
@@ -95,7 +95,7 @@ def _nilpotent(model: StateSpace, part: staircase.Scaled) -> tuple[Array, int]:
         _, sigma, V = np.linalg.svd((part.A - basis @ (basis.T @ part.A)) @ complement)
         new = complement @ V[int((sigma > staircase.COUPLING * size).sum()) :].T
         if not new.shape[1]:
-            value, who = lasting(model)
+            value, who = largest_uncontrollable_mode(model)
             raise ModelError(
                 f"mode {show.number(value, 4)} in {who} is not 0 and is uncontrollable from "
                 f"{', '.join(model.inputs)}: no gain is deadbeat; actuate {who} or take it out of the model"

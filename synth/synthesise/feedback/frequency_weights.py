@@ -41,7 +41,7 @@ class FrequencyShapedGain:
 
 
 @arguments.checked
-def shaped(
+def frequency_shaped_lqr(
     system: System,
     filters: Sequence[System],
     Qz: weights.Weight,
@@ -63,7 +63,7 @@ def shaped(
     n = len(plant.states)
     if Qx is not None:
         extra[:n, :n] = weights.semidefinite("Qx", Qx, plant.states)
-    output_weights = weights.output_weighted(joined, Qz, R)
+    output_weights = weights.output_weights(joined, Qz, R)
     Q = output_weights.Q + extra
     if period_s is None:
         gain, model = lqr.lqr(joined, Q, output_weights.R, output_weights.N, exact), joined

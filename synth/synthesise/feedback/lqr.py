@@ -13,7 +13,7 @@
     ^                                       |
     +------------------[ K ]<---------------+
 
-`weights.output_weighted` converts weights on outputs (MATLAB `lqry`); `integral` adds the states q (MATLAB `lqi`). The
+`weights.output_weights` converts weights on outputs (MATLAB `lqry`); `integral` adds the states q (MATLAB `lqi`). The
 computation is in double precision, or with `exact` in ball arithmetic for gains that are the same on every machine.
 """
 
@@ -57,7 +57,7 @@ class Gain:
     def sheet(self) -> show.Sheet:
         """Return the certificate, the gain by name and the poles."""
         rows, columns = (
-            [show.named(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
+            [show.with_unit(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
         )
         title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
         tables = (show.feedback(show.matrix("K", self.K, rows, columns)), modes.table(self.poles, self.time))
@@ -175,7 +175,7 @@ def sampled_cost(
     ModelError as `discretise.gramian`.
     """
     model = of(system)
-    Q, R, N = riccati.checked_weights(model, Q, R, N)
+    Q, R, N = riccati.weight_matrices(model, Q, R, N)
     if not isinstance(model.time, Continuous):
         raise TimingError(
             f"the cost over a period needs a continuous model, but this one is in {model.time}: give the "
@@ -241,7 +241,7 @@ def _gain_matrix(gain: Gain, model: StateSpace) -> Array:
 
 
 @arguments.checked
-def integral(system: System, outputs: Sequence[str]) -> StateSpace:
+def with_integrators(system: System, outputs: Sequence[str]) -> StateSpace:
     """Return the model with a state ``<output>_integral`` for each of some outputs: q' = y, or q+ = q + T y.
 
     They follow the states, with the unit of y times s, and are also outputs (Y(31), Y(32)).

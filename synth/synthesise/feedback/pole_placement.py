@@ -78,7 +78,7 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     model = of(system)
     structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
     part = staircase.scaled(model.A, model.B)
-    split = staircase.split(part.A, part.B)
+    split = staircase.controllable_split(part.A, part.B)
     fixed = staircase.modes(part.A.T, split.outside)[0] * part.rate
     requested = _check_poles(poles, split.inside.shape[1], fixed, model)
     size = _pole_scale(requested, model.time)
@@ -183,7 +183,7 @@ def ackermann(A: Array, b: Array, poles: Complex) -> Array:
         last = flint.arb_mat([[flint.arb(-(i == n - 1))] for i in range(n)])
         return flint.arb_mat(columns).solve(last).transpose() * phi
 
-    return precise.resolved(compute, "the gain")
+    return precise.correctly_rounded(compute, "the gain")
 
 
 def _place_robustly(A: Array, B: Array, poles: Complex) -> Array:

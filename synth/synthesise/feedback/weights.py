@@ -170,7 +170,7 @@ def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Arr
 
 
 @arguments.checked
-def output_weighted(system: System, Qy: Weight, R: Weight) -> Weights:
+def output_weights(system: System, Qy: Weight, R: Weight) -> Weights:
     """Return the weights on states and inputs equal to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
 
     Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite if R + D'Qy D is definite.

@@ -83,7 +83,7 @@ class Estimate:
 
     def sheet(self) -> show.Sheet:
         """Return estimates with errors and intervals, their correlation, and the residual of each output."""
-        labels = [show.named(name, self.units.get(name, "")) for name in self.names]
+        labels = [show.with_unit(name, self.units.get(name, "")) for name in self.names]
         columns = ("parameter", "estimate", "standard error", f"{100 * self.level:.4g} % from", "to")
         rows = tuple(
             (label, *(show.number(v, 6) for v in (value, error, low, high)))
@@ -92,7 +92,8 @@ class Estimate:
             )
         )
         fits = tuple(
-            (show.named(n, self.units.get(n, "")), f"{v:.4g}", f"{self.r_squared[n]:.6g}") for n, v in self.rms.items()
+            (show.with_unit(n, self.units.get(n, "")), f"{v:.4g}", f"{self.r_squared[n]:.6g}")
+            for n, v in self.rms.items()
         )
         tables = (
             show.Table(columns, rows),

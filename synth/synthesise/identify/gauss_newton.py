@@ -105,7 +105,7 @@ def minimise(
         if np.allclose(before, weight, rtol=least_squares.CONVERGED, atol=0.0):
             break
     else:
-        raise ModelError(least_squares.unsettled(PASSES))
+        raise ModelError(least_squares.not_converged(PASSES))
     estimate = least_squares.estimate(linear, y, parameters, outputs, noise, level, units)
     return Fit(estimate, readonly(theta), steps, unexplained)
 

@@ -79,7 +79,7 @@ def solve(
             break
     else:
         if noise is None and len(outputs) > 1:
-            raise ModelError(unsettled(PASSES))
+            raise ModelError(not_converged(PASSES))
     return estimate(solution, y, parameters, outputs, noise, level, units)
 
 
@@ -187,7 +187,7 @@ def deviations(solution: Solution, y: Array, outputs: Sequence[str]) -> Array:
 
 
 @arguments.checked
-def unsettled(passes: int) -> str:
+def not_converged(passes: int) -> str:
     """Return the error text for output noise that did not converge."""
     return f"the estimated noise of the outputs does not converge in {passes} fits: give the `noise` of each output"
 

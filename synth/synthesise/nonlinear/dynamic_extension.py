@@ -63,7 +63,7 @@ class _Mixing:
 
 
 @arguments.checked
-def integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
+def add_integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
     """Return the plant with an integrator before each of the named inputs; it is then affine in the new inputs.
 
     An input becomes a state with the same name, unit and range; the new input `<input>_rate` can traverse that range in

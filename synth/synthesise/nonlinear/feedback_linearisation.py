@@ -108,7 +108,7 @@ class Linearisation:
 
         Raises SignalError for a state that does not enter D.
         """
-        return singularity.mapped(self.degree.scaled, down, across, held)
+        return singularity.condition_map(self.degree.scaled, down, across, held)
 
     def check(self, points: int = 64) -> Check:
         """Substitute the law at scattered points and compare d^r y/dt^r with the demands.
@@ -126,7 +126,7 @@ class Linearisation:
         at = box.scatter(domain.signals, points, SEED)
         demands = np.roll(domain.evaluated(reached, at)[:, 0, :], 1, axis=1)
         inputs_sent, error_u = _evaluate_law(self, at[: len(states)], demands)
-        parts = ca.horzcat(reached, rounding.bound(reached), ca.jacobian(reached, u))
+        parts = ca.horzcat(reached, rounding.error_bound(reached), ca.jacobian(reached, u))
         values = domain.evaluated(parts, np.vstack([at[: len(states)], inputs_sent]))
         size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(demands)
         most = CANCELLATION * np.abs(demands).max(axis=1, keepdims=True)
@@ -153,7 +153,7 @@ class Linearisation:
         for signal, r in zip(self.degree.model.outputs, self.degree.degrees, strict=True):
             unit = reduce(lambda unit, _: per_second(unit), range(r), signal.unit)
             times = {0: signal.name, 1: f"d {signal.name}/dt"}.get(r, f"d^{r} {signal.name}/dt^{r}")
-            labels.append(show.named(times, unit))
+            labels.append(show.with_unit(times, unit))
         return labels
 
 
@@ -254,7 +254,7 @@ def _derivatives(law: Linearisation, u: ca.SX) -> ca.SX:
 
 def _evaluate_law(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
     """Return the inputs (m, k) of the law and the bound of their rounding errors."""
-    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), rounding.bound(law.u)])
+    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), rounding.error_bound(law.u)])
     sent, error = (np.asarray(v) for v in function(x, w))
     box.require_finite("the law", sent, law.degree.model.states, x)
     return sent, error
@@ -287,6 +287,6 @@ def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Seq
 def _is_zero(determinant: ca.SX, D: ca.SX) -> bool:
     """Tell whether det D is rounding error wherever it is sampled."""
     symbols = ca.symvar(D)
-    at = ca.Function("at", [ca.vcat(symbols)], [determinant, rounding.bound(determinant)])
+    at = ca.Function("at", [ca.vcat(symbols)], [determinant, rounding.error_bound(determinant)])
     points = np.random.default_rng(1).uniform(0.1, 1.0, (8, len(symbols)))
     return all(abs(float(value)) <= rounding.LIMIT * float(error) for value, error in map(at, points))

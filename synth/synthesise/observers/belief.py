@@ -46,7 +46,7 @@ class StateEstimate:
     def sheet(self) -> show.Sheet:
         """Return each state with its standard deviation."""
         values = np.column_stack([self.x, np.linalg.norm(self.root, axis=1)])
-        rows = [show.named(name, self.units.get(name, "")) for name in self.states]
+        rows = [show.with_unit(name, self.units.get(name, "")) for name in self.states]
         table = show.matrix("state", values, rows, ("mean", "deviation"))
         return show.Sheet(f"Estimate of {len(rows)} states", tables=(table,))
 

@@ -64,7 +64,7 @@ def from_measurement(
             f"the deviation of '{whole.states[int(np.argmin(d))]}' at the start is below 0: give 0 or more"
         )
     _require_independent(part, d)
-    start = precise.resolved(lambda: _start_map(part, x_0, d), "the start of the estimator")
+    start = precise.correctly_rounded(lambda: _start_map(part, x_0, d), "the start of the estimator")
     columns = _input_columns(model, part)
     a, G = np.zeros(len(model.states)), np.zeros((len(model.states), len(model.inputs)))
     for row, i in rows.items():

@@ -143,7 +143,7 @@ def discrete(
 
 
 @arguments.checked
-def sampled(
+def kalmd(
     system: System,
     W: weights.Weight,
     V: weights.Weight,
@@ -196,7 +196,7 @@ def _measurement_update(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
     with precise.precision():
         p, c, v = precise.matrix(P), precise.matrix(C), precise.matrix(V)
         cp = c * p
-        m = precise.middle((cp * c.transpose() + v).solve(cp).transpose())
+        m = precise.midpoints((cp * c.transpose() + v).solve(cp).transpose())
         joseph = precise.identity(len(P)) - m * c
         posterior = precise.rounded(joseph * p * joseph.transpose() + m * v * m.transpose())
         return precise.rounded(m), (posterior + posterior.T) / 2

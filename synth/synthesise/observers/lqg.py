@@ -8,8 +8,8 @@
      measurement noise
 
 The controller computes the integral states q of chosen outputs itself, without error; only the plant's states are
-estimated. They are recognised by their names, ``<output>_integral`` as in `lqr.integral`, among the gain's states, and
-add an input ``<output>_reference``. The poles of the loop are those of A + B K, with the integrators, and those of
+estimated. They are recognised among the gain's states by their names, ``<output>_integral`` as in
+`lqr.with_integrators`, and add an input ``<output>_reference``. The poles of the loop are those of A + B K, with the integrators, and those of
 the estimator (separation principle). Source: Anderson, Moore, Optimal Control (1990), chapter 8.
 """
 
@@ -88,7 +88,7 @@ class Expectation:
 
     def sheet(self) -> show.Sheet:
         """Return the cost, the residual and each signal's standard deviation."""
-        rows = [show.named(name, self.units.get(name, "")) for name in self.deviations]
+        rows = [show.with_unit(name, self.units.get(name, "")) for name in self.deviations]
         table = show.matrix("signal", np.array([list(self.deviations.values())]).T, rows, ("standard deviation",))
         each = "second" if isinstance(self.time, Continuous) else "sample"
         title = f"Expected cost of LQG control for each {each}: {show.number(self.cost)}"
@@ -112,7 +112,7 @@ def current(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
 
 
 @arguments.checked
-def expected(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
+def expected_cost(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
     """Return the expected cost for the gain's weights, and the standard deviations of all states and inputs.
 
     The noise is that of the estimator, or `acting`. The cost is that of the actual loop: the gain need not be designed
@@ -191,13 +191,13 @@ def integrals(gain: lqr.Gain, model: StateSpace) -> tuple[str, ...]:
     if missing:
         raise SignalError(
             f"'{missing[0]}' is not both in the gain and in the estimator's model: design the gain for that model, or "
-            "for `lqr.integral` of it"
+            "for `lqr.with_integrators` of it"
         )
     return outputs
 
 
 def _integrators(model: StateSpace, outputs: Sequence[str]) -> StateSpace:
-    """Return q' = y - r, or q+ = q + T (y - r), for some outputs, with names and units as `lqr.integral`."""
+    """Return q' = y - r, or q+ = q + T (y - r), for some outputs, with names and units as `lqr.with_integrators`."""
     references = tuple(f"{y}_reference" for y in outputs)
     sums = interconnect.integrals(model, {f"{y}{INTEGRAL}": y for y in outputs})
     units = dict(sums.units) | {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}

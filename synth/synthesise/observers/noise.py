@@ -131,7 +131,7 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     determine X.
     """
     A = arguments.matrix("A", A)
-    A, W = arguments.fitting("A", A, len(A), len(A)), arguments.fitting("W", W, len(A), len(A))
+    A, W = arguments.matrix_of_shape("A", A, len(A), len(A)), arguments.matrix_of_shape("W", W, len(A), len(A))
     if (pole := spectrum.unstable_pole(A, time)) is not None:
         raise ModelError(
             f"the pole {show.number(pole)} does not decay, and the covariance is unbounded: stabilise it or take "

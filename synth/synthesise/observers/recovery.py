@@ -64,7 +64,7 @@ class Recovery:
         """Return the distance and the noise of each q, and the obstacles."""
         names = tuple(self.steps[0].noise.deviations)
         units = self.steps[0].noise.units
-        columns = ("distance", *(show.named(f"deviation of {name}", units[name]) for name in names))
+        columns = ("distance", *(show.with_unit(f"deviation of {name}", units[name]) for name in names))
         values = [[step.distance, *step.noise.deviations.values()] for step in self.steps]
         table = show.matrix("q", values, tuple(show.number(step.q) for step in self.steps), columns)
         low, high = (show.number(w) for w in self.band)
@@ -92,7 +92,7 @@ def at_input(
     acting = noise.white(system, W, V, G)
     model, e = acting.model, acting.noise
     plant, s = model.select(model.outputs, gain.inputs), _points(model, qs, band)
-    full = lqr.integral(plant, lqg.integrals(gain, plant))
+    full = lqr.with_integrators(plant, lqg.integrals(gain, plant))
     full = replace(full, C=np.eye(len(full.A)), D=np.zeros_like(full.B), outputs=full.states)
     target = _require_nonzero(-gain.K @ full.select(gain.states, gain.inputs).response(s), "K")
 
@@ -100,7 +100,7 @@ def at_input(
         raised = replace(e, W=readonly(e.W + q * q * _outer_product(plant.B)))
         controller = lqg.current(gain, kalman.steady(replace(acting, noise=raised)))
         ratio = -_compensator(controller, s) @ plant.response(s)
-        return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
+        return Step(float(q), controller, _distance(ratio, target), lqg.expected_cost(controller, e))
 
     return Recovery("input", tuple(step(q) for q in qs), band, _obstacles(plant, "input"))
 
@@ -127,7 +127,7 @@ def at_output(
     def step(q: float) -> Step:
         controller = lqg.current(lqr.lqr(plant, Q + q * q * _outer_product(plant.C.T), R), estimator)
         ratio = -plant.response(s) @ _compensator(controller, s)
-        return Step(float(q), controller, _distance(ratio, target), lqg.expected(controller, e))
+        return Step(float(q), controller, _distance(ratio, target), lqg.expected_cost(controller, e))
 
     obstacles = _obstacles(plant, "output")
     if isinstance(plant.time, Discrete) and e.S.any():

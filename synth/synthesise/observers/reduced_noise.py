@@ -130,7 +130,7 @@ def _require_steady(part: Partition, noise: Noise) -> None:
         )
     size = np.sqrt(np.diag(noise.W22))
     W_error = np.where(np.abs(W_error) > SINGULAR * size * size[:, None], W_error, 0.0)
-    for mode in structure.unmoved(A_error, W_error, part.estimated, part.model.time):
+    for mode in structure.uncontrollable_modes(A_error, W_error, part.estimated, part.model.time):
         raise ModelError(
             f"the process noise W excites mode {show.number(mode.value, 4)} of the error in "
             f"{', '.join(mode.states)} at most through {', '.join(part.measured)}: the filter has no steady-state "

@@ -165,7 +165,7 @@ def deadbeat(system: System, measured: Sequence[str] | str) -> ReducedObserver:
     try:
         design = nilpotent.feedback(dual)
     except ModelError as error:
-        value, who = nilpotent.lasting(dual)
+        value, who = nilpotent.largest_uncontrollable_mode(dual)
         raise ModelError(
             f"mode {show.number(value, 4)} in {who} is not 0 and not observable from {', '.join(part.measured)}: no "
             f"gain is deadbeat; measure {who} or use by_poles or by_riccati"

@@ -122,13 +122,13 @@ def _similarity(model: StateSpace, M: Array) -> tuple[Array, Array, Array]:
     def inverse() -> flint.arb_mat:
         return ball(M).inv()
 
-    A = precise.resolved(lambda: ball(M) * ball(model.A) * inverse(), "the partitioned A")
-    B = precise.resolved(lambda: ball(M) * ball(model.B), "the partitioned B")
-    return A, B, precise.resolved(inverse, "the inverse of [C; E]")
+    A = precise.correctly_rounded(lambda: ball(M) * ball(model.A) * inverse(), "the partitioned A")
+    B = precise.correctly_rounded(lambda: ball(M) * ball(model.B), "the partitioned B")
+    return A, B, precise.correctly_rounded(inverse, "the inverse of [C; E]")
 
 
 def _require_detectable(part: Partition) -> None:
-    for mode in structure.unmoved(part.A22.T, part.A12.T, part.estimated, part.model.time):
+    for mode in structure.uncontrollable_modes(part.A22.T, part.A12.T, part.estimated, part.model.time):
         raise ModelError(
             f"(A12, A22) is not detectable: mode {show.number(mode.value, 4)} in {', '.join(mode.states)} has "
             f"|A12 v| = {mode.measure:.0e} for the measured {', '.join(part.measured)}: measure "

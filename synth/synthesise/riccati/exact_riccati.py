@@ -50,7 +50,7 @@ class _Problem:
     def feedback(self, X: Mat) -> Mat:
         """Return L for X."""
         XB = self.B.transpose() * X
-        return precise.middle(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
+        return precise.midpoints(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
 
     def residual(self, X: Mat) -> Mat:
         """Return the equation's left side at X."""
@@ -137,7 +137,7 @@ def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
             balls = problem.newton(X)
         except ZeroDivisionError:
             return None
-        previous, X = X, precise.middle(balls)
+        previous, X = X, precise.midpoints(balls)
         change = precise.norm(X - previous)
         if change <= 1e-40 * precise.norm(X):
             return X if _is_resolved(balls) else None
@@ -181,20 +181,20 @@ def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
     one = precise.identity(p.A.nrows())
     try:
         A, G, H = p.A - p.B * p.feedback(X0), p.B * p.weight(X0).solve(p.B.transpose()), p.residual(X0)
-        A, G, H = (precise.middle(Y) for Y in (A, G, H))
+        A, G, H = (precise.midpoints(Y) for Y in (A, G, H))
         if p.continuous:
             A, G, H = _bilinear_transform(A, G, H)
         for _ in range(PASSES):
-            inverse = precise.middle((one + G * H).inv())
+            inverse = precise.midpoints((one + G * H).inv())
             V, A_t = inverse * A, A.transpose()
             step = A_t * H * V
-            G, H, A = (precise.middle(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
+            G, H, A = (precise.midpoints(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
             G, H = (G + G.transpose()) * flint.arb(0.5), (H + H.transpose()) * flint.arb(0.5)
             if not precise.norm(H) < 1e300:
                 return None
             if precise.norm(step) <= CONVERGED * precise.norm(H):
                 X = X0 + H
-                poles = spectrum.eigenvalues(precise.middle(p.A - p.B * p.feedback(X)))
+                poles = spectrum.eigenvalues(precise.midpoints(p.A - p.B * p.feedback(X)))
                 return X if _decays_clearly(poles, p.continuous) else None
     except ZeroDivisionError:
         return None
@@ -212,8 +212,8 @@ def _bilinear_transform(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
     """Return the discrete equation with the same solution, by z = (c + s) / (c - s)."""
     c = flint.arb(max(map(precise.norm, (A, G, H))) * A.nrows() or 1.0)  # beyond the eigenvalues of A
     one = precise.identity(A.nrows())
-    J = precise.middle((A - one * c).inv())
-    W = precise.middle((A.transpose() - one * c + H * J * G).inv())
+    J = precise.midpoints((A - one * c).inv())
+    W = precise.midpoints((A.transpose() - one * c + H * J * G).inv())
     return one + W.transpose() * (2 * c), J * G * W * (2 * c), W * H * J * (2 * c)
 
 
@@ -226,7 +226,7 @@ def _rounded_solution(problem: _Problem, X: Mat) -> Solution:
     rounded = precise.rounded(X)
     ball = precise.matrix(rounded)
     closed = problem.A - problem.B * L
-    poles = spectrum.eigenvalues(precise.middle(closed))
+    poles = spectrum.eigenvalues(precise.midpoints(closed))
     defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
     step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
     return Solution(rounded, precise.rounded(L), precise.rounded(closed), defect, step, poles)

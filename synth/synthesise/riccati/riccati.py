@@ -148,7 +148,7 @@ def solve(
     in the cost, naming the mode and its states, or when no stabilising solution is found.
     """
     model = of(system)
-    return solve_checked(model, *checked_weights(model, Q, R, N), exact)
+    return solve_checked(model, *weight_matrices(model, Q, R, N), exact)
 
 
 def solve_checked(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
@@ -185,7 +185,7 @@ def certify(
     Raises SignalError as `solve`, or when X has the wrong shape; ModelError when S = R + B'XB is singular.
     """
     model = of(system)
-    stated = _equation(model, *checked_weights(model, Q, R, N))
+    stated = _equation(model, *weight_matrices(model, Q, R, N))
     X = weights.symmetric("X", X, model.states)
     balance = Balance.of(stated)
     solution = exact_riccati.certify(stated, X) if exact else balance.unscale(balance.evaluate(X))
@@ -195,7 +195,7 @@ def certify(
 
 
 @arguments.checked
-def checked_weights(
+def weight_matrices(
     system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None
 ) -> tuple[Array, Array, Array]:
     """Return the weights as arrays (n, n), (m, m), (n, m).

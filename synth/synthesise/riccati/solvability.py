@@ -89,7 +89,7 @@ def hidden_mode_error(model: StateSpace, stated: Equation) -> ModelError | None:
     try:
         require_detectable_boundary(model, stated)
     except ModelError as error:
-        modes = structure.unmoved(model.A, model.B, model.states, model.time)
+        modes = structure.uncontrollable_modes(model.A, model.B, model.states, model.time)
         fastest = float(np.abs(np.linalg.eigvals(model.A)).max())
         beyond = (m.value.real / (fastest or 1.0) if stated.continuous else abs(m.value) - 1 for m in modes)
         if any(by > BEYOND for by in beyond):
@@ -132,7 +132,7 @@ def unobservable_boundary_modes(A: Array, Q: Array, states: Sequence[str], time:
 def _unobservable_modes(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, ...]:
     """Return the modes of A (n, n) that are not observable through Q (n, n)."""
     part = staircase.scaled(A.T, Q.T)
-    return structure.named_modes(staircase.unreached(part), part.B.T, part.rate, states)
+    return structure.named_modes(staircase.uncontrollable_modes(part), part.B.T, part.rate, states)
 
 
 def mirrored_modes(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex) -> tuple[complex, ...]:
@@ -176,7 +176,7 @@ def least_stabilisable_mode(model: StateSpace, scaled: Equation) -> str:
     split = [np.linalg.svd(np.hstack([scaled.A - v * one, scaled.B]))[:2] for v in unstable]
     k = min(range(len(split)), key=lambda i: float(split[i][1][-1]))
     U, sigma = split[k]
-    who = structure.spelled(structure.direction(U[:, -1].conj(), model.states))
+    who = structure.direction_text(structure.direction(U[:, -1].conj(), model.states))
     distance = float(sigma[-1] / sigma[0])
     return (
         f"mode {unstable[k]:.4g} in {who} is the least controllable: a change by {distance:.0e} of A and B "

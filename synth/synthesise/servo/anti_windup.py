@@ -109,7 +109,7 @@ def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
         return (V_balls + C * X).solve((copies.block(Phi, p) * X).transpose()).transpose()
 
     try:
-        return precise.resolved(compute, "the anti-windup gain")
+        return precise.correctly_rounded(compute, "the anti-windup gain")
     except ZeroDivisionError as error:
         raise ModelError(
             "a mode of the internal model is not observable in the commands, and no E stabilises it: give the "
@@ -124,7 +124,7 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     def compute() -> flint.arb_mat:
         return precise.matrix(regulator.K_xi) * copies.block(minimal_polynomial.modal_matrix(modes, rate), p)
 
-    C = precise.resolved(compute, "the gain on the modes")
+    C = precise.correctly_rounded(compute, "the gain on the modes")
     return C / _mode_sizes(C, [mode.order for mode in modes] * p)
 
 

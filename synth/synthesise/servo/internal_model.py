@@ -152,7 +152,7 @@ def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
     """Return the model in continuous time, or sampled with zero-order hold and the modes exp(s T).
 
     Raises SignalError as `of` and for a frequency at or above Nyquist; TimingError for a model that is already sampled
-    in another time; ModelError as `precise.resolved`.
+    in another time; ModelError as `precise.correctly_rounded`.
     """
     model = of(exosystem)
     if model.time == time or isinstance(time, Continuous):
@@ -162,7 +162,7 @@ def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
     n, T = len(model.Phi), time.period_s
     _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
 
-    matrices = precise.resolved(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
+    matrices = precise.correctly_rounded(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
     return InternalModel(readonly(matrices[:, :n]), readonly(matrices[:, n:]), model.modes, time)
 
 
@@ -237,7 +237,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
         padded = [*c, *[flint.arb(0)] * n]
         return flint.arb_mat([[*(T[i, j] for j in range(n)), added[i], padded[i]] for i in range(n)])
 
-    matrices = precise.resolved(compute, f"the internal model over {period_s:g} s")
+    matrices = precise.correctly_rounded(compute, f"the internal model over {period_s:g} s")
     return Leapfrog(readonly(matrices[: len(w), n + 1]), readonly(matrices[:, :n]), readonly(matrices[:, n : n + 1]))
 
 

@@ -55,10 +55,14 @@ def _transform(source: StateSpace, form: internal_model.Leapfrog, outputs: Seque
     A[:k, :k] = np.kron(np.eye(p), phi)
     T_balls = precise.matrix(np.kron(np.eye(p), form.T))
     if B.size:
-        B[:k] = precise.resolved(lambda: T_balls.solve(precise.matrix(source.B[:k])), "what drives the internal model")
+        B[:k] = precise.correctly_rounded(
+            lambda: T_balls.solve(precise.matrix(source.B[:k])), "what drives the internal model"
+        )
     errors = [source.inputs.index(f"{y}_error") for y in outputs]
     B[:k, errors] = np.kron(np.eye(p), drive)
-    C[:, :k] = precise.resolved(lambda: precise.matrix(source.C[:, :k]) * T_balls, "the gain on the internal model")
+    C[:, :k] = precise.correctly_rounded(
+        lambda: precise.matrix(source.C[:, :k]) * T_balls, "the gain on the internal model"
+    )
     names = ["sum"] * (n % 2) + [f"{letter}{j + 1}" for j in range(n // 2) for letter in "pq"]
     states = tuple(name if p == 1 else f"{name}_{y}" for y in outputs for name in names)
     units = {state: source.unit(f"{outputs[i // n]}_error") for i, state in enumerate(states)}

@@ -42,7 +42,7 @@ def lqr(
 
     Raises SignalError for unknown names; else as `internal_model.augmented` and `riccati.solve`.
     """
-    plant, acting, model = servo.parts(system, exosystem, regulated, controls)
+    plant, acting, model = servo.split_plant(system, exosystem, regulated, controls)
     whole = internal_model.augmented(acting, model)
     gain = linear_quadratic.lqr(whole, Q, R, N, exact=exact).K
     return servo.of_gain(plant, model, gain, regulated=acting.outputs, controls=acting.inputs)
@@ -66,7 +66,7 @@ def lqrd(
 
     Raises as `lqr`; TimingError for a sampled plant; ModelError as `discretise.zero_order_hold`.
     """
-    plant, acting, model = servo.parts(system, exosystem, regulated, controls)
+    plant, acting, model = servo.split_plant(system, exosystem, regulated, controls)
     common(Continuous(), plant.time)
     names = (*acting.states, *model.names(acting.outputs))
     Q, R = weights.semidefinite("Q", Q, names), weights.definite("R", R, acting.inputs)

@@ -70,7 +70,7 @@ def design(
     if unknown := [w for w in counts if w not in rates]:
         raise SignalError(f"the frequency {unknown[0]} rad/s has a multiplicity, but no decay rate: give it one")
     exosystem = {w: counts.get(w, 1) for w in rates}
-    plant, acting, model = servo.parts(system, exosystem, regulated, gain.inputs)
+    plant, acting, model = servo.split_plant(system, exosystem, regulated, gain.inputs)
     common(plant.time, gain.time)
     if gain.states != plant.states:
         raise SignalError(
@@ -79,7 +79,7 @@ def design(
         )
     regulator_equations.require_solvable(acting, model.modes)
     try:
-        K = precise.resolved(lambda: _gain(acting, model, gain, rates), "the gain on the internal model")
+        K = precise.correctly_rounded(lambda: _gain(acting, model, gain, rates), "the gain on the internal model")
     except ZeroDivisionError as error:
         raise ModelError(
             "a mode of the internal model is a pole of the plant with the gain, or is uncontrollable: give "

@@ -108,7 +108,7 @@ def require_no_zero(model: StateSpace, points: Sequence[complex]) -> None:
             raise ModelError(
                 f"the plant from {', '.join(model.inputs)} to {', '.join(model.outputs)} has a transmission zero at "
                 f"{_mode_text(point, model.time)} of the exosystem: it cannot be regulated there, as no input affects "
-                f"{structure.spelled(stuck)}; drop it, regulate other outputs or change the actuators"
+                f"{structure.direction_text(stuck)}; drop it, regulate other outputs or change the actuators"
             )
 
 

@@ -30,7 +30,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.servo import internal_model, steady_error
 from synth.synthesise.servo.internal_model import Exosystem, InternalModel
-from synth.synthesise.servo.steady_error import SteadyError, named
+from synth.synthesise.servo.steady_error import SteadyError, with_suffix
 from synth.timing import common
 
 Names = Sequence[str] | str | None
@@ -85,7 +85,7 @@ class Servo:
         return self.around(self.plant)
 
     def closed_loop(self, plant: System | None = None) -> StateSpace:
-        """Return the loop, as `steady_error.closed`, with the plant or with another one that has its signals.
+        """Return the loop, as `steady_error.closed_loop`, with the plant or with another one that has its signals.
 
         Raises SignalError for a plant without them, TimingError for one in another time.
         """
@@ -97,7 +97,7 @@ class Servo:
         else:
             C = np.eye(len(other.A))[[other.states.index(name) for name in self.measured]]
             seen = replace(other, C=C, D=np.zeros((len(C), len(other.inputs))), outputs=self.measured)
-        return steady_error.closed(other, seen, self.regulated, self.controls, self.controller)
+        return steady_error.closed_loop(other, seen, self.regulated, self.controls, self.controller)
 
     def around(self, plant: System) -> SteadyError:
         """Return the steady-state error when the same regulator controls another plant.
@@ -105,12 +105,12 @@ class Servo:
         Raises as `closed_loop`.
         """
         loop = self.closed_loop(plant)
-        return steady_error.evaluate(loop, named(self.regulated, "error"), self.model)
+        return steady_error.evaluate(loop, with_suffix(self.regulated, "error"), self.model)
 
     def sheet(self) -> show.Sheet:
         """Return the gains, the poles and the steady-state errors."""
         units = {**self.plant.units, **self.model.units(self.regulated, self.plant.units)}
-        columns = tuple(show.named(name, units.get(name, "")) for name in self.states)
+        columns = tuple(show.with_unit(name, units.get(name, "")) for name in self.states)
         gains = show.feedback(show.matrix("gain", self.K.T, columns, self.plant.labels(self.controls)))
         certificate = self.steady.sheet()
         lines = (f"Poles {', '.join(show.number(s) for s in self.poles)}", *certificate.lines)
@@ -128,7 +128,7 @@ def of_gain(
     Raises SignalError for a K of another shape or an unknown name, ModelError for an unstable loop; else as
     `internal_model.augmented`.
     """
-    plant, acting, model = parts(system, exosystem, regulated, controls)
+    plant, acting, model = split_plant(system, exosystem, regulated, controls)
     states = internal_model.augmented(acting, model).states
     gain = arguments.matrix("K", K)
     if gain.shape != (len(acting.inputs), len(states)) or not np.isfinite(gain).all():
@@ -140,7 +140,7 @@ def of_gain(
 
 
 @arguments.checked
-def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
+def with_observer(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u).
 
     L is (n, l) for the outputs `measured`. Raises as `estimated`; SignalError for an L of another shape.
@@ -151,15 +151,15 @@ def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     gain = arguments.matrix("L", L)
     if gain.shape != seen.C.T.shape:
         raise SignalError(f"L is {gain.shape}: give {seen.C.T.shape}, states by the outputs {', '.join(seen.outputs)}")
-    states, inputs = named(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
+    states, inputs = with_suffix(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
     B = np.hstack([seen.B - gain @ seen.D, gain])
     n = len(plant.A)
     form = (seen.A - gain @ seen.C, B, np.eye(n), np.zeros((n, len(inputs))))
-    return estimated(servo, StateSpace(*form, states, inputs, states, plant.time))
+    return with_estimator(servo, StateSpace(*form, states, inputs, states, plant.time))
 
 
 @arguments.checked
-def estimated(servo: Servo, estimator: System) -> Servo:
+def with_estimator(servo: Servo, estimator: System) -> Servo:
     """Return the regulator with an estimator of the plant's states, u = K_x x^ + K_xi xi.
 
     The estimator's inputs are the controls (in the loop, their actual values) and measured outputs; its outputs are
@@ -187,7 +187,7 @@ def estimated(servo: Servo, estimator: System) -> Servo:
 
 
 @arguments.checked
-def parts(
+def split_plant(
     system: System, exosystem: Exosystem, regulated: Names, controls: Names
 ) -> tuple[StateSpace, StateSpace, InternalModel]:
     """Return the plant, its part from the controls to the regulated outputs, and the internal model in the same time.
@@ -230,8 +230,8 @@ def _controller(servo: Servo, estimator: StateSpace) -> StateSpace:
     for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
         units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
     states = (*model.names(regulated), *estimator_states)
-    inputs = (*named(regulated, "error"), *estimator_inputs)
-    return StateSpace(A, B, C, D, states, inputs, named(controls, "command"), plant.time, units)
+    inputs = (*with_suffix(regulated, "error"), *estimator_inputs)
+    return StateSpace(A, B, C, D, states, inputs, with_suffix(controls, "command"), plant.time, units)
 
 
 def _state_measurement(plant: StateSpace) -> StateSpace:

@@ -101,7 +101,7 @@ def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_mo
 
 
 @arguments.checked
-def closed(
+def closed_loop(
     plant: StateSpace, measured: StateSpace, regulated: Sequence[str], controls: Sequence[str], controller: StateSpace
 ) -> StateSpace:
     """Return the loop from references and disturbances to ``<output>_error`` and ``<control>_command``.
@@ -120,12 +120,16 @@ def closed(
             f"the plant has the states {', '.join(plant.states)}, as measured {', '.join(measured.states)}, and "
             f"{len(controls)} controls: give one plant, and one control or more"
         )
-    errors, commands, references = named(regulated, "error"), named(controls, "command"), named(regulated, "reference")
+    errors, commands, references = (
+        with_suffix(regulated, "error"),
+        with_suffix(controls, "command"),
+        with_suffix(regulated, "reference"),
+    )
     regulated_part, measured_part = (
         plant.select(regulated, plant.inputs),
         measured.select(measured.outputs, plant.inputs),
     )
-    ends = named(regulated, "regulated")
+    ends = with_suffix(regulated, "regulated")
     both = replace(
         measured_part,
         C=np.vstack([measured_part.C, regulated_part.C]),
@@ -145,7 +149,7 @@ def closed(
 
 
 @arguments.checked
-def named(signals: Sequence[str], end: str) -> tuple[str, ...]:
+def with_suffix(signals: Sequence[str], end: str) -> tuple[str, ...]:
     """Return the names with a suffix."""
     return tuple(f"{name}_{end}" for name in signals)
 

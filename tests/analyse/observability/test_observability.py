@@ -74,7 +74,7 @@ def test_a_bound_without_one_change_is_detected() -> None:
     q = np.linspace(0.0, 6.0, 500)[None]
     half = np.array([[0.05]])
     for changes, exceeded in ((slope_change, False), (lambda q, h: 0 * q, True)):
-        _, bound = worst_deviation.bounded(slope_deviation, changes, q, half)
+        _, bound = worst_deviation.bound_cells(slope_deviation, changes, q, half)
         assert (slope_deviation(q + half) > bound).any() == exceeded
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from designs.hall_position import bench, config, costs, random_steps
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import cross, host
 from synth.verify import meter, rivals, steps
@@ -40,19 +40,19 @@ LATCH = 1 << safety.LATCH_BIT
 class Subject(NamedTuple):
     """A shipped C, compiled, and its sequences."""
 
-    emitted: Emitted
+    emitted: EmittedCode
     controller: host.Controller
     sequences: dict[str, Steps]
 
     def every(self, most: int) -> Steps:
-        return steps.joined("all", [steps.thinned(s, most) for s in self.sequences.values()])
+        return steps.concatenate("all", [steps.thinned(s, most) for s in self.sequences.values()])
 
 
 @cache
 def subject(name: str) -> Subject:
     folder = GENERATED / name
     files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
-    emitted = Emitted(files, json.loads((folder / "manifest.json").read_text()))
+    emitted = EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
     controller = host.load(emitted.files, emitted.manifest)
     return Subject(emitted, controller, {s.name: s for s in bench.sequences(controller, lambda _: None)})
 
@@ -72,11 +72,11 @@ def test_the_sequences_search_restart_and_converge() -> None:
     pair = subject(config.NAME)
     motions = pair.sequences["motions"]
     assert [s.name for s in pair.sequences.values() if s.closed_loop] == ["motions", "turns", "yaws left"]
-    out = steps.taken(pair.controller, motions).outputs
+    out = steps.evaluate(pair.controller, motions).outputs
     assert np.mean(out["valid"]) > 0.3 and np.mean(out["converged"]) > 0.9
-    lost = steps.taken(pair.controller, pair.sequences["lost"])
+    lost = steps.evaluate(pair.controller, pair.sequences["lost"])
     assert lost.outputs["lock_lost"].any() and (lost.states["estimator_searching"] > 0).any()
-    words = steps.taken(pair.controller, pair.sequences["faults"]).faults
+    words = steps.evaluate(pair.controller, pair.sequences["faults"]).faults
     assert all({0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist()) for bit in range(4))
     assert (words & LATCH).any()
 
@@ -84,8 +84,8 @@ def test_the_sequences_search_restart_and_converge() -> None:
 @GCC
 @pytest.mark.parametrize("name", config.PLACES)
 def test_every_decision_is_seen_both_ways(name: str) -> None:
-    candidate = rivals.emitted(subject(name).emitted)
-    coverage = meter.covered(candidate, meter.run(candidate, subject(name).every(THIN[name]), ONCE), ONCE)
+    candidate = rivals.emitted_c(subject(name).emitted)
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(THIN[name]), ONCE), ONCE)
     assert coverage.decisions > 50 and coverage.missing == ()
 
 
@@ -95,16 +95,16 @@ def test_a_decision_that_nothing_takes_is_detected() -> None:
     (emitted, _, _), name = subject(config.NAME), config.NAME
     planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     text = emitted.files[f"{name}.c"].replace("    return faults;", planted)
-    candidate = rivals.emitted(Emitted({**emitted.files, f"{name}.c": text}, emitted.manifest))
-    coverage = meter.covered(candidate, meter.run(candidate, subject(name).every(100), ONCE), ONCE)
+    candidate = rivals.emitted_c(EmittedCode({**emitted.files, f"{name}.c": text}, emitted.manifest))
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(100), ONCE), ONCE)
     assert [line for line in coverage.missing if "1.2345678f" in line]
 
 
 @GCC
 @pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
-    costly = steps.joined("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
-    most = meter.run(rivals.emitted(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
+    costly = steps.concatenate("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
+    most = meter.run(rivals.emitted_c(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
     ceiling = CEILINGS[name][build]
     assert 0.93 * ceiling < most <= ceiling
     assert name != config.NAME or ceiling <= (AIM if build.endswith("contracted") else LIMIT)
@@ -115,7 +115,7 @@ def test_casadis_own_c_takes_twice_as_many() -> None:
     pair, build = subject(config.NAME), SHIPPED["gcc, newlib"]
     few = steps.thinned(pair.sequences["motions"], 20)
     rival = meter.run(rivals.casadi(config.block(), shimmed=True), few, build).cost.instructions
-    emitted_cost = meter.run(rivals.emitted(pair.emitted), few, build).cost.instructions
+    emitted_cost = meter.run(rivals.emitted_c(pair.emitted), few, build).cost.instructions
     assert rival.min() > 1.8 * emitted_cost.max()
 
 

@@ -13,7 +13,7 @@ import pytest
 from designs.hall_position import bench, config, costs
 from designs.hall_position.costs import BUILDS, Row, Subject
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
 from synth.verify import meter, rivals, steps
@@ -27,13 +27,13 @@ emit_with_libm = partial(write.emit, libm=True)
 
 
 @cache
-def three() -> Emitted:
+def three() -> EmittedCode:
     """Return the C of three sensors."""
     return emit_with_libm(config.block(config.THREE), np.float32)
 
 
 @cache
-def six() -> Emitted:
+def six() -> EmittedCode:
     return emit_with_libm(posed.block(posed.FOUR), np.float32)
 
 
@@ -48,7 +48,7 @@ def measure_three() -> Row:
     return costs.row(subject(), PLAIN)
 
 
-def with_loop(emitted: Emitted) -> Emitted:
+def with_loop(emitted: EmittedCode) -> EmittedCode:
     """Return the C with a loop before it returns."""
     name = f"{config.THREE}.c"
     loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return faults;"
@@ -59,7 +59,7 @@ def with_loop(emitted: Emitted) -> Emitted:
 
 @GCC
 def test_a_loop_that_is_planted_shows_as_more() -> None:
-    slower = costs.row(subject()._replace(emitted=rivals.emitted(with_loop(three()))), PLAIN)
+    slower = costs.row(subject()._replace(emitted=rivals.emitted_c(with_loop(three()))), PLAIN)
     assert 4 * TURNS <= slower.emitted - measure_three().emitted <= 10 * TURNS  # load, compare, branch, add, store
     assert slower.casadi == measure_three().casadi
 
@@ -68,7 +68,7 @@ def test_a_loop_that_is_planted_shows_as_more() -> None:
 def test_no_kind_of_steps_has_costlier_ones() -> None:
     """Up to the hundredth by which few of a kind miss its worst."""
     every = bench.sequences(host.load(three().files, three().manifest), lambda _: None)
-    all_steps = steps.joined("all", [steps.thinned(s, THIN) for s in every])
+    all_steps = steps.concatenate("all", [steps.thinned(s, THIN) for s in every])
     spent = meter.run(subject().emitted, all_steps, PLAIN).cost.instructions
     assert {s.name for s in every} > set(costs.COSTLY)
     assert spent.max() <= 1.01 * measure_three().emitted
@@ -90,7 +90,7 @@ def test_every_estimator_is_measured_by_every_build(monkeypatch: pytest.MonkeyPa
 
 def test_without_the_compiler_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cross, "available", lambda: ("zig",))
-    rows = costs.measure(Emitted({}, {}), posed.FOUR)
+    rows = costs.measure(EmittedCode({}, {}), posed.FOUR)
     assert rows == ()
     assert "arm-none-eabi-gcc is not installed" in render(rows)
 
@@ -111,7 +111,7 @@ def test_it_finds_its_way_and_loses_it() -> None:
     controller = host.load(six().files, six().manifest)
     sequence = costs.six_steps(posed.FOUR, controller)
     assert len(sequence) == 2 * costs.SIX
-    valid = steps.taken(controller, sequence).outputs["valid"][: costs.SIX] > 0
+    valid = steps.evaluate(controller, sequence).outputs["valid"][: costs.SIX] > 0
     assert (
         valid[: costs.FALSE_VOLTAGES.start].any()
         and valid[costs.FALSE_VOLTAGES.stop :].any()

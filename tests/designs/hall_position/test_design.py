@@ -57,7 +57,7 @@ def test_every_task_has_a_key(design: Design) -> None:
 
 def test_defects_that_are_planted_are_found(design: Design) -> None:
     assert design.stage is not None
-    assert testing.unnoticed(design.stage) == []
+    assert testing.undetected_defects(design.stage) == []
 
 
 @pytest.mark.parametrize("name", config.PLACES)

@@ -12,7 +12,7 @@ from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
 from models import hall_accuracy, hall_fisher
 from models.hall_stage import Stage, grid
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
 from synth.report.captions import Made, Rows
 from synth.report.page import Section, Table, Text
@@ -51,13 +51,13 @@ def tables(section: Section) -> dict[str, Table]:
 
 @pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    three, row = Emitted({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
+    three, row = EmittedCode({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
     others = {(id(three), six.optimised_layout(STAGE, 4)): (row,)}
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
     bench = rows.scope(STAGE, rows.published_rows())
-    few = [audit.computed(bench.published[n], bench) for n in ("K-1", "K-8")]
+    few = [audit.recompute(bench.published[n], bench) for n in ("K-1", "K-8")]
     html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (

@@ -88,14 +88,14 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
     law = lqg.law(plant)
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, law, source).rounded(np.float32)
     place = {"x": 4e-3, "y": -7e-3}
-    other = loops.parts(plant, loops.whole(plant, lqg.TIME, lqg.sensed(plant), law), place)
+    other = loops.parts(plant, loops.rounded_controller(plant, lqg.TIME, lqg.sensing_blocks(plant), law), place)
     hertz = np.array([5.0, 12.0, 30.0])
     z = np.exp(2j * np.pi * hertz / 800)
 
     def difference() -> float:
         parts, worst = own_loops.open_loop(source, block, place), 0.0
         for axis in ("x", "y", "phi"):
-            ours, theirs = (loops.opened(each, [axis]).response(z).ravel() for each in (parts, other))
+            ours, theirs = (loops.open_loop(each, [axis]).response(z).ravel() for each in (parts, other))
             worst = max(worst, float(np.abs(ours / theirs * (1 + 1j * hertz / 200) - 1).max()))
         return worst
 

@@ -14,7 +14,7 @@ from designs.hall_position import bench, config
 from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host
 
@@ -24,7 +24,7 @@ SEARCH = 60  # samples from init, at rest, in which the place is found
 
 
 @cache
-def emitted_files() -> Mapping[str, Emitted]:
+def emitted_files() -> Mapping[str, EmittedCode]:
     return DESIGN.emit(np.float32)
 
 

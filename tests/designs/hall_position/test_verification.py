@@ -20,7 +20,7 @@ from synth.check import Check
 from synth.emit import write
 from synth.execute import build, host
 from synth.verify import agree, suite
-from synth.verify.agree import Stepped
+from synth.verify.agree import StepResults
 from synth.verify.suite import Witnesses
 
 SIZES = {"motions": 4000, "random": 2000, "edge": 1000}
@@ -124,7 +124,7 @@ def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.Mon
     above = steps.severity > verification.ILL_CONDITIONED
     assert 0 < np.mean(above) < 0.5
 
-    def corrupted(states: Any, inputs: Any) -> Stepped:
+    def corrupted(states: Any, inputs: Any) -> StepResults:
         stepped = witness(states, inputs)
         return replace(stepped, outputs={**stepped.outputs, "X": stepped.outputs["X"] + np.where(above, 1e-8, 0.0)})
 
@@ -138,7 +138,7 @@ def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.Mon
 def test_nan_is_detected() -> None:
     witness = sound().of["reference"]
 
-    def corrupted(states: Any, inputs: Any) -> Stepped:
+    def corrupted(states: Any, inputs: Any) -> StepResults:
         stepped = witness(states, inputs)
         yaw = stepped.outputs["yaw"].copy()
         yaw[np.argmax(steps_of("random").severity)] = np.nan
@@ -168,10 +168,10 @@ def test_single_precision_that_is_wrong_is_detected() -> None:
 def test_another_output_that_is_wrong_in_single_is_detected(
     output: str, factor: float, more: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    emitted, by = agree.emitted, sound()
+    emitted, by = agree.emitted_c, sound()
 
     def corrupted(controller: host.Controller) -> agree.Witness:
-        def step(states: Any, inputs: Any) -> Stepped:
+        def step(states: Any, inputs: Any) -> StepResults:
             stepped = emitted(controller)(states, inputs)
             wrong = np.asarray(stepped.outputs[output], dtype=np.float64) * factor + more
             return replace(stepped, outputs={**stepped.outputs, output: wrong})
@@ -193,7 +193,7 @@ def test_a_wider_margin_leaves_out_too_many_steps(monkeypatch: pytest.MonkeyPatc
 def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
     witness = sound().of["reference"]
 
-    def corrupted(states: Any, inputs: Any) -> Stepped:
+    def corrupted(states: Any, inputs: Any) -> StepResults:
         stepped = witness(states, inputs)
         return replace(stepped, outputs={**stepped.outputs, "deviation_Y": stepped.outputs["deviation_Y"] * (1 + 1e-9)})
 
@@ -204,7 +204,7 @@ def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
 def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     other = replace(
         sound(),
-        c64=build.compiled(
+        c64=build.compile_block(
             replace(subject().block, faults=()), np.float64, error=estimator.SURROGATE_ERROR[np.float64]
         ),
     )
@@ -229,7 +229,7 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
     start = {s.name: s.initial for s in of.block.states}
-    outputs = agree.recorded(sound().of["c64"], start, inputs).outputs
+    outputs = agree.run(sound().of["c64"], start, inputs).outputs
     valid = outputs["valid"] > 0
     known = np.where(valid, outputs["X"], -np.inf).max(axis=0) - np.where(valid, outputs["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2

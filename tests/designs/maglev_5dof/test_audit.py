@@ -153,7 +153,7 @@ def bench(**changed: float) -> AuditSetup:
 def row(name: str, on: AuditSetup, printed: Published | None = None) -> Row:
     """Return a row as recomputed on a bench, as printed or with another print of it."""
     published = {**PRINTS, name: printed or PRINTS[name]}
-    return audit.computed(published[name], paper.scope(on, published))
+    return audit.recompute(published[name], paper.scope(on, published))
 
 
 def recomputed(names: Iterable[str], **changed: float) -> dict[str, Row]:

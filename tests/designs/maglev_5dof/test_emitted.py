@@ -9,7 +9,7 @@ import pytest
 
 from designs.maglev_5dof import reference, reference_gains, verification
 from designs.maglev_5dof.design import DESIGN
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import host
 
 ROOT = Path(__file__).parents[3]
@@ -17,7 +17,7 @@ NAMES = ("maglev_5dof", "maglev_5dof_phase")
 
 
 @pytest.fixture(scope="module")
-def regenerated() -> Mapping[str, Emitted]:
+def regenerated() -> Mapping[str, EmittedCode]:
     return DESIGN.emit(np.float32)
 
 
@@ -47,7 +47,7 @@ def test_gains_ship_the_published_weights_and_their_certificate() -> None:
     assert gains["constants"]["regulator_y_k_e"]["value"] == y["K"][0]
 
 
-def test_the_constants_are_the_gains_in_the_coordinates_of_the_loop(regenerated: Mapping[str, Emitted]) -> None:
+def test_the_constants_are_the_gains_in_the_coordinates_of_the_loop(regenerated: Mapping[str, EmittedCode]) -> None:
     """K on (e, de, xi) and xi = T eta: the constants on eta are K T, rounded once to single precision."""
     gains = json.loads(regenerated["maglev_5dof"].files["gains.json"])
     for axis, document in gains["design"].items():

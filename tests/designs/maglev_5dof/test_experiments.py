@@ -77,7 +77,7 @@ def _with_gain(block: Block, name: str) -> Block:
 
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
     block = _with_gain(control.controller(stage).block, "regulator_y_k_de")
-    wrong = build.compiled(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
+    wrong = build.compile_block(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
     run = experiments.step(Rig(DESIGN.stage, stage, wrong), "y", 0.022, 0.029, gap=0.022)
     assert run.response.t_s > experiments.Y_LIMITS[1]
 

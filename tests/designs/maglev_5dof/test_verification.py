@@ -38,7 +38,7 @@ def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
 
 def _worst(controller: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> agree.Agreement:
     expected = agree.reference(reference.step)(*drawn)
-    block, stepped = DESIGN.stage.controller.block, agree.emitted(controller)(*drawn)
+    block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*drawn)
     return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
 
@@ -62,10 +62,10 @@ def _disagrees(agreement: agree.Agreement) -> bool:
 
 def _compiled(plant: Plant) -> host.Controller:
     error = control.SURROGATE_ERROR[np.float64]
-    return build.compiled(control.controller(plant).block, np.float64, error=error)
+    return build.compile_block(control.controller(plant).block, np.float64, error=error)
 
 
-def _emitted(block: Block) -> write.Emitted:
+def _emitted(block: Block) -> write.EmittedCode:
     return write.emit(block, np.float64, error=control.SURROGATE_ERROR[np.float64])
 
 

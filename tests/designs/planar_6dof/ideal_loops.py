@@ -69,9 +69,9 @@ def of_axis(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, del
     sensors = {f"{a}_seen": a for a in allocation.HORIZONTAL} | {d: d for d in planar_stage.LASERS}
     inputs = [*sensors, *REFERENCES, *ready(parts), signal]
     block = compose("opened", parts, inputs=inputs, outputs=[*ACTUATORS, f"{signal}_out"])
-    controller = loop.linearised(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
+    controller = loop.linearise_block(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
     point = trim.trim(PLANT, dict.fromkeys(planar_stage.AXES, 0.0), [])
-    return loop.opened(linearise.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
+    return loop.open_loop(linearise.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
 
 
 def margins_of(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, delay: float = 1) -> margins.Margins:

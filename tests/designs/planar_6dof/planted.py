@@ -26,8 +26,8 @@ class Bench:
     subject: Subject
     states: Columns
     inputs: Columns
-    emitted: write.Emitted
-    c64: agree.Stepped
+    emitted: write.EmittedCode
+    c64: agree.StepResults
 
 
 def bench(subject: Subject, edges: int = EDGES) -> Bench:
@@ -35,10 +35,10 @@ def bench(subject: Subject, edges: int = EDGES) -> Bench:
     drawn = random_steps.in_operation(subject, PLANT, RANDOM_STEPS), random_steps.at_the_edges(subject.block, edges)
     states, inputs = ({n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(*drawn, strict=True))
     made = emitted(subject.block)
-    return Bench(subject, states, inputs, made, agree.emitted(host.load(made.files, made.manifest))(states, inputs))
+    return Bench(subject, states, inputs, made, agree.emitted_c(host.load(made.files, made.manifest))(states, inputs))
 
 
-def emitted(block: Block) -> write.Emitted:
+def emitted(block: Block) -> write.EmittedCode:
     """Return the C in double precision."""
     return write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
 
@@ -61,7 +61,7 @@ def constants(at: Bench, factor: float) -> Iterator[tuple[str, agree.Witness]]:
 def thinned(at: Bench, every: int) -> Bench:
     """Return every so manieth of the steps."""
     states, inputs = ({n: v[::every] for n, v in columns.items()} for columns in (at.states, at.inputs))
-    c64 = agree.emitted(host.load(at.emitted.files, at.emitted.manifest))(states, inputs)
+    c64 = agree.emitted_c(host.load(at.emitted.files, at.emitted.manifest))(states, inputs)
     return Bench(at.subject, states, inputs, at.emitted, c64)
 
 
@@ -81,7 +81,7 @@ def mutants(at: Bench, count: int) -> Iterator[tuple[str, agree.Witness]]:
         other = text[:at_place] + ("-" if text[at_place] == "+" else "+") + text[at_place + 1 :]
         line = text[text.rindex("\n", 0, at_place) + 1 : text.index("\n", at_place)].strip()
         files = {**at.emitted.files, f"{name}.c": other}
-        yield f"{line}, column {at_place}", agree.emitted(host.load(files, at.emitted.manifest))
+        yield f"{line}, column {at_place}", agree.emitted_c(host.load(files, at.emitted.manifest))
 
 
 def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:

@@ -20,7 +20,7 @@ from models import planar_allocation as allocation
 from models import planar_stage
 from synth import declared
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.verify import meter, on_target, rivals, steps, stimuli
 from synth.verify.steps import Steps
@@ -50,16 +50,16 @@ UNREACHABLE = (
 LATCH = 1 << safety.LATCH_BIT
 
 
-def shipped(name: str) -> Emitted:
+def shipped(name: str) -> EmittedCode:
     folder = GENERATED / name
     files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
-    return Emitted(files, json.loads((folder / "manifest.json").read_text()))
+    return EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
 
 
 class Subject(NamedTuple):
     """A design's shipped C, compiled, and the sequences that need no closed loop but the recording with faults."""
 
-    emitted: Emitted
+    emitted: EmittedCode
     controller: host.Controller
     sequences: dict[str, Steps]
 
@@ -67,7 +67,7 @@ class Subject(NamedTuple):
     def every(self) -> Steps:
         """All sequences, those thinned that are drawn at random."""
         parts = [s if s.name.startswith("rare") else steps.thinned(s, THIN) for s in self.sequences.values()]
-        return steps.joined("all", parts)
+        return steps.concatenate("all", parts)
 
 
 @cache
@@ -141,7 +141,7 @@ def test_the_controller_follows_the_travel_in_all_pitches(design: Subject) -> No
 
 def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -> None:
     (far,) = (s for s in bench.stimuli(design.controller) if s.name == "saturated")
-    outputs = steps.taken(design.controller, far).outputs
+    outputs = steps.evaluate(design.controller, far).outputs
     amplitudes = sizes(outputs)
     # Both currents of a motor have limits of their own: only where both stand there its size is LIMIT.
     assert np.any(amplitudes > 0.999 * allocation.LIMIT, axis=1).all()
@@ -153,16 +153,16 @@ def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -
 
 def test_every_input_fails_and_each_hall_channel_is_suspected(design: Subject) -> None:
     controller, sequences = design.controller, design.sequences
-    words = steps.taken(controller, sequences["faults"]).faults
+    words = steps.evaluate(controller, sequences["faults"]).faults
     for bit in range(len(interface.INPUTS)):
         assert {0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist())
     flags = [f["name"] for f in controller.manifest["structs"]["state"]["fields"] if f["ctype"] == "uint32_t"]
     named = set()
     for sequence in (sequences["failures"], sequences["failures again"]):
-        after = steps.taken(controller, sequence).states
+        after = steps.evaluate(controller, sequence).states
         named |= {flag for flag in flags if np.any(after[flag] > sequence.states[flag])}
     assert {"sensing_contradiction_left", "sensing_contradiction_confirmed"} <= named
-    faults = steps.taken(controller, sequences["failures named"]).faults
+    faults = steps.evaluate(controller, sequences["failures named"]).faults
     bits = [1 << f["bit"] for f in controller.manifest["faults"] if f.get("suspect")]
     assert len(bits) == len(planar_stage.HALL) and all({0, bit} == set((faults & bit).tolist()) for bit in bits)
 
@@ -182,8 +182,8 @@ def unexplained_decisions(missing: tuple[str, ...]) -> list[str]:
 )
 def test_every_decision_is_seen_both_ways(name: str, build: str) -> None:
     """One compiler for the lead-lag, whose text differs from LQG's in filters and loops alone."""
-    candidate = rivals.emitted(subject(name).emitted)
-    coverage = meter.covered(candidate, meter.run(candidate, subject(name).every, BUILDS[build]), BUILDS[build])
+    candidate = rivals.emitted_c(subject(name).emitted)
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every, BUILDS[build]), BUILDS[build])
     assert coverage.decisions > 60 and len(coverage.missing) < 20
     assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
 
@@ -194,17 +194,17 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
     text = emitted.files["planar_6dof_lqg.c"].replace(
         "    return faults;", "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     )
-    candidate = rivals.emitted(Emitted({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
-    coverage = meter.covered(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
+    candidate = rivals.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
+    coverage = meter.coverage(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
     assert [line for line in unexplained_decisions(coverage.missing) if "1.2345678f" in line]
 
 
 def test_what_the_failures_are_for_is_told_without_them() -> None:
     """The planted defect: a meter that leaves the failures out. No channel is named then, and no input refused."""
     lqg, build = subject("planar_6dof_lqg"), BUILDS[FIRST]
-    candidate = rivals.emitted(lqg.emitted)
+    candidate = rivals.emitted_c(lqg.emitted)
     sound = steps.thinned(lqg.sequences["travel"], THIN)
-    left = unexplained_decisions(meter.covered(candidate, meter.run(candidate, sound, build), build).missing)
+    left = unexplained_decisions(meter.coverage(candidate, meter.run(candidate, sound, build), build).missing)
     assert any("sensing_contradiction_confirmed" in line for line in left)
     assert any("5.0f" in line for line in left)
 
@@ -212,8 +212,8 @@ def test_what_the_failures_are_for_is_told_without_them() -> None:
 @pytest.mark.parametrize("build", SHIPPED)
 def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject) -> None:
     costly = [s for s in design.sequences.values() if s.name.endswith(("anew", "again"))]
-    stimulus = steps.joined("costly", [steps.thinned(s, COSTLY) for s in costly])
-    run = meter.run(rivals.emitted(design.emitted), stimulus, SHIPPED[build])
+    stimulus = steps.concatenate("costly", [steps.thinned(s, COSTLY) for s in costly])
+    run = meter.run(rivals.emitted_c(design.emitted), stimulus, SHIPPED[build])
     most, ceiling = run.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]
     assert 0.95 * ceiling < most <= ceiling
 

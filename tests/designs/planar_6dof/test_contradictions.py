@@ -90,7 +90,7 @@ def outcomes(columns: int, predicted: bool) -> dict[tuple[str, bool], Outcome]:
     first, started, second = (np.full(len(which), n) for _ in range(3))
     for j in range(len(which)):
         for sample in np.flatnonzero(size[:, j] > 1):
-            again = np.flatnonzero(size[sample + 1 : sample + 1 + sensing.MEMORY, j] > sensing.AGAIN)
+            again = np.flatnonzero(size[sample + 1 : sample + 1 + sensing.MEMORY, j] > sensing.CONFIRMATION)
             if again.size:
                 started[j], second[j] = sample, sample + 1 + again[0]
                 break
@@ -132,7 +132,7 @@ def test_a_sensor_that_is_not_checked_goes_unnoticed(monkeypatch: pytest.MonkeyP
 
 def guarded(predicted: bool) -> Block:
     held = [replace(s, name=s.name.removesuffix("_held")) for s in sensing.HELD]
-    inputs = [safety.Guarded(s, 0.0, True, held=False) for s in held]
+    inputs = [safety.GuardedInput(s, 0.0, True, held=False) for s in held]
     parts = [safety.guard(TIME, inputs, WAIT, HALL), sensing.sensing(PLANT, TIME, predicted)]
     parts += filtering.blocks(TIME) if predicted else []
     return compose("guarded", parts, inputs=HALL, outputs=["x", "y", "phi"] if predicted else AS_MEASURED)
@@ -216,7 +216,7 @@ def test_a_single_glitch_is_passed_over(predicted: bool) -> None:
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_faults_says_what_is_not_noticed(predicted: bool) -> None:
     filters = filtering.blocks(TIME) if predicted else ()
-    zero, stuck = (f(PLANT, TIME, 5, filters) for f in (sensing_maps.faults, sensing_maps.stuck))
+    zero, stuck = (f(PLANT, TIME, 5, filters) for f in (sensing_maps.zero_voltages, sensing_maps.stuck_voltages))
     first, second = ({name: w.summary(name) for name, w in of.items()} for of in (zero, stuck))
     assert [*first] == [*second] == [*HALL] and all(r["named, %"] == 100 for r in (*first.values(), *second.values()))
     # What drops to zero near its zero is not noticed, and is worth little; V_bx and V_cy hide wherever the circle of

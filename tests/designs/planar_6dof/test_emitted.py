@@ -20,12 +20,12 @@ from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
 from synth.block import Block
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host
 
 ROOT = Path(__file__).parents[3]
-EMITTED: dict[str, Callable[[type[np.floating]], dict[str, Emitted]]] = {
+EMITTED: dict[str, Callable[[type[np.floating]], dict[str, EmittedCode]]] = {
     leadlag.NAME: leadlag_design.DESIGN.emit,
     lqg.NAME: lqg_design.DESIGN.emit,
 }
@@ -34,12 +34,12 @@ LAST_BITS = 8  # units in the last place of double precision by which libm's fun
 
 
 @cache
-def made(name: str, double: bool) -> Emitted:
+def made(name: str, double: bool) -> EmittedCode:
     return EMITTED[name](np.float64 if double else np.float32)[name]
 
 
 @pytest.fixture(scope="module")
-def regenerated() -> dict[str, Emitted]:
+def regenerated() -> dict[str, EmittedCode]:
     return {name: made(name, False) for name in EMITTED}
 
 
@@ -49,7 +49,7 @@ def vectors(name: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", EMITTED)
-def test_regeneration_gives_the_committed_bytes(regenerated: dict[str, Emitted], name: str) -> None:
+def test_regeneration_gives_the_committed_bytes(regenerated: dict[str, EmittedCode], name: str) -> None:
     folder = ROOT / "generated_c" / name
     fresh = {file: text for file, text in regenerated[name].files.items() if file != "vectors.json"}
     committed = {file: (folder / file).read_text() for file in fresh}
@@ -142,7 +142,7 @@ def test_the_compensators_are_those_of_the_reference() -> None:
 
 
 @pytest.mark.parametrize("name", EMITTED)
-def test_gains_are_shipped_as_they_are_rounded(regenerated: dict[str, Emitted], name: str) -> None:
+def test_gains_are_shipped_as_they_are_rounded(regenerated: dict[str, EmittedCode], name: str) -> None:
     document = json.loads(regenerated[name].files["gains.json"])
     assert set(document) == {"constants", "design"}
     block = BLOCKS[name](planar_stage.plant())

@@ -227,7 +227,7 @@ def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
 def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
-    wrong = loops.compile_block(with_wrong_constant(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
+    wrong = loops.compile_block(with_wrong_constant(loops.position_block(leadlag.TIME), "sensing_position_1", 1.01))
     monkeypatch.setattr(loops, "_position_controller", lambda period_s, predicted: wrong)
     experiment = leadlag_experiments.circle_experiment(lead, "circle")
     assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
@@ -236,7 +236,7 @@ def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch
 def test_a_fault_is_caught(lead: Rig) -> None:
     mask = np.arange(100) == 50
     run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
-    assert experiments.usual(run)[0].found == 1 and not experiments.usual(run)[0].passed
+    assert experiments.common_checks(run)[0].found == 1 and not experiments.common_checks(run)[0].passed
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:

@@ -43,7 +43,7 @@ def optimal(axis: str) -> C:
 
 
 @pytest.fixture(scope="module")
-def opened(cases: dict[str, Case]) -> dict[str, loops.Parts]:
+def opened(cases: dict[str, Case]) -> dict[str, loops.LoopParts]:
     return {name: loops.parts(PLANT, block) for name, (block, *_) in cases.items()}
 
 
@@ -51,12 +51,12 @@ def circle(time: Discrete) -> np.ndarray:
     return np.exp(2j * np.pi * np.geomspace(0.3, 0.45 / time.period_s, 40) * time.period_s)
 
 
-def distance(parts: loops.Parts, case: Case, axis: str) -> float:
+def distance(parts: loops.LoopParts, case: Case, axis: str) -> float:
     """Return how far the loop of a controller is from the one written out, of it or of 1 + L, at 40 frequencies."""
     _, time, filtered, compensator = case
     z = circle(time)
     expected = analytic.loop(PLANT, axis, compensator(axis), time, filtered)(z)
-    response = loops.opened(parts, [axis]).response(z)[:, 0, 0]
+    response = loops.open_loop(parts, [axis]).response(z)[:, 0, 0]
     return float(np.abs(response / expected - 1).max())
 
 
@@ -66,14 +66,14 @@ def distance(parts: loops.Parts, case: Case, axis: str) -> float:
 @pytest.mark.parametrize("axis", allocation.AXES)
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_each_loop_is_the_analytic_one(
-    cases: dict[str, Case], opened: dict[str, loops.Parts], name: str, axis: str
+    cases: dict[str, Case], opened: dict[str, loops.LoopParts], name: str, axis: str
 ) -> None:
     assert distance(opened[name], cases[name], axis) < NEAR
 
 
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_the_loop_at_the_currents_is_the_analytic_one(
-    cases: dict[str, Case], opened: dict[str, loops.Parts], name: str
+    cases: dict[str, Case], opened: dict[str, loops.LoopParts], name: str
 ) -> None:
     """Three currents, whose loop is a full matrix though that of the positions is diagonal."""
     _, time, filtered, compensator = cases[name]
@@ -93,7 +93,7 @@ def test_the_linear_controller_is_that_of_the_emitted_c(cases: dict[str, Case], 
     """Jacobians by central differences of the compiled C in double, from the state in which the platen rests."""
     block = cases[name][0]
     state, inputs = loops.rest_point(PLANT, block, loops.MIDDLE)
-    expected = analyse.linearised(block, state, inputs)
+    expected = analyse.linearise_block(block, state, inputs)
     emitted = write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
     A, B, C, D = differences(host.load(emitted.files, emitted.manifest), block, state, inputs)
     linear = replace(expected, A=A, B=B, C=C, D=D)
@@ -146,19 +146,19 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
 # What is made of a loop
 
 
-def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.Parts], cases: dict[str, Case]) -> None:
+def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.LoopParts], cases: dict[str, Case]) -> None:
     """The calibrated slope of x is off by a few per cent at most, and so is the crossover."""
-    middle = margins.of_loop(loops.opened(opened["leadlag"], ["x"]))
+    middle = margins.of_loop(loops.open_loop(opened["leadlag"], ["x"]))
     by_place = loops.over_pitch(PLANT, cases["leadlag"][0], places=3)
     for each in by_place:
         assert each["x"].stable and each["x"].phase_margin == pytest.approx(middle.phase_margin, abs=3)
     assert len({each["x"].phase_margin for each in by_place}) > 1
 
 
-def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.Parts]) -> None:
+def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.LoopParts]) -> None:
     whole = loops.horizontal(opened["lqg"])
     disks = {name: disk.of_loop(L) for name, L in whole.items()}
-    alone = [disk.of_loop(loops.opened(opened["lqg"], [a])).lower for a in HORIZONTAL]
+    alone = [disk.of_loop(loops.open_loop(opened["lqg"], [a])).lower for a in HORIZONTAL]
     assert disks["positions"].lower == pytest.approx(min(alone), rel=1e-3)
     assert disks["both"].lower < 0.6 * disks["positions"].lower
     assert all(m.certified for m in disks.values())
@@ -168,7 +168,7 @@ def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str,
         assert abs(np.linalg.det(np.eye(len(value)) + value @ np.diag(m.factors))) < 1e-3
 
 
-def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.Parts]) -> None:
+def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.LoopParts]) -> None:
     L = loops.horizontal(opened["lqg"])["currents"]
     z, other = circle(lqg.TIME), loops.scaled(L, {"i_CQ": 0.01})
     a, b = L.response(z), other.response(z)
@@ -176,11 +176,11 @@ def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, l
     np.testing.assert_allclose(b[:, 2, 0], 0.01 * a[:, 2, 0], rtol=1e-9)
 
 
-def test_a_signal_that_does_not_go_around_is_refused(opened: dict[str, loops.Parts]) -> None:
+def test_a_signal_that_does_not_go_around_is_refused(opened: dict[str, loops.LoopParts]) -> None:
     with pytest.raises(
         SignalError, match=r"cannot open at 'x_raw', which is neither .*: name one of x, y, phi, z, theta, psi, i_AQ"
     ):
-        loops.opened(opened["lqg"], ["x_raw"])
+        loops.open_loop(opened["lqg"], ["x_raw"])
 
 
 # Planted defects

@@ -50,7 +50,7 @@ def test_the_filter_leaves_about_half_of_the_noise(lead: Rig, runs: list[Experim
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_what_is_not_noticed(predicted: bool) -> None:
-    failed = sensing_maps.faults(PLANT, leadlag.TIME, 6, filtering.blocks(leadlag.TIME) if predicted else ())
+    failed = sensing_maps.zero_voltages(PLANT, leadlag.TIME, 6, filtering.blocks(leadlag.TIME) if predicted else ())
     undetected = {name: (w.noticed < 0).reshape(6, 6) for name, w in failed.items()}
     shares = {name: w.summary(name)["unnoticed, %"] for name, w in failed.items()}
     assert {name: 100 * silent.mean() for name, silent in undetected.items()} == pytest.approx(shares)

@@ -275,6 +275,6 @@ def test_what_a_step_costs(predicted: bool, most: int) -> None:
     made = write.emit(unranged(alone), np.float32)
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
     inputs = estimation_inputs(noisy(sensing_maps.voltages(PLANT, pose)))
-    stimulus = steps.recorded(host.load(made.files, made.manifest), "motion", inputs)
+    stimulus = steps.record(host.load(made.files, made.manifest), "motion", inputs)
     build = next(b for b in meter.builds() if b.compiler == cross.available()[-1])
-    assert meter.run(rivals.emitted(made), stimulus, build).cost.instructions.max() <= most
+    assert meter.run(rivals.emitted_c(made), stimulus, build).cost.instructions.max() <= most

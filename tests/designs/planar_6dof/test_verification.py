@@ -94,12 +94,12 @@ def test_decisions_of_single_precision_are_counted() -> None:
     subject = SUBJECTS["lqg"]
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     drawn = random_steps.in_operation(subject, planar_stage.plant(), 2000)
-    a, checks = standard.in_single(by, *drawn, verification.FLOOR, verification.COUNTS)
+    a, checks = standard.compare_precisions(by, *drawn, verification.FLOOR, verification.COUNTS)
     assert a.faults_differ == 0 and 0 < a.worst < 1e-3 and all(c.passed for c in checks)
     first = subject.block.inputs[0].name
     spoilt = drawn[1] | {first: np.where(np.arange(2000) < 10, 5 + 1e-7, drawn[1][first])}
     wide = replace(by, c64=loops.compile_block(replace(subject.block, faults=()), np.float64))
-    failed = standard.in_single(wide, drawn[0], spoilt, verification.FLOOR, verification.COUNTS)[1][1]
+    failed = standard.compare_precisions(wide, drawn[0], spoilt, verification.FLOOR, verification.COUNTS)[1][1]
     assert failed.found >= 10 / 2000
 
 

@@ -56,7 +56,7 @@ def test_the_parts_are_the_sampled_compensator(time: Discrete) -> None:
         block = vertical.block(PLANT, axis, K, time)
         inputs = [s.name for s in block.inputs if s.name != achieved.name]
         whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[demand.name])
-        model = loop.linearised(whole, {}, dict.fromkeys(inputs, 0.0))
+        model = loop.linearise_block(whole, {}, dict.fromkeys(inputs, 0.0))
         response = model.channel(demand.name, vertical.REFERENCES[axis].name).response(z)
         response = allocation.scales(PLANT)[axis] * response
         np.testing.assert_allclose(response, K.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least

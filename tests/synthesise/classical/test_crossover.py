@@ -22,7 +22,7 @@ def stage(stiffness: float = 0.0) -> StateSpace:
     return StateSpace([[0, 1], [-stiffness / 1.52, 0]], [[0], [1 / 1.52]], [[1, 0]], [[0]], *names)
 
 
-@pytest.mark.parametrize("method", [lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.held])
+@pytest.mark.parametrize("method", [lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.zero_order_hold])
 @pytest.mark.parametrize("delay", [0.0, 0.7e-3, 1e-3, 2.4e-3])
 @pytest.mark.filterwarnings("ignore:stability_margins. Falling back:UserWarning")
 def test_the_sampled_loop_has_the_crossover_and_the_margin_asked_for(method: lead_lag.Method, delay: float) -> None:

@@ -17,7 +17,7 @@ from synth.timing import Continuous, Discrete
 from tests import tolerances
 
 T, W = 1e-3, 108.9
-METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.held)
+METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.zero_order_hold)
 UNITS = {"q_error": "m", "f": "N"}
 
 
@@ -84,7 +84,7 @@ def test_python_control_samples_it_alike(seed: int) -> None:
     expected = {
         lead_lag.tustin: control.sample_system(system, T, "tustin"),
         lead_lag.prewarped: control.sample_system(system, T, "tustin", prewarp_frequency=at),
-        lead_lag.held: control.sample_system(system, T, "zoh"),
+        lead_lag.zero_order_hold: control.sample_system(system, T, "zoh"),
     }
     for method, witness in expected.items():
         sampled = method(K, T, at)
@@ -141,7 +141,7 @@ def test_the_zeros_of_the_held_one_are_those_of_its_model(
     zeros: tuple[float, ...], poles: tuple[float, ...], period: float
 ) -> None:
     """The listing says what the model does, to the digits of the model, however small its gain."""
-    sampled = lead_lag.held(Compensator(-3.0, zeros, poles), period, W)
+    sampled = lead_lag.zero_order_hold(Compensator(-3.0, zeros, poles), period, W)
     z = np.array([0.3 + 2j, -3.0, 1.4j])
     listed = [np.prod([z - v for v in part], axis=0) for part in (sampled.zeros, sampled.poles)]
     value = sampled.gain * listed[0] / listed[1]
@@ -238,7 +238,7 @@ def test_what_is_no_compensator_is_refused() -> None:
     with pytest.raises(TimingError, match=r"not between 0 and Nyquist, 3141.59 rad/s"):
         lead_lag.prewarped(paper(), T, 3200.0)
     with pytest.raises(TimingError, match="give the continuous one"):
-        lead_lag.held(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
+        lead_lag.zero_order_hold(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
     with pytest.raises(TimingError, match="must be finite and positive"):
         lead_lag.matched(paper(), -1.0, W)
 

@@ -43,7 +43,7 @@ def test_plant_and_filters_are_one_model_by_hand() -> None:
 def test_constant_filters_are_plain_weights() -> None:
     nothing = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)))
     flat = StateSpace(*nothing, [[2.0]], (), ("v",), ("z",), Continuous())
-    design = frequency_weights.shaped(PLANT, [flat], {"z": 3.0}, {"f": 0.5}, {"x": 7.0})
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [flat], {"z": 3.0}, {"f": 0.5}, {"x": 7.0})
     plain = lqr.lqr(PLANT, {"x": 7.0, "v": 12.0}, {"f": 0.5})
     np.testing.assert_allclose(design.gain.K, plain.K, rtol=tolerances.of("folded"))
     assert design.controller.states == () and design.controller.inputs == ("x", "v")
@@ -51,7 +51,7 @@ def test_constant_filters_are_plain_weights() -> None:
 
 
 def test_the_controller_makes_the_loop_that_the_gain_promises() -> None:
-    design = frequency_weights.shaped(PLANT, [SLOW, FAST], {"zy": 5.0, "zf": 1.0}, {"f": 0.1})
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [SLOW, FAST], {"zy": 5.0, "zf": 1.0}, {"f": 0.1})
     poles = np.sort_complex(np.linalg.eigvals(closed_loop_matrix(PLANT, design.controller)))
     np.testing.assert_allclose(poles, design.gain.poles, rtol=tolerances.of("pencil"))
     assert design.controller.states == ("w", "r") and design.controller.outputs == ("f",)
@@ -60,7 +60,7 @@ def test_the_controller_makes_the_loop_that_the_gain_promises() -> None:
 def test_the_optimal_cost_is_its_integral_over_frequency() -> None:
     """From x0 the cost is (1 / 2 pi) int (|W_y y|^2 + |W_f f|^2 + R |f|^2) d omega; another gain costs more."""
     Q, R = {"zy": 5.0, "zf": 1.0}, 0.1
-    design = frequency_weights.shaped(PLANT, [SLOW, FAST], Q, {"f": R})
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [SLOW, FAST], Q, {"f": R})
     x0 = np.array([1.0, -0.5, 0.0, 0.0])
 
     def cost(K: np.ndarray) -> float:
@@ -80,7 +80,7 @@ def test_the_optimal_cost_is_its_integral_over_frequency() -> None:
 
 
 def test_a_weight_on_fast_forces_rolls_the_controller_off() -> None:
-    shaped = frequency_weights.shaped(PLANT, [FAST], {"zf": 1.0}, {"f": 0.01}, {"x": 100.0})
+    shaped = frequency_weights.frequency_shaped_lqr(PLANT, [FAST], {"zf": 1.0}, {"f": 0.01}, {"x": 100.0})
     fast = shaped.controller.response(1e4j)[0, 0]
     slow = shaped.controller.response(1e-3j)[0, 0]
     assert abs(fast[0]) < 0.4 * abs(slow[0])  # a constant weight's gain is the same at all frequencies
@@ -88,13 +88,13 @@ def test_a_weight_on_fast_forces_rolls_the_controller_off() -> None:
 
 def test_the_held_loop_is_optimal_for_the_continuous_cost() -> None:
     T = 0.1
-    design = frequency_weights.shaped(PLANT, [SLOW], {"zy": 5.0}, {"f": 0.1}, period_s=T)
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [SLOW], {"zy": 5.0}, {"f": 0.1}, period_s=T)
     assert design.controller.time == Discrete(T)
     held = discretise.zero_order_hold(PLANT, T)
     poles = np.sort_complex(np.linalg.eigvals(closed_loop_matrix(held, design.controller)))
     np.testing.assert_allclose(poles, design.gain.poles, rtol=tolerances.of("pencil"))
     joined = frequency_weights.augmented(PLANT, [SLOW])
-    w = weights.output_weighted(joined, {"zy": 5.0}, {"f": 0.1})
+    w = weights.output_weights(joined, {"zy": 5.0}, {"f": 0.1})
     nodes, weight = np.polynomial.legendre.leggauss(10)
     F, x, total = scipy.linalg.block_diag(np.hstack([joined.A, joined.B]), np.zeros((1, 0))), np.array([1.0, 0, 0]), 0.0
     W = np.block([[w.Q, w.N], [w.N.T, w.R]])
@@ -120,16 +120,18 @@ def test_what_cannot_be_weighted_is_refused() -> None:
     # The velocity's transfer function is zero at s = 0, so that nothing moves its integral alone.
     with pytest.raises(ModelError, match="not stabilisable: mode 0 in w"):
         integrator = StateSpace([[0]], [[1]], [[1]], [[0]], ("w",), ("v",), ("z",), Continuous())
-        frequency_weights.shaped(PLANT, [integrator], {"z": 1.0}, {"f": 1.0})
+        frequency_weights.frequency_shaped_lqr(PLANT, [integrator], {"z": 1.0}, {"f": 1.0})
 
 
 def test_arrays_are_read_and_the_result_prints() -> None:
     plant = (PLANT.A, PLANT.B, PLANT.C, PLANT.D)
     with pytest.raises(SignalError, match="x1, x2, x1: give each its own"):
-        frequency_weights.shaped(plant, [(SLOW.A, SLOW.B)], [1.0], [1.0])
-    design = frequency_weights.shaped(plant, [SLOW.renamed({"y": "y1"}).to_control()], [1.0], [1.0], exact=True)
+        frequency_weights.frequency_shaped_lqr(plant, [(SLOW.A, SLOW.B)], [1.0], [1.0])
+    design = frequency_weights.frequency_shaped_lqr(
+        plant, [SLOW.renamed({"y": "y1"}).to_control()], [1.0], [1.0], exact=True
+    )
     assert design.gain.K.shape == (1, 3) and design.gain.states == ("x1", "x2", "w")
-    text = repr(frequency_weights.shaped(PLANT, [SLOW], {"zy": 1.0}, {"f": 1.0}))
+    text = repr(frequency_weights.frequency_shaped_lqr(PLANT, [SLOW], {"zy": 1.0}, {"f": 1.0}))
     assert text.startswith("Frequency-weighted gain in continuous time: 1 states of filters")
 
 

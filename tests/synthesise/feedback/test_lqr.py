@@ -52,7 +52,7 @@ def positioner() -> StateSpace:
     B = np.vstack([np.zeros((3, 3)), [[0, 0, 13.2547], [13.2547, 13.2547, 0], [-117.15, 117.15, 0]]])
     C, inputs = np.eye(3, 6), ("i_A", "i_B", "i_C")
     plant = StateSpace(A, B, C, np.zeros((3, 3)), NAMES, inputs, NAMES[:3], Continuous(), UNITS)
-    return lqr.integral(plant, NAMES[:3])
+    return lqr.with_integrators(plant, NAMES[:3])
 
 
 # Y(49) with its decimals, columns x y phi, their integrals, d f v; u = -K x.
@@ -127,7 +127,7 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
         Discrete(0.1),
         units,
     )
-    held = lqr.integral(plant, ("n", "v", "a"))
+    held = lqr.with_integrators(plant, ("n", "v", "a"))
     z = np.exp(1j * np.array([0.2, 2.0]))
     there = held.response(z)
     np.testing.assert_allclose(
@@ -135,15 +135,15 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
     )
     assert [held.units[f"{n}_integral"] for n in ("v", "n", "a")] == ["m", "s", "m/s^2 s"]
     with pytest.raises(SignalError, match="a name stands twice among the outputs n, n"):
-        lqr.integral(plant, ("n", "n"))
+        lqr.with_integrators(plant, ("n", "n"))
     with pytest.raises(SignalError, match="'z' is not one of v, n, a"):
-        lqr.integral(plant, ("z",))
+        lqr.with_integrators(plant, ("z",))
 
 
 def test_weights_on_outputs_count_what_the_input_adds() -> None:
     rng = np.random.default_rng(5)
     A, B, C, D = (rng.normal(size=shape) for shape in ((3, 3), (3, 2), (2, 3), (2, 2)))
-    state_weights = weights.output_weighted((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
+    state_weights = weights.output_weights((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
     x, u = rng.normal(size=3), rng.normal(size=2)
     y = C @ x + D @ u
     expected_cost = x @ state_weights.Q @ x + u @ state_weights.R @ u + 2 * x @ state_weights.N @ u

@@ -225,12 +225,12 @@ def test_the_row_that_does_not_vanish_gives_the_mixture() -> None:
 
 def test_integrators_make_the_stage_affine() -> None:
     plant = maglev_stage.plant()
-    extended = dynamic_extension.integrators(plant, [s.name for s in plant.inputs])
+    extended = dynamic_extension.add_integrators(plant, [s.name for s in plant.inputs])
     model = lie.affine(extended, list(maglev_stage.RATE))
     assert len(model.states) == 16 and [s.name for s in model.inputs][-1] == "u_z_rate"
     rate = next(s for s in model.inputs if s.name == "i_d1_rate")
     assert dimension(rate.unit) == dimension("A/s") and rate.high == pytest.approx(2 * maglev_stage.PEAK)
-    some = dynamic_extension.integrators(plant, ["u_z", "u_x"])
+    some = dynamic_extension.add_integrators(plant, ["u_z", "u_x"])
     assert [s.name for s in some.states[10:]] == ["u_x", "u_z"]
     assert [s.name for s in some.inputs] == ["i_d1", "i_d2", "i_d3", "i_d4", "u_x_rate", "u_z_rate"]
 
@@ -238,7 +238,7 @@ def test_integrators_make_the_stage_affine() -> None:
 def test_integrators_of_the_tank_give_its_flow() -> None:
     L, U = ca.SX.sym("level"), ca.SX.sym("flow")
     plant = textbook_plants.with_input(ca.Function("rate", [L, U], [L * U**2]))
-    extension = dynamic_extension.integrators(plant, ["flow"])
+    extension = dynamic_extension.add_integrators(plant, ["flow"])
     rates = extension.f([1.5, 0.5], [0.25], []).full().ravel()
     assert rates.tolist() == [-1.5 + 1.5 * 0.25, 0.25]
 
@@ -246,7 +246,7 @@ def test_integrators_of_the_tank_give_its_flow() -> None:
 @pytest.mark.parametrize("inputs", [["flow"], ["T", "T"]])
 def test_integrators_before_what_is_no_input_are_refused(inputs: list[str]) -> None:
     with pytest.raises(SignalError, match=r"name inputs of 'aircraft', T, M, each once"):
-        dynamic_extension.integrators(textbook_plants.aircraft(0.1), inputs)
+        dynamic_extension.add_integrators(textbook_plants.aircraft(0.1), inputs)
 
 
 def test_a_name_that_is_taken_is_refused() -> None:
@@ -259,4 +259,4 @@ def test_a_name_that_is_taken_is_refused() -> None:
         lambda x, u, p: ({"v": u["v"]}, {"y": x["v"]}),
     )
     with pytest.raises(SignalError, match="'v' is declared 2 times"):
-        dynamic_extension.integrators(plant, ["v"])
+        dynamic_extension.add_integrators(plant, ["v"])

@@ -104,7 +104,7 @@ def test_a_model_singular_at_points_is_served(element: Callable[[ca.SX], ca.SX])
 
 def full_stage() -> Plant:
     """The platen with every quadratic term and an integrator before each current: 16 states."""
-    return dynamic_extension.integrators(maglev_stage.plant(), [s.name for s in maglev_stage.INPUTS])
+    return dynamic_extension.add_integrators(maglev_stage.plant(), [s.name for s in maglev_stage.INPUTS])
 
 
 def lawful(name: str) -> Linearisation:

@@ -69,7 +69,7 @@ def test_the_noise_is_added_to_the_output_it_is_named_after() -> None:
 def test_names_and_units_are_carried() -> None:
     joined = coloured.measurement(plant(), drift("gap", 0.3))
     assert (joined.unit("drift"), joined.unit("v"), joined.unit("gap")) == ("m", "m/s", "m")
-    estimator = kalman.sampled(coloured.process(plant(), hum("f", "N")), [2.0], [1e-10, 1e-4], 1e-3, G="white")
+    estimator = kalman.kalmd(coloured.process(plant(), hum("f", "N")), [2.0], [1e-10, 1e-4], 1e-3, G="white")
     assert estimator.predictor().inputs == ("f", "tilt", "gap", "current")
     assert estimator.predictor().outputs == ("x_estimate", "v_estimate", "hum_estimate", "hum_rate_estimate")
 
@@ -108,7 +108,7 @@ def test_sensor_drift_is_distinguished_from_motion() -> None:
     joined, T = coloured.measurement(p, drift("gap", 0.0)), 0.05
     two = joined.select(joined.outputs, ("f", "white"))
     G = np.hstack([np.eye(3)[:, 1:2], two.B[:, 1:]])
-    estimator = kalman.sampled(joined.select(joined.outputs, ("f",)), [0.04, 0.01], [1e-3], T, G=G)
+    estimator = kalman.kalmd(joined.select(joined.outputs, ("f",)), [0.04, 0.01], [1e-3], T, G=G)
     rng, runs, model = np.random.default_rng(5), 5_000, estimator.model
     root = np.linalg.cholesky(estimator.noise.W + 1e-18 * np.eye(3))
     x, x_hat = np.zeros((runs, 3)), np.zeros((runs, 3))

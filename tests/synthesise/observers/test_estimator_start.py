@@ -27,7 +27,7 @@ PLANT = StateSpace(
     np.kron(np.eye(2), [[0, 1], [0, 0]]), [[0], [1], [0], [0.5]], [[1, 0, 0.2, 0], [1, 0, -0.3, 0]], np.zeros((2, 1)),
     ("gap", "speed", "tilt", "spin"), ("force",), ("near", "far"), Continuous(), UNITS,
 )  # fmt: skip
-FILTER = kalman.sampled(PLANT, np.diag([0, 1.0, 0, 1.0]), np.full(2, 1e-10), T)
+FILTER = kalman.kalmd(PLANT, np.diag([0, 1.0, 0, 1.0]), np.full(2, 1e-10), T)
 RANGES = {"m": 1.0, "m/s": 100.0, "rad": 2.0, "rad/s": 100.0, "m/s^2": 100.0}
 
 
@@ -149,9 +149,9 @@ def test_a_servo_regulator_starts_with_its_estimates() -> None:
     axis = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("force",), ("gap",),
                       Continuous(), UNITS)  # fmt: skip
     regulator = optimal_servo.lqrd(axis, (0.0,), [1e4, 1e2, 1e3], [1.0], T)
-    filtered = kalman.sampled(axis, np.diag([0, 1.0]), [1e-10], T)
+    filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     for form in (filtered.current(), filtered.predictor()):
-        controller = servo.estimated(regulator, form).controller
+        controller = servo.with_estimator(regulator, form).controller
         start = estimator_start.from_measurement(controller, regulator.plant, values={"speed": 0.2})
         x = start.a + start.G @ [1e-3 if name == "gap" else 0.0 for name in controller.inputs]
         assert x.tolist() == [0.0, 1e-3, 0.2]
@@ -163,8 +163,8 @@ def test_a_compensator_starts_with_its_estimates() -> None:
     """Its integral, which is known, starts at 0."""
     axis = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("force",), ("gap",),
                       Continuous(), UNITS)  # fmt: skip
-    gain = lqr.lqrd(lqr.integral(axis, ["gap"]), [1e4, 1e2, 1e3], [1.0], T)
-    filtered = kalman.sampled(axis, np.diag([0, 1.0]), [1e-10], T)
+    gain = lqr.lqrd(lqr.with_integrators(axis, ["gap"]), [1e4, 1e2, 1e3], [1.0], T)
+    filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     compensator = lqg.current(gain, filtered).compensator
     start = estimator_start.from_measurement(compensator, filtered.model)
     assert compensator.states == ("gap_predicted", "speed_predicted", "gap_integral")

@@ -143,8 +143,8 @@ def test_the_covariance_grows_over_a_period_as_the_continuous_equation_says() ->
         prior = over_a_period(model, density, estimator.posterior, T)
         return float(np.abs(prior - estimator.prior).max() / np.abs(prior).max())
 
-    assert misses(kalman.sampled(model, W, V, T, G)) < close
-    held = kalman.sampled(model, W, V, T, G).model
+    assert misses(kalman.kalmd(model, W, V, T, G)) < close
+    held = kalman.kalmd(model, W, V, T, G).model
     crude = kalman.discrete(held, (density + density.T) / 2 * T, V)
     assert misses(crude) > 1e-2  # W scaled by T only
     np.testing.assert_allclose(held.A, scipy.linalg.expm(model.A * T), rtol=tolerances.of("double"))
@@ -153,16 +153,16 @@ def test_the_covariance_grows_over_a_period_as_the_continuous_equation_says() ->
 def test_many_fast_samples_of_large_covariance_are_the_continuous_filter() -> None:
     """V / T at each sample is the density V."""
     T, V = 1e-5, 25e-13
-    fast, limit = kalman.sampled(mass(), {"v": 1e-3}, [V / T], T), kalman.continuous(mass(), {"v": 1e-3}, [V])
+    fast, limit = kalman.kalmd(mass(), {"v": 1e-3}, [V / T], T), kalman.continuous(mass(), {"v": 1e-3}, [V])
     np.testing.assert_allclose(fast.L / T, limit.L, rtol=0.01)
     np.testing.assert_allclose(fast.prior, limit.prior, rtol=0.01)
-    slow = kalman.sampled(mass(), {"v": 1e-3}, [V / (10 * T)], 10 * T)
+    slow = kalman.kalmd(mass(), {"v": 1e-3}, [V / (10 * T)], 10 * T)
     assert np.abs(fast.L / T - limit.L).max() < 0.2 * np.abs(slow.L / (10 * T) - limit.L).max()
 
 
 def test_exact_filters_agree_to_the_last_digits_with_those_in_double_precision() -> None:
     arguments = (mass(), {"v": 1e-3}, [25e-10], 1e-3)
-    exact, plain = kalman.sampled(*arguments, exact=True), kalman.sampled(*arguments)
+    exact, plain = kalman.kalmd(*arguments, exact=True), kalman.kalmd(*arguments)
     for name in ("L", "M", "prior", "posterior"):
         np.testing.assert_allclose(getattr(plain, name), getattr(exact, name), rtol=tolerances.of("double"))
     m, e = exact.model, exact.noise
@@ -222,7 +222,7 @@ def test_both_forms_estimate_what_the_recursion_says_with_a_direct_term_and_cros
 
 
 def test_the_forms_carry_names_and_units() -> None:
-    estimator = kalman.sampled(mass(), {"v": 1e-3}, {"y": 25e-10}, 1e-3)
+    estimator = kalman.kalmd(mass(), {"v": 1e-3}, {"y": 25e-10}, 1e-3)
     for form in (estimator.predictor(), estimator.current()):
         assert form.inputs == ("f", "y")
         assert form.outputs == ("x_estimate", "v_estimate")
@@ -233,7 +233,7 @@ def test_the_forms_carry_names_and_units() -> None:
 
 
 def test_a_filter_prints_its_deviations_with_units() -> None:
-    text = repr(kalman.sampled(mass(), {"v": 1e-3}, [25e-10], 1e-3))
+    text = repr(kalman.kalmd(mass(), {"v": 1e-3}, [25e-10], 1e-3))
     assert "deviation before a sample" in text
     assert "v [m/s]" in text
     assert "dual Riccati equation" in text

@@ -86,7 +86,7 @@ def test_the_distance_is_that_of_python_control_loops() -> None:
         (np.abs(loop - target) / np.abs(target)).max(), rel=tolerances.of("frequency")
     )
     assert step.controller.estimator.noise.W[1, 1] == pytest.approx(61**2 + 100**2)
-    expectation = lqg.expected(step.controller, noise.white(plant, [1.0], [1.0], NOISE).noise)
+    expectation = lqg.expected_cost(step.controller, noise.white(plant, [1.0], [1.0], NOISE).noise)
     assert step.noise.deviations == expectation.deviations  # the noise that acts, without what was added for recovery
 
 
@@ -125,7 +125,7 @@ def test_two_inputs_and_two_outputs_are_recovered_and_integrators_with_them() ->
     rng = np.random.default_rng(2)
     A, B = rng.normal(size=(4, 4)) - 2 * np.eye(4), rng.normal(size=(4, 2))
     plant = of((A, B, B.T))  # C B > 0; its zeros are checked below, by having no obstacle
-    weight = lqr.integral(plant, ("y1", "y2"))
+    weight = lqr.with_integrators(plant, ("y1", "y2"))
     gain = lqr.lqr(weight, np.diag([1, 1, 1, 1, 10, 10]), np.eye(2))
     sweep = recovery.at_input(gain, plant, np.ones(4), np.ones(2), (1.0, 1e3, 1e4), (0.1, 10))
     assert not sweep.obstacles
@@ -158,7 +158,7 @@ def test_a_zero_on_the_right_is_named_and_the_loop_is_not_recovered() -> None:
 
 
 def test_a_sampled_mass_has_its_zero_at_minus_one() -> None:
-    held = kalman.sampled(of(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])), [1, 1], [1], 0.1).model
+    held = kalman.kalmd(of(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])), [1, 1], [1], 0.1).model
     gain = lqr.lqr(held, np.eye(2), [[1.0]])
     sweep = recovery.at_input(gain, held, [1, 1], [1], (1.0, 1e4), (0.1, 30))
     assert len(sweep.obstacles) == 1

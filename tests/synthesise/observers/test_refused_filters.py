@@ -31,7 +31,7 @@ SEEN_BIAS = replace(BIASED, C=[[1, 1]])
             ModelError,
             "measurement of x, v .* reduced-order",
         ),
-        (lambda: kalman.sampled(mass(), {"v": 1}, [0.0], 1e-3), ModelError, "measurement of y has no white noise"),
+        (lambda: kalman.kalmd(mass(), {"v": 1}, [0.0], 1e-3), ModelError, "measurement of y has no white noise"),
         (lambda: kalman.continuous(mass(), {"v": 1}, [-1.0]), SignalError, "V has the eigenvalue -1"),
         (lambda: kalman.continuous(mass(), [[1, 2], [0, 1]], [1]), SignalError, "W is not symmetric"),
         (lambda: kalman.continuous(mass(), [1, np.nan], [1]), SignalError, "W has nan"),
@@ -43,9 +43,9 @@ SEEN_BIAS = replace(BIASED, C=[[1, 1]])
         (lambda: kalman.continuous(mass().select((), ("f",)), [1, 1], []), SignalError, "0 outputs"),
         (lambda: kalman.discrete(mass(), [1, 1], [1]), TimingError, "sample period"),
         (lambda: kalman.continuous(scalar(1, Discrete(1)), [1], [1]), TimingError, "discretise or resample"),
-        (lambda: kalman.sampled(scalar(1, Discrete(1)), [1], [1], 0.1), TimingError, "continuous model"),
-        (lambda: kalman.sampled(mass(), [1, 1], [1], 0.0), TimingError, "period"),
-        (lambda: kalman.sampled((-1, 1, 1, 1), [1], [1], 0.1, G="u1"), SignalError, "has a direct path to y1"),
+        (lambda: kalman.kalmd(scalar(1, Discrete(1)), [1], [1], 0.1), TimingError, "continuous model"),
+        (lambda: kalman.kalmd(mass(), [1, 1], [1], 0.0), TimingError, "period"),
+        (lambda: kalman.kalmd((-1, 1, 1, 1), [1], [1], 0.1, G="u1"), SignalError, "has a direct path to y1"),
     ],
 )
 def test_what_has_no_filter_is_refused(make: Callable[[], object], error: type[Exception], message: str) -> None:
@@ -74,7 +74,7 @@ def test_variances_that_cannot_be_squared_are_refused(size: float) -> None:
     for make in (
         lambda: kalman.continuous(plant, [size, size], [size]),
         lambda: kalman.discrete((*plant, 0.1), [1.0, 1.0], [size]),
-        lambda: kalman.sampled(plant, [size, size], [size], 0.1),
+        lambda: kalman.kalmd(plant, [size, size], [size], 0.1),
     ):
         with pytest.raises(SignalError, match=r"the noise on (x1|y1) has the size .*; choose|the weight [WV] reach 1e"):
             make()

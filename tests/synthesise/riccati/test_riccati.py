@@ -90,7 +90,7 @@ def test_the_certificate_states_the_error_that_ball_arithmetic_finds(kind: str, 
     for seed in range(12):
         c, Q, R, N = random_problem(seed, time, kind)
         solution, exact = riccati.solve(c, Q, R, N), riccati.solve(c, Q, R, N, exact=True)
-        balance = riccati.Balance.of(riccati._equation(c, *riccati.checked_weights(c, Q, R, N)))
+        balance = riccati.Balance.of(riccati._equation(c, *riccati.weight_matrices(c, Q, R, N)))
         D, E = balance.D, balance.E[:, None]
         size = equation.sizes(exact.X * D * D[:, None])
         error = np.abs((solution.X - exact.X) * D * D[:, None] / size / size[:, None]).max()

@@ -71,7 +71,7 @@ def test_a_constant_has_the_closed_form() -> None:
 
 def test_an_observer_goes_on_with_what_the_actuators_do() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
-    seen = servo.observed(regulator, [[0.9], [20.0]])
+    seen = servo.with_observer(regulator, [[0.9], [20.0]])
     design = anti_windup.back_calculation(seen, 5.0)
     assert design.E[1:].tolist() == [[0.0], [0.0]]
     observer = np.linalg.eigvals(regulator.plant.A - np.array([[0.9], [20.0]]) @ regulator.plant.C)
@@ -203,7 +203,7 @@ def test_a_saturated_step_overshoots_less(with_observer: bool) -> None:
     """0.1 m under 1.5 m/s^2: without anti-windup the internal model winds up and the mass swings on."""
     regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), X_AXIS, [1.0], 1e-3)
     if with_observer:
-        regulator = servo.observed(regulator, [[0.5], [60.0]])
+        regulator = servo.with_observer(regulator, [[0.5], [60.0]])
     aims = np.full((3000, 1), 0.1)
     over = {}
     for name, controller in {

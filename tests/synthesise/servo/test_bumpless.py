@@ -51,7 +51,7 @@ def test_the_first_step_of_the_controller_is_the_present_command(with_observer: 
     if with_observer:
         sampled = regulator.plant
         placed = scipy.signal.place_poles(sampled.A.T, sampled.C.T, [0.5, 0.55, 0.6, 0.65])
-        regulator = servo.observed(regulator, placed.gain_matrix.T)
+        regulator = servo.with_observer(regulator, placed.gain_matrix.T)
     xi, c = bumpless.start(regulator, x, present), regulator.controller
     known = dict(zip(plant.states, x, strict=True)) | {"y": x[0], "z": x[2], "y_error": 0.3, "z_error": -0.1}
     w = np.array([known.get(name, 0.0) for name in c.inputs])

@@ -274,7 +274,7 @@ def test_an_integrator_has_the_unit_of_an_integral_in_either_time(time: Continuo
     model = internal_model.in_time([0.0], time)
     unit = model.units(["x"], {"x": "m"})["xi1"]
     axis = StateSpace([[0.5]], [[1]], [[1]], [[0]], ("p",), ("f",), ("x",), time, {"x": "m"})
-    assert unit == lqr.integral(axis, ["x"]).unit("x_integral") == "m s"
+    assert unit == lqr.with_integrators(axis, ["x"]).unit("x_integral") == "m s"
     assert model.N[0, 0] == (1.0 if time == Continuous() else T)  # the unit s of the second stands in N
 
 

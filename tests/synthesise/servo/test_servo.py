@@ -190,7 +190,7 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
     plant = regulator.plant
     L = scipy.signal.place_poles(plant.A.T, plant.C.T, [0.5, 0.6]).gain_matrix.T
-    seen = servo.observed(regulator, L)
+    seen = servo.with_observer(regulator, L)
     expected = np.sort_complex([0.5, 0.6, *regulator.poles])
     np.testing.assert_allclose(np.sort_complex(seen.poles), expected, rtol=tolerances.of("lyapunov"))
     assert seen.steady.vanishes
@@ -200,9 +200,9 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
     heavier = replace(plant, B=plant.B * 0.9)
     assert seen.around(heavier).vanishes
     with pytest.raises(SignalError, match=r"L is \(1, 2\): give \(2, 1\), states by the outputs gap"):
-        servo.observed(regulator, L.T)
+        servo.with_observer(regulator, L.T)
     with pytest.raises(ModelError, match="and an estimator whose error decays"):
-        servo.observed(regulator, -L)
+        servo.with_observer(regulator, -L)
 
 
 def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
@@ -216,28 +216,28 @@ def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
         plant.A - L @ plant.C, np.hstack([plant.B, L]), H, np.hstack([np.zeros((2, 1)), M]),
         ("gap_predicted", "speed_predicted"), ("force", "gap"), ("gap_estimate", "speed_estimate"), plant.time,
     )  # fmt: skip
-    seen = servo.estimated(regulator, current)
+    seen = servo.with_estimator(regulator, current)
     assert seen.steady.vanishes
     expected = np.sort_complex([*np.linalg.eigvals(plant.A - L @ plant.C), *regulator.poles])
     np.testing.assert_allclose(np.sort_complex(seen.poles), expected, rtol=tolerances.of("lyapunov"))
     hasty = replace(current, D=current.D + np.array([[0.0, 0.0], [1.0, 0.0]]))
     with pytest.raises(SignalError, match="depends directly on force, which makes an algebraic loop"):
-        servo.estimated(regulator, hasty)
+        servo.with_estimator(regulator, hasty)
     with pytest.raises(SignalError, match=r"input 'draught' is neither a control .* nor an output of the plant"):
-        servo.estimated(regulator, current.renamed({"force": "draught"}))
+        servo.with_estimator(regulator, current.renamed({"force": "draught"}))
     with pytest.raises(TimingError, match=r"discrete time of 0\.01 s meets continuous time"):
-        servo.estimated(regulator, replace(current, time=Continuous()))
+        servo.with_estimator(regulator, replace(current, time=Continuous()))
 
 
 def test_the_states_of_an_estimator_keep_their_units() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
-    filtered = kalman.sampled(DOUBLE, {"force": 1.0}, [1e-6], T, G=["force"])
+    filtered = kalman.kalmd(DOUBLE, {"force": 1.0}, [1e-6], T, G=["force"])
     current, predictor = (
-        servo.estimated(regulator, part).controller.units for part in (filtered.current(), filtered.predictor())
+        servo.with_estimator(regulator, part).controller.units for part in (filtered.current(), filtered.predictor())
     )
     assert (current["gap_predicted"], current["speed_predicted"]) == ("m", "m/s")
     assert (predictor["gap_estimate"], predictor["speed_estimate"]) == ("m", "m/s")
-    by_hand = servo.observed(regulator, [[0.9], [20.0]]).controller.units
+    by_hand = servo.with_observer(regulator, [[0.9], [20.0]]).controller.units
     assert (by_hand["gap_estimate"], by_hand["speed_estimate"]) == ("m", "m/s")
 
 

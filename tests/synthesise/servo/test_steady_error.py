@@ -9,7 +9,7 @@ import pytest
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.servo import internal_model, optimal_servo, servo, steady_error
-from synth.synthesise.servo.steady_error import VANISHING, named
+from synth.synthesise.servo.steady_error import VANISHING, with_suffix
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -46,8 +46,8 @@ def with_controller(regulator: servo.Servo, controller: StateSpace) -> steady_er
     """Return the certificate of a regulator's plant with another controller."""
     plant = regulator.plant
     seen = replace(plant, C=np.eye(4), D=np.zeros((4, 2)), outputs=plant.states)
-    loop = steady_error.closed(plant, seen, regulator.regulated, regulator.controls, controller)
-    return steady_error.evaluate(loop, named(regulator.regulated, "error"), regulator.model)
+    loop = steady_error.closed_loop(plant, seen, regulator.regulated, regulator.controls, controller)
+    return steady_error.evaluate(loop, with_suffix(regulator.regulated, "error"), regulator.model)
 
 
 def test_the_response_is_the_closed_form() -> None:
@@ -161,11 +161,11 @@ def test_an_algebraic_loop_without_a_solution_is_refused() -> None:
         empty = np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))
         controller = StateSpace(*empty, [[gain]], (), ("y_error",), ("u_command",), Continuous())
         if gain == 0.5:
-            loop = steady_error.closed(plant, nothing, ["y"], ["u"], controller)
+            loop = steady_error.closed_loop(plant, nothing, ["y"], ["u"], controller)
             np.testing.assert_allclose(loop.poles, [0.0], atol=tolerances.of("double"))  # u = x - r + 2 d
         else:
             with pytest.raises(ModelError, match="around a loop at once, without a solution"):
-                steady_error.closed(plant, nothing, ["y"], ["u"], controller)
+                steady_error.closed_loop(plant, nothing, ["y"], ["u"], controller)
 
 
 def test_the_loop_is_that_of_python_control() -> None:
@@ -179,7 +179,7 @@ def test_the_loop_is_that_of_python_control() -> None:
     matrices = rng.normal(size=(3, 3)), rng.normal(size=(3, 5)), rng.normal(size=(2, 3)), 0.1 * rng.normal(size=(2, 5))
     inputs = ("y", "y_error", "z_error", "f_limited", "g_limited")
     controller = StateSpace(*matrices, ("a", "b", "c"), inputs, ("f_command", "g_command"), Continuous())
-    loop = steady_error.closed(plant, plant.select(["y"], plant.inputs), ["y", "z"], ["f", "g"], controller)
+    loop = steady_error.closed_loop(plant, plant.select(["y"], plant.inputs), ["y", "z"], ["f", "g"], controller)
     assert loop.inputs == ("y_reference", "z_reference", "f_disturbance", "g_disturbance", "draught")
     # P: (r, d, u) -> (e, u, [y, e, u]); the controller closes the last ones.
     B = np.hstack([np.zeros((4, 2)), plant.B, plant.B[:, :2]])

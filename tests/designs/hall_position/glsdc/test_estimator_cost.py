@@ -25,13 +25,13 @@ def sequence(tuning: Tuning) -> steps.Steps:
     controller = compile_c(TWO, tuning, np.float32)
     V = noisy(TWO, motion(400, 1, 1, travel=0.1, yaw=0.1))
     V[150:170] *= -1
-    recorded = steps.recorded(controller, "motion", by_input(TWO, V[:, 0]))
-    return steps.joined("all", [recorded, steps.drawn(controller, 600)])
+    recorded = steps.record(controller, "motion", by_input(TWO, V[:, 0]))
+    return steps.concatenate("all", [recorded, steps.random_steps(controller, 600)])
 
 
 def most(tuning: Tuning, build: Build) -> int:
     files = emit_c(TWO, tuning, np.float32)
-    return int(meter.run(rivals.emitted(files), sequence(tuning), build).cost.instructions.max())
+    return int(meter.run(rivals.emitted_c(files), sequence(tuning), build).cost.instructions.max())
 
 
 @GCC
@@ -52,7 +52,7 @@ def test_seven_corrections_exceed_it() -> None:
 def test_casadis_own_c_takes_twice_as_many() -> None:
     few, build = steps.thinned(sequence(USUAL), 30), Build("gcc -O2", "gcc")
     rival = meter.run(rivals.casadi(block(TWO), shimmed=True), few, build).cost.instructions
-    emitted_cost = meter.run(rivals.emitted(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
+    emitted_cost = meter.run(rivals.emitted_c(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
     assert rival.max() > 1.9 * emitted_cost.max()
 
 

@@ -26,7 +26,7 @@ Columns = dict[str, np.ndarray]
 
 
 @cache
-def emit_source() -> write.Emitted:
+def emit_source() -> write.EmittedCode:
     return write.emit(unranged(closed_loop._source(TIME, "")), np.float64)
 
 

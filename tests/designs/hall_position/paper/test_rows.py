@@ -96,13 +96,13 @@ def recompute(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
     of = PRINTED[name]
     changed = {k: Printed(text, of.numbers[k].unit) for k, text in numbers.items()}
     row = replace(of, numbers={**of.numbers, **changed})
-    return audit.computed(row, paper.scope(stage, {**PRINTED, name: row}))
+    return audit.recompute(row, paper.scope(stage, {**PRINTED, name: row}))
 
 
 def compute_with(name: str, **functions: object) -> Row:
     """Return a row that some functions are given in place of those of its name."""
     bench = paper.scope(STAGE, PRINTED)
-    return audit.computed(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
+    return audit.recompute(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
 
 
 @pytest.mark.parametrize(

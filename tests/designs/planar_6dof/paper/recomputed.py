@@ -38,13 +38,13 @@ def numbers(names: Sequence[str]) -> list[str]:
 
 
 def one(name: str, plant: Plant = PLANT, published: Prints = PRINTED) -> Row:
-    return audit.computed(published[name], rows.scope(plant, published))
+    return audit.recompute(published[name], rows.scope(plant, published))
 
 
 def recorded(name: str, **functions: Callable[..., object]) -> Row:
     """Return a row of records that some functions give in place of a loop."""
     scope = rows.scope()
-    return audit.computed(PRINTED[name], replace(scope, functions={**scope.functions, **functions}))
+    return audit.recompute(PRINTED[name], replace(scope, functions={**scope.functions, **functions}))
 
 
 def readers(names: Sequence[str]) -> dict[str, set[str]]:

@@ -318,7 +318,7 @@ def test_the_other_form_of_the_filter_is_another_figure(rows: dict[str, Row], mo
 def test_without_integrals_all_modes_show(monkeypatch: pytest.MonkeyPatch) -> None:
     """The verdict of Y-37 hangs on the integrals: without them nothing needs a correction."""
     plain = gains.model(gains.Stage(13.2547, 117.15, T), False)
-    hidden = len(gains.structure.unmoved(plain.A.T, plain.C.T, plain.states, plain.time))
+    hidden = len(gains.structure.uncontrollable_modes(plain.A.T, plain.C.T, plain.states, plain.time))
     assert hidden == 0
     shown = gains.model(gains.Stage(13.2547, 117.15, T), True)
     right = gains.model
