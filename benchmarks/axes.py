@@ -1,11 +1,11 @@
-"""How emission grows with the number of axes: n axes in one Block, n = 1, 2, 4 .. 64.
+"""Scaling of emission with the number of axes: n axes in one Block, n = 1, 2, 4 .. 64.
 
     q_k - r_k --->[ filter_k ]---> e_k, de_k --->[ regulator_k ]---> w_k --->[ m_k w_k, limits ]---> i_k
 
-Each axis is a derivative filter, an internal-model regulator and a limited current; all slew to a safe output together.
-The fault word has 31 bits for inputs, too few for 64 axes, so that at every n the first axis alone is guarded: the
-others' inputs are taken to lie in their declared ranges. The C is compiled with STRICT_FLAGS, and one step from each of
-many random states is compared with CasADi's evaluation of the Block.
+Each axis is a derivative filter, an internal-model regulator and a limited current. All currents slew to a safe output
+together. The fault word has 31 bits for inputs, too few for 64 axes, so only the first axis is guarded at every n. The
+inputs of the others are assumed to be in their declared ranges. The C is compiled with STRICT_FLAGS, and one step from
+each of many random states is compared with CasADi's evaluation of the Block.
 """
 
 import sys
@@ -38,8 +38,8 @@ BOUNDS = (600.0, 250.0, 500.0)  # m, of the internal model
 STROKE, REACH, CURRENT = 0.1, 0.05, 5.0  # m, m, A
 PER_ACCELERATION = 0.1  # A s^2/m
 BAD_SAMPLES = 5
-SAMPLES = 2000  # random steps that are compared
-NEAR = 1e-3  # of a state's range, where the currents are not limited
+SAMPLES = 2000  # compared random steps
+NEAR = 1e-3  # of a state's range: there the currents are not limited
 
 
 @dataclass(frozen=True)
@@ -60,22 +60,22 @@ class Growth:
 def block(n: int) -> Block:
     """Return the controller of n axes."""
     position = [Signal(f"q{k}", "m", -STROKE, STROKE, "position") for k in range(1, n + 1)]
-    wanted = [Signal(f"r{k}", "m", -REACH, REACH, "set-point") for k in range(1, n + 1)]
+    set_point = [Signal(f"r{k}", "m", -REACH, REACH, "set-point") for k in range(1, n + 1)]
     current = [Signal(f"i{k}", "A", -CURRENT, CURRENT, "current") for k in range(1, n + 1)]
-    guarded = [safety.Guarded(position[0], 0.0, True), safety.Guarded(wanted[0], 0.0, False)]
+    guarded = [safety.GuardedInput(position[0], 0.0, True), safety.GuardedInput(set_point[0], 0.0, False)]
     axes = [b for k in range(1, n + 1) for b in _axis(k)]
     parts = [safety.guard(TIME, guarded, BAD_SAMPLES), *axes, safety.safe_output(TIME, current, safe(n))]
-    inputs = [s.name for pair in zip(position, wanted, strict=True) for s in pair]
+    inputs = [s.name for pair in zip(position, set_point, strict=True) for s in pair]
     return safety.frozen(compose(f"axes_{n}", parts, inputs=inputs, outputs=[s.name for s in current]))
 
 
 def safe(n: int) -> safety.Safety:
-    """Return where n currents go once the first position has been bad for long."""
+    """Return the safe output of n currents after several bad samples of the first position."""
     names = [f"i{k}" for k in range(1, n + 1)]
     return safety.Safety(BAD_SAMPLES, dict.fromkeys(names, 0.0), dict.fromkeys(names, 50.0), "an example")
 
 
-def emitted(n: int, scalar: type[np.floating]) -> write.Emitted:
+def emit(n: int, scalar: type[np.floating]) -> write.EmittedCode:
     """Return the C of n axes."""
     return write.emit(block(n), scalar)
 
@@ -120,37 +120,37 @@ def _gain() -> lqr.Gain:
     return lqr.lqr(internal_model.augmented(integrator, FREQUENCIES), np.diag(WEIGHTS), np.eye(1))
 
 
-def grown(n: int) -> Growth:
+def measure_growth(n: int) -> Growth:
     """Compose, emit, compile strictly and compare n axes.
 
-    Raises CompileError for a warning of the compiler.
+    Raises CompileError when the compiler warns.
     """
     start = process_time()
-    made = block(n)
+    controller = block(n)
     composed = process_time()
-    single = write.emit(made, np.float32)
+    single = write.emit(controller, np.float32)
     done = process_time()
-    text = single.files[f"{made.name}.c"]
+    text = single.files[f"{controller.name}.c"]
     host_compiler.check(host.code(single.files))
-    worst = disagreement(made, write.emit(made, np.float64))
+    worst = disagreement(controller, write.emit(controller, np.float64))
     return Growth(n, composed - start, done - composed, len(text), text.count("\n"), worst)
 
 
-def disagreement(made: Block, double: write.Emitted) -> float:
+def disagreement(controller_block: Block, double: write.EmittedCode) -> float:
     """Return the worst difference of the float64 C from CasADi's evaluation over random steps.
 
-    That is, of an output, of max(1 A, |i|), or of a next state, of its range.
+    Differences of outputs are relative to max(1 A, |i|), those of next states to their ranges.
     """
     controller = host.load(double.files, double.manifest)
-    x = host.columns(steps.drawn(controller, SAMPLES).states)
-    for s in made.states:
+    x = host.columns(steps.random_steps(controller, SAMPLES).states)
+    for s in controller_block.states:
         if s.name.startswith(("filter", "regulator")):
-            x[s.name][::2] *= NEAR  # elsewhere the limits hide what differs
-    # Nothing but the first axis' guard keeps inputs in range.
+            x[s.name][::2] *= NEAR  # elsewhere the limits hide differences
+    # Only the first axis has a guard that keeps its inputs in range.
     u = host.columns(steps.in_range(controller, SAMPLES).inputs)
-    expected, found = agree.casadi(made.rounded(np.float64))(x, u), agree.emitted(controller)(x, u)
-    compared = agree.compare("random steps", ("casadi", expected), ("c64", found), 1.0, made)
-    return max(compared.worst, compared.state_worst)
+    expected, computed = agree.casadi(controller_block.rounded(np.float64))(x, u), agree.emitted_c(controller)(x, u)
+    agreement = agree.compare("random steps", ("casadi", expected), ("c64", computed), 1.0, controller_block)
+    return max(agreement.worst, agreement.state_worst)
 
 
 def table() -> Iterator[str]:
@@ -158,7 +158,7 @@ def table() -> Iterator[str]:
     names = ("axes", "compose, s", "emit, s", "s an axis", "C, bytes", "bytes an axis", "lines", "an axis", "worst")
     yield "  ".join(names)
     for n in COUNTS:
-        g = grown(n)
+        g = measure_growth(n)
         cells = (
             *(str(n), f"{g.composed_s:.2f}", f"{g.emitted_s:.2f}", f"{g.emitted_s / n:.3f}"),
             *(str(g.size), f"{g.size / n:.0f}", str(g.lines), f"{g.lines / n:.1f}", f"{g.worst:.1e}"),

@@ -1,10 +1,10 @@
-"""Disk margins beside python-control with SLICOT: time, and what a grid misses.
+"""Disk margins compared with python-control and SLICOT: time, and the error of a frequency grid.
 
         L = g sum_k phi_k (a_k + b_k s) phi_k' / (s^2 + 2 zeta_k w_k s + w_k^2),        p channels, n/2 modes
 
-of a flexible stage with fixed random modes phi_k. python-control takes mu at 400 frequencies with SLICOT's ab13md and
-claims nothing between them. Here the margin comes once with its certificate for all frequencies and once without. The
-times are wall clock on one thread, medians of runs that take turns; a ratio is the median of the ratios within a turn.
+of a flexible stage with fixed random modes phi_k. python-control computes mu at 400 frequencies with SLICOT's ab13md,
+without a bound between them. The toolkit's margin is timed with its certificate for all frequencies and without. Times
+are wall clock on one thread, medians of alternating runs; a ratio is the median of the ratios within a turn.
 """
 
 import os
@@ -60,7 +60,7 @@ def loop(channels: int, states: int) -> StateSpace:
     return of((A, B, GAIN * C, np.zeros((channels, channels))))
 
 
-def compared(channels: int, states: int) -> Comparison:
+def compare(channels: int, states: int) -> Comparison:
     """Time python-control and this package on one loop, in turns."""
     L = loop(channels, states)
     theirs, w = L.to_control(), np.geomspace(SLOWEST / 10, FASTEST * 10, POINTS)
@@ -69,7 +69,7 @@ def compared(channels: int, states: int) -> Comparison:
         start = perf_counter()
         margin = control.disk_margins(theirs, w)[0]
         one = perf_counter()
-        found = disk.of_loop(L)
+        certified = disk.of_loop(L)
         two = perf_counter()
         disk.of_loop(L, certify=False)
         turn[:] = one - start, two - one, perf_counter() - two
@@ -84,9 +84,9 @@ def compared(channels: int, states: int) -> Comparison:
         faster,
         faster_grid,
         float(margin),
-        found.lower,
-        found.upper,
-        found.certified,
+        certified.lower,
+        certified.upper,
+        certified.certified,
     )
 
 
@@ -96,7 +96,7 @@ def table() -> Iterator[str]:
     names = ("channels", "states", *times, "its margin", "lower", "upper", "certified")
     yield "  ".join(names)
     for channels, states in SIZES:
-        c = compared(channels, states)
+        c = compare(channels, states)
         cells = (
             *(str(c.channels), str(c.states), f"{c.control_ms:.1f}", f"{c.certified_ms:.1f}", f"{c.faster:.1f}"),
             *(f"{c.grid_ms:.1f}", f"{c.faster_grid:.1f}", f"{c.control_margin:.6f}", f"{c.lower:.6f}"),

@@ -1,16 +1,16 @@
-"""Hostile calls: each public function of the library, called with one argument that is wrong.
+"""Fuzzing of the library's interface: each public function is called with one wrong argument.
 
     python -m benchmarks.hostile [--calls 10000] [--seed 0] [--only lqr]
 
-For each function and constructor of the vocabulary, of analyse, of synthesise and of blocks there is a call that works
-(`hostile_calls`). Each argument in turn is then replaced: by another kind of thing (a number for a list, a text,
-None, a bool), by another shape or size, by NaN, infinity, 1e300 and 1e-300, by nothing, by a masked array, by a wrong
-name, and by the same value in another form, for which the answer must be the same. A call must answer or raise a
-SynthError, within `LIMIT_S`. Everything else is a defect: another error, NaN in an answer whose example has none, a
-warning of NumPy beside an answer, another answer to the same value, or a longer time.
+For each function and constructor of the vocabulary, of analyse, of synthesise and of blocks there is a valid call
+(`hostile_calls`). Each argument in turn is then replaced: by another type (a number for a list, a text, None, a bool),
+by another shape or size, by NaN, infinity, 1e300 and 1e-300, by an empty value, by a masked array, by a wrong name, and
+by the same value in another form, for which the answer must be the same. A call must return or raise a SynthError
+within `LIMIT_S`. Everything else is a defect: another error, NaN in an answer whose example has none, a warning of
+NumPy with an answer, another answer to the same value, or a longer time.
 
-Functions that take what others have read already, like NumPy arrays or Arb balls, are left out:
-`synth.arguments.checked` marks the others.
+Internal functions, which take checked values like NumPy arrays or Arb balls, are left out: `synth.arguments.checked`
+marks the others.
 """
 
 import argparse
@@ -42,7 +42,7 @@ from synth.errors import SynthError
 LIMIT_S = 5.0
 MEMORY = 4 << 30  # bytes
 VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "compose", "check")
-UNCHECKED = ("timing.Discrete", "check.Check", "safety.Guarded", "logs.Log")  # constructors that read for themselves
+UNCHECKED = ("timing.Discrete", "check.Check", "safety.GuardedInput", "logs.Log")  # check their own arguments
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",
     "structure.transmission_zeros": "the damping of a zero at 0",
@@ -64,7 +64,7 @@ class Case:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """What became of a call: "answer", "refused" or a defect, with its error or warning, and the seconds it took."""
+    """The outcome of a call: "answer", "refused" or a defect, with its error or warning, and the seconds it took."""
 
     kind: str
     text: str
@@ -72,7 +72,7 @@ class Outcome:
 
     @property
     def is_defect(self) -> bool:
-        """Whether the library should have done otherwise."""
+        """Whether the outcome is a defect of the library."""
         return self.kind not in ("answer", "refused")
 
 
@@ -85,64 +85,64 @@ def modules() -> list[ModuleType]:
 
 
 def is_checked(target: Any) -> bool:
-    """Tell whether `arguments.checked` stands at a function or constructor."""
+    """Return whether a function or constructor is decorated with `arguments.checked`."""
     code = getattr(target.__init__ if inspect.isclass(target) else target, "__code__", None)
     return code is not None and code.co_filename.endswith("arguments.py")
 
 
 def library() -> dict[str, Callable[..., Any]]:
-    """Return the public functions and constructors that take what a user gives, by module and name."""
-    found = {}
+    """Return the public functions and constructors with checked arguments, by module and name."""
+    functions = {}
     for module in modules():
         short = module.__name__.rpartition(".")[2]
         for name, target in vars(module).items():
-            own = getattr(target, "__module__", None) == module.__name__ and not name.startswith("_")
-            if own and callable(target) and (is_checked(target) or f"{short}.{name}" in UNCHECKED):
-                found[f"{short}.{name}"] = target
-    return found
+            is_public = getattr(target, "__module__", None) == module.__name__ and not name.startswith("_")
+            if is_public and callable(target) and (is_checked(target) or f"{short}.{name}" in UNCHECKED):
+                functions[f"{short}.{name}"] = target
+    return functions
 
 
 def call(function: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    """Call a function with arguments by name, and those of its ``*args`` by place."""
-    given = dict(arguments)
+    """Call a function with arguments by name, and those of its ``*args`` by position."""
+    keywords = dict(arguments)
     further = [p.name for p in inspect.signature(function).parameters.values() if p.kind is p.VAR_POSITIONAL]
     for name in further:
-        values = given.pop(name)
-        return function(*(values if isinstance(values, list | tuple) else [values]), **given)
-    return function(**given)
+        values = keywords.pop(name)
+        return function(*(values if isinstance(values, list | tuple) else [values]), **keywords)
+    return function(**keywords)
 
 
 def example(name: str, function: Callable[..., Any]) -> dict[str, Any]:
-    """Return arguments with which a function works: its own, else those of their names, else its defaults."""
-    own, usual = hostile_calls.own().get(name, {}), hostile_examples.usual()
-    given: dict[str, Any] = {}
+    """Return valid arguments of a function: specific ones, else those by argument name, else its defaults."""
+    specific, usual = hostile_calls.examples().get(name, {}), hostile_examples.usual()
+    arguments: dict[str, Any] = {}
     for p in inspect.signature(function).parameters.values():
-        if p.name in own:
-            given[p.name] = own[p.name]
+        if p.name in specific:
+            arguments[p.name] = specific[p.name]
         elif p.default is p.empty and p.kind is not p.VAR_KEYWORD:
-            given[p.name] = usual[p.name]
-    return given
+            arguments[p.name] = usual[p.name]
+    return arguments
 
 
 def cases(only: str = "") -> list[Case]:
     """Return all cases, in the order of the library, of the functions whose name contains `only`."""
-    found = []
+    all_cases = []
     for name, function in library().items():
         if only not in name:
             continue
         good = example(name, function)
         for p in inspect.signature(function).parameters.values():
             value = good.get(p.name, p.default)
-            found += [Case(name, function, {**good, p.name: bad}, p.name, how) for how, bad in mutations(value)]
-    return found
+            all_cases += [Case(name, function, {**good, p.name: bad}, p.name, how) for how, bad in mutations(value)]
+    return all_cases
 
 
 class TooSlow(BaseException):
-    """A call ran into the limit; no handler of the library for errors stops it."""
+    """A call exceeded the time limit; a BaseException, which no handler of the library catches."""
 
 
 @contextlib.contextmanager
-def _limited(seconds: float) -> Iterator[None]:
+def _time_limit(seconds: float) -> Iterator[None]:
     def stop(number: int, frame: FrameType | None) -> None:
         raise TooSlow
 
@@ -155,13 +155,13 @@ def _limited(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def judge(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
-    """Call, and say what became of it; `good` is the answer of the example."""
+def evaluate(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
+    """Run a case and return its outcome; `good` is the answer of the example."""
     start = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            with _limited(limit_s):
+            with _time_limit(limit_s):
                 answer = call(case.function, case.arguments)
                 if not inspect.isclass(case.function):
                     repr(answer)
@@ -174,11 +174,11 @@ def judge(case: Case, good: Any, limit_s: float = LIMIT_S) -> Outcome:
             kind, text = "raw error", f"{type(error).__name__}: {error}"
     seconds = time.perf_counter() - start
     if kind == "answer":
-        kind, text = _judge_answer(case, good, answer, [str(w.message) for w in caught])
+        kind, text = _classify_answer(case, good, answer, [str(w.message) for w in caught])
     return Outcome(kind, text.partition("\n")[0], seconds)
 
 
-def _judge_answer(case: Case, good: Any, answer: Any, caught: list[str]) -> tuple[str, str]:
+def _classify_answer(case: Case, good: Any, answer: Any, caught: list[str]) -> tuple[str, str]:
     was, now = _numbers(good), _numbers(answer)
     if (
         case.name not in NAN_MEANS
@@ -214,11 +214,11 @@ def search(
 ) -> list[tuple[Case, Outcome]]:
     """Return `calls` cases, or all if there are fewer, drawn by `seed` without replacement, with their outcomes."""
     every = cases(only)
-    drawn = [every[k] for k in np.random.default_rng(seed).permutation(len(every))[:calls]]
+    sample = [every[k] for k in np.random.default_rng(seed).permutation(len(every))[:calls]]
     good = {name: call(function, example(name, function)) for name, function in library().items() if only in name}
     outcomes = []
-    for k, case in enumerate(drawn):
-        outcomes.append((case, judge(case, good[case.name], limit_s)))
+    for k, case in enumerate(sample):
+        outcomes.append((case, evaluate(case, good[case.name], limit_s)))
         if progress and k % 500 == 499:
             print(f"{k + 1} calls", file=sys.stderr)  # noqa: T201
     return outcomes
@@ -235,8 +235,8 @@ def report(outcomes: Sequence[tuple[Case, Outcome]]) -> str:
     for case, outcome in outcomes:
         if outcome.is_defect:
             defects.setdefault((case.name, case.argument, outcome.kind, outcome.text[:100]), []).append(case)
-    for (name, argument, kind, text), found in sorted(defects.items()):
-        lines.append(f"{name}({argument} = {found[0].mutation}) {len(found)} x {kind}: {text}")
+    for (name, argument, kind, text), failing in sorted(defects.items()):
+        lines.append(f"{name}({argument} = {failing[0].mutation}) {len(failing)} x {kind}: {text}")
     return "\n".join(lines)
 
 
@@ -246,10 +246,10 @@ def main() -> None:
     parser.add_argument("--calls", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="functions whose name contains this")
-    given = parser.parse_args()
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # what asks for more gets a MemoryError, a raw error
-    faulthandler.dump_traceback_later(4 * LIMIT_S, repeat=True)  # names what no alarm interrupts
-    outcomes = search(given.calls, given.seed, given.only, progress=True)
+    options = parser.parse_args()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # a call that needs more gets a MemoryError, a raw error
+    faulthandler.dump_traceback_later(4 * LIMIT_S, repeat=True)  # shows a call that no alarm interrupts
+    outcomes = search(options.calls, options.seed, options.only, progress=True)
     print(report(outcomes))  # noqa: T201
     sys.exit(any(outcome.is_defect for _, outcome in outcomes))
 

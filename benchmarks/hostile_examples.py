@@ -1,6 +1,7 @@
-"""Calls that work, one for each public function: `benchmarks.hostile` then spoils one argument at a time.
+"""Valid arguments of the public functions, of which `benchmarks.hostile` replaces one at a time.
 
-An argument has the example of its function in `hostile_calls`, else that of its name in `usual`, else its default.
+The example of an argument is that of its function in `hostile_calls`, else that of its name in `usual`, else its
+default.
 """
 
 import dataclasses
@@ -109,7 +110,7 @@ def usual() -> Call:
     rest = trim.trim(maglev, {"gap": 0.02}, ["current"])
     held = discretise.zero_order_hold(stage, T)
     gain = lqr.lqrd(stage, np.eye(2), np.eye(1), T)
-    estimator = kalman.sampled(stage, 1e-4 * np.eye(2), [[1e-6]], T)
+    estimator = kalman.kalmd(stage, 1e-4 * np.eye(2), [[1e-6]], T)
     servo = optimal_servo.lqrd(stage, [0.0], np.ones(3), np.eye(1), T)
     rows = np.linspace(0.0, 1.0, 12)
     return {
@@ -140,7 +141,7 @@ def usual() -> Call:
         "poles": [-1.0, -2.0],
         "frequencies": [0.0, 6.0],
         "exosystem": [0.0],
-        "given": [0.0, 6.0],
+        "exosystem_or_model": [0.0, 6.0],
         "level": 0.95,
         "values": [1.0, 2.0],
         "labels": ["a"],

@@ -1,4 +1,4 @@
-"""Calls that work of functions that take what a stage declares: its controller, its loops, its control axes."""
+"""Valid calls of the functions on a declared stage: its controller, its loops, its control axes."""
 
 from collections.abc import Mapping
 
@@ -35,13 +35,13 @@ def examples() -> Mapping[str, Call]:
     return {
         "axis.kalman": noise,
         "axis.servo": asked,
-        "axis.decoupled": {"axes": [axis.servo(**asked)]},
-        "reach.states": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(1e-3)), "inputs": [1.0]},
+        "axis.decouple": {"axes": [axis.servo(**asked)]},
+        "reach.state_bounds": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(1e-3)), "inputs": [1.0]},
         "robustness.of_controller": {"controller": controller, "plant": maglev, "points": POINTS},
         "robustness.corners": {"plant": maglev, "parameters": ["k"]},
         "robustness.one_at_a_time": {"plant": maglev},
-        "robustness.rest": {"loops": loops, "point": "middle"},
-        "robustness.opened": {"loops": loops},
-        "robustness.disks": {"loops": loops, "point": "middle"},
-        "robustness.checks": {"loops": robustness.opened(loops), "require": {"phase_margin": 10.0}},
+        "robustness.equilibrium": {"loops": loops, "point": "middle"},
+        "robustness.open_loops": {"loops": loops},
+        "robustness.disk_margins": {"loops": loops, "point": "middle"},
+        "robustness.checks": {"loops": robustness.open_loops(loops), "require": {"phase_margin": 10.0}},
     }

@@ -1,4 +1,4 @@
-"""Hostile values: what `benchmarks.hostile` puts in the place of a good argument."""
+"""Hostile values, with which `benchmarks.hostile` replaces valid arguments."""
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Calls of the vocabulary that work: signals, times, models and Blocks."""
+"""Valid calls of the vocabulary: signals, times, models and Blocks."""
 
 from collections.abc import Mapping
 
@@ -27,7 +27,7 @@ from synth.timing import Continuous
 
 
 def examples() -> Mapping[str, Call]:
-    """Return examples by function, where those of the names do not serve."""
+    """Return examples by function, where those by argument name do not apply."""
     common = usual()
     stage, u = common["system"], ca.SX.sym("u")
     return {
@@ -58,7 +58,7 @@ def examples() -> Mapping[str, Call]:
             "units": UNITS,
         },
         "conversions.coefficients": {"system": common["transfer"]},
-        "statespace.together": {"systems": [stage, stage]},
+        "statespace.in_common_time": {"systems": [stage, stage]},
         "statespace.from_control": {"system": stage.to_control()},
         "block.State": {"signal": GAP, "initial": 0.02, "integer": False},
         "block.Constant": {"name": "k", "value": 1.0, "unit": "1", "source": "given"},

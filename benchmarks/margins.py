@@ -1,11 +1,11 @@
-"""Margins of random loops beside the truth, found by brute force: is a margin ever reported larger than it is?
+"""Stability margins of random loops compared with brute force: no margin may be reported too large.
 
     L = k prod (s - z) / prod (s - p),   1 to 12 poles, integrators and unstable poles among them
 
 as transfer function, as state space, sampled (periods down to 1e-5 of the fastest time constant) as either, or with an
-exact delay and hold. The truth comes from values of L alone, on a grid dense at all poles and zeros and refined by
-bisection: from the factors, for a sampled state-space model from its matrices, and for a sampled transfer function,
-whose coefficients hardly tell its poles, from the coefficients in 60 digits.
+exact delay and hold. The true margins follow from values of L alone, on a grid that is dense at all poles and zeros
+and refined by bisection. L is evaluated from the factors, for a sampled state-space model from its matrices, and for a
+sampled transfer function, whose poles are ill-conditioned, from the coefficients in 60 digits.
 """
 
 import argparse
@@ -23,9 +23,9 @@ from synth.errors import SynthError
 from synth.statespace import Array
 
 TOLERANCE = 1e-4  # relative: by how much a reported margin may exceed the truth
-LIMIT_S = 2.0  # of processor time, so that a busy machine judges nothing
+LIMIT_S = 2.0  # of processor time, which does not depend on other load
 POINTS = 3000
-CAP = 1e6  # factors on the gain beyond it, or below its inverse, count as none
+CAP = 1e6  # gain margins beyond it, or below its inverse, count as infinite
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the library returned for a case: margins with their excess over the truth, or why it refused."""
+    """The result of the library for a case: the largest excess of a margin over the truth, or its error."""
 
     case: Case
     excess: float
@@ -54,8 +54,8 @@ def truth(case: Case) -> Truth:
     """Return the margins of a case by brute force."""
     w = _grid(case)
     value = case.value(w)
-    unit = _refined(lambda v: np.log(np.abs(case.value(v))), w, np.log(np.abs(value)))
-    real = _refined(lambda v: np.imag(case.value(v)) / np.abs(case.value(v)), w, value.imag / np.abs(value))
+    unit = _sign_changes(lambda v: np.log(np.abs(case.value(v))), w, np.log(np.abs(value)))
+    real = _sign_changes(lambda v: np.imag(case.value(v)) / np.abs(case.value(v)), w, value.imag / np.abs(value))
     at = case.value(real)
     at = at[(np.abs(at.imag) < 1e-6 * np.abs(at)) & (at.real < 0)]
     beside = case.value(np.array([w[0] / 3, w[-1] / 3 if "sampled" not in case.kind else w[-1] * (1 - 1e-9)]))
@@ -68,7 +68,7 @@ def truth(case: Case) -> Truth:
         float(gains[gains <= 1].max(initial=0.0)),
         float(np.degrees(np.abs(angle).min(initial=np.inf))),
         float((angle % (2 * np.pi) / unit).min(initial=np.inf)),
-        float(_least(case, w, value)),
+        float(_modulus_margin(case, w, value)),
     )
 
 
@@ -84,8 +84,8 @@ def _grid(case: Case) -> Array:
     return w[(w >= case.low) & (w <= case.top)]
 
 
-def _refined(f: Callable[[Array], Array], w: Array, value: Array) -> Array:
-    """Return where f changes sign, by bisection of all brackets at once."""
+def _sign_changes(f: Callable[[Array], Array], w: Array, value: Array) -> Array:
+    """Return the sign changes of f, by bisection of all brackets at once."""
     k = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
     a, b, rising = w[k], w[k + 1], value[k] < 0
     for _ in range(45):
@@ -95,7 +95,7 @@ def _refined(f: Callable[[Array], Array], w: Array, value: Array) -> Array:
     return (a + b) / 2
 
 
-def _least(case: Case, w: Array, value: Complex) -> float:
+def _modulus_margin(case: Case, w: Array, value: Complex) -> float:
     least = np.abs(1 + value)
     for k in np.argsort(least)[:3]:
         a, b = w[max(k - 1, 0)], w[min(k + 1, len(w) - 1)]
@@ -108,38 +108,38 @@ def _least(case: Case, w: Array, value: Complex) -> float:
     return float(least.min())
 
 
-def judged(case: Case) -> Outcome:
-    """Return what the library says of a case beside the truth."""
+def compare_with_truth(case: Case) -> Outcome:
+    """Return the library's margins of a case compared with the truth."""
     start = process_time()
     try:
-        found = margins.of_loop(case.loop)
+        reported = margins.of_loop(case.loop)
     except SynthError as error:
         return Outcome(case, 0.0, "", str(error), process_time() - start)
-    seconds, excesses = process_time() - start, _excesses(found, truth(case))
+    seconds, excesses = process_time() - start, _excesses(reported, truth(case))
     if max(excesses.values()) > TOLERANCE and case.exact:
-        excesses = _excesses(found, truth(replace(case, value=case.exact)))
+        excesses = _excesses(reported, truth(replace(case, value=case.exact)))
     worst = max(excesses, key=lambda name: excesses[name])
     return Outcome(case, excesses[worst], worst, "", seconds)
 
 
-def _excesses(found: margins.Margins, true: Truth) -> dict[str, float]:
+def _excesses(reported: margins.Margins, true: Truth) -> dict[str, float]:
     return {
-        "gain": _excess(min(found.gain_margin, CAP), min(true.gain, CAP)),
-        "reduction": _excess(1 / max(found.gain_reduction_margin, 1 / CAP), 1 / max(true.reduction, 1 / CAP)),
-        "phase": _excess(min(found.phase_margin, 180.0), min(true.phase, 180.0)),
-        "delay": _excess(min(found.delay_margin, CAP), min(true.delay, CAP)),
-        "modulus": _excess(found.modulus_margin, true.modulus),
+        "gain": _excess(min(reported.gain_margin, CAP), min(true.gain, CAP)),
+        "reduction": _excess(1 / max(reported.gain_reduction_margin, 1 / CAP), 1 / max(true.reduction, 1 / CAP)),
+        "phase": _excess(min(reported.phase_margin, 180.0), min(true.phase, 180.0)),
+        "delay": _excess(min(reported.delay_margin, CAP), min(true.delay, CAP)),
+        "modulus": _excess(reported.modulus_margin, true.modulus),
     }
 
 
-def _excess(found: float, true: float) -> float:
-    return found / true - 1 if true > 0 else 0.0
+def _excess(reported: float, true: float) -> float:
+    return reported / true - 1 if true > 0 else 0.0
 
 
 def search(count: int, seed: int) -> Iterator[Outcome]:
     """Yield the outcomes of random cases, all kinds in turn."""
     for k in range(count):
-        yield judged(case(KINDS[k % len(KINDS)], np.random.default_rng((seed, k))))
+        yield compare_with_truth(case(KINDS[k % len(KINDS)], np.random.default_rng((seed, k))))
 
 
 def main() -> int:
@@ -147,15 +147,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--loops", type=int, default=5000)
     parser.add_argument("--seed", type=int, default=0)
-    given = parser.parse_args()
+    options = parser.parse_args()
     tally: Counter[tuple[str, str]] = Counter()
-    for k, found in enumerate(search(given.loops, given.seed)):
-        verdict = "refused" if found.refused else "optimistic" if found.excess > TOLERANCE else "right"
-        tally[found.case.kind, verdict] += 1
-        tally[found.case.kind, "slow"] += found.seconds > LIMIT_S
-        if verdict == "optimistic" or found.seconds > LIMIT_S:
-            line = f"loop {k}, {found.case.kind}, order {found.case.order}: {found.worst} larger by {found.excess:.2e}"
-            sys.stdout.write(f"{line}, {found.seconds:.2f} s\n")
+    for k, outcome in enumerate(search(options.loops, options.seed)):
+        verdict = "refused" if outcome.refused else "optimistic" if outcome.excess > TOLERANCE else "right"
+        tally[outcome.case.kind, verdict] += 1
+        tally[outcome.case.kind, "slow"] += outcome.seconds > LIMIT_S
+        if verdict == "optimistic" or outcome.seconds > LIMIT_S:
+            line = f"loop {k}, {outcome.case.kind}, order {outcome.case.order}: "
+            line += f"{outcome.worst} larger by {outcome.excess:.2e}"
+            sys.stdout.write(f"{line}, {outcome.seconds:.2f} s\n")
     verdicts = ("right", "refused", "optimistic", "slow")
     for kind in KINDS:
         sys.stdout.write(f"{kind:28}" + "".join(f"  {v} {tally[kind, v]}" for v in verdicts) + "\n")

@@ -1,7 +1,7 @@
-"""Random loops with their value: as transfer function, as state space, sampled as either, or with a delay and hold.
+"""Random loops with their frequency response: transfer functions, state space, sampled as either, delayed and held.
 
-The value comes from the factors, for a sampled state-space model from its matrices, and for a sampled transfer
-function, whose coefficients hardly tell its poles, from the coefficients in DIGITS digits.
+The response comes from the factors, for a sampled state-space model from its matrices, and for a sampled transfer
+function, whose poles are ill-conditioned, from the coefficients in DIGITS digits.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,7 +13,7 @@ import mpmath  # type: ignore[import-untyped]
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.analyse import loop as opened
+from synth.analyse import loop as analysed_loop
 from synth.analyse import transfer
 from synth.statespace import Array, StateSpace, of
 
@@ -26,9 +26,9 @@ DIGITS = 60
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A loop as it is given to the library, its value at frequencies, where it is intricate, and the last frequency.
+    """A loop as given to the library, its frequency response, its poles and zeros (features), and frequency limits.
 
-    `exact` gives the same value from high precision, where `value` may be rounding error.
+    `exact` is the response in high precision, where that of `value` may be rounding error.
     """
 
     kind: str
@@ -92,7 +92,7 @@ def chain(zeros: Complex, poles: Complex, gain: float) -> StateSpace:
     """Return the loop as first- and second-order sections in series."""
     left, A, B, C, D = list(zeros), np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.array([[gain]])
     for group in _groups(poles):
-        taken = _taken(left, len(group))
+        taken = _take_zeros(left, len(group))
         b, a = ([float(v) for v in coefficients(np.array(r, dtype=complex), 1.0)] for r in (taken, group))
         b = [0.0] * (len(a) - len(b)) + b
         n = len(a) - 1
@@ -109,7 +109,7 @@ def _groups(roots: Complex) -> list[list[complex]]:
     return [*([r, r.conjugate()] for r in roots if r.imag > 0), *(real[k : k + 2] for k in range(0, len(real), 2))]
 
 
-def _taken(left: list[complex], count: int) -> list[complex]:
+def _take_zeros(left: list[complex], count: int) -> list[complex]:
     """Take `count` zeros or fewer from the list, conjugate pairs together."""
     pair = next((r for r in left if r.imag > 0), None)
     taken = [pair, pair.conjugate()] if pair is not None and count == 2 else [r for r in left if not r.imag][:count]
@@ -145,7 +145,7 @@ def case(kind: str, rng: np.random.Generator) -> Case:
         return Case(kind, len(poles), model, delayed, features, low, 300 * max(fast, 1 / late))
     T = 10 ** rng.uniform(-5, -0.5) / fast
     if kind == "sampled state space":
-        plant = opened.sampled(chain(zeros, poles, gain), T, float(rng.choice([0.0, T, 0.4 * T, 2 * T])))
+        plant = analysed_loop.sampled(chain(zeros, poles, gain), T, float(rng.choice([0.0, T, 0.4 * T, 2 * T])))
         return Case(kind, len(plant.A), plant, _matrices(plant, T), features, low, np.pi / T, _determinants(plant, T))
     return _sampled_fraction(kind, zeros, poles, gain, T, low, rng)
 
@@ -159,7 +159,7 @@ def _matrices(model: StateSpace, T: float) -> Value:
         try:
             states = np.linalg.solve(shifted, np.broadcast_to(model.B, (len(w), *model.B.shape)))
         except np.linalg.LinAlgError:
-            # Bisection came upon a pole to the last digit. Beside it the response is as large.
+            # Bisection hit a pole exactly. Next to it the response is as large.
             return value(np.nextafter(w, np.inf))
         return np.asarray((model.C @ states)[:, 0, 0] + model.D[0, 0])
 
@@ -167,7 +167,7 @@ def _matrices(model: StateSpace, T: float) -> Value:
 
 
 def _determinants(model: StateSpace, T: float) -> Value:
-    """Return the response from characteristic polynomials in 4 DIGITS digits, found when it is first asked for."""
+    """Return the response from characteristic polynomials in 4 DIGITS digits, computed on first use."""
 
     @cache
     def polynomials() -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:

@@ -1,12 +1,11 @@
-"""What a step of the planar controllers costs on an emulated Cortex-M4F, by gcc: whole, in parts, and the cores alone.
+"""Cost of a step of the planar controllers on an emulated Cortex-M4F, by gcc: whole, by part, and the cores alone.
 
     whole   sensing, filters, law, allocation, commutation and guard: lead-lag, LQG of reduced and of full order
     cores   the LQG regulators alone, from three errors to three currents
-    CasADi  its own C of the same Blocks over some of the same steps: as emitted, and with a float shim (`rivals`)
+    CasADi  CasADi's own C of the same Blocks over some of the same steps: as emitted, and with a float shim
 
 `mean` is over steps of closed loops without a fault, `most` over all sequences: instructions that are issued. For a
-core `small` errors leave every state within its bounds. Which part an instruction belongs to is `benchmarks.parts`'s
-word: gcc's line table.
+core `small` errors leave every state within its bounds. `benchmarks.parts` attributes instructions to parts.
 """
 
 import sys
@@ -31,10 +30,10 @@ from synth.verify import meter, rivals, steps, stimuli
 from synth.verify.steps import Steps
 
 BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}
-COMMON = {True: 60, False: 12}  # closed-loop steps that CasADi's C is given, with the shim and as emitted
-SHARED = 500  # closed-loop steps that are taken apart
+COMMON_STEPS = {True: 60, False: 12}  # closed-loop steps for CasADi's C, with the shim and as emitted
+BREAKDOWN_STEPS = 500  # closed-loop steps of the instruction profile
 CORE = 2000  # steps of a core
-PARTS = {"sensing": ("sensing", "heights"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
+PARTS = {"sensing": ("sensing", "vertical_kinematics"), "filters": ("filter_",), "law": ("loop_", "lqg_")}
 WIDTHS = (17, 20, 8, 9, 10, 15, 10)
 
 
@@ -44,7 +43,7 @@ class Subject:
 
     name: str
     block: Block
-    emitted: write.Emitted
+    emitted: write.EmittedCode
     controller: host.Controller
     within: Steps
     every: Steps
@@ -54,7 +53,7 @@ class Subject:
 class Costs:
     """Instructions of a subject by a build: mean and most, and the mean of CasADi's C, shimmed and not, over ours.
 
-    `parts` are, by part of the step, the mean and what the costliest step has.
+    `parts` has for each part of the step the mean and the count in the costliest step.
     """
 
     subject: str
@@ -66,24 +65,24 @@ class Costs:
     parts: Mapping[str, tuple[float, int]]
 
 
-def wholes() -> Iterator[Subject]:
+def controllers() -> Iterator[Subject]:
     """Yield the three controllers."""
     plant = planar_stage.plant()
-    yield whole("lead-lag", leadlag.controller(plant), of_leadlag.ALL)
-    yield whole("LQG", lqg.controller(plant), of_lqg.ALL)
-    yield whole("LQG, full order", lqg.controller(plant, regulate=core.full_order), of_lqg.ALL)
+    yield controller_subject("lead-lag", leadlag.controller(plant), of_leadlag.ALL)
+    yield controller_subject("LQG", lqg.controller(plant), of_lqg.ALL)
+    yield controller_subject("LQG, full order", lqg.controller(plant, regulate=core.full_order), of_lqg.ALL)
 
 
-def whole(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
+def controller_subject(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
     """Return a controller with every sequence of its bench."""
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
     rig = loop.of(block, controller)
     runs = [experiment.run(rig) for experiment in experiments]
-    sequences = stimuli.sequences(rig, runs, lambda _: None, bench.own(controller))
-    loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
-    sound = steps.thinned(steps.without_faults(controller, loops), SHARED)
-    return Subject(name, block, emitted, controller, sound, steps.joined("all", sequences))
+    sequences = stimuli.sequences(rig, runs, lambda _: None, bench.stimuli(controller))
+    loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
+    sound = steps.thinned(steps.without_faults(controller, loops), BREAKDOWN_STEPS)
+    return Subject(name, block, emitted, controller, sound, steps.concatenate("all", sequences))
 
 
 def cores() -> Iterator[Subject]:
@@ -93,8 +92,8 @@ def cores() -> Iterator[Subject]:
         emitted = write.emit(unranged(block), np.float32)
         controller = host.load(emitted.files, emitted.manifest)
         errors = {axis: 1e-6 * np.sin(np.arange(CORE) + i) for i, axis in enumerate(HORIZONTAL)}
-        small = steps.recorded(controller, "small", errors)
-        every = steps.joined("all", [small, steps.drawn(controller, CORE)])
+        small = steps.record(controller, "small", errors)
+        every = steps.concatenate("all", [small, steps.random_steps(controller, CORE)])
         yield Subject(f"{order} core", block, emitted, controller, small, every)
 
 
@@ -104,24 +103,24 @@ def builds() -> list[meter.Build]:
 
 
 def measure(subject: Subject, build: meter.Build) -> Costs:
-    """Measure a subject by a build, and CasADi's C beside it."""
-    every = meter.run(rivals.emitted(subject.emitted), subject.every, build).cost.instructions
+    """Measure a subject by a build, and CasADi's C for comparison."""
+    every = meter.run(rivals.emitted_c(subject.emitted), subject.every, build).cost.instructions
     worst = subject.every.part(np.array([np.argmax(every)]))
-    within, costliest = (parts.measure(subject.emitted, given, build) for given in (subject.within, worst))
-    found: dict[str, tuple[float, int]] = {}
+    within, costliest = (parts.measure(subject.emitted, sequence, build) for sequence in (subject.within, worst))
+    shares: dict[str, tuple[float, int]] = {}
     for block, n in within.items():
-        mean, most = found.get(part_of(block), (0.0, 0))
-        found[part_of(block)] = mean + float(n.mean()), most + int(costliest[block][0])
-    mean = sum(mean for mean, _ in found.values())
+        mean, most = shares.get(part_of(block), (0.0, 0))
+        shares[part_of(block)] = mean + float(n.mean()), most + int(costliest[block][0])
+    mean = sum(mean for mean, _ in shares.values())
     bar, ratios = BARS[subject.name], (_ratio(subject, build, True), _ratio(subject, build, False))
-    return Costs(subject.name, build.name, mean, int(every.max()), bar, ratios, found)
+    return Costs(subject.name, build.name, mean, int(every.max()), bar, ratios, shares)
 
 
 def _ratio(subject: Subject, build: meter.Build, shimmed: bool) -> float:
-    common = steps.thinned(subject.within, COMMON[shimmed])
-    candidates = rivals.emitted(subject.emitted), rivals.casadi(subject.block, shimmed)
-    own, other = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
-    return float(other / own)
+    common = steps.thinned(subject.within, COMMON_STEPS[shimmed])
+    candidates = rivals.emitted_c(subject.emitted), rivals.casadi(subject.block, shimmed)
+    ours, casadis = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
+    return float(casadis / ours)
 
 
 def part_of(block: str) -> str:
@@ -129,7 +128,7 @@ def part_of(block: str) -> str:
     return next((part for part, starts in PARTS.items() if block.startswith(starts)), block.replace("_", " "))
 
 
-def compared(costs: Sequence[Costs]) -> Iterator[str]:
+def comparison_lines(costs: Sequence[Costs]) -> Iterator[str]:
     """Yield the lines that compare the subjects."""
     yield _line(("step of", "build", "mean", "most", "bar", "CasADi, float", "CasADi"))
     for c in costs:
@@ -137,7 +136,7 @@ def compared(costs: Sequence[Costs]) -> Iterator[str]:
         yield _line((c.subject, c.build, f"{c.mean:.0f}", str(c.most), str(c.bar), *ratios))
 
 
-def apart(costs: Costs) -> Iterator[str]:
+def breakdown_lines(costs: Costs) -> Iterator[str]:
     """Yield the lines of a step's parts."""
     yield _line((costs.subject, costs.build, "mean", "share", "costliest", "share"))
     for part, (mean, most) in {**costs.parts, "in all": (costs.mean, costs.most)}.items():
@@ -154,11 +153,11 @@ def _line(cells: Sequence[str]) -> str:
 
 def lines() -> Iterator[str]:
     """Yield every line, those of the parts last."""
-    costs = [measure(subject, build) for subject in (*wholes(), *cores()) for build in builds()]
-    yield from compared(costs)
+    costs = [measure(subject, build) for subject in (*controllers(), *cores()) for build in builds()]
+    yield from comparison_lines(costs)
     for each in costs:
         yield ""
-        yield from apart(each)
+        yield from breakdown_lines(each)
 
 
 if __name__ == "__main__":

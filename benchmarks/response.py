@@ -1,12 +1,12 @@
-"""Frequency responses and H-infinity norms beside python-control with SLICOT: time and memory.
+"""Frequency responses and H-infinity norms compared with python-control and SLICOT: time and memory.
 
-A frequency response takes 1,000 points on the axis (tb05ad there: one at a time from the Hessenberg form). The models
-are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs. An
-H-infinity norm here comes with its proof; python-control's `norm` checks the poles and calls ab13dd, `linfnorm` calls
-it alone.
+A frequency response has 1,000 points on the axis (python-control: tb05ad, one at a time from the Hessenberg form). The
+models are dense with random entries, and flexible stages of n/2 lightly damped modes, with two inputs and outputs. The
+toolkit's H-infinity norm includes its proof; python-control's `norm` checks the poles and calls ab13dd, `linfnorm`
+calls ab13dd alone.
 
-The times are of the processor on one thread, so that other work on the machine matters little; each is the median of
-runs that take turns, and a ratio is the median of the ratios within a turn. Memory is the peak of what is allocated.
+Times are processor times on one thread, which depend little on other load. Each is the median of alternating runs, and
+a ratio is the median of the ratios within a turn. Memory is the peak of allocated memory.
 """
 
 import os
@@ -76,7 +76,7 @@ def in_turns(*calls: Callable[[], object]) -> Array:
     return 1e3 * times
 
 
-def compared(name: str, model: StateSpace) -> Comparison:
+def compare(name: str, model: StateSpace) -> Comparison:
     """Time the response of one model at 1,000 points of the axis."""
     theirs, s = model.to_control(), 1j * np.geomspace(1e-2, 1e3, POINTS)
     times = in_turns(lambda: theirs(s), lambda: model.response(s))
@@ -96,10 +96,10 @@ def norm(name: str, model: StateSpace) -> Norm:
         lambda: control.linfnorm(theirs),
         lambda: norms.norm_hinf(model),
     )
-    found = norms.norm_hinf(model)
+    bounds = norms.norm_hinf(model)
     first, second, third = np.median(times, axis=0).tolist()
     ratios = np.median(times[:, :2] / times[:, 2:], axis=0).tolist()
-    return Norm(name, first, second, third, ratios[0], ratios[1], found.lower, found.upper, found.certified)
+    return Norm(name, first, second, third, ratios[0], ratios[1], bounds.lower, bounds.upper, bounds.certified)
 
 
 def responses() -> Iterator[str]:
@@ -108,7 +108,7 @@ def responses() -> Iterator[str]:
     yield "  ".join(names)
     for states in SIZES:
         for name, model in ((f"dense {states}", dense(states)), (f"flexible {states}", disk.loop(CHANNELS, states))):
-            c = compared(name, model)
+            c = compare(name, model)
             cells = f"{c.control_ms:.1f}", f"{c.ms:.1f}", f"{c.faster:.1f}", f"{c.memory_MB:.1f}"
             yield "  ".join(
                 [c.name.ljust(len(names[0])), *(v.rjust(len(n)) for v, n in zip(cells, names[1:], strict=True))]

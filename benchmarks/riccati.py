@@ -1,10 +1,10 @@
-"""Riccati equations with weights over many decades: what is solved, what is refused, and what SciPy makes of them.
+"""Riccati equations with weights over many decades: outcomes of the toolkit and of SciPy.
 
 300 random problems, seeded, a quarter of them in discrete time: 2 to 12 states, stable, unstable, stiff, chains of
-integrators and Hilbert matrices, with weights over 14 decades. X and L of either solver, L in double precision, are
-right when the loop with L is stable and X, the cost of L and the cost of the next gain in Newton's method differ by
-less than 1e-6 of its largest entry. The judge solves the Lyapunov equations of these costs entry by entry in 512 bits,
-with nothing of the toolkit.
+integrators and Hilbert matrices, with weights over 14 decades. The solution X and gain L of either solver, L in double
+precision, are right when the loop with L is stable and X, the cost of L and the cost of the next gain in Newton's
+method differ by less than 1e-6 of its largest entry. The check solves the Lyapunov equations of these costs entry by
+entry in 512 bits, without the toolkit.
 
     python -m benchmarks.riccati [number of problems]
 """
@@ -27,7 +27,7 @@ from synth.timing import Continuous, Discrete, Time
 
 RIGHT = 1e-6  # of the largest entry of X
 DECADES = 14
-BITS = 512  # of the judge, which rounds and keeps no bounds
+BITS = 512  # of the check, which rounds and keeps no bounds
 KINDS = ("stable", "unstable", "stiff", "chain", "Hilbert", "Hilbert", "negative Hilbert", "negative Hilbert")
 
 
@@ -44,13 +44,13 @@ class Problem:
 
     @property
     def continuous(self) -> bool:
-        """Whether it is x' rather than x+."""
+        """Whether time is continuous."""
         return isinstance(self.time, Continuous)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a problem: "right", "wrong", "refused" or "raw error", with the seconds that ours took."""
+    """The outcomes of a problem: "right", "wrong", "refused" or "raw error", and the seconds of the toolkit."""
 
     ours: str
     scipy: str
@@ -93,7 +93,7 @@ def _dynamics(rng: np.random.Generator, n: int, kind: str) -> Array:
 
 
 def is_right(p: Problem, X: Array, L: Array) -> bool:
-    """Tell whether X (n, n) is the stabilising solution and L (m, n) its gain, from the problem's numbers alone."""
+    """Return whether X (n, n) is the stabilising solution and L (m, n) its gain, from the problem's data alone."""
     if not (np.isfinite(X).all() and np.isfinite(L).all()):
         return False
     with flint.ctx.workprec(BITS):
@@ -123,8 +123,8 @@ def _cost(F: flint.arb_mat, W: flint.arb_mat, continuous: bool) -> flint.arb_mat
         return f[k][i] * (j == l) + f[l][j] * (i == k)
 
     equations = flint.arb_mat([[factor(*row, *column) for column in places] for row in places])
-    found = equations.solve(flint.arb_mat([[-W[i, j]] for i, j in places]), algorithm="approx")
-    return flint.arb_mat([[found[n * i + j, 0] for j in range(n)] for i in range(n)])
+    entries = equations.solve(flint.arb_mat([[-W[i, j]] for i, j in places]), algorithm="approx")
+    return flint.arb_mat([[entries[n * i + j, 0] for j in range(n)] for i in range(n)])
 
 
 def _identity(n: int) -> flint.arb_mat:
@@ -132,7 +132,7 @@ def _identity(n: int) -> flint.arb_mat:
 
 
 def _is_definite(P: flint.arb_mat) -> bool:
-    """Tell whether all leading minors of a symmetric matrix are positive."""
+    """Return whether all leading minors of a symmetric matrix are positive."""
     rows = P.table()
     return all(bool(flint.arb_mat([row[:k] for row in rows[:k]]).det() > 0) for k in range(1, len(rows) + 1))
 
@@ -145,20 +145,20 @@ def outcome(p: Problem) -> Outcome:
     """Solve a problem in both ways."""
     reason, start = "", perf_counter()
     try:
-        found = riccati.solve((p.A, p.B, p.time), p.Q, p.R)
+        solution = riccati.solve((p.A, p.B, p.time), p.Q, p.R)
         ours = "solved"
     except SynthError as error:
         ours, reason = "refused", str(error)
-    except Exception as error:  # the very thing that is counted
+    except Exception as error:  # raw errors are counted
         ours, reason = "raw error", f"{type(error).__name__}: {error}"
     seconds = perf_counter() - start
     if ours == "solved":
         ours = (
             "right"
-            if is_right(p, found.X, found.L)
+            if is_right(p, solution.X, solution.L)
             else "wrong"
-            if found.is_resolved
-            else "gain lost in rounding, told"
+            if solution.is_resolved
+            else "gain lost in rounding, reported"
         )
     return Outcome(ours, _scipys(p), reason, seconds)
 
@@ -180,7 +180,7 @@ def _scipys(p: Problem) -> str:
 
 
 def table(count: int) -> Iterator[str]:
-    """Yield what is refused or wrong, each when it is known, and the counts in the end."""
+    """Yield the problems that are refused or wrong, each when it is known, and finally the counts."""
     outcomes = []
     for seed in range(count):
         p = problem(seed)

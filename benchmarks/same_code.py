@@ -44,7 +44,8 @@ def machine_code(sources: Mapping[str, str], compiler: str, level: str) -> str:
 def _loaded_contents(elf: ELFFile) -> Iterator[tuple[object, ...]]:
     """Yield the bytes of each section that is loaded and not written to, and what its relocations refer to."""
     symbols: Any = elf.get_section_by_name(".symtab")
-    for section in elf.iter_sections():
+    sections: Any = elf.iter_sections()
+    for section in sections:
         if section["sh_flags"] & SH_FLAGS.SHF_ALLOC and not section["sh_flags"] & SH_FLAGS.SHF_WRITE:
             yield section["sh_type"], section.data()
         if section["sh_type"] in ("SHT_REL", "SHT_RELA"):

@@ -1,7 +1,7 @@
-"""How long a prompt waits: `synth --help`, `import synth` and `synth emit`'s imports, beside `import control`.
+"""Start-up time: `synth --help`, `import synth` and the imports of `synth emit`, compared with `import control`.
 
-Each is a process of its own, started in turn with the others; the figures are medians over the turns, of the wall clock
-and of the processor. The interpreter alone shows what no package can save.
+Each is a separate process, and all are started in turn. Figures are medians over the turns of wall clock and processor
+time. The interpreter alone is the lower bound.
 """
 
 import os
@@ -33,7 +33,7 @@ class Startup:
 
 def measure(turns: int = TURNS) -> list[Startup]:
     """Return how long each process takes, over turns in which all are started."""
-    runs = [{name: _timed(script) for name, script in COMMANDS.items()} for _ in range(turns)]
+    runs = [{name: _time_script(script) for name, script in COMMANDS.items()} for _ in range(turns)]
     wall = {name: median(run[name][0] for run in runs) for name in COMMANDS}
     processor = {name: median(run[name][1] for run in runs) for name in COMMANDS}
     return [
@@ -41,7 +41,7 @@ def measure(turns: int = TURNS) -> list[Startup]:
     ]
 
 
-def _timed(script: str) -> tuple[float, float]:
+def _time_script(script: str) -> tuple[float, float]:
     start, before = perf_counter(), os.times()
     subprocess.run([sys.executable, "-c", script], stdout=subprocess.DEVNULL, check=True)
     after = os.times()

@@ -1,12 +1,12 @@
-"""What an optimal gain costs beside plain SciPy: Riccati solutions with their certificate, and lqrd.
+"""Time of optimal gains compared with plain SciPy: Riccati solutions with certificate, and lqrd.
 
     CARE, DARE   riccati.solve beside solve_continuous_are, solve_discrete_are
     lqrd         lqr.lqrd beside the exponential of Van Loan's block matrix, solve_discrete_are and one linear solve
 
 Both run in turn on one core, and times are medians. Residuals are those of `riccati.certify`, for SciPy's X too: sums
-in twice the precision of double, each entry beside the absolute terms it is left of. The stiff model has poles from
-1e-2 to 1e5 1/s, one of ten unstable. At n = 200 the solutions are sensitive to their data: so few inputs move half the
-modes.
+in twice double precision, each entry relative to the sum of its absolute terms. The stiff model has poles from
+1e-2 to 1e5 1/s, one of ten unstable. At n = 200 the solutions are sensitive to their data because few inputs move many
+unstable modes.
 """
 
 import os
@@ -46,7 +46,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Compared:
+class Comparison:
     """Median seconds of ours and of SciPy's, the residuals of both, and the certificate of ours."""
 
     ours_s: float
@@ -82,7 +82,7 @@ def stiff(n: int, m: int) -> Problem:
     )
 
 
-def solved(p: Problem, runs: int) -> Compared:
+def compare_riccati(p: Problem, runs: int) -> Comparison:
     """Solve the Riccati equation in both ways."""
     solver = scipy.linalg.solve_continuous_are if isinstance(p.time, Continuous) else scipy.linalg.solve_discrete_are
     cross = p.N if p.N.any() else None
@@ -90,21 +90,21 @@ def solved(p: Problem, runs: int) -> Compared:
     def plain() -> Array:
         return np.asarray(solver(p.A, p.B, p.Q, p.R, s=cross))
 
-    ours, theirs = _timed(lambda: riccati.solve(p.system, p.Q, p.R, p.N), plain, runs)
-    return _compared(p, riccati.solve(p.system, p.Q, p.R, p.N), plain(), ours, theirs)
+    ours, theirs = _median_times(lambda: riccati.solve(p.system, p.Q, p.R, p.N), plain, runs)
+    return _comparison(p, riccati.solve(p.system, p.Q, p.R, p.N), plain(), ours, theirs)
 
 
-def sampled(p: Problem, runs: int) -> Compared:
+def compare_lqrd(p: Problem, runs: int) -> Comparison:
     """Compute the gain for a held input in both ways."""
-    ours, theirs = _timed(lambda: lqr.lqrd(p.system, p.Q, p.R, PERIOD, p.N), lambda: _plain_lqrd(p), runs)
+    ours, theirs = _median_times(lambda: lqr.lqrd(p.system, p.Q, p.R, PERIOD, p.N), lambda: _plain_lqrd(p), runs)
     cost = lqr.sampled_cost(p.system, p.Q, p.R, PERIOD, p.N)
     held = Problem(cost.model.A, cost.model.B, cost.Q, cost.R, cost.N, Discrete(PERIOD))
     X, _ = _plain_lqrd(p)
-    return _compared(held, lqr.lqrd(p.system, p.Q, p.R, PERIOD, p.N).certificate, X, ours, theirs)
+    return _comparison(held, lqr.lqrd(p.system, p.Q, p.R, PERIOD, p.N).certificate, X, ours, theirs)
 
 
 def _plain_lqrd(p: Problem) -> tuple[Array, Array]:
-    """Return X and K as one would compute them with SciPy alone."""
+    """Return X and K computed with SciPy alone."""
     n, m = p.B.shape
     F = np.block([[p.A, p.B], [np.zeros((m, n + m))]])
     W = np.block([[p.Q, p.N], [p.N.T, p.R]])
@@ -117,7 +117,7 @@ def _plain_lqrd(p: Problem) -> tuple[Array, Array]:
     return X, -np.linalg.solve(R + B.T @ X @ B, B.T @ X @ A + N.T)
 
 
-def _timed(ours: Callable[[], object], theirs: Callable[[], object], runs: int) -> tuple[float, float]:
+def _median_times(ours: Callable[[], object], theirs: Callable[[], object], runs: int) -> tuple[float, float]:
     """Return the median seconds of each, run in turn."""
     spent: tuple[list[float], list[float]] = ([], [])
     for _ in range(runs):
@@ -128,20 +128,20 @@ def _timed(ours: Callable[[], object], theirs: Callable[[], object], runs: int) 
     return median(spent[0]), median(spent[1])
 
 
-def _compared(p: Problem, found: riccati.Riccati, X: Array, ours_s: float, scipy_s: float) -> Compared:
+def _comparison(p: Problem, ours: riccati.Riccati, X: Array, ours_s: float, scipy_s: float) -> Comparison:
     theirs = riccati.certify(p.system, p.Q, p.R, (X + X.T) / 2, p.N)
-    return Compared(ours_s, scipy_s, found.residual, theirs.residual, found.forward_error, found.condition)
+    return Comparison(ours_s, scipy_s, ours.residual, theirs.residual, ours.forward_error, ours.condition)
 
 
-CASES: dict[str, Callable[[], Compared]] = {
-    "lqrd, n = 10, m = 3": lambda: sampled(dense(10, 3, Continuous()), 201),
-    "CARE, n = 10, m = 3": lambda: solved(dense(10, 3, Continuous()), 201),
-    "DARE, n = 10, m = 3": lambda: solved(dense(10, 3, Discrete(PERIOD)), 201),
-    "CARE, n = 50, m = 5": lambda: solved(dense(50, 5, Continuous()), 21),
-    "CARE, n = 200, m = 10": lambda: solved(dense(200, 10, Continuous()), 7),
-    "CARE, n = 200, m = 10, stiff": lambda: solved(stiff(200, 10), 7),
-    "CARE, n = 200, m = 10, cross weight": lambda: solved(dense(200, 10, Continuous(), crossed=True), 7),
-    "DARE, n = 200, m = 10": lambda: solved(dense(200, 10, Discrete(PERIOD)), 7),
+CASES: dict[str, Callable[[], Comparison]] = {
+    "lqrd, n = 10, m = 3": lambda: compare_lqrd(dense(10, 3, Continuous()), 201),
+    "CARE, n = 10, m = 3": lambda: compare_riccati(dense(10, 3, Continuous()), 201),
+    "DARE, n = 10, m = 3": lambda: compare_riccati(dense(10, 3, Discrete(PERIOD)), 201),
+    "CARE, n = 50, m = 5": lambda: compare_riccati(dense(50, 5, Continuous()), 21),
+    "CARE, n = 200, m = 10": lambda: compare_riccati(dense(200, 10, Continuous()), 7),
+    "CARE, n = 200, m = 10, stiff": lambda: compare_riccati(stiff(200, 10), 7),
+    "CARE, n = 200, m = 10, cross weight": lambda: compare_riccati(dense(200, 10, Continuous(), crossed=True), 7),
+    "DARE, n = 200, m = 10": lambda: compare_riccati(dense(200, 10, Discrete(PERIOD)), 7),
 }
 
 

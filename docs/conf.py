@@ -1,6 +1,8 @@
-"""How Sphinx makes the site: Markdown by MyST, the reference from docstrings, warnings as errors."""
+"""How Sphinx makes the site: Markdown by MyST, the reference from docstrings, pictures from the pages' own code."""
 
+import os
 import re
+import sys
 from importlib.metadata import version as installed
 from pathlib import Path
 
@@ -17,6 +19,7 @@ autodoc_preserve_defaults = True
 add_module_names = False
 
 DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS.parent))
 PACKAGE = DOCS.parent / "synth"
 
 
@@ -32,6 +35,14 @@ def write_reference(app):
         path = api / f"{package}.rst"
         if not path.exists() or path.read_text(encoding="utf-8") != page:
             path.write_text(page, encoding="utf-8")
+
+
+def draw_pictures(app):
+    """Make the pictures of the pages by running the code that each page shows."""
+    from docs import pages
+
+    os.environ.setdefault("MPLBACKEND", "svg")
+    pages.draw(DOCS)
 
 
 def plain(app, what, name, obj, options, lines):
@@ -54,4 +65,5 @@ def _escaped(line):
 
 def setup(app):
     app.connect("builder-inited", write_reference)
+    app.connect("builder-inited", draw_pictures)
     app.connect("autodoc-process-docstring", plain)

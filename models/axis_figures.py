@@ -1,14 +1,14 @@
-"""One axis of the platen under a lead-lag compensator, with ideal sensing: its margins and steps.
+"""Stability margins and step responses of one axis under a lead-lag compensator, with ideal sensing.
 
 An inertia m with a spring k, q'' = (f - k q) / m, under f = K(s) (r - q), K(s) = g (s - z1) (s - z2) / ((s - p) s).
 
-    continuous   as it stands
+    continuous   the loop K(s) / (m s^2 + k)
     held         the continuous loop times (1 - exp(-sT)) / (sT), and exp(-s tau) for a computation delay tau
-    sampled      the exactly sampled plant, without delay; K by Tustin's rule for a step, and for margins by the rule
-                 prewarped at the continuous crossover, where it is then the same
+    sampled      the exactly sampled plant, without delay. K is sampled by Tustin's rule for a step, and for margins by
+                 the rule prewarped at the continuous crossover, where both agree
 
-Steps start from rest at t = 0 and are relative to their size; the rise is from 10 to 90 %. A time is infinite when the
-record, LONG seconds, does not contain the event.
+Steps start from rest at t = 0 and are relative to their size. The rise time is from 10 to 90 %. A time is infinite when
+the record of LONG seconds does not contain the event.
 
 Source: Yu, Kim, section 5.2, (19)-(25).
 """
@@ -29,13 +29,13 @@ from synth.timing import Continuous
 
 Array = NDArray[np.float64]
 
-FINE, LONG = 1e-5, 1.2  # s: the grid of continuous steps, and how long all are watched
+FINE, LONG = 1e-5, 1.2  # s: the time step of continuous responses, and the length of all records
 BAND = 0.02
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An inertia in kg or kg m^2 with a spring in N/m or N m/rad, under a compensator by gain, zeros and poles."""
+    """An inertia (kg, kg m^2) with a spring (N/m, N m/rad) under a compensator given by gain, zeros and poles."""
 
     inertia: float
     spring: float
@@ -67,41 +67,41 @@ class Margin:
 
 @dataclass(frozen=True)
 class Step:
-    """Rise in s, overshoot in %, and the last time in s at which a step is outside its band."""
+    """Rise time in s, overshoot in % and settling time in s, the last time at which a step is outside its band."""
 
     rise: float
     overshoot: float
-    settled: float
+    settling: float
 
 
 def vertical(inertia: float, spring: float, gain: float, lead: float, lag: float, reset: float) -> Axis:
-    """Return an axis by gain, zeros and pole of (23)-(25) in 1/s."""
+    """Return an axis from the gain, zeros and pole of (23)-(25), in 1/s."""
     return Axis(inertia, spring, gain, (-lead, -reset), (-lag, 0.0))
 
 
 def horizontal(inertia: float, gain: float, lead: float, lag: float, reset: float) -> Axis:
-    """Return an axis by gain and time constants of (21), (22) in s."""
+    """Return an axis from the gain and time constants of (21), (22), in s."""
     return vertical(inertia, 0.0, gain * lead * reset / lag, 1 / lead, 1 / lag, 1 / reset)
 
 
 def scaled(axis: Axis, factor: float) -> Axis:
-    """Return an axis with another gain."""
+    """Return the axis with its gain times a factor."""
     return replace(axis, gain=factor * axis.gain)
 
 
 def stable(axes: Sequence[Axis], hold_s: float, delay_s: float = 0.0) -> int:
-    """Return how many axes are stable, held and with a delay."""
+    """Return how many axes are stable with a hold and a delay."""
     return sum(margin(axis, hold_s, delay_s).stable for axis in axes)
 
 
 def integrating(axes: Sequence[Axis], order: float) -> int:
-    """Return how many axes have a compensator of an order with one integrator."""
+    """Return how many axes have a compensator of this order with exactly one integrator."""
     return sum(len(a.poles) == order and a.poles.count(0.0) == 1 for a in axes)
 
 
 @cache
 def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
-    """Return the margins of the continuous loop, or of the held one, with a delay."""
+    """Return the margins of the continuous loop, or with `hold_s` of the held loop with a delay."""
     L = sensitivity.close(axis.plant, axis.compensator.model).L
     return _margin(transfer.delayed(L, delay_s, hold_s) if hold_s else L)
 
@@ -110,33 +110,35 @@ def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
 def sampled_margin(axis: Axis, period_s: float) -> Margin:
     """Return the margins of the sampled loop."""
     rule = lead_lag.prewarped(axis.compensator, period_s, 2 * pi * margin(axis).crossover)
-    return _margin(_sampled(axis, rule).L)
+    return _margin(_sampled_loop(axis, rule).L)
 
 
 @cache
 def step(axis: Axis) -> Step:
-    """Return the step of the continuous loop."""
+    """Return the step response figures of the continuous loop."""
     T = sensitivity.close(axis.plant, axis.compensator.model).T
     poles, V = np.linalg.eig(T.A)
     time: Array = np.arange(round(LONG / FINE), dtype=np.float64) * FINE
-    shares = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
-    return measured(time, 1 + (np.exp(np.outer(time, poles)) @ shares).real)
+    residues = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
+    return of_response(time, 1 + (np.exp(np.outer(time, poles)) @ residues).real)
 
 
 @cache
 def sampled_step(axis: Axis, period_s: float) -> Step:
-    """Return the step of the sampled loop."""
+    """Return the step response figures of the sampled loop."""
     response = time_response.step_response(
-        _sampled(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, LONG - period_s
+        _sampled_loop(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, LONG - period_s
     )
-    return measured(response.time, response.outputs[:, 0, 0])
+    return of_response(response.time, response.outputs[:, 0, 0])
 
 
-def measured(time: Array, y: Array, band: float = BAND) -> Step:
-    """Return the figures of a record y (N,) of a step from 0 to 1 at time[0], s."""
+def of_response(time: Array, y: Array, band: float = BAND) -> Step:
+    """Return rise, overshoot and settling of a record y (N,) of a step from 0 to 1 at time[0], s."""
     outside = np.flatnonzero(np.abs(y - 1) > band)
-    last = 0.0 if not len(outside) else time[outside[-1]] - time[0] if outside[-1] + 1 < len(y) else np.inf
-    return Step(_first(time, y, 0.9) - _first(time, y, 0.1), 100 * (float(y.max()) - 1), float(last))
+    settling = 0.0 if not len(outside) else time[outside[-1]] - time[0] if outside[-1] + 1 < len(y) else np.inf
+    return Step(
+        _first_time_above(time, y, 0.9) - _first_time_above(time, y, 0.1), 100 * (float(y.max()) - 1), float(settling)
+    )
 
 
 def gain_at(axis: Axis, frequency: float) -> float:
@@ -145,7 +147,7 @@ def gain_at(axis: Axis, frequency: float) -> float:
     return float(abs(axis.plant.response(s)[0, 0, 0] * axis.compensator.model.response(s)[0, 0, 0]))
 
 
-def _sampled(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
+def _sampled_loop(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
     return sensitivity.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
 
 
@@ -155,6 +157,6 @@ def _margin(L: transfer.Loop) -> Margin:
     return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, of_loop.stable)
 
 
-def _first(time: Array, y: Array, level: float) -> float:
+def _first_time_above(time: Array, y: Array, level: float) -> float:
     """Return the first time of a sample at or above a level."""
     return float(time[np.argmax(y >= level)]) if (y >= level).any() else np.inf

@@ -1,20 +1,19 @@
-"""The field that the estimator does not know: a finite matrix of blocks that are made and placed with errors.
+"""True field of the experiments: a finite magnet matrix of blocks with manufacturing and placement tolerances.
 
-Each of the blocks of `models.finite_matrix` differs from the one that was meant: its remanence by a part, its direction
-by a tilt about an axis across it, its place by (dx, dy, dz), each drawn evenly between two bounds. A block moved by d
-multiplies its part of the potential's coefficient by exp(-i k.d + kappa dz), of which three terms are taken:
+Each block of `models.finite_matrix` has random errors with uniform distributions: a relative error of its remanence, a
+tilt of its direction about a perpendicular axis, and a displacement d = (dx, dy, dz). The displacement multiplies the
+block's contribution to the potential's coefficient by exp(-i k.d + kappa dz), expanded to second order:
 
     Phi_k = (1 - exp(-kappa Delta)) / (2 kappa) sum_j (J_z - i k.J / kappa)_j S_k exp(-i k.r_j)
             sum over a + b + c <= 2 of (-i kx dx_j)^a (-i ky dy_j)^b (kappa dz_j)^c / (a! b! c!)
 
-so that every sum stays a product of matrices. What is left out is (|k| d)^3 / 6 of a harmonic, 4e-5 of the 5th at 0.1
-mm. `field` tabulates B_X and B_Y and their slopes along z on a grid, splines of the fifth degree in between;
-`tabulation_error` says what these add, 2.6e-6 T or 0.02 mV. The sensors' volume is averaged over as in
-`models.hall_array`, at no yaw.
+Every sum is then a product of matrices. The truncation error is (|k| d)^3 / 6 of a harmonic: 4e-5 of the 5th at 0.1 mm.
+`field` tabulates B_X, B_Y and their slopes along z on a grid, with splines of the fifth degree in between;
+`tabulation_error` measures their error, 2.6e-6 T or 0.02 mV. The field is averaged over the sensors' volume as in
+`models.hall_array`, at yaw 0.
 
-The plant is `models.planar_stage` with the Hall voltages of this field, each behind its anti-aliasing filter of the
-first order (`models.hall_chain`). Its motors see the matrix that they are computed for: what of it they do not know is
-the subject of `models.finite_stage`.
+The plant is `models.planar_stage` with the Hall voltages of this field, each behind its first-order anti-aliasing
+filter (`models.hall_chain`). Its motors are in the nominal matrix; `models.finite_stage` covers their model errors.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,8 +38,11 @@ from synth.statespace import readonly
 Exprs = Mapping[str, ca.SX]
 
 HARMONICS = 32  # of a pitch
-REACH, MARGIN = 0.07, 0.008  # m from the origin, of every sensor; tabulated beyond, as splines are worse at their ends
-ORDER = 2  # of what a block's place adds
+REACH, MARGIN = (
+    0.07,
+    0.008,
+)  # m from the origin, of every sensor; m tabulated beyond, because splines are worse at their ends
+ORDER = 2  # of the expansion in a block's displacement
 DEGREE = 5
 CHANNELS = ("B_X", "B_Y", "B_X slope", "B_Y slope")  # T, T/m along z
 VOLUME = hall_array.HallArray(hall_array.sensors([(0.0, 0.0)]).sensors).volume
@@ -48,7 +50,7 @@ VOLUME = hall_array.HallArray(hall_array.sensors([(0.0, 0.0)]).sensors).volume
 
 @dataclass(frozen=True)
 class Tolerances:
-    """How far blocks are from those that were meant: remanence, relative, tilt in rad, place in m; `seed` draws them.
+    """Bounds of the blocks' errors: remanence, relative, tilt in rad, displacement in m; `seed` of the random numbers.
 
     Raises ModelError unless every bound is finite and not negative.
     """
@@ -61,7 +63,9 @@ class Tolerances:
     def __post_init__(self) -> None:
         for name in ("remanence", "tilt", "place"):
             if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                raise ModelError(f"the spread's {name} is {getattr(self, name)}: it must be finite and not negative")
+                raise ModelError(
+                    f"the tolerance of {name} is {getattr(self, name)}: it must be finite and not negative"
+                )
 
 
 USUAL = Tolerances()
@@ -69,7 +73,7 @@ USUAL = Tolerances()
 
 @dataclass(frozen=True, eq=False)
 class AsBuilt:
-    """Blocks as they were made: their remanence, where they should be, and how far each is `off` (n, n, 3), m."""
+    """Blocks as built: remanences, nominal places, and the displacement `off` (n, n, 3) of each, m."""
 
     blocks: Blocks
     off: Array
@@ -83,79 +87,79 @@ class Field:
     height: float
 
 
-def made(spread: Tolerances = USUAL) -> AsBuilt:
-    """Return the blocks of two grades with errors drawn from the spread's seed."""
-    meant = finite_matrix.made()
-    n, rng = len(meant.places), np.random.default_rng(spread.seed)
-    stronger = 1 + spread.remanence * rng.uniform(-1, 1, (n, n, 1))
-    drawn = np.cross(meant.remanence, rng.standard_normal((n, n, 3)))
-    length = np.linalg.norm(drawn, axis=2, keepdims=True)
-    axis = drawn / np.where(length > 0, length, 1.0)  # across the magnetisation; places without a block have none
-    tilt = spread.tilt * rng.uniform(-1, 1, (n, n, 1))
-    tilted = np.cos(tilt) * meant.remanence + np.sin(tilt) * np.cross(axis, meant.remanence)
-    off = spread.place * rng.uniform(-1, 1, (n, n, 3))
-    return AsBuilt(replace(meant, remanence=readonly(stronger * tilted)), readonly(off))
+def draw_blocks(tolerances: Tolerances = USUAL) -> AsBuilt:
+    """Return the blocks of two grades with random errors within tolerances."""
+    nominal = finite_matrix.fabricated_blocks()
+    n, rng = len(nominal.places), np.random.default_rng(tolerances.seed)
+    stronger = 1 + tolerances.remanence * rng.uniform(-1, 1, (n, n, 1))
+    normal = np.cross(nominal.remanence, rng.standard_normal((n, n, 3)))
+    length = np.linalg.norm(normal, axis=2, keepdims=True)
+    axis = normal / np.where(length > 0, length, 1.0)  # across the magnetisation; places without a block have none
+    tilt = tolerances.tilt * rng.uniform(-1, 1, (n, n, 1))
+    tilted = np.cos(tilt) * nominal.remanence + np.sin(tilt) * np.cross(axis, nominal.remanence)
+    off = tolerances.place * rng.uniform(-1, 1, (n, n, 3))
+    return AsBuilt(replace(nominal, remanence=readonly(stronger * tilted)), readonly(off))
 
 
 def series(of: AsBuilt, harmonics: int = HARMONICS) -> Series:
-    """Return the Fourier series of the potential above the blocks, as sensors see it."""
+    """Return the Fourier series of the potential above the blocks, averaged over the sensors' volume."""
     bare = finite_matrix.series(of.blocks, harmonics)
     kx, ky, kappa = bare.kx, bare.ky, bare.kappa
     total = np.zeros_like(bare.potential)
     for a, b, c in product(range(ORDER + 1), repeat=3):
         if a + b + c <= ORDER:
             weight = of.off[:, :, 0] ** a * of.off[:, :, 1] ** b * of.off[:, :, 2] ** c
-            moved = replace(of.blocks, remanence=of.blocks.remanence * weight[:, :, None])
+            weighted = replace(of.blocks, remanence=of.blocks.remanence * weight[:, :, None])
             shift = (-1j * kx) ** a * (-1j * ky) ** b * kappa**c / (factorial(a) * factorial(b) * factorial(c))
-            total += shift * finite_matrix.series(moved, harmonics).potential
+            total += shift * finite_matrix.series(weighted, harmonics).potential
     return replace(bare, potential=total * _mean(bare))
 
 
 def _mean(of: Series) -> Array:
-    """Return by what the mean over a sensor's volume multiplies each wave, its sides along X, Y and Z."""
+    """Return the factors of the waves by the mean over a sensor's volume, with its sides along X, Y and Z."""
     x, y, z = (side / 2 for side in VOLUME)
     up = of.kappa * z
     mean = np.sinc(of.kx * x / np.pi) * np.sinc(of.ky * y / np.pi) * np.sinh(up) / np.where(up > 0, up, 1.0)
     return np.asarray(mean)
 
 
-def tabulated(of: Series, height: float = hall_array.HEIGHT, reach: float = REACH) -> Array:
-    """Return CHANNELS (4, n, n) on the series' own grid, X changing slowest."""
+def tabulate(of: Series, height: float = hall_array.HEIGHT, reach: float = REACH) -> Array:
+    """Return CHANNELS (4, n, n) on the grid of the series, X changing slowest."""
     both: list[Complex] = [c for order in (0, 1) for c in finite_matrix.flux_density(of, height, order)[:2]]
     return readonly(np.array([of.summed(c, reach) for c in both]))
 
 
 @cache
-def field(spread: Tolerances = USUAL, height: float = hall_array.HEIGHT) -> Field:
-    """Return the field of blocks of a spread, at a height in m above them."""
-    found = series(made(spread))
-    points, values = found.grid(REACH + MARGIN), tabulated(found, height, REACH + MARGIN)
+def field(tolerances: Tolerances = USUAL, height: float = hall_array.HEIGHT) -> Field:
+    """Return the field of blocks with tolerances, at a height in m above them."""
+    potential = series(draw_blocks(tolerances))
+    points, values = potential.grid(REACH + MARGIN), tabulate(potential, height, REACH + MARGIN)
     coefficients, knots = values.transpose(1, 2, 0), []
     for axis in (0, 1):
         spline = interpolate.make_interp_spline(points, coefficients, k=DEGREE, axis=axis)
         coefficients = np.moveaxis(spline.c, 0, axis)
         knots.append(spline.t.tolist())
     X, Y = ca.MX.sym("X"), ca.MX.sym("Y")
-    flat = coefficients.transpose(1, 0, 2).ravel()  # CasADi has the last coordinate change slowest
+    flat = coefficients.transpose(1, 0, 2).ravel()  # in CasADi the last coordinate changes slowest
     at = ca.bspline(ca.vertcat(X, Y), ca.DM(flat), knots, [DEGREE, DEGREE], len(CHANNELS), {})
     return Field(ca.Function("truth_field", [X, Y], [at], {"never_inline": True}), height)
 
 
 def flux(of: Field, X: ca.SX, Y: ca.SX, lift: ca.SX) -> halbach.Field:
-    """Return the flux density in T at X, Y and `lift` in m above the field's height; along Z it is not known."""
+    """Return the flux density in T at X, Y and `lift` in m above the field's height; its component along Z is NaN."""
     bx, by, slope_x, slope_y = ca.vertsplit(of.at(X, Y))
     return halbach.Field(bx + lift * slope_x, by + lift * slope_y, ca.SX(np.nan))
 
 
 def voltages(of: Field, places: Sequence[Pair], x: Exprs, gain: float) -> dict[str, ca.SX]:
     """Return V_ax, V_ay, V_bx .. in V before the filter, of sensors at `places` in m, for a pose by name."""
-    found: dict[str, ca.SX] = {}
+    volts: dict[str, ca.SX] = {}
     c, s = ca.cos(x["phi"]), ca.sin(x["phi"])
     for letter, (u, v) in zip("abcdefgh", places, strict=False):
         at = planar_stage.place(x, ca.SX(u), ca.SX(v))
         B = flux(of, at.X, at.Y, at.lift)
-        found |= {f"V_{letter}x": gain * (c * B.x + s * B.y), f"V_{letter}y": gain * (c * B.y - s * B.x)}
-    return found
+        volts |= {f"V_{letter}x": gain * (c * B.x + s * B.y), f"V_{letter}y": gain * (c * B.y - s * B.x)}
+    return volts
 
 
 def plant(places: Sequence[Pair], of: Field, chain: Chain, gain: float | None = None) -> Plant:

@@ -1,6 +1,6 @@
-"""The field above periodic magnet matrices, from the remanence of each block: Fourier series, symbolic in all of it.
+"""Field above periodic magnet matrices from the remanence of each block: a symbolic Fourier series.
 
-            z ^      strong side                 one pitch l by l is cut into n_x by n_y blocks of height Delta with
+            z ^      strong side                 one pitch l by l has n_x by n_y blocks of height Delta with
               |  ~~~~~~~~~~~~~~~~~~              the remanence J_ij; the origin is the centre of block (0, 0), in the
               +---+---+---+---+---+---> X        plane of the blocks' upper faces. A Halbach array along X is a cell
               | ^ | < | v | > | ^ |              with n_y = 1, one along Y has n_x = 1, and the concentrated-field
@@ -14,10 +14,9 @@ sinc(t) = sin(pi t) / (pi t), the charges of the blocks' faces make above the ma
 
 written as waves (c cos(k.r) + s sin(k.r)) exp(-kappa z), one for each pair of k and -k.
 
-Two ideal arrays have waves (n, 0) and (0, n) with n = 1, 5, 9, .. only. Blocks of one strong and one weak grade make
-the strong blocks m = strong/2 and all others m = weak/sqrt(2). Where these differ, the waves 3, 7, .. appear, and those
-with p, q other than 0 of which one is odd and one even, chiefly (2, +-1) and (1, +-2): model (2) has none of them, and
-they are most of what it leaves.
+Two ideal arrays have waves (n, 0) and (0, n) with n = 1, 5, 9, .. only. Blocks of one strong and one weak grade have
+m = strong/2 and m = weak/sqrt(2). If these differ, the waves 3, 7, .. appear, and waves with nonzero p and q, one odd
+and one even, chiefly (2, +-1) and (1, +-2). Model (2) contains none of them, and they are most of its residual.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Fig. 2.
 """
@@ -88,10 +87,10 @@ def values() -> dict[str, ca.SX]:
 
 
 def directions(cycle_x: Array, cycle_y: Array) -> tuple[Array, Array]:
-    """Return what the strong and the weak blocks are the sums of, (n_x, n_y, 3) each, 0 where there is another block.
+    """Return the directions of the strong and of the weak blocks, (n_x, n_y, 3) each, 0 at other blocks.
 
-    A block is a(i) + b(j) of two cycles (n, 2) along and up: strong where both point up or both down, none where these
-    cancel, else weak. Remanences times these are strong/2 and weak/sqrt(2).
+    A block is the sum a(i) + b(j) of two cycles (n, 2) along and up: strong where both point up or both down, absent
+    where they cancel, else weak. The directions are not unit vectors: multiply them by strong/2 and weak/sqrt(2).
     """
     units = np.zeros((len(cycle_x), len(cycle_y), 3))
     units[:, :, 0], units[:, :, 1] = cycle_x[:, None, 0], cycle_y[None, :, 0]
@@ -116,8 +115,8 @@ def across(cell: Cell) -> Cell:
     return Cell(cell.y.T, cell.x.T, cell.z.T)
 
 
-def superposed(a: Cell, b: Cell) -> Cell:
-    """Return the sum of two cells, blocks of one being cut where those of the other end.
+def superpose(a: Cell, b: Cell) -> Cell:
+    """Return the sum of two cells, with the single blocks of one divided as in the other.
 
     Raises ModelError unless along X and along Y one has as many blocks as the other or a single one.
     """
@@ -127,49 +126,49 @@ def superposed(a: Cell, b: Cell) -> Cell:
             f"cells of {a.x.shape} and {b.x.shape} blocks do not fit: each side needs equal numbers or a single block"
         )
 
-    def cut(each: ca.SX) -> ca.SX:
+    def divide(each: ca.SX) -> ca.SX:
         return ca.repmat(each, shape[0] // each.shape[0], shape[1] // each.shape[1])
 
-    return Cell(cut(a.x) + cut(b.x), cut(a.y) + cut(b.y), cut(a.z) + cut(b.z))
+    return Cell(divide(a.x) + divide(b.x), divide(a.y) + divide(b.y), divide(a.z) + divide(b.z))
 
 
-def ideal(strong: ca.SX | float) -> Cell:
+def ideal_matrix(strong: ca.SX | float) -> Cell:
     """Return the matrix of two ideal arrays whose strong blocks have the remanence `strong` in T."""
     one = halbach_array(strong / 2)
-    return superposed(one, across(one))
+    return superpose(one, across(one))
 
 
-def fabricated(strong: ca.SX | float, weak: ca.SX | float) -> Cell:
+def fabricated_matrix(strong: ca.SX | float, weak: ca.SX | float) -> Cell:
     """Return the matrix of blocks of two grades, of the remanences `strong` and `weak` in T."""
     first, second = directions(CYCLE, CYCLE)
     x, y, z = (strong / 2 * ca.SX(first[:, :, i]) + weak / sqrt(2) * ca.SX(second[:, :, i]) for i in range(3))
     return Cell(x, y, z)
 
 
-def on_axes(numbers: Iterable[int]) -> tuple[Order, ...]:
+def orders_on_axes(numbers: Iterable[int]) -> tuple[Order, ...]:
     """Return the orders (n, 0) and (0, n)."""
     return tuple(order for n in numbers for order in ((n, 0), (0, n)))
 
 
-def up_to(highest: int) -> tuple[Order, ...]:
+def orders_up_to(highest: int) -> tuple[Order, ...]:
     """Return every order with |p| and |q| up to `highest`, one of each pair k and -k."""
     side = range(-highest, highest + 1)
     return tuple((p, q) for p in range(highest + 1) for q in side if (p, q) > (0, 0))
 
 
 def waves(cell: Cell, orders: Iterable[Order], p: Values) -> tuple[Wave, ...]:
-    """Return the waves of a matrix, without those that blocks of these sides do not make.
+    """Return the waves of a matrix, without those that vanish for blocks of these sides.
 
     `p` holds the pitch l and the blocks' height Delta in m.
 
-    Raises ModelError for the order (0, 0), which has no field, and for one that stands twice, as itself or as -k.
+    Raises ModelError for the order (0, 0), which has no field, and for one that is listed twice, as itself or as -k.
     """
-    found, w = [], wave_number(p)
-    for order in _distinct(orders):
+    matrix_waves, w = [], wave_number(p)
+    for order in _check_distinct(orders):
         shape = _sinc(order[0], cell.x.shape[0]) * _sinc(order[1], cell.x.shape[1])
         if shape:
-            found.append(_wave(cell, order, shape, w, p["Delta"]))
-    return tuple(found)
+            matrix_waves.append(_wave(cell, order, shape, w, p["Delta"]))
+    return tuple(matrix_waves)
 
 
 def _wave(cell: Cell, order: Order, shape: float, w: ca.SX, Delta: ca.SX) -> Wave:
@@ -187,32 +186,36 @@ def _numbers(order: Order, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     return p * w, q * w, sqrt(p**2 + q**2) * w
 
 
-def fitted(amplitudes: Mapping[int, ca.SX | float], height: ca.SX | float, p: Values) -> tuple[Wave, ...]:
+def waves_from_amplitudes(
+    amplitudes: Mapping[int, ca.SX | float], height: ca.SX | float, p: Values
+) -> tuple[Wave, ...]:
     """Return the waves of B_X = sum_n A_n sin(n w X), B_Y likewise in Y, with A_n in T at a height in m: model (2)."""
-    found = []
-    for order in _distinct(on_axes(amplitudes)):
+    model_waves = []
+    for order in _check_distinct(orders_on_axes(amplitudes)):
         kx, ky, kappa = _numbers(order, wave_number(p))
-        found.append(Wave(order, kx, ky, kappa, amplitudes[sum(order)] * ca.exp(kappa * height) / kappa, ca.SX(0)))
-    return tuple(found)
+        model_waves.append(
+            Wave(order, kx, ky, kappa, amplitudes[sum(order)] * ca.exp(kappa * height) / kappa, ca.SX(0))
+        )
+    return tuple(model_waves)
 
 
 def amplitude(wave: Wave, z: ca.SX | float) -> ca.SX:
-    """Return what a wave has of sin(k.r) in B_X in T, z in m above the matrix; of a wave (0, n) in B_Y."""
+    """Return the amplitude of a wave's sin(k.r) in B_X in T, z in m above the matrix; of a wave (0, n) in B_Y."""
     k = wave.kx if wave.order[0] else wave.ky
     return k * wave.cosine * ca.exp(-wave.kappa * z)
 
 
 def amplitudes(cell: Cell, numbers: Iterable[int], z: float) -> list[float]:
-    """Return A_n in T of sin(n w X) in B_X, z in m above a matrix, 0 where its blocks do not make the wave."""
+    """Return A_n in T of sin(n w X) in B_X, z in m above a matrix, 0 where the wave vanishes."""
     orders = [(n, 0) for n in numbers]
-    found = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, orders, values())}
-    return [found.get(order, 0.0) for order in orders]
+    sizes = {wave.order: float(amplitude(wave, z)) for wave in waves(cell, orders, values())}
+    return [sizes.get(order, 0.0) for order in orders]
 
 
-def field(found: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
+def field(waves: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
     """Return the flux density in T at X, Y in m, z in m above the matrix."""
     x, y, up = ca.SX(0), ca.SX(0), ca.SX(0)
-    for wave in found:
+    for wave in waves:
         phase, decay = wave.kx * X + wave.ky * Y, ca.exp(-wave.kappa * z)
         c, s = ca.cos(phase), ca.sin(phase)
         slope = decay * (wave.cosine * s - wave.sine * c)
@@ -221,15 +224,15 @@ def field(found: Iterable[Wave], X: ca.SX, Y: ca.SX, z: ca.SX) -> Field:
     return Field(x, y, up)
 
 
-def _distinct(orders: Iterable[Order]) -> tuple[Order, ...]:
-    found: list[Order] = []
+def _check_distinct(orders: Iterable[Order]) -> tuple[Order, ...]:
+    distinct: list[Order] = []
     for p, q in orders:
         if (p, q) == (0, 0):
             raise ModelError("the order (0, 0) is the mean, which has no field above the matrix: leave it out")
-        if (p, q) in found or (-p, -q) in found:
-            raise ModelError(f"the wave ({p}, {q}) stands twice, as itself or as ({-p}, {-q}): give it once")
-        found.append((p, q))
-    return tuple(found)
+        if (p, q) in distinct or (-p, -q) in distinct:
+            raise ModelError(f"the wave ({p}, {q}) is listed twice, as itself or as ({-p}, {-q}): give it once")
+        distinct.append((p, q))
+    return tuple(distinct)
 
 
 def _sinc(p: int, n: int) -> float:
@@ -239,14 +242,14 @@ def _sinc(p: int, n: int) -> float:
 
 
 def _phases(order: Order, shape: tuple[int, int]) -> tuple[ca.SX, ca.SX]:
-    """Return cosines and sines (n_x, n_y) of k.r_ij, exact at quarter turns so that what is 0 stays so."""
+    """Return cosines and sines (n_x, n_y) of k.r_ij, exact at quarter turns, with exact zeros."""
     (p, q), (n, m) = order, shape
     turn = n * m
     steps = 4 * (p * m * np.arange(n)[:, None] + q * n * np.arange(m))  # in quarters of a turn, times n m
 
     def cosines(quarters: NDArray[np.int_]) -> ca.SX:
         exact = (1.0, 0.0, -1.0, 0.0)
-        found = [exact[k // turn % 4] if k % turn == 0 else cos(pi / 2 * k / turn) for k in quarters.ravel().tolist()]
-        return ca.SX(np.reshape(found, shape))
+        values = [exact[k // turn % 4] if k % turn == 0 else cos(pi / 2 * k / turn) for k in quarters.ravel().tolist()]
+        return ca.SX(np.reshape(values, shape))
 
     return cosines(steps), cosines(steps - turn)

@@ -1,20 +1,20 @@
-"""The field above a magnet matrix of finite size: blocks as they are made, by a Fourier series of its own.
+"""Field above a finite magnet matrix of fabricated or ideal blocks, by a Fourier series over a larger cell.
 
 A block of side s = l/4 is the sum of one of each of two arrays, a(i) + b(j), with the cycle +z, -x, -z, +x along X and
-+z, -y, -z, +y along Y. Where both are +z or both -z it is a strong block (2 m), where one is +z and the other -z there
-is none, and all others are weak ones (sqrt(2) m), tilted by 45 degrees or flat. There are 24 x 24 places, six pitches;
++z, -y, -z, +y along Y. Where both are +z or both -z it is a strong block (2 m). Where one is +z and the other -z there
+is no block. All others are weak (sqrt(2) m), tilted by 45 degrees or horizontal. There are 24 x 24 places, six pitches;
 the origin is the centre of a strong block, with BEFORE places before it along X and along Y.
 
-The matrix is one cell of a lattice of equal matrices, CELL pitches apart, with nothing between them. With J_k the
+The matrix is one cell of a lattice of equal matrices, CELL pitches apart, with empty space between them. With J_k the
 Fourier coefficients of the remanence over a cell and kappa = |k|, k = 2 pi (p, q) / (CELL l), above the matrix
 
     B = -grad Phi,   Phi = sum_k Phi_k exp(i k.r - kappa z),
     Phi_k = (1 - exp(-kappa Delta)) / (2 kappa) (J_z - i k.J / kappa)
 
-of the charges on the blocks' faces. What the other matrices of the lattice add is below 1e-4 T at motors and sensors.
+of the charges on the blocks' faces. The other matrices of the lattice add less than 1e-4 T at motors and sensors.
 
-Table 2 gives the remanence of an ideal array; the blocks that were made are of 1.43 and 1.10 T, where an ideal weak
-one had 1.01. Which strong block the origin is, and so where the travel lies, is not printed.
+Table 2 gives the remanence of an ideal array. The fabricated blocks have 1.43 and 1.10 T; an ideal weak block would
+have 1.01 T. The papers do not print which strong block is the origin, and thus where the travel lies.
 
 Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors", Table 2; Kawato, Kim, "Multi-Degree-of-
 Freedom Precision Position Sensing", section 2.
@@ -35,7 +35,7 @@ Complex = NDArray[np.complex128]
 
 VALUES = {p.name: p.value for p in lorentz_motor.PARAMETERS}
 SIDE, HEIGHT = VALUES["l"] / 4, VALUES["Delta"]  # m
-BLOCKS, BEFORE = 24, 11  # along each side, and before the origin: the Hall sensors lie ahead of the platen's middle
+BLOCKS, BEFORE = 24, 11  # along each side, and before the origin: the Hall sensors are ahead of the platen's centre
 STRONG, WEAK = concentrated_field.STRONG, concentrated_field.WEAK  # T
 CYCLE = concentrated_field.CYCLE
 CELL = 12  # pitches
@@ -51,7 +51,7 @@ class Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Phi_k (N, N/2 + 1) in T m up to so many harmonics of a pitch, with kx, ky >= 0 and kappa in rad/m, written 1/m.
+    """Phi_k (N, N/2 + 1) in T m up to some `harmonics` of a pitch, with kx, ky >= 0 and kappa in rad/m, written 1/m.
 
     A pitch of its grid has twice as many points as harmonics, a cell N.
     """
@@ -68,7 +68,7 @@ class Series:
         return VALUES["l"] / (2 * self.harmonics)
 
     def grid(self, reach: float) -> Array:
-        """Return the points (n,) of the grid, at least from -reach to reach in m, alike on both axes."""
+        """Return the points (n,) of the grid, at least from -reach to reach in m, the same on both axes."""
         n = int(np.ceil(reach / self.spacing))
         return np.asarray(self.spacing * np.arange(-n, n + 1), dtype=np.float64)
 
@@ -79,21 +79,21 @@ class Series:
 
 
 def blocks(strong: float, weak: float) -> Blocks:
-    """Return the matrix of strong and weak blocks of a remanence in T each."""
+    """Return the matrix of strong and weak blocks with remanences in T."""
     cycle = CYCLE[(np.arange(BLOCKS) - BEFORE) % 4]
     first, second = concentrated_field.directions(cycle, cycle)
     places = SIDE * np.arange(-BEFORE, BLOCKS - BEFORE, dtype=np.float64)
     return Blocks(places, strong / 2 * first + weak / sqrt(2) * second)
 
 
-def ideal() -> Blocks:
-    """Return the matrix of two ideal arrays of the remanence of Table 2."""
+def ideal_blocks() -> Blocks:
+    """Return the matrix of two ideal arrays with the remanence of Table 2."""
     m = VALUES["mu0_M0"]
     return blocks(2 * m, sqrt(2) * m)
 
 
-def made() -> Blocks:
-    """Return the matrix of the blocks that were made."""
+def fabricated_blocks() -> Blocks:
+    """Return the matrix of the fabricated blocks."""
     return blocks(STRONG, WEAK)
 
 
@@ -120,17 +120,17 @@ def _transform(places: Array, k: Array) -> Complex:
     return np.asarray(shape[:, None] * np.exp(-1j * np.outer(k, places)))
 
 
-def flux_density(found: Series, z: float, order: int = 0) -> tuple[Complex, Complex, Complex]:
+def flux_density(potential_series: Series, z: float, order: int = 0) -> tuple[Complex, Complex, Complex]:
     """Return the coefficients of B_X, B_Y, B_Z in T at z in m above the matrix; with `order` 1 of d/dz, T/m."""
-    at = found.potential * np.exp(-found.kappa * z) * (-found.kappa) ** order
-    return -1j * found.kx * at, -1j * found.ky * at, found.kappa * at
+    at = potential_series.potential * np.exp(-potential_series.kappa * z) * (-potential_series.kappa) ** order
+    return -1j * potential_series.kx * at, -1j * potential_series.ky * at, potential_series.kappa * at
 
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """What sensors read above a matrix of six pitches, in V: (n, n) of B_X over X and over Y, about a pitch.
+    """Voltages of B_X (n, n) over X and Y above a matrix of six pitches, about one pitch, V.
 
-    Places are multiples of `spacing`, m, the body's origin from 0 up to `count` of them. B_Y is the transpose.
+    Points are multiples of `spacing`, m; the body's origin is at 0 up to `count` of them. B_Y is the transpose.
     """
 
     spacing: float
@@ -145,11 +145,11 @@ class Scan:
 
 @cache
 def scan(strong: float, weak: float, height: float, gain: float, count: int) -> Scan:
-    """Return what is read, by a gain in V/T, in the pitch ahead of the middle of blocks of remanences in T.
+    """Return the voltages, with a gain in V/T, in the pitch ahead of the centre, above blocks with remanences in T.
 
     `height` is in m above them; `count` is the number of points along a pitch.
     """
     reach = 1.5 * VALUES["l"]
-    found = series(blocks(strong, weak), count // 2)
-    flux = found.summed(flux_density(found, height)[0], reach)
-    return Scan(found.spacing, count, len(found.grid(reach)) // 2, readonly(gain * flux))
+    potential = series(blocks(strong, weak), count // 2)
+    flux = potential.summed(flux_density(potential, height)[0], reach)
+    return Scan(potential.spacing, count, len(potential.grid(reach)) // 2, readonly(gain * flux))

@@ -1,4 +1,4 @@
-"""Forces and torques of one planar motor over a magnet matrix of finite size, for a unit current in each phase.
+"""Forces and torques of one planar motor over a finite magnet matrix, per unit current in each phase.
 
     x ^   half A  -B   C  -A  ..   C  half A      g(x)      Bands as in `models.lorentz_motor`, cut by a window of Nm
       |   +---+---+---+---+-- .. -+---+---+   _             pitches about the motor's centre, where a band A lies: at
@@ -7,16 +7,16 @@
       |   |   |   |   |   |       |   |   |   _|            where a band runs along x; g is 1 over the conductors.
       +-> y  --- end turns, from band to band --
 
-End turns in the bands' plane are as wide and high as bands; g falls to 0 across them, and a turn is w wide in the mean.
-Three phases cannot have them all there; raised by d they matter about exp(-2 pi d / l) of that, which is RAISED for the
-height of the winding, the least. Without them g is 1 over w, 0 beyond, and nothing runs along y. The paper prints
-neither the end turns nor which band lies in the middle.
+End turns in the plane of the bands are as wide and high as the bands. g falls to 0 across them, and a turn has the mean
+width w. Three phases cannot all have their end turns there. Raised by d, end turns contribute about exp(-2 pi d / l) of
+that, which is RAISED_END_TURNS for the least possible d, the height of the winding. Without end turns g is 1 over w and
+0 beyond, and no current runs along y. The paper prints neither the end turns nor which band lies in the middle.
 
 In a field of exponentials exp(i k.r - kappa z) (`models.finite_matrix`) about the centre's place R the integrals of
 j x B and of r x (j x B) over the conductors are products of moments int x^a g exp(i kx x) dx, int y^b t exp(i ky y) dy
 and of integrals over the height: forces and torques over R are Fourier series with known coefficients. Torques are
-about the middle of the window, half way up. A motor turned by phi sees k turned against it: "yaw" is the derivative by
-phi at phi = 0, in the motor's own frame.
+about the middle of the window, half way up. In the frame of a motor turned by phi, k turns by -phi: "yaw" is the
+derivative by phi at phi = 0, in the frame of the motor.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,13 +41,13 @@ BAND = VALUES["l"] / 6  # m, the width of a band
 THICKNESS = 6 * VALUES["area"] / VALUES["l"]  # m
 DENSITY = VALUES["turns"] / VALUES["area"]  # 1/m^2
 GAP, DECAY = VALUES["z0"], 2 * pi / VALUES["l"]  # m, 1/m
-RAISED = exp(-DECAY * THICKNESS)
-NODES = 24  # of Gauss in a cell: exact to rounding for what the series holds
+RAISED_END_TURNS = exp(-DECAY * THICKNESS)
+NODES = 24  # Gauss-Legendre nodes in a cell: exact to rounding for every harmonic of the series
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A stretch from low to high, m, over which a function goes in a straight line from `start` to `end`."""
+    """An interval from low to high, m, over which a function is linear from `start` to `end`."""
 
     low: float
     high: float
@@ -63,7 +63,7 @@ class _Moments:
     slope: Complex
 
 
-def along(phase: str) -> tuple[Cell, ...]:
+def winding_profile(phase: str) -> tuple[Cell, ...]:
     """Return t(y) in m of a phase, from one end of the window to the other."""
     l, half, bands = VALUES["l"], VALUES["Nm"] * VALUES["l"] / 2, []
     for n in range(-round(VALUES["Nm"]) - 1, round(VALUES["Nm"]) + 2):
@@ -79,7 +79,7 @@ def along(phase: str) -> tuple[Cell, ...]:
     return tuple(c for c in cells if c.high > c.low)
 
 
-def across(flat: bool) -> tuple[Cell, ...]:
+def width_profile(flat: bool) -> tuple[Cell, ...]:
     """Return g(x), with end turns in the bands' plane or without."""
     half, end = VALUES["w"] / 2, BAND / 2
     if not flat:
@@ -88,18 +88,18 @@ def across(flat: bool) -> tuple[Cell, ...]:
     return Cell(-outer, -inner, 0.0, 1.0), Cell(-inner, inner, 1.0, 1.0), Cell(inner, outer, 1.0, 0.0)
 
 
-def maps(found: Series, phase: str, order: Order, reach: float, end_turns: float = RAISED) -> Array:
+def maps(series: Series, phase: str, order: Order, half_width: float, end_turns: float = RAISED_END_TURNS) -> Array:
     """Return the COMPONENTS (6, n, n) in N/A and N m/A for centres on the grid up to `reach` in m, x first.
 
-    With `order` "lift" it is what a lift by d in m adds, over d, to exp(-2 pi d / l) times the value. `end_turns` is
-    what they matter, 1 in the bands' plane.
+    With `order` "lift" it is the derivative by a lift d in m of the value times exp(2 pi d / l). `end_turns` is the
+    weight of the end turns, 1 in the plane of the bands.
     """
-    scale, parts = _at_gap(found, order), ((True, end_turns), (False, 1 - end_turns))
-    wrenches = [[share * c for c in _wrench(found, phase, order, flat)] for flat, share in parts if share]
-    return np.array([found.summed(scale * np.sum(c, axis=0), reach) for c in zip(*wrenches, strict=True)])
+    scale, parts = _potential_at_gap(series, order), ((True, end_turns), (False, 1 - end_turns))
+    wrenches = [[weight * c for c in _wrench(series, phase, order, flat)] for flat, weight in parts if weight]
+    return np.array([series.summed(scale * np.sum(c, axis=0), half_width) for c in zip(*wrenches, strict=True)])
 
 
-def commutated(values: Array, y: Array) -> Array:
+def commutated_wrenches(values: Array, y: Array) -> Array:
     """Return wrenches (2, 6, n, n) per A of i_Q and of i_D from those (3, 6, n, n) per A of PHASES at y (n,) in m."""
     c, s = np.cos(DECAY * y), np.sin(DECAY * y)
 
@@ -111,16 +111,16 @@ def commutated(values: Array, y: Array) -> Array:
     return np.array([driven(c, s), driven(-s, c)])
 
 
-def _at_gap(found: Series, order: Order) -> Complex:
+def _potential_at_gap(series: Series, order: Order) -> Complex:
     """Return the potential at the gap, times the density of turns."""
-    value = DENSITY * found.potential * np.exp(-found.kappa * GAP)
-    return value * (DECAY - found.kappa) if order == "lift" else value
+    value = DENSITY * series.potential * np.exp(-series.kappa * GAP)
+    return value * (DECAY - series.kappa) if order == "lift" else value
 
 
-def _wrench(found: Series, phase: str, order: Order, flat: bool) -> tuple[Complex, ...]:
+def _wrench(series: Series, phase: str, order: Order, flat: bool) -> tuple[Complex, ...]:
     """Return the coefficients of the COMPONENTS for a potential of 1."""
-    force = _turned(found, phase, flat) if order == "yaw" else _force(found, phase, flat)
-    level, tilted = _heights(found.kappa)
+    force = _yaw_derivative(series, phase, flat) if order == "yaw" else _force(series, phase, flat)
+    level, tilted = _height_integrals(series.kappa)
     f, f_x, f_y = force(0, 0), force(1, 0), force(0, 1)
     return (
         *(each * level for each in f),
@@ -130,10 +130,10 @@ def _wrench(found: Series, phase: str, order: Order, flat: bool) -> tuple[Comple
     )
 
 
-def _force(found: Series, phase: str, flat: bool) -> Callable[[int, int], Force]:
+def _force(series: Series, phase: str, flat: bool) -> Callable[[int, int], Force]:
     """Return the moments x^a y^b of the force's density j x B, by (a, b)."""
-    along_x, along_y = _currents(found, phase, flat)
-    kx, ky, kappa = found.kx, found.ky, found.kappa
+    along_x, along_y = _currents(series, phase, flat)
+    kx, ky, kappa = series.kx, series.ky, series.kappa
 
     def force(a: int, b: int) -> Force:
         j_x, j_y = along_x(a, b), along_y(a, b)
@@ -142,10 +142,10 @@ def _force(found: Series, phase: str, flat: bool) -> Callable[[int, int], Force]
     return force
 
 
-def _turned(found: Series, phase: str, flat: bool) -> Callable[[int, int], Force]:
+def _yaw_derivative(series: Series, phase: str, flat: bool) -> Callable[[int, int], Force]:
     """Return the derivative of `_force` by the yaw: k = (kx, ky) changes by (ky, -kx)."""
-    along_x, along_y = _currents(found, phase, flat)
-    force, kx, ky = _force(found, phase, flat), found.kx, found.ky
+    along_x, along_y = _currents(series, phase, flat)
+    force, kx, ky = _force(series, phase, flat), series.kx, series.ky
 
     def derivative(a: int, b: int) -> Force:
         f_x, f_y, f_z = (1j * (ky * p - kx * q) for p, q in zip(force(a + 1, b), force(a, b + 1), strict=True))
@@ -155,9 +155,9 @@ def _turned(found: Series, phase: str, flat: bool) -> Callable[[int, int], Force
 
 
 @lru_cache(maxsize=2 * len(PHASES))
-def _currents(found: Series, phase: str, flat: bool) -> tuple[Moment, Moment]:
+def _currents(series: Series, phase: str, flat: bool) -> tuple[Moment, Moment]:
     """Return the moments of the current's density along x, t' g, and along y, -t g', by (a, b)."""
-    x, y = _moments(across(flat), found.kx[:, 0]), _moments(along(phase), found.ky[0])
+    x, y = _moments(width_profile(flat), series.kx[:, 0]), _moments(winding_profile(phase), series.ky[0])
 
     def along_x(a: int, b: int) -> Complex:
         return np.asarray(x.value[a][:, None] * y.slope[b])
@@ -172,15 +172,15 @@ def _moments(cells: Sequence[Cell], k: Array) -> _Moments:
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     low, width = (np.array(v)[:, None] for v in zip(*((c.low, c.high - c.low) for c in cells), strict=True))
     start, rise = (np.array(v)[:, None] for v in zip(*((c.start, c.end - c.start) for c in cells), strict=True))
-    part = (nodes + 1) / 2
-    at = low + width * part
-    weighted = np.array([width / 2 * weights * at**b for b in range(4)])
-    functions = np.concatenate([weighted * (start + rise * part), weighted * rise / width])
-    found = functions.reshape(8, -1) @ np.exp(1j * np.outer(at, k))
-    return _Moments(found[:4], found[4:])
+    fraction = (nodes + 1) / 2
+    points = low + width * fraction
+    weighted = np.array([width / 2 * weights * points**b for b in range(4)])
+    functions = np.concatenate([weighted * (start + rise * fraction), weighted * rise / width])
+    moments = functions.reshape(8, -1) @ np.exp(1j * np.outer(points, k))
+    return _Moments(moments[:4], moments[4:])
 
 
-def _heights(kappa: Array) -> tuple[Array, Array]:
+def _height_integrals(kappa: Array) -> tuple[Array, Array]:
     """Return int exp(-kappa z) dz over the winding's height and int (z - THICKNESS / 2) exp(-kappa z) dz."""
     x = kappa * THICKNESS
     level = -np.expm1(-x) / kappa

@@ -1,10 +1,10 @@
-"""Functions of two coordinates from their values on a grid, as short sums of products, for CasADi.
+"""Low-rank interpolation of functions of two coordinates from a grid, for CasADi: adaptive cross approximation.
 
     w_c(x, y) = sum_i u_ci(x) v_ci(y)       c = 1 .. m
 
-Each term is a cross: the row and the column of what the terms before it leave, through where that is largest, until it
-is nowhere above a bound on the grid. Each factor is a cubic spline through its values. Outside the grid the nearest
-point of its edge counts.
+Each term is a cross: a row and a column of the remainder of the terms before it, through its largest entry. Terms are
+added until the remainder is within a bound on the whole grid. Each factor is a cubic spline through its values. Outside
+the grid the value at the nearest point of its edge holds.
 """
 
 from collections.abc import Sequence
@@ -29,19 +29,19 @@ def function(name: str, points: Array, values: Array, bounds: Sequence[float]) -
     return ca.Function(name, arguments, [adding @ (factors[0] * factors[1])], {"never_inline": True})
 
 
-def _spline(at: ca.MX, points: Array, values: Array) -> ca.MX:
-    found = interpolate.make_interp_spline(points, values, k=DEGREE)
-    return ca.bspline(at, found.c.ravel(), [found.t.tolist()], [DEGREE], values.shape[1], {})
+def _spline(argument: ca.MX, points: Array, values: Array) -> ca.MX:
+    spline = interpolate.make_interp_spline(points, values, k=DEGREE)
+    return ca.bspline(argument, spline.c.ravel(), [spline.t.tolist()], [DEGREE], values.shape[1], {})
 
 
 def _terms(values: Array, bound: float) -> tuple[Array, Array]:
-    """Return factors (n, r) whose products' sum is within `bound` of values (n, n): crosses through what is left."""
-    left, rows, columns = values.copy(), [], []
+    """Return factors (n, r) whose sum of products is within `bound` of values (n, n), by full pivoting."""
+    remainder, rows, columns = values.copy(), [], []
     for _ in range(len(values)):
-        i, j = np.unravel_index(np.argmax(np.abs(left)), left.shape)
-        if np.abs(left[i, j]) <= bound:
+        i, j = np.unravel_index(np.argmax(np.abs(remainder)), remainder.shape)
+        if np.abs(remainder[i, j]) <= bound:
             break
-        columns.append(left[:, j] / left[i, j])
-        rows.append(left[i].copy())
-        left -= np.outer(columns[-1], rows[-1])
+        columns.append(remainder[:, j] / remainder[i, j])
+        rows.append(remainder[i].copy())
+        remainder -= np.outer(columns[-1], rows[-1])
     return np.array(columns).reshape(-1, len(values)).T, np.array(rows).reshape(-1, len(values)).T

@@ -12,7 +12,7 @@ above the array they add for n = 1, 5, 9, .. and cancel for n = 3, 7, ... A laye
     B_X = sum_n A_n sin(n w X),  B_Y = sum_n A_n sin(n w Y),  B_Z = sum_n A_n (cos(n w X) + cos(n w Y)),
     A_n(z) = (4 / (n pi)) sin(n pi / 4) m (1 - exp(-n w Delta)) exp(-n w z),    n = 1, 5, 9, ..
 
-which has neither divergence nor curl. Finite extent and blocks that are not ideal are left out.
+which has neither divergence nor curl. Finite extent and imperfect blocks are neglected.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2; Yu, Kim, "Design of Precision
 Positioner with Hall-effect Sensors", Table 2.
@@ -39,7 +39,7 @@ class Field:
 
 
 def wave_number(p: Values) -> ca.SX:
-    """Return w = 2 pi / l in rad/m, written 1/m, for the pitch l in m."""
+    """Return w = 2 pi / l in 1/m for the pitch l in m."""
     return 2 * pi / p["l"]
 
 

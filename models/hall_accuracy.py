@@ -1,15 +1,15 @@
-"""What two-axis Hall sensors tell of a pose: Cramér-Rao deviations, condition numbers, errors by what the field has.
+"""Accuracy of a pose from two-axis Hall sensors: Cramér-Rao deviations, condition numbers, errors of the model.
 
-For (X, Y, yaw) at a height, or for all six coordinates; of arrays in the field of two waves, or of sensors with
-whatever errors in any waves. Turned by a quarter about a strong block's centre a matrix is as before: what holds of X
-at a yaw holds of Y a quarter turn further, so that yaws of +-45 deg show all of a map of both. What a layout costs is
+Poses are (X, Y, yaw) at a height, or all six coordinates; sensors are arrays in the field of two waves, or sensors with
+any errors in any waves. A quarter turn about a strong block's centre leaves the matrix unchanged: the accuracy of X at
+a yaw is that of Y a quarter turn further, and yaws of +-45 deg show the whole map of both. The cost of a layout is
 
     cost = max over poses of max(s_places, lever s_angles)    in m
 
-of (X, Y, yaw), or of all six coordinates of a level body. The lever says how far from the body's origin a turn counts
-as a displacement. `observability.placement` searches for places of the least cost.
+of (X, Y, yaw), or of all six coordinates of a level body. The lever converts angles to displacements.
+`observability.placement` searches for the layout of least cost.
 
-Deviations are proportional to sigma: those here are of the array's own, 1 mV unless given.
+Deviations are proportional to the noise of the array, 1 mV by default.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ LEVER = 25.4e-3  # m, half a pitch
 POINTS = 64  # along a pitch
 Condition = tuple[float, float, float, float]
 LEVEL = "level at the height"
-# By name: how much the gap is larger, m, and roll, pitch and yaw, rad.
+# By name: increase of the gap, m, and roll, pitch and yaw, rad.
 CONDITIONS: dict[str, Condition] = {
     LEVEL: (0.0, 0.0, 0.0, 0.0),
     "0.5 mm nearer": (-0.5e-3, 0.0, 0.0, 0.0),
@@ -48,7 +48,7 @@ CONDITIONS: dict[str, Condition] = {
 
 
 class Signs(NamedTuple):
-    """The least and the largest determinant of three sensors over the pitch, in units of its mean size."""
+    """The least and the largest determinant of three sensors over the pitch, relative to its mean size."""
 
     least: float
     largest: float
@@ -57,11 +57,11 @@ class Signs(NamedTuple):
 def of_sensors(
     array: HallArray, waves: Sequence[Wave], poses: ArrayLike, lever: float, height: float = hall_array.HEIGHT
 ) -> Accuracy:
-    """Return what sensors tell at poses (N, 3) of X, Y, yaw at a height in m, or (N, 6) of all, in m and rad.
+    """Return the accuracy at poses (N, 3) of X, Y, yaw at a height in m, or (N, 6) of all, in m and rad.
 
-    Cramér-Rao deviations and condition numbers, a turn counting as a displacement by the lever in m.
+    These are Cramér-Rao deviations and condition numbers, with angles times the lever in m.
 
-    Raises ModelError for poses that are none, a lever that is not above 0, or a single sensor.
+    Raises ModelError for invalid poses, a lever that is not above 0, or a single sensor.
     """
     if len(array.sensors) < 2:
         raise ModelError("one sensor has two voltages for three coordinates: add another one")
@@ -72,19 +72,19 @@ def of_sensors(
 
 
 def sizes(unknowns: int, lever: float) -> Array:
-    """Return what a unit of each unknown moves, m: 1 for places, the lever for angles; raise ModelError for none."""
+    """Return the displacement by a unit of each unknown, m: 1, or the lever for angles; raise ModelError for 0."""
     lever = numeric.positive("the lever", lever)
     return np.array([1.0, 1.0, lever] if unknowns == len(hall_array.PLANAR) else [1.0, 1.0, 1.0, lever, lever, lever])
 
 
-def spread(array: HallArray) -> float:
-    """Return the sensors' root mean square distance in the plane from their mean, m: a lever of the yaw."""
+def rms_radius(array: HallArray) -> float:
+    """Return the sensors' rms distance in the plane from their mean, m: a lever of the yaw."""
     places = np.array([s.position[:2] for s in array.sensors])
     return sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
 
 
 def spatial(array: SpatialArray, poses: ArrayLike, lever: float = LEVER) -> Accuracy:
-    """Return what an array tells at poses (N, 6) in m and rad; raise ModelError as `of_sensors`."""
+    """Return the accuracy of an array at poses (N, 6) in m and rad; raise ModelError as `of_sensors`."""
     return information.accuracy(hall_two_waves.rows(array, poses), array.deviation, sizes(6, lever))
 
 
@@ -103,28 +103,28 @@ def conditions(array: SpatialArray, points: int = POINTS) -> dict[str, Accuracy]
 def losses(array: SpatialArray, points: int = POINTS) -> dict[str, Accuracy]:
     """Return the accuracy over the pitch with all sensors, and after the loss of each.
 
-    Raises ModelError for an array that has no sensor to spare.
+    Raises ModelError for an array without a redundant sensor.
     """
     places = array.positions
     if len(places) < 5:
-        raise ModelError(f"{len(places)} sensors have none to spare: four are needed everywhere, give five or more")
+        raise ModelError(f"{len(places)} sensors have no redundant one: four are needed everywhere, give five or more")
     at = cell(array, CONDITIONS[LEVEL], points)
     left = {f"without {'abcdefgh'[k]}": (*places[:k], *places[k + 1 :]) for k in range(len(places))}
     return {name: spatial(replace(array, positions=kept), at) for name, kept in {"all": places, **left}.items()}
 
 
 def misfit(array: SpatialArray, sensors: HallArray, waves: Sequence[Wave], poses: ArrayLike) -> Array:
-    """Return the errors (N, 6), m and rad, at poses (N, 6) when `sensors` are in the field of `waves`, to first order.
+    """Return the errors (N, 6), m and rad, at poses (N, 6) of `sensors` in the field of `waves`, to first order.
 
-    Raises ModelError for poses that are none, for unlike numbers of sensors, or where rank is lost.
+    Raises ModelError for invalid poses, for different numbers of sensors, or where rank is lost.
     """
-    at = hall_two_waves.checked(poses)
+    at = hall_two_waves.check_poses(poses)
     if len(sensors.sensors) != len(array.positions):
         raise ModelError(
-            f"{len(sensors.sensors)} sensors meet {len(array.positions)} of the model: give as many of each"
+            f"{len(sensors.sensors)} sensors and {len(array.positions)} of the model: give as many of each"
         )
     true, known = hall_array.spatial(sensors, waves), hall_array.spatial(*hall_two_waves.model(array))
-    return information.bias(hall_two_waves.rows(array, at), true.read(at) - known.read(at), sizes(6, LEVER))
+    return information.bias(hall_two_waves.rows(array, at), true.evaluate(at) - known.evaluate(at), sizes(6, LEVER))
 
 
 def jacobians(array: PlanarArray | SpatialArray, q: Array) -> Array:
@@ -136,14 +136,14 @@ def jacobians(array: PlanarArray | SpatialArray, q: Array) -> Array:
     return H.reshape(3, 2, n, -1).transpose(3, 2, 1, 0).reshape(-1, 2 * n, 3)
 
 
-def cost(array: PlanarArray | SpatialArray, q: Array, lever: float = LEVER, spare: bool = False) -> float:
-    """Return the largest deviation over q (3, N), m, angles at the lever; with `spare` after any sensor's loss."""
+def cost(array: PlanarArray | SpatialArray, q: Array, lever: float = LEVER, after_loss: bool = False) -> float:
+    """Return the largest deviation over q (3, N), m, angles at the lever; with `after_loss` after any sensor's loss."""
     H = jacobians(array, q)
-    return information.largest_deviation(H, array.deviation, sizes(H.shape[2], lever), 2 if spare else 0)
+    return information.largest_deviation(H, array.deviation, sizes(H.shape[2], lever), 2 if after_loss else 0)
 
 
 def signs(array: SpatialArray, yaw: float = 0.0, points: int = 100) -> Signs:
-    """Return between which determinants of H a pitch at one yaw in rad lies, of an array of three sensors.
+    """Return the range of det H over the pitch at a yaw in rad, of an array of three sensors.
 
     Raises ModelError for another number of sensors, whose H is not square.
     """

@@ -1,8 +1,8 @@
-"""Two-axis Hall sensors on a body above a magnet matrix: their voltages and how these change with the body's pose.
+"""Measurement model of two-axis Hall sensors on a body above a magnet matrix: voltages and their Jacobian.
 
-         y ^    v                     body at (X, Y, Z), turned by R = R_z(theta_z) R_y(theta_y) R_x(theta_x);
-           |   /  sensor k            sensor k at r_k in the body, its axes u, v and n turned by S_k from the body's:
-           |  o---u                   by its angle about z and its misalignment, v a skew further than a right angle
+         y ^    v                     body at (X, Y, Z), rotated by R = R_z(theta_z) R_y(theta_y) R_x(theta_x);
+           |   /  sensor k            sensor k at r_k in the body, its axes u, v and n rotated by S_k from the body's:
+           |  o---u                   by its angle about z and its misalignment; v is off the right angle by the skew
     body   +----------> x
 
     P_k = (X, Y, Z) + R r_k,    b = (R S_k)^T <B>(P_k)
@@ -13,8 +13,8 @@ In the plane Z, theta_x and theta_y are fixed: [a; b] = s R(theta)^T B(P), 2 N v
 
 The mean is exact: a wave exp(i k.r - kappa z) is exp(i K.r) with K = (k, i kappa), and a box of sides d_j along q_j
 multiplies it by prod_j sinc(K.q_j d_j / 2), where sinc(t) = sin(t)/t. For the sensors at hand and without tilt this is
-1 - 1.4e-5 for the fundamental, 1 - 3.6e-4 for the 5th and 1 - 1.2e-3 for the 9th; yaw moves these by 2e-10, 1e-7 and
-1e-6: width and height nearly cancel, since K.K = 0, and a square has no side in second order.
+1 - 1.4e-5 for the fundamental, 1 - 3.6e-4 for the 5th and 1 - 1.2e-3 for the 9th. The yaw changes these by 2e-10, 1e-7
+and 1e-6 only: width and height nearly cancel because K.K = 0, and a square is isotropic to second order.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", sections 2 and 3, Figs. 5 to 7.
 """
@@ -42,15 +42,15 @@ Triple = tuple[float, float, float]
 
 PLANAR = ("X", "Y", "theta_z")
 SPATIAL = ("X", "Y", "Z", "theta_x", "theta_y", "theta_z")
-TERMS = 7  # of sinc: the next is below 5e-17 up to t = 1/2, which is the 32nd harmonic over the volume at hand
+TERMS = 7  # of sinc: the next is below 5e-17 up to t = 1/2, the 32nd harmonic for the default volume
 HEIGHT = 3e-3  # m, of the sensors above the matrix, at which the paper gives the field
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """A two-axis sensor: where it is in the body, in m, and how its axes and voltages are off.
+    """A two-axis sensor: its position in the body, in m, and the errors of its axes and voltages.
 
-    `angle` and `misalignment`, about its own u, v and n, are in rad, `skew` too; `gain` is relative, `offset` in V.
+    `angle` and `misalignment`, about its own u, v and n, and `skew` are in rad; `gain` is relative, `offset` in V.
     """
 
     position: Triple
@@ -63,7 +63,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class HallArray:
-    """Sensors, what follows them, and the sides of the sensitive volume along u, v, n in m.
+    """Sensors, their signal chain, and the sides of the sensitive volume along u, v, n in m.
 
     Raises ModelError without any sensor, or when a number is not finite or a side negative.
     """
@@ -84,7 +84,7 @@ class HallArray:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where the body's origin is, (3, 1) in m, Z above the matrix, and its axes as columns (3, 3)."""
+    """Position of the body's origin, (3, 1) in m, Z above the matrix, and its axes as columns (3, 3)."""
 
     at: ca.SX
     turn: ca.SX
@@ -106,7 +106,7 @@ class Prediction:
         """Return q -> volts, of a field without free symbols."""
         return ca.Function("volts", [self.q], [self.volts])
 
-    def read(self, poses: Array) -> Array:
+    def evaluate(self, poses: Array) -> Array:
         """Return the voltages (N, m) at poses (N, n), of a field without free symbols."""
         return np.asarray(self.measurement().map(len(poses))(poses.T).full().T)
 
@@ -116,8 +116,8 @@ def sensors(places: Iterable[Pair]) -> HallArray:
     return HallArray(tuple(Sensor((x, y, 0.0)) for x, y in places))
 
 
-def points(places: Iterable[Pair], chain: Chain | None = None) -> HallArray:
-    """Return the same without a volume, behind a chain."""
+def point_sensors(places: Iterable[Pair], chain: Chain | None = None) -> HallArray:
+    """Return sensors without errors and of zero volume, with a chain, at (x, y) in m in the body's plane."""
     return replace(sensors(places), chain=chain or Chain(), volume=(0.0, 0.0, 0.0))
 
 
@@ -137,8 +137,8 @@ def axes(sensor: Sensor) -> Array:
     return readonly(ca.evalf(_about_z(sensor.angle + turn) @ _about_y(pitch) @ _about_x(roll)).full())
 
 
-def averaged(wave: Wave, turn: ca.SX, volume: Triple) -> Wave:
-    """Return a wave as the mean over boxes sees it, with sides in m along the columns of `turn` (3, 3).
+def average_over_volume(wave: Wave, turn: ca.SX, volume: Triple) -> Wave:
+    """Return a wave averaged over a box with sides in m along the columns of `turn` (3, 3).
 
     Exact to double precision while kappa times half a side stays below 1/2.
     """
@@ -159,7 +159,7 @@ def voltages(array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
 def _pair(sensor: Sensor, array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
     turn = pose.turn @ ca.SX(axes(sensor))
     at = pose.at + pose.turn @ ca.SX(ca.DM(sensor.position))
-    seen = [averaged(wave, turn, array.volume) for wave in waves]
+    seen = [average_over_volume(wave, turn, array.volume) for wave in waves]
     B = concentrated_field.field(seen, *ca.vertsplit(at))
     b = turn.T @ ca.vertcat(B.x, B.y, B.z)
     flux = b[0], cos(sensor.skew) * b[1] - sin(sensor.skew) * b[0]
@@ -194,7 +194,7 @@ def spatial(array: HallArray, waves: Sequence[Wave]) -> Prediction:
     return _prediction(q, voltages(array, waves, spatial_pose(q)))
 
 
-def along(spacing: float, waves: Sequence[Wave], height: ca.SX | float = HEIGHT) -> Prediction:
+def prediction_along_x(spacing: float, waves: Sequence[Wave], height: ca.SX | float = HEIGHT) -> Prediction:
     """Return the two voltages for X alone, of sensors of B_X a spacing in m apart along X, at Y = 0 without yaw."""
     X = ca.SX.sym("X")
     pair = sensors([(0.0, 0.0), (spacing, 0.0)])

@@ -1,4 +1,4 @@
-"""A Hall array on the bench: what its sensors read at rest over a matrix as built, and model (2) of each by a scan.
+"""Bench test of a Hall array: static voltages over a matrix as built, and identification of model (2) by scans.
 
     pose --> field as built --> 200 Hz filter, settled --> + noise --> converter --> model (2) by batch least squares
 
@@ -23,35 +23,39 @@ from synth.timing import Discrete
 
 POSE = ("x", "y", "phi")
 SCANNED = 48  # places along a pitch
-STEP, ASIDE, WAVER = 5e-5, 2e-4, 7.3e-3  # m between samples of a scan; by how much its lines waver, and over which way
-MOST = 8  # sensors that the true field is read at
+SPACING, WAVER_AMPLITUDE, WAVER_LENGTH = (
+    5e-5,
+    2e-4,
+    7.3e-3,
+)  # m: between samples of a scan; amplitude and wavelength of its lines
+MAX_SENSORS = 8  # sensors in the true field
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """Sensors at `places` in m over blocks with tolerances, and what follows them.
+    """Sensors at `places` in m over blocks with tolerances, and their signal chain.
 
-    Raises ModelError for places that are none, fewer than two, or more than MOST.
+    Raises ModelError for invalid places, fewer than two, or more than MAX_SENSORS.
     """
 
     places: tuple[Pair, ...]
-    spread: Tolerances = built_matrix.USUAL
+    tolerances: Tolerances = built_matrix.USUAL
     chain: Chain = field(default_factory=Chain)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "places", numeric.places(self.places, 2))
-        numeric.whole("the number of places", len(self.places), 2, MOST)
+        object.__setattr__(self, "places", numeric.positions(self.places, 2))
+        numeric.whole("the number of places", len(self.places), 2, MAX_SENSORS)
 
     @property
     def true(self) -> Field:
         """The true field."""
-        return built_matrix.field(self.spread)
+        return built_matrix.field(self.tolerances)
 
 
-def settled(bench: Bench, poses: Array) -> Array:
+def static_voltages(bench: Bench, poses: Array) -> Array:
     """Return the voltages (N, 2 sensors) at rest at poses (N, 3) of X, Y in m and the yaw in rad, without noise.
 
-    Raises ModelError for poses of another shape, none, or that take a sensor to where the true field is not known.
+    Raises ModelError for poses of another shape, none, or with a sensor outside the known true field.
     """
     poses = numeric.table("the poses of X, Y and yaw", poses, len(POSE))
     X, Y, yaw = poses.T
@@ -68,36 +72,38 @@ def settled(bench: Bench, poses: Array) -> Array:
     return readonly(of.map(len(poses))(poses.T).full().T)
 
 
-def read(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:
-    """Return what the converter reads of V_ax, V_ay, V_bx .. (N,), V, with the chain's noise at a sample time."""
-    true, step = settled(bench, poses).T, bench.chain.step
+def sampled_voltages(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:
+    """Return the converted voltages V_ax, V_ay, V_bx .. (N,), V, with the chain's noise at a sample time."""
+    true, step = static_voltages(bench, poses).T, bench.chain.step
     noisy = true + hall_chain.noise(bench.chain, time, true.shape, seed)
     names = [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(bench.places)] for axis in "xy"]
     return {name: readonly(step * np.rint(row / step)) for name, row in zip(names, noisy, strict=True)}
 
 
 def scan(reach: float, line: float, together: int) -> Array:
-    """Return poses (N, 3) without yaw, STEP apart: from the origin to a corner, then to and fro on lines so far apart.
+    """Return poses (N, 3) without yaw, SPACING apart: from the origin to a corner, then along lines `line` m apart.
 
-    Lines waver, as no loop follows them; N is a multiple of the samples that are taken `together`.
+    The lines are slightly wavy, as no loop tracks them; N is a multiple of the samples averaged `together`.
     """
     across = np.arange(-reach, reach + line / 2, line)
     ends = np.array([(side * (-1) ** k * reach, y) for k, y in enumerate(across) for side in (-1, 1)])
     corners = np.vstack([np.zeros(2), ends])
     lengths = np.concatenate([[0], np.cumsum(np.abs(np.diff(corners, axis=0)).sum(axis=1))])
-    at = np.arange(round(lengths[-1] / STEP) // together * together) * STEP
+    at = np.arange(round(lengths[-1] / SPACING) // together * together) * SPACING
     X, Y = (np.interp(at, lengths, corners[:, k]) for k in (0, 1))
-    return readonly(np.column_stack([X, Y + ASIDE * np.sin(2 * np.pi * at / WAVER), np.zeros(len(at))]))
+    return readonly(
+        np.column_stack([X, Y + WAVER_AMPLITUDE * np.sin(2 * np.pi * at / WAVER_LENGTH), np.zeros(len(at))])
+    )
 
 
 def fits(bench: Bench, pitch: float, time: Discrete, seed: int = 1) -> list[hall_scan.Fit]:
-    """Return model (2) of each channel, by scans over a pitch in m about the origin."""
+    """Return the fit of model (2) for each channel, from scans over a pitch in m about the origin."""
     along = pitch * (np.arange(SCANNED) / SCANNED - 0.5)
     X, Y = (each.ravel() for each in np.meshgrid(along, along, indexing="ij"))
-    volts = read(bench, np.column_stack([X, Y, np.zeros(X.size)]), time, seed)
-    found = []
+    volts = sampled_voltages(bench, np.column_stack([X, Y, np.zeros(X.size)]), time, seed)
+    channel_fits = []
     for name, volt in volts.items():
         x, y = bench.places[ascii_lowercase.index(name[2])]
         log = Log({"X": readonly(X + x), "Y": readonly(Y + y), name: volt})
-        found.append(hall_scan.fit(log, name, pitch, name[3].upper()))
-    return found
+        channel_fits.append(hall_scan.fit(log, name, pitch, name[3].upper()))
+    return channel_fits

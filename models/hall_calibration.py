@@ -1,4 +1,4 @@
-"""What the field above the matrix is to the Hall sensors: amplitude, and fits of position, slope and power.
+"""Calibration of the Hall sensors: amplitude of the field, and least-squares fits of position, slope and power.
 
     S(t) = sin t + b sin 5t + d sin 9t,   C(t) = cos t + b cos 5t + d cos 9t     t = 2 pi X / l; b, d = A_5/A_1, A_9/A_1
 
@@ -6,9 +6,9 @@
     S'        = C^3 (q_0 + q_1 S^2)
     S^2 + C^2 = g_0 + g_1 (S C)^2 + g_2 (S C)^4
 
-Each is the fit of least squares over POINTS points of a section or two, in ball arithmetic, each coefficient rounded
-once: alike on every machine. The angle of C + i S is t + arg(1 + b e^4it + d e^8it), so that t is an odd function of r
-by itself: the first fit is arctangent and calibration in one.
+Each is a least-squares fit over POINTS points of one or two sections, in ball arithmetic with each coefficient rounded
+once, which gives the same bits on every machine. The angle of C + i S is t + arg(1 + b e^4it + d e^8it), and t is an
+odd function of r alone: the first fit combines arctangent and calibration.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from synth.analyse import precise
 from synth.plant import Plant
 
 POINTS = 64
-TERMS = 4  # of the position: 3 leave 55 um at most, 4 leave 9.5 um, 5 leave 6.4 um, 7 leave 3.3 um
+TERMS = 4  # of the position: errors of 55 um at most with 3, 9.5 um with 4, 6.4 um with 5, 3.3 um with 7
 
 
 @dataclass(frozen=True)
@@ -57,20 +57,20 @@ class _Wave:
 
 def of(plant: Plant) -> Calibration:
     """Return the calibration for the field at the sensors' nominal height."""
-    return _of(*(plant.parameter(name).value for name in ("l", "Delta", "mu0_M0", "height", "sensitivity")))
+    return _calibrate(*(plant.parameter(name).value for name in ("l", "Delta", "mu0_M0", "height", "sensitivity")))
 
 
 @cache
-def _of(*values: float) -> Calibration:
+def _calibrate(*values: float) -> Calibration:
     with precise.precision():
         l, Delta, m, height, sensitivity = (flint.arb(v) for v in values)
         A = {n: sensitivity * _amplitude(n, l, Delta, m, height) for n in halbach.HARMONICS}
         parts = {n: a / A[1] for n, a in A.items()}
         t = [flint.arb.pi() * (2 * j + 1) / (8 * POINTS) for j in range(POINTS)]
         sections = [_wave(2 * v, parts) for v in t]
-        slope = _fitted([[o.c**3, o.c**3 * o.s**2] for o in sections], [o.slope for o in sections])
+        slope = _least_squares([[o.c**3, o.c**3 * o.s**2] for o in sections], [o.slope for o in sections])
         shapes = [[flint.arb(1), (o.s * o.c) ** 2, (o.s * o.c) ** 4] for o in sections]
-        power = _fitted(shapes, [o.s**2 + o.c**2 for o in sections])
+        power = _least_squares(shapes, [o.s**2 + o.c**2 for o in sections])
         D, radian = 3 * flint.arb.pi() / 2, l / (2 * flint.arb.pi())
         return Calibration(
             float(A[1]),
@@ -102,12 +102,12 @@ def _position(t: Sequence[flint.arb], parts: Mapping[int, flint.arb]) -> list[fl
     r = [o.s / o.c for o in waves]
     eighth, zero = flint.arb.pi() / 4, flint.arb(0)
     shapes = [[v * (1 - v**2) * v ** (2 * k) for k in range(TERMS - 1)] for v in r]
-    Q = _fitted(shapes, [angle - v * eighth for angle, v in zip(t, r, strict=True)])
+    Q = _least_squares(shapes, [angle - v * eighth for angle, v in zip(t, r, strict=True)])
     p = [a - b for a, b in zip([*Q, zero], [zero, *Q], strict=True)]
     return [p[0] + eighth, *p[1:]]
 
 
-def _fitted(rows: Sequence[Sequence[flint.arb]], targets: Sequence[flint.arb]) -> list[flint.arb]:
+def _least_squares(rows: Sequence[Sequence[flint.arb]], targets: Sequence[flint.arb]) -> list[flint.arb]:
     """Return the coefficients that minimise the sum of the squares of rows x coefficients - targets."""
     M, y = flint.arb_mat([list(row) for row in rows]), flint.arb_mat([[v] for v in targets])
     return list((M.transpose() * M).solve(M.transpose() * y).entries())

@@ -1,12 +1,12 @@
-"""What follows a Hall sensor: amplifier, anti-aliasing filter, noise and converter.
+"""Signal chain of a Hall sensor: amplifier, anti-aliasing filter, noise and converter.
 
     B --> sensitivity --> amplifier --> filter w_c --> + --> converter --> number
                                             noise -----^
 
-The filter is of first order, V_f' = w_c (V - V_f). The noise is that of V_f, white before the filter, so that samples a
-period T apart are correlated by exp(-w_c T), 0.208 at 800 Hz. At a speed v the filter lags by v / w_c, 0.8 um per mm/s.
-The order of the filter and the converter are not printed; 16 bits over +-5 V are a step of 0.15 mV, of an error of 0.04
-mV rms beside the noise of 1 mV.
+The filter is of first order, V_f' = w_c (V - V_f). The noise is that of V_f, and white before the filter: samples a
+period T apart have the correlation exp(-w_c T), 0.208 at 800 Hz. At a speed v the filter lags by v / w_c, 0.8 um per
+mm/s. The order of the filter and the converter are not printed. 16 bits over +-5 V have a step of 0.15 mV and an error
+of 0.04 mV rms, beside the noise of 1 mV.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2.C.
 """
@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Chain:
-    """From flux density to numbers; raise ModelError unless every figure is positive, noise apart, which may be 0."""
+    """From flux density to numbers; raise ModelError unless all values are positive; the noise may be 0."""
 
-    sensitivity: float = 0.4  # V/T: with 0.1 a noise of 1 mV would be 10 um, and less is claimed
+    sensitivity: float = 0.4  # V/T: with 0.1, a noise of 1 mV would be 10 um, more than the paper claims
     amplifier: float = 21.0
     corner: float = 200.0  # Hz
     noise: float = 1e-3  # V rms, behind the filter
@@ -63,7 +63,7 @@ def slope(chain: Chain, held: ca.SX, volts: ca.SX) -> ca.SX:
 
 
 def filtered(model: StateSpace, outputs: Sequence[str], chain: Chain) -> StateSpace:
-    """Return a model with some of its outputs behind the filter."""
+    """Return a model with the filter added to some of its outputs."""
     w, I = 2 * pi * chain.corner, np.eye(len(outputs))
     late = {name: f"{name}_filtered" for name in outputs}
     states = tuple(f"{name}_lag" for name in outputs)

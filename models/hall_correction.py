@@ -1,9 +1,9 @@
-"""Gauss-Newton (GLSDC) as the paper tells of it, without damping, bound or memory, for many bodies at once.
+"""Gauss-Newton (GLSDC) as in the paper, without damping, bounds or prediction, vectorised over bodies.
 
-    q <- q + alpha (H'H)^-1 H' (y - f(q)),    q = (X, Y, yaw), or (X, Y) where the yaw is known,
+    q <- q + alpha (H'H)^-1 H' (y - f(q)),    q = (X, Y, yaw), or (X, Y) where the yaw is known.
 
-and a correction that does not lower J = |y - f(q)|^2 is not made: the next one of that body is half as long. In the
-field's axes R(yaw) y - B has the length of y - R(yaw)' B, and by the phases w X, w Y its Jacobian has the rows
+A correction that does not lower J = |y - f(q)|^2 is rejected, and the next one of that body is half as long. In the
+field's axes R(yaw) y - B has the length of y - R(yaw)' B, and its Jacobian by the phases w X, w Y has the rows
 [g, 0, h] and [0, k, m] of `hall_fisher`.
 """
 
@@ -13,24 +13,24 @@ from models import hall_fisher
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
 
-RANK = 1e-12  # of alpha^6 or alpha^4: a determinant that is none
+RANK = 1e-12  # of alpha^6 or alpha^4: a smaller determinant is singular
 
 
 def volts(of: PlanarArray, q: Array) -> Array:
-    """Return what sensors read by model (2) at q (3, N) in m and rad: (2, sensors, N) in V, X first, field's axes."""
-    place = hall_fisher.turned(of, q[2])
+    """Return the voltages by model (2) at q (3, N) in m and rad: (2, sensors, N) in V, in the field's axes X, Y."""
+    place = hall_fisher.sensor_phases(of, q[2])
     return np.array([hall_fisher.field(of, of.wave_number * q[i] + place[i]) for i in (0, 1)])
 
 
-def turned(seen: Array, yaw: Array) -> Array:
-    """Return voltages (2, sensors, N) turned by yaws (N,) in rad."""
+def rotate_voltages(seen: Array, yaw: Array) -> Array:
+    """Return voltages (2, sensors, N) rotated by yaws (N,) in rad."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([c * seen[0] - s * seen[1], s * seen[0] + c * seen[1]])
 
 
 def residuals(of: PlanarArray, read: Array, q: Array) -> Array:
-    """Return what is read (2, sensors, N) in the body less what should be, by the field's axes, V."""
-    return turned(read, q[2]) - volts(of, q)
+    """Return measured (2, sensors, N) less modelled voltages, in the field's axes, V."""
+    return rotate_voltages(read, q[2]) - volts(of, q)
 
 
 def cost(of: PlanarArray, read: Array, q: Array) -> Array:
@@ -39,19 +39,19 @@ def cost(of: PlanarArray, read: Array, q: Array) -> Array:
 
 
 def correction(of: PlanarArray, read: Array, q: Array, yaw_known: bool = False) -> Array:
-    """Return the whole correction (3, N) in m and rad, 0 where rank is lost in double precision."""
+    """Return the full correction (3, N) in m and rad, 0 where rank is lost in double precision."""
     w, free = of.wave_number, 2 if yaw_known else 3
     H = hall_fisher.rows(of, np.array([w * q[0], w * q[1], q[2]])).jacobian[:free]
     e = residuals(of, read, q).reshape(-1, q.shape[1])
     N, right = np.einsum("imn,jmn->nij", H, H), np.einsum("imn,mn->ni", H, e)
-    whole = np.abs(np.linalg.det(N)) > RANK * of.alpha ** (2 * free)
-    found = np.zeros_like(q)
-    found[:free, whole] = np.linalg.solve(N[whole], right[whole][:, :, None])[:, :, 0].T
-    return found / np.array([[w], [w], [1.0]])
+    regular = np.abs(np.linalg.det(N)) > RANK * of.alpha ** (2 * free)
+    step = np.zeros_like(q)
+    step[:free, regular] = np.linalg.solve(N[regular], right[regular][:, :, None])[:, :, 0].T
+    return step / np.array([[w], [w], [1.0]])
 
 
-def settled(of: PlanarArray, read: Array, q: Array, scale: float, corrections: int, yaw_known: bool = False) -> Array:
-    """Return q (3, N) after so many corrections, of bodies that read (2, sensors, N) V in their own axes."""
+def iterate(of: PlanarArray, read: Array, q: Array, scale: float, corrections: int, yaw_known: bool = False) -> Array:
+    """Return q (3, N) after some corrections, for voltages (2, sensors, N) in the body's axes, V."""
     J, part = cost(of, read, q), np.full(q.shape[1], scale)
     for _ in range(corrections):
         tried = q + part * correction(of, read, q, yaw_known)

@@ -1,8 +1,8 @@
-"""What Figs. 4 and 5 of the paper show, as arrays: the field over the target area, sensors on a line.
+"""Data of Figs. 4 and 5 of the paper: the field over the target area, and sensors on a line.
 
-Fig. 5 and (3): of two sensors a spacing apart along X, whose voltages have the slopes V_1' and V_2', how insensitive
-the pair gets is the least sqrt(V_1'^2 + V_2'^2) over X, noise / (that) being the standard deviation of X. For a sine
-alone it is largest, and the same everywhere, at (1/4 + n/2) pitch.
+Fig. 5 and (3): two sensors a spacing apart along X have voltages with the slopes V_1' and V_2'. The least slope of the
+pair is the minimum of sqrt(V_1'^2 + V_2'^2) over X; noise over slope is the standard deviation of X. For a pure sine it
+is largest, and constant over X, at a spacing of (1/4 + n/2) pitch.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Figs. 4 and 5.
 """
@@ -43,7 +43,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Spacings:
-    """How insensitive a pair gets somewhere in the pitch, `least` (n,) in V/m, over `spacing` (n,) in m."""
+    """The least slope of a pair over the pitch, `least` (n,) in V/m, over `spacing` (n,) in m."""
 
     spacing: Array
     least: Array
@@ -64,30 +64,30 @@ def spacings(count: int, pitch: float) -> Array:
     return readonly((0.25 + 0.5 * np.arange(1, count + 1)) * pitch)
 
 
-def line(found: Sequence[Wave], spacing: float, points: int = 257, height: float = hall_array.HEIGHT) -> Line:
-    """Return Fig. 5: what two sensors a spacing in m apart read over a pitch of waves without symbols."""
-    X = np.linspace(0.0, _pitch(found), points)
-    volts, slopes = _mapped(hall_array.along(spacing, found, height), X)
+def line(waves: Sequence[Wave], spacing: float, points: int = 257, height: float = hall_array.HEIGHT) -> Line:
+    """Return Fig. 5: voltages of two sensors a spacing in m apart over a pitch of waves without symbols."""
+    X = np.linspace(0.0, _pitch(waves), points)
+    volts, slopes = _evaluate(hall_array.prediction_along_x(spacing, waves, height), X)
     return Line(readonly(X), readonly(volts), readonly(slopes))
 
 
-def insensitive(found: Sequence[Wave], points: int = 480, height: float = hall_array.HEIGHT) -> Spacings:
-    """Return how insensitive two sensors get over spacings up to two pitches, in waves without symbols.
+def least_slopes(waves: Sequence[Wave], points: int = 480, height: float = hall_array.HEIGHT) -> Spacings:
+    """Return the least slope of two sensors over spacings up to two pitches, in waves without symbols.
 
-    X and the spacings run over one grid of so many points a pitch, which holds the spacings of (3) when 4 divides it.
+    X and the spacings share a grid of `points` a pitch, which contains the spacings of (3) if 4 divides it.
     """
-    grid = readonly(_pitch(found) / points * np.arange(2 * points + 1))
-    slopes = _mapped(hall_array.along(0.0, found, height), grid[:points])[1]
+    grid = readonly(_pitch(waves) / points * np.arange(2 * points + 1))
+    slopes = _evaluate(hall_array.prediction_along_x(0.0, waves, height), grid[:points])[1]
     squares = slopes[0] ** 2
     least = [np.sqrt((squares + np.roll(squares, -shift)).min()) for shift in range(len(grid))]
     return Spacings(grid, readonly(least))
 
 
-def _pitch(found: Sequence[Wave]) -> float:
-    first = found[0]
+def _pitch(waves: Sequence[Wave]) -> float:
+    first = waves[0]
     return float(2 * np.pi * np.hypot(*first.order) / float(first.kappa))
 
 
-def _mapped(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
+def _evaluate(prediction: hall_array.Prediction, X: Array) -> tuple[Array, Array]:
     volts, slopes = prediction.function().map(len(X))(X[None, :])
     return volts.full(), slopes.full()

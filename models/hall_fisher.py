@@ -4,12 +4,12 @@ In the field's axes the Jacobian of sensor k, at the phase (p, q) and the place 
 
     X:  [g, 0, h],  g = B'(p),  h = B(q) - g o_Y        Y:  [0, k, m],  k = B'(q),  m = k o_X - B(p)
 
-by phases in rad and the yaw, so that with the yaw's information N_T, by Lagrange's identity a sum of squares,
+by phases in rad and the yaw, and with the yaw's information N_T, by Lagrange's identity a sum of squares,
 
     N_T = sum over axes of [sum over pairs (g_i h_j - g_j h_i)^2] / sum g^2,
     var yaw = sigma^2 / N_T,    var X = sigma^2 / w^2 (1 / sum g^2 + (sum g h / sum g^2)^2 / N_T).
 
-How large they get between places is proved by `synth.analyse.observability.worst_deviation`.
+`synth.analyse.observability.worst_deviation` proves their largest values between grid points.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
 """
@@ -35,7 +35,7 @@ MOST = 30_000_000  # cells
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Slopes g (2, n, N), V by rad of phase, and turns h (2, n, N), V by rad of yaw, of n sensors along X and Y."""
+    """Derivatives g (2, n, N) by the phase and h (2, n, N) by the yaw, V/rad, of n sensors along X and Y."""
 
     g: Array
     h: Array
@@ -54,12 +54,12 @@ def field(array: PlanarArray, phase: Array, order: int = 0) -> Array:
     return waves if order else waves + array.c
 
 
-def bend(array: PlanarArray, order: int) -> float:
-    """Return a bound of the derivative of B of an order, V."""
+def derivative_bound(array: PlanarArray, order: int) -> float:
+    """Return a bound of the derivative of B of some order, V."""
     return array.alpha + 5**order * abs(array.beta)
 
 
-def turned(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
+def sensor_phases(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
     """Return the sensors' places (n, N) along X and Y from the body's origin, rad of phase, at yaws (N,) in rad."""
     x, y = array.wave_number * np.array(array.positions).T[:, :, None]
     return np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y
@@ -67,7 +67,7 @@ def turned(array: PlanarArray, yaw: Array) -> tuple[Array, Array]:
 
 def rows(array: PlanarArray, q: Array) -> Rows:
     """Return the rows at phases of the body's origin and yaws q (3, N), rad."""
-    place = turned(array, q[2])
+    place = sensor_phases(array, q[2])
     p = [q[i] + place[i] for i in (0, 1)]
     B, g = ([field(array, phase, order) for phase in p] for order in (0, 1))
     h = B[1] - g[0] * place[1], g[1] * place[0] - B[0]
@@ -87,7 +87,7 @@ def of_phases(array: PlanarArray, q: Array) -> Array:
 
 
 def units(array: PlanarArray) -> Array:
-    """Return what a rad of each phase and of the yaw is, m and rad (3,)."""
+    """Return the size of a rad of each phase and of the yaw, m and rad (3,)."""
     w = array.wave_number
     return np.array([1 / w, 1 / w, 1.0])
 
@@ -99,16 +99,16 @@ def deviations(array: PlanarArray, q: Array) -> Array:
     return readonly(size * of_phases(array, np.array([w * q[0], w * q[1], q[2]])))
 
 
-def changes(array: PlanarArray, q: Array, half: Array) -> Array:
-    """Return bounds (3, N) of how far the Jacobian's columns, in V, move in cells q +- half (3, N), rad."""
-    place = turned(array, q[2])
+def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
+    """Return bounds (3, N) of the change of the Jacobian's columns, in V, in cells q +- half (3, N), rad."""
+    place = sensor_phases(array, q[2])
     reach = array.wave_number * np.array([hypot(*r) for r in array.positions])[:, None]
-    moved = [half[i] + reach * half[2] for i in (0, 1)]
+    phase_change = [half[i] + reach * half[2] for i in (0, 1)]
     columns = []
     for i, j in ((0, 1), (1, 0)):
         p, q_across = q[i] + place[i], q[j] + place[j]
-        g = np.abs(field(array, p, 2)) * moved[i] + bend(array, 3) / 2 * moved[i] ** 2
-        B = np.abs(field(array, q_across, 1)) * moved[j] + bend(array, 2) / 2 * moved[j] ** 2
+        g = np.abs(field(array, p, 2)) * phase_change[i] + derivative_bound(array, 3) / 2 * phase_change[i] ** 2
+        B = np.abs(field(array, q_across, 1)) * phase_change[j] + derivative_bound(array, 2) / 2 * phase_change[j] ** 2
         lever = reach * half[2]
         h = B + np.abs(place[j]) * g + (np.abs(field(array, p, 1)) + g) * lever
         columns.append((g, h))
@@ -119,7 +119,7 @@ def changes(array: PlanarArray, q: Array, half: Array) -> Array:
 def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
     """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
-    Raises ModelError where that takes more than MOST cells, as where the rank is lost; the message tells where.
+    Raises ModelError if that needs more than MOST cells, as where the rank is lost; the message says where.
     """
     low, high = yaw
     if not -pi <= low <= high <= pi:
@@ -128,7 +128,9 @@ def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) 
     reach = array.wave_number * max(hypot(*r) for r in array.positions)
     cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
     ends = (0.0, 0.0, low), (turn, turn, high)
-    proved = worst_deviation.search(partial(of_phases, array), partial(changes, array), *ends, cells, tolerance, MOST)
+    proved = worst_deviation.search(
+        partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MOST
+    )
     unit = units(array)
     size = array.deviation * unit
     return replace(

@@ -1,8 +1,8 @@
-"""Known motions of the body, and what its sensors read on them by model (2), with noise.
+"""Known motions of the body, and the voltages of its sensors by model (2), with noise.
 
     V_k = R(yaw)' B(P_k) + noise,    P_k = (X, Y) + R(yaw) r_k,    B_X = c + alpha sin(w X) + beta sin(5 w X)
 
-in NumPy, apart from the expressions of the estimator.
+in NumPy, independent of the estimator's expressions.
 """
 
 from collections.abc import Callable
@@ -21,33 +21,33 @@ from synth.errors import ModelError
 from synth.timing import Discrete
 
 Numbers = NDArray[Any]
-Each = float | Numbers  # one for all columns, or one for each
-SETTING_OUT = 0.1  # s
+Each = float | Numbers  # a scalar, or one number for each column
+START_TIME = 0.1  # s
 WAVES, SPREAD = 3, (0.2, 1.0)  # sines along each axis, and their frequencies
-GENTLEST = 0.1  # part of the acceleration by the speed's
+GENTLEST = 0.1  # lower bound of the acceleration's factor
 YAW, SWINGS = 0.03, (0.1, 3.0)  # rad, Hz
-HARMONICS, RATES = (1, 2, 3), (0.25, 0.75)  # of a motion, and its lowest frequencies, Hz
+HARMONICS, RATES = (1, 2, 3), (0.25, 0.75)  # of a motion, and range of its lowest frequency, Hz
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where bodies are: X, Y in m and the yaw in rad, of one shape."""
+    """Poses of bodies: X, Y in m and the yaw in rad, of one shape."""
 
     X: Numbers
     Y: Numbers
     yaw: Numbers
 
     def place(self, at: Pair) -> tuple[Numbers, Numbers]:
-        """Return where a place in the body is, m."""
+        """Return the position of a point of the body, m."""
         (x, y), c, s = at, np.cos(self.yaw), np.sin(self.yaw)
         return self.X + c * x - s * y, self.Y + s * x + c * y
 
-    def moved(self, by: Each, heading: Numbers, turned: Each = 0.0) -> "Pose":
-        """Return poses so many m away in a direction, and turned, both in rad."""
-        return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + turned)
+    def displaced(self, by: Each, heading: Numbers, rotation: Each = 0.0) -> "Pose":
+        """Return poses displaced by a distance in m along a heading in rad, and turned in rad."""
+        return Pose(self.X + by * np.cos(heading), self.Y + by * np.sin(heading), self.yaw + rotation)
 
 
-Course = Callable[[int], Pose]  # the number of a sample to where bodies are then
+Course = Callable[[int], Pose]  # from the number of a sample to the poses of the bodies
 
 
 @dataclass(frozen=True)
@@ -59,29 +59,29 @@ class Limits:
     yaw: float = YAW
 
 
-def anywhere(array: Array, n: int, yaw: float, rng: np.random.Generator) -> Pose:
+def random_poses(array: Array, n: int, yaw: float, rng: np.random.Generator) -> Pose:
     """Draw n poses over the pitch, at yaws in rad of up to `yaw` to either side.
 
-    Raises ModelError unless n is a whole number above 0 and the yaw one of at least 0.
+    Raises ModelError unless n is a whole number above 0 and the yaw at least 0.
     """
     n = numeric.whole("the number of bodies", n)
     if numeric.number("the yaw", yaw) < 0:
-        raise ModelError(f"the yaw is {yaw} rad: give how far it goes to either side, at least 0")
+        raise ModelError(f"the yaw is {yaw} rad: give its largest absolute value, at least 0")
     X, Y = rng.uniform(0, array.pitch, (2, n))
     return Pose(X, Y, rng.uniform(-yaw, yaw, n))
 
 
-def resting(pose: Pose) -> Course:
-    """Return the course of bodies that rest."""
+def course_at_rest(pose: Pose) -> Course:
+    """Return the course of bodies at rest."""
     return lambda k: pose
 
 
-def sines(
+def random_course(
     array: Array, time: Discrete, bodies: int, within: Limits, rng: np.random.Generator, slowest: float = 1.0
 ) -> Course:
-    """Return where bodies are at a sample, on random sines whose speed and acceleration do not exceed a limit.
+    """Return a course of bodies on random sines, whose speed and acceleration stay within limits.
 
-    Every other body is slower, by a part that is drawn down to `slowest`. Yaws swing within the limit.
+    Every other body is slower by a random factor down to `slowest`. Yaws oscillate within the limit.
 
     Raises ModelError for no body, or a limit that is not positive.
     """
@@ -105,7 +105,7 @@ def sines(
 
 
 def _waves(bodies: int, speed: Numbers, acceleration: Numbers, rng: np.random.Generator) -> Callable[[float], Numbers]:
-    """Return displacements (bodies,) over time whose speed and acceleration reach these where all sines agree."""
+    """Return displacements (bodies,) over time that reach this speed and acceleration where all sines add up."""
     part, rate = rng.dirichlet([1.0] * WAVES, bodies).T, rng.uniform(*SPREAD, (WAVES, bodies))
     rate *= acceleration / speed / (part * rate).sum(axis=0)
     phase = rng.uniform(0, 2 * pi, (WAVES, bodies))
@@ -113,36 +113,38 @@ def _waves(bodies: int, speed: Numbers, acceleration: Numbers, rng: np.random.Ge
 
 
 def volts(array: Array, pose: Pose) -> Numbers:
-    """Return what sensors read at poses of any shape, (.., sensors, 2), V."""
+    """Return the voltages at poses of any shape, (.., sensors, 2), V."""
     w, c, s = array.wave_number, np.cos(pose.yaw), np.sin(pose.yaw)
-    found = []
+    sensor_volts = []
     for place in array.positions:
         bx, by = (array.c + array.alpha * np.sin(w * p) + array.beta * np.sin(5 * w * p) for p in pose.place(place))
-        found.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
-    return np.stack(found, axis=-2)
+        sensor_volts.append(np.stack([c * bx + s * by, c * by - s * bx], axis=-1))
+    return np.stack(sensor_volts, axis=-2)
 
 
 def noisy(array: Array, pose: Pose, seed: int | np.random.Generator) -> Numbers:
-    """Return the same with noise."""
-    found = volts(array, pose)
-    return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)
+    """Return the voltages with the array's noise, (.., sensors, 2), V."""
+    exact = volts(array, pose)
+    return exact + array.deviation * np.random.default_rng(seed).standard_normal(exact.shape)
 
 
-def named(given: Numbers) -> dict[str, Numbers]:
-    """Return voltages (.., sensors, 2) by the names of the inputs."""
-    letters = ascii_lowercase[: given.shape[-2]]
-    return {f"V_{letter}{axis}": given[..., k, i] for k, letter in enumerate(letters) for i, axis in enumerate("xy")}
+def by_input(voltages: Numbers) -> dict[str, Numbers]:
+    """Return voltages (.., sensors, 2) by the names of the estimator's inputs."""
+    letters = ascii_lowercase[: voltages.shape[-2]]
+    return {f"V_{letter}{axis}": voltages[..., k, i] for k, letter in enumerate(letters) for i, axis in enumerate("xy")}
 
 
-def wander(period_s: float, shape: tuple[int, int], seed: int, travel: Each, yaw: Each, turn: Each = 0.0) -> Pose:
-    """Return smooth random motions (n, columns) within `travel` m and `yaw` rad, and `turn` rad/s besides.
+def smooth_motions(
+    period_s: float, shape: tuple[int, int], seed: int, travel: Each, yaw: Each, turn: Each = 0.0
+) -> Pose:
+    """Return smooth random motions (n, columns) within `travel` m and `yaw` rad, plus a rotation by `turn` rad/s.
 
-    They set out from rest. A travel of 0.3 m has speeds of 2 m/s, 2 mm a sample at 800 Hz, and accelerations of
+    They start from rest. A travel of 0.3 m has speeds of 2 m/s, 2 mm a sample at 800 Hz, and accelerations of
     20 m/s^2.
     """
     rng, (n, columns) = np.random.default_rng(seed), shape
     t = period_s * np.arange(n)[:, np.newaxis]
-    t = np.where(t < SETTING_OUT, t**2 / (2 * SETTING_OUT), t - SETTING_OUT / 2)
+    t = np.where(t < START_TIME, t**2 / (2 * START_TIME), t - START_TIME / 2)
 
     def along(size: Each) -> Numbers:
         waves = [(1 / k, k * rng.uniform(*RATES, columns), rng.uniform(0, 2 * pi, columns)) for k in HARMONICS]

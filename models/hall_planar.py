@@ -1,11 +1,12 @@
-"""Hall voltages over (X, Y, yaw) as phasors: measurement model and Jacobian of two-axis sensors in the body's plane.
+"""Measurement model and Jacobian over (X, Y, yaw) of two-axis Hall sensors in the body's plane, with phasors.
 
-R(yaw) V - B(P) is as long as V - R(yaw)' B, the residual of a sensor. In the field's axes the Jacobian is sparse,
+R(yaw) V - B(P) has the length of V - R(yaw)' B, the residual of a sensor. In the field's axes the Jacobian is sparse,
 
     X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y      o = w R(yaw) r: the sensor's place about the centre
     Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X      in rad of phase, B' by the phase
 
-A displaced phase is the predicted one turned by a small angle; sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
+Phasors of a displaced pose are the predicted ones rotated by a small angle, and
+sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
 """
@@ -20,7 +21,7 @@ import casadi as ca
 from models.hall_two_waves import PlanarArray
 from synth.block import Constant
 from synth.blocks import phasor
-from synth.blocks.glsdc import Named, Vector
+from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
@@ -31,7 +32,7 @@ POWERS = (1, 3, 5)  # of the sine, in alpha sin p + beta sin 5p
 class Sensor:
     """A sensor at a pose: its phases along X and Y, its place about the centre, rad, its voltages in field axes, V.
 
-    `field` are the constant and the coefficients of sin, sin^3 and sin^5, `slope` those of the derivative.
+    `field` are the constant and the coefficients of sin, sin^3 and sin^5; `slope` are those of the derivative.
     """
 
     phases: tuple[Phasor, Phasor]
@@ -52,26 +53,34 @@ class Row(NamedTuple):
 def constants(array: PlanarArray) -> list[Constant]:
     """Return the coefficients of the field by powers of the sine, and of its derivative by the phase."""
     values = dict(zip(POWERS, (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta), strict=True))
-    about = "alpha sin p + beta sin 5p by powers of the sine"
+    about = "coefficient of the field alpha sin p + beta sin 5p, by powers of sin p"
     field = [Constant(f"field_{n}", v, "V", about) for n, v in values.items()]
-    return [*field, *(Constant(f"slope_{n - 1}", n * v, "V", f"derivative of {about}") for n, v in values.items())]
+    return [
+        *field,
+        *(
+            Constant(
+                f"slope_{n - 1}", n * v, "V", "coefficient of the field's derivative by the phase p, by powers of sin p"
+            )
+            for n, v in values.items()
+        ),
+    ]
 
 
-def turned(yaw: ca.SX, named: Named) -> tuple[Phasor, ca.SX]:
-    """Return the phasor of a small yaw, and 1 - cos, which is 2 sin^2 of its half."""
+def rotation_phasor(yaw: ca.SX, named: NamedExpressions) -> tuple[Phasor, ca.SX]:
+    """Return the phasor of a small yaw, and its versine 1 - cos = 2 sin^2(yaw / 2)."""
     sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
-    named.append((Signal("turn_sine", "1", -1, 1, "of the yaw since the sample began"), sine))
-    named.append((Signal("half_sine", "1", -2, 2, "of half of it, times sqrt(2)"), half))
+    named.append((Signal("yaw_change_sine", "1", -1, 1, "sine of the change of yaw in the sample"), sine))
+    named.append((Signal("half_yaw_change_sine", "1", -2, 2, "sine of half the change of yaw, times sqrt(2)"), half))
     return Phasor(1 - half**2, sine), half**2
 
 
-def displaced(sensors: Sequence[Sensor], at: Vector, named: Named) -> list[Sensor]:
-    """Return sensors of a body that is displaced by (U, V, T)."""
-    turn, versine = turned(at[2], named)
-    return [_moved(s, at, turn, versine) for s in sensors]
+def displace(sensors: Sequence[Sensor], at: Vector, named: NamedExpressions) -> list[Sensor]:
+    """Return the sensors of a body displaced by (U, V, T)."""
+    turn, versine = rotation_phasor(at[2], named)
+    return [_displaced(s, at, turn, versine) for s in sensors]
 
 
-def _moved(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
+def _displaced(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
     x, y = s.place.cosine, s.place.sine
     dx, dy = -x * versine - y * turn.sine, -y * versine + x * turn.sine
     phases = s.phases[0].times(phasor.of(at[0] + dx)), s.phases[1].times(phasor.of(at[1] + dy))

@@ -1,16 +1,17 @@
-"""Model (2) of a voltage from scans over the matrix, by batch least squares, and how its coefficients go with the gap.
+"""Identification of model (2) of a voltage from scans by batch least squares, and decay of its coefficients.
 
     V_u = c + alpha sin(w X) + beta sin(5 w X) + gamma sin(w Y) + delta sin(5 w Y) + e,    w = 2 pi / l,
 
-for a sensor's axis along X, and with X and Y exchanged for one along Y. A wave of the number n has no charge above the
-matrix and decays as exp(-n w z), so that for six degrees of freedom, at heights z about z_0,
+for a sensor's axis along X, and with X and Y exchanged for one along Y. Above the matrix the wave with number n decays
+as exp(-n w z). For six degrees of freedom, at heights z about z_0, this gives
 
     alpha(z) = alpha exp(-w (z - z_0)),  beta(z) = beta exp(-5 w (z - z_0)),  gamma as alpha, delta as beta,  c is c.
 
-Whether a field does so is seen from scans at each of several heights: -d ln |alpha| / dz with its interval.
+Scans at several heights verify this: -d ln |alpha| / dz with its confidence interval.
 
-What (2) leaves is mostly waves that it has not, (2, +-1) above all: the same at each scan, not noise. Intervals take it
-for independent errors and say how well the data fix the coefficients; how far the model errs is its residual's map.
+The residual of (2) consists mostly of waves outside the model, (2, +-1) above all. It is repeatable, not noise. The
+intervals treat it as independent errors: they state how well the data determine the coefficients. The map of the
+residual shows the error of the model.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 8.
 """
@@ -42,12 +43,12 @@ PARAMETERS = tuple(Parameter(name, 0.0, "V", 0.0, "(2)") for name in COEFFICIENT
 ACROSS = {"X": "Y", "Y": "X"}
 
 
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
-    """Model (2) of a channel: estimates in V with intervals, and what was measured, modelled and is left, (N,) in V.
+    """Fit of model (2) to a channel: estimates in V with intervals, measured and modelled voltages (N,) in V.
 
-    `X` and `Y` (N,), in m, are where: Fig. 8 (a), (b) and (c).
+    `X` and `Y` (N,), in m, are their positions: Fig. 8 (a), (b) and (c).
     """
 
     channel: str
@@ -59,7 +60,7 @@ class Fit:
 
     @property
     def residual(self) -> Array:
-        """Return what the model leaves (N,), V."""
+        """Return measured less modelled voltages (N,), V."""
         return readonly(self.measured - self.modelled)
 
     def sheet(self) -> show.Sheet:
@@ -91,25 +92,25 @@ def places(pitch: float, points: int, heights: Sequence[float] = (hall_array.HEI
     return {"X": readonly(X.ravel()), "Y": readonly(Y.ravel()), "Z": readonly(Z.ravel())}
 
 
-def scanned(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], seed: int) -> Log:
-    """Return what sensors read, the body's origin at X, Y, Z (N,) in m without yaw or tilt, with the chain's noise.
+def simulate_scan(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Array], seed: int) -> Log:
+    """Return the log of a scan, with the body's origin at X, Y, Z (N,) in m without yaw or tilt, and the chain's noise.
 
     Channels are V_ax, V_ay, V_bx, .. for the axes u and v of each sensor, V.
     """
     poses = np.column_stack([at["X"], at["Y"], at["Z"], np.zeros((len(at["X"]), 3))])
-    true = hall_array.spatial(array, waves).read(poses).T
+    true = hall_array.spatial(array, waves).evaluate(poses).T
     read = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
     names = [f"V_{chr(ord('a') + k)}{axis}" for k in range(len(array.sensors)) for axis in "xy"]
     return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, read, strict=True)))
 
 
 def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0.95) -> Fit:
-    """Return model (2) of a channel whose axis is along X or Y, from X, Y (m) and the channel (V) of a log.
+    """Return the fit of model (2) to a channel with its axis along X or Y, from X, Y (m) and the channel (V) of a log.
 
     The pitch is in m.
 
     Raises SignalError for another axis or a signal that the log does not hold; ModelError naming coefficients that the
-    scan does not tell apart, as a line at one Y does not.
+    scan does not determine, as with a line at one Y.
     """
     if along not in ACROSS:
         raise SignalError(f"the channel's axis is along '{along}': give X or Y")
@@ -120,35 +121,35 @@ def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0
     model: ca.SX = k["c"]
     for name, place in {"alpha": u, "beta": u, "gamma": v, "delta": v}.items():
         model += k[name] * ca.sin(NUMBERS[name] * w * place)
-    found = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
+    estimate = identify.fit_linear({channel: model - signals[channel]}, signals, PARAMETERS, k, log, level=level)
     data = log.columns(tuple(signals))
     by_row = ca.Function("model", [ca.vcat(list(signals.values())), ca.vcat(list(k.values()))], [model]).map(len(data))
-    modelled = by_row(data.T, np.tile(found.values[:, None], len(data))).full().ravel()
+    modelled = by_row(data.T, np.tile(estimate.values[:, None], len(data))).full().ravel()
     X, Y, V = (log.samples[name] for name in ("X", "Y", channel))
-    return Fit(channel, found, X, Y, V, readonly(modelled))
+    return Fit(channel, estimate, X, Y, V, readonly(modelled))
 
 
 def decay(
     fits: Mapping[float, Fit], coefficient: str, pitch: float, height: float = hall_array.HEIGHT, level: float = 0.95
 ) -> Decay:
-    """Return how fast a coefficient of fits by height, in m, decays: ln |a| = ln |a_0| - rate (z - height).
+    """Return the decay of a coefficient, from fits by height in m: ln |a| = ln |a_0| - rate (z - height).
 
     Raises SignalError for c, which does not decay, an unknown coefficient, fewer than three heights, or a coefficient
-    whose interval holds 0 at one of them, so that nothing is known of its logarithm.
+    whose interval holds 0 at one of them, which leaves its logarithm undetermined.
     """
     if coefficient not in NUMBERS:
         raise SignalError(f"'{coefficient}' has no decay: give one of {', '.join(NUMBERS)}")
     if len(fits) < 3:
-        raise SignalError(f"{len(fits)} heights do not tell a rate and its error: scan at three or more")
-    for z, found in fits.items():
-        low, high = found.estimate.intervals[COEFFICIENTS.index(coefficient)]
+        raise SignalError(f"{len(fits)} heights do not determine a rate and its error: scan at three or more")
+    for z, scan_fit in fits.items():
+        low, high = scan_fit.estimate.intervals[COEFFICIENTS.index(coefficient)]
         if low <= 0 <= high:
             raise SignalError(
-                f"{coefficient} of '{found.channel}' at {1e3 * z:.4g} mm is {found.estimate[coefficient]:.3g} V, not "
-                "told from 0: leave that height out"
+                f"{coefficient} of '{scan_fit.channel}' at {1e3 * z:.4g} mm is {scan_fit.estimate[coefficient]:.3g} V, "
+                "not distinguishable from 0: leave that height out"
             )
     above = np.array(list(fits)) - height
-    y = np.log(np.abs([found.estimate[coefficient] for found in fits.values()]))
+    y = np.log(np.abs([scan_fit.estimate[coefficient] for scan_fit in fits.values()]))
     units = {"rate": "1/m"}
     estimate = least_squares.solve(
         np.column_stack([np.ones_like(above), -above]), y, ("ln", "rate"), ("ln",), None, level, units

@@ -1,9 +1,9 @@
-"""By place in the matrix: errors and noise of the raw position, and what a failed sensor does before it is noticed.
+"""Maps over a pitch: error and noise of the raw position, and errors until a sensor failure is detected.
 
-Everything is computed with the Block itself, in double precision, from the voltages of the plant, over a pitch in x and
-in y, with the filters that predict or with the sample before as the prediction. Nothing here is noisy: what noise does
-to the residuals is far inside their bounds. A failure is noticed in the sample in which the fault word names suspects.
-The results are discussed in docs/decisions/planar_sensing.md.
+All are computed with the Block itself in double precision, from the voltages of the plant, over a pitch in x and y. The
+prediction is that of the filters, or the previous sample. There is no noise: its effect on the residuals is far within
+their bounds. A failure is noticed in the sample whose fault word names suspects. Results:
+docs/decisions/planar_sensing.md.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,9 +24,9 @@ from synth.verify import agree
 
 NOISE = 5e-5  # m rms of a position, section 3.2
 NUDGE = 1e-4  # V, of a difference quotient
-SPEED = 0.1  # m/s, at which the platen moves away from where a sensor sticks
+SPEED = 0.1  # m/s, of the platen after a sensor sticks
 FLAGS = (sensing.READY, sensing.COMPLETE)
-SETTLED = 100  # samples after which nothing more is noticed of a sensor at rest
+SETTLED = 100  # samples after which no further failure at rest is noticed
 
 Columns = Mapping[str, Array]
 
@@ -47,9 +47,9 @@ def voltages(plant: Plant, pose: Mapping[str, ArrayLike]) -> dict[str, Array]:
 
 
 def estimation(plant: Plant, time: Discrete, filters: Sequence[Block] = ()) -> Block:
-    """Return sensing as one Block with the filters that predict x, y and phi, from held voltages and the guard's flags.
+    """Return sensing and the filters that predict x, y and phi as one Block, from held voltages and the guard's flags.
 
-    Without filters the prediction is the sample before.
+    Without filters the prediction is the previous sample.
     """
     sensed = sensing.sensing(plant, time, bool(filters))
     outputs = [*names(sensed.outputs), *(sensing.RAW if filters else ())]
@@ -85,28 +85,28 @@ def errors(plant: Plant, pose: Columns, doubt: float = 0.0) -> tuple[Columns, Co
 
 
 def deviation(plant: Plant) -> float:
-    """Return the noise rms of a voltage in V that makes NOISE in a position."""
+    """Return the noise rms of a voltage in V that causes NOISE in a position."""
     return hall_calibration.of(plant).volts_per_metre * NOISE
 
 
-def faults(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
-    """Return what each voltage that drops to zero at rest does from points^2 places over a pitch; see `estimation`."""
+def zero_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
+    """Return the effect of each voltage dropping to zero at rest, at points^2 places over a pitch; see `estimation`."""
     block, start = estimation(plant, time, filters), _places(plant, points)
     return {name: watch(plant, block, start, 0 * start, SETTLED, name) for name in planar_stage.HALL}
 
 
-def stuck(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
-    """Return what each voltage does that sticks while the platen moves at SPEED, as `faults`.
+def stuck_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
+    """Return the effect of each voltage sticking while the platen moves at SPEED, as `faults`.
 
-    It moves from each place to and fro along the voltage's own axis, over a pitch at most.
+    It moves from each place in both directions along the voltage's axis, over a pitch at most.
     """
     block, start = estimation(plant, time, filters), _places(plant, points)
-    samples, found = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
+    samples, watches = round(hall_calibration.of(plant).pitch / SPEED / time.period_s), {}
     for name in planar_stage.HALL:
         along = np.array([[name[-1] == axis] for axis in "xy"])
         velocity = SPEED * along * np.repeat([1.0, -1.0], start.shape[1])
-        found[name] = watch(plant, block, np.tile(start, 2), velocity, samples, name, sticks=True)
-    return found
+        watches[name] = watch(plant, block, np.tile(start, 2), velocity, samples, name, sticks=True)
+    return watches
 
 
 def _places(plant: Plant, points: int) -> Array:
@@ -117,9 +117,9 @@ def _places(plant: Plant, points: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """Over N starts: when a failure was noticed, -1 if never, who was named, and the errors (axes, N) until then.
+    """Over N starts: sample in which a failure was noticed, or -1, named suspects, and errors (axes, N) until then.
 
-    `moved` (N,) is the way in m until it was noticed, inf where it was not.
+    `moved` (N,) is the distance in m until it was noticed, inf where it was not.
     """
 
     noticed: NDArray[np.int64]
@@ -128,10 +128,10 @@ class Watch:
     moved: Array
 
     def summary(self, name: str) -> dict[str, float]:
-        """Return what the failed voltage `name` does: shares in %, those of the named among the noticed, the worst."""
-        noticed, own = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
-        alone = own & (self.named.sum(axis=0) == 1)
-        named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (own, alone))
+        """Return shares in % and worst errors for the failed voltage `name`; named ones are shares of the noticed."""
+        noticed, named_right = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
+        alone = named_right & (self.named.sum(axis=0) == 1)
+        named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (named_right, alone))
         worst = {"moved, mm": self.moved, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
         shares = {"unnoticed, %": 100 * float(np.mean(~noticed)), "named, %": 100 * named, "alone, %": 100 * only}
         return shares | {what: 1e3 * float(v.max()) for what, v in worst.items()}
@@ -140,9 +140,9 @@ class Watch:
 def watch(
     plant: Plant, block: Block, start: Array, velocity: Array, samples: int, failed: str, sticks: bool = False
 ) -> Watch:
-    """Follow N platens from `start` (2, N) in m with `velocity` (2, N) in m/s and a voltage that fails at once."""
+    """Simulate N platens from `start` (2, N) in m with `velocity` (2, N) in m/s and a voltage that fails at once."""
     n, step = start.shape[1], agree.casadi(block)
-    state: Columns = _moving(block, start, velocity)
+    state: Columns = _states_in_motion(block, start, velocity)
     pose = start + block.time.period_s * np.arange(samples)[:, None, None] * velocity
     u = {name: v.reshape(samples, n) for name, v in voltages(plant, {"x": pose[:, 0], "y": pose[:, 1]}).items()}
     u[failed] = np.tile(u[failed][:1], (samples, 1)) if sticks else np.zeros((samples, n))
@@ -159,12 +159,12 @@ def watch(
         noticed = np.where(fresh, k, noticed)
         if (noticed >= 0).all():
             break
-    moved = np.hypot(*velocity) * block.time.period_s * noticed
-    return Watch(noticed, named, error, np.where(noticed < 0, np.inf, moved))
+    distance = np.hypot(*velocity) * block.time.period_s * noticed
+    return Watch(noticed, named, error, np.where(noticed < 0, np.inf, distance))
 
 
-def _moving(block: Block, start: Array, velocity: Array) -> dict[str, Array]:
-    """Return the states (N,) of an estimation that has followed platens in the middle pitch up to `start`."""
+def _states_in_motion(block: Block, start: Array, velocity: Array) -> dict[str, Array]:
+    """Return the states (N,) of an estimation that has tracked platens in the middle pitch up to `start`."""
     state = {s.name: np.full(start.shape[1], float(s.initial)) for s in block.states}
     for axis, at, v in zip("xy", start, velocity, strict=True):
         known = {f"sensing_within_{axis}": at, f"filter_{axis}_p": at, f"filter_{axis}_s": block.time.period_s * v}

@@ -8,19 +8,19 @@
     V_bx = -A C(t_x) + phi A S(t_y)        V_by = V_ay + phi h_1,      h_1 = A (D S'(t_y) + C(t_x) + S(t_x))
     V_cy = -A C(t_y) - phi A S(t_x)        V_cx = V_ax - phi h_2,      h_2 = A (D S'(t_x) + C(t_y) + S(t_y))
 
-`phi_predicted`, a state of the Kalman filter or the raw yaw of the sample before, turns the voltages back: s and c of
-each axis are A S(t) and A C(t).
+With `phi_predicted`, a state of the Kalman filter or the raw yaw of the previous sample, the voltages are rotated back:
+s and c of each axis are A S(t) and A C(t).
 
-Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltage nearer to zero over the other one,
+Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltage nearer to zero over the other,
 
     x = f(r), half a pitch on where c < 0,     if |s| <= |c|, (alpha, beta) = (1, 0)
     x = +- l/4 - f(r) with the sign of s,      if |s| > |c|,  (alpha, beta) = (0, -1)
 
-f is arctangent and calibration in one (`models.hall_calibration`). The count of pitches is the one that comes nearest
-to the predicted position.
+f combines arctangent and calibration (`models.hall_calibration`). The count of pitches is the one nearest to the
+predicted position.
 
 Yaw. e_1 = V_by - V_ay and e_2 = V_cx - V_ax are linear in it, but h_1 and h_2 vanish together at isolated places. With
-m = s^2 + c^2 of each pair, less what it is there, m_x - m_y is a third: h_3 = 2 (2 s_x s_y - s_y c_x - s_x c_y). From
+m = s^2 + c^2 of each pair, less its nominal value, m_x - m_y is a third: h_3 = 2 (2 s_x s_y - s_y c_x - s_x c_y). From
 r_1 = e_1 - h_1 phi_predicted, r_2 = e_2 + h_2 phi_predicted and r_3 = m_x - m_y,
 
     phi_raw = phi_predicted + (h_1 r_1 - h_2 r_2 + W h_3 r_3 / A^2) / (h_1^2 + h_2^2 + W h_3^2 / A^2 + REGULAR A^2)
@@ -29,19 +29,20 @@ Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample
 
     rho = ((m_x^2 + m_y^2) / (POWER A^2)^2 + (r_1^2 + r_2^2) / (RESIDUAL A)^2)^(1/2)
 
-is above 1, or in which the guard refuses a voltage, moves neither position nor yaw. What the first such sample shows
-decides who is suspected, as nothing has followed a wrong value yet; a second one, above AGAIN, MEMORY samples after it
-at most, confirms it. From the next sample on they are `suspected`, no sample is complete any more, and in the fifth the
-guard latches. A residual is there from PART of its bound on. Where rho is BIG at once, a voltage has jumped: it is
+is above 1, or in which the guard refuses a voltage, changes neither position nor yaw. The residuals of the first such
+sample determine the suspects, because no state has followed a wrong value yet. A second one, above AGAIN and within
+MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is complete, and the guard
+latches in the fifth. A residual is significant above PART of its bound. If rho exceeds BIG at once, a voltage jumped:
 
-    V_ax  if r_2 is there, and m_x not nearly 0, or r_2 (2 s_x + r_2) SMALL        V_ay  so with r_1, m_y and s_y
-    V_cx  if r_2 is there, and m_x is nearly 0                                     V_by  so with r_1 and m_y
-    V_bx  if m_x is more than nearly 0 beyond r_2 (2 s_x + r_2)                    V_cy  so with m_y, r_1 and s_y
+    V_ax  if r_2 is significant, and m_x not nearly 0, or r_2 (2 s_x + r_2) SMALL  V_ay  likewise, r_1, m_y, s_y
+    V_cx  if r_2 is significant, and m_x is nearly 0                               V_by  likewise, r_1, m_y
+    V_bx  if m_x exceeds r_2 (2 s_x + r_2) by more than nearly 0                   V_cy  likewise, m_y, r_1, s_y
 
-since V_ax less by r_2 makes s_x^2 less by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 by its h_2.
-Otherwise it has come slowly, and the yaw has followed: it shares what one sensor lacks between r_1 and r_2. Then the
-four voltages of these are suspected alike, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six by m_x and m_y at once,
-and where the yaw is beyond KNOWN. Errors, noise and undetected failures: docs/decisions/planar_sensing.md.
+because an error -r_2 of V_ax reduces s_x^2 by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 through h_2. Otherwise
+the error has grown slowly and the yaw has followed, which distributes the error of one sensor over r_1 and r_2. Then
+the four voltages of these are all suspected, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six if both m_x and m_y
+are significant, or the yaw is beyond MAX_KNOWN_YAW. Errors, noise and undetected failures are listed in
+docs/decisions/planar_sensing.md.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing".
 """
@@ -60,18 +61,18 @@ from synth.timing import Discrete
 HALL = planar_stage.HALL
 VOLTAGE = 5.0  # V: 1.7 times the amplitude of 2.93 V
 PITCHES = 2  # counted to either side: 2.5 pitches are 127 mm, the travel is 110 mm
-YAW = 0.025  # rad: the stage turns by 0.02; a raw yaw beyond is no yaw
-WEIGHT = 0.1  # of the squared amplitudes in the yaw: more makes it less noisy, and lift and tilt count more
-REGULAR = 0.01  # of A^2, beside the yaw's sum of squares of 0.27 A^2 or more
-LEAST = 1e-6  # of A^2, beside a square that is A^2/2 or more unless a sensor fails
-# A position's noise of 5e-5 m rms is one of 0.62 % of A in a voltage. It makes 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
+YAW = 0.025  # rad: the stage rotates by 0.02 at most; a larger raw yaw is clipped
+WEIGHT = 0.1  # of the squared amplitudes in the yaw: a larger one means less noise and more influence of lift and tilt
+REGULAR = 0.01  # of A^2, added to the yaw's sum of squares of at least 0.27 A^2
+LEAST = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
+# Noise of 5e-5 m rms in a position is 0.62 % of A in a voltage, 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
 RESIDUAL = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
 POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
 PART = {"m": 0.2, "r": 0.3}  # of these
 BIG = 1.5
 NEARLY, SMALL = 0.1, 0.3  # of A^2
-KNOWN = 0.01  # rad
-AGAIN = 0.5  # of rho, of a contradiction that confirms one
+MAX_KNOWN_YAW = 0.01  # rad
+CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
 
 RAW = {a: Signal(f"{a}_raw", "m", -0.16, 0.16, "from this sample's voltages") for a in "xy"}
@@ -82,13 +83,21 @@ HELD = tuple(Signal(f"{name}_held", "V", -VOLTAGE, VOLTAGE, "Hall sensor and axi
 READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage is good")
 FAR = PITCHES * planar_stage.plant().parameter("l").value
-OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, "whole pitches from the middle") for a in "xy")
+OFFSETS = tuple(Signal(f"offset_{a}", "m", -FAR, FAR, f"whole pitches from the middle, along {a}") for a in "xy")
 HALF = FAR / PITCHES / 2
-WITHIN = tuple(Signal(f"within_{a}", "m", -HALF, HALF, "raw position from the middle of its pitch") for a in "xy")
+WITHIN = tuple(
+    Signal(f"within_{a}", "m", -HALF, HALF, f"raw position along {a}, from the middle of its pitch") for a in "xy"
+)
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
-    *(Signal(f"m_{a}", "V^2", -1000, 1000, "squared amplitude of a pair, less that of the field") for a in "xy"),
-    *(Signal(f"r_{i}", "V", -50, 50, "difference of two sensors, less that of the predicted yaw") for i in "12"),
+    *(
+        Signal(f"m_{a}", "V^2", -1000, 1000, f"squared amplitude of the pair of {a}, less that of the field")
+        for a in "xy"
+    ),
+    *(
+        Signal(f"r_{i}", "V", -50, 50, f"{difference}, less what the predicted yaw makes of it")
+        for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
+    ),
 )
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
@@ -104,9 +113,9 @@ class _Pair:
 
 
 def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
-    """Return the Block from held voltages to the raw position, that within its pitch, residuals and suspects.
+    """Return the Block from held voltages to the raw position, the position within the pitch, residuals and suspects.
 
-    Predictions are inputs, or else the raw position of the sample before.
+    Predictions are inputs, or else the raw position of the previous sample.
     """
     cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
@@ -124,12 +133,12 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(r1, r2, X.m, Y.m, A)
-        beyond = ca.logic_or(x["doubt"], squared > (RESIDUAL * A) ** 2)
-        doubt = ca.if_else(known, ca.logic_and(squared > (AGAIN * RESIDUAL * A) ** 2, beyond), 0)
+        beyond = ca.logic_or(x["contradiction_left"], squared > (RESIDUAL * A) ** 2)
+        doubt = ca.if_else(known, ca.logic_and(squared > (CONFIRMATION * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
         output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
-        first = ca.logic_and(doubt, ca.logic_not(x["doubt"]))
+        first = ca.logic_and(doubt, ca.logic_not(x["contradiction_left"]))
         seen = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (seen | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
@@ -140,26 +149,36 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
-        again = ca.logic_and(doubt, x["doubt"])
-        waited = ca.if_else(ca.logic_and(sure, x["doubt"]), x["doubt"] - 1, x["doubt"])
-        next |= {"doubt": ca.if_else(doubt, MEMORY, waited), "named": ca.if_else(again, 1, x["named"])}
-        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {SUSPECTED.name: x["named"]}
+        again = ca.logic_and(doubt, x["contradiction_left"])
+        waited = ca.if_else(
+            ca.logic_and(sure, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
+        )
+        next |= {
+            "contradiction_left": ca.if_else(doubt, MEMORY, waited),
+            "contradiction_confirmed": ca.if_else(again, 1, x["contradiction_confirmed"]),
+        }
+        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {
+            SUSPECTED.name: x["contradiction_confirmed"]
+        }
         named = list(zip(RATIOS, ratio.values(), strict=True))
         return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS]
-    states, constants, tag = _states(predicted), _constants(cal), "(1)-(5)"
+    states, constants, tag = _states(predicted), _constants(cal), "position and yaw, (1)-(5)"
     return build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
 
 
 def _states(predicted: bool) -> list[State]:
-    doubt = Signal("doubt", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
-    named = Signal("named", "1", 0, 1, "a contradiction is confirmed")
-    first = [*RESIDUALS, *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, "voltage") for axis in "xy")]
-    first.append(replace(PREDICTED["phi"], name="phi", about="yaw"))
-    shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, as a contradiction first shows it") for s in first]
-    last = [] if predicted else [replace(RAW["phi"], about="of the sample before")]
+    doubt = Signal("contradiction_left", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
+    named = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
+    first = [
+        *RESIDUALS,
+        *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, f"sine voltage of {axis}") for axis in "xy"),
+    ]
+    first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
+    shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
+    last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *WITHIN, *last)
     return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals)]
 
@@ -169,10 +188,10 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
     power = [(f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, _POWERS, strict=True))]
     fits = [
-        Constant(name, v, unit, f"{name.partition('_')[0]} in the calculated field")
+        Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
     ]
-    return [*fits, Constant("third", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+    return [*fits, Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
 
 
 _POWERS = ("V^2", "1/V^2", "1/V^6")
@@ -193,8 +212,8 @@ def _turn(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k:
     """Return the yaw less the predicted one, rad; h3 is half of h_3."""
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
     (h1, h2), (r1, r2) = h, r
-    information = h1**2 + h2**2 + 2 * k["third"] * h3**2 + REGULAR * A**2
-    return (h1 * r1 - h2 * r2 + k["third"] * (h3 * (X.m - Y.m))) / information
+    information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + REGULAR * A**2
+    return (h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m))) / information
 
 
 def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:
@@ -208,12 +227,12 @@ def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> c
 
 
 def _ratio(p: _Pair, A: float) -> ca.SX:
-    """Return r. Its limit is idle: no product of two rounds to more than the square of the larger one does."""
+    """Return r. The clip is inactive: the rounded product never exceeds the rounded square of the larger factor."""
     return clip(p.s * p.c / (ca.fmax(p.s**2, p.c**2) + LEAST * A**2), RATIOS[0])
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
-    """Return the whole pitches that come nearest to the prediction, one from the offset at most."""
+    """Return the whole pitches nearest to the prediction, at most one from the offset."""
     off = within - expected
     beyond = ca.fabs(off) > l / 2
     down, up = ca.if_else(offset >= l - FAR, offset - l, offset), ca.if_else(offset <= FAR - l, offset + l, offset)
@@ -226,15 +245,15 @@ def _squared(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:
 
 
 def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
-    """Return for each voltage whether it may be the one that is wrong, by what a contradiction first shows."""
+    """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction."""
     m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
     size = {a: ca.fabs(m[a]) for a in "xy"}
     there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
     beside = {a: ca.fabs(r[a]) > PART["r"] * RESIDUAL * A for a in "xy"}
-    turned = ca.logic_or(beside["x"], beside["y"])
+    yaw_residual = ca.logic_or(beside["x"], beside["y"])
     big = _squared(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
-    lost = ca.logic_or(ca.fabs(x["first_phi"]) > KNOWN, both)
+    lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
@@ -244,6 +263,6 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
             c: size[a] > mended + NEARLY * A**2,
             other: ca.logic_and(beside[a], nearly),
         }
-        crept = {s: ca.logic_or(turned, there[a]), c: there[a], other: turned}
+        crept = {s: ca.logic_or(yaw_residual, there[a]), c: there[a], other: yaw_residual}
         flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
     return flags

@@ -3,7 +3,7 @@
     V_u = V_0 + s (cos(phi) B_X + sin(phi) B_Y)
     V_v = V_0 + s (cos(phi) B_Y - sin(phi) B_X)
 
-for a sensor whose axes u, v turn with the platen by phi about Z, with the sensitivity s in V/T of sensor and amplifier.
+for a sensor whose axes u, v rotate with the platen by phi about Z; s is the sensitivity of sensor and amplifier, V/T.
 Tilt about X and Y moves the sensor but does not turn its axes.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", the measurement model; Yu, Kim, section 3.
@@ -18,7 +18,7 @@ from models.halbach import Field
 
 @dataclass(frozen=True, eq=False)
 class Voltages:
-    """What a sensor's two axes read, V."""
+    """Voltages of a sensor's two axes, V."""
 
     u: ca.SX
     v: ca.SX

@@ -1,10 +1,10 @@
-"""Where two sensors lose the yaw, X and Y: the points of the pitch at which their four voltages have rank 2, all found.
+"""Singular points of two sensors: all points of the pitch at which the Jacobian of their four voltages has rank 2.
 
 With the rows [g, 0, h] and [0, k, m] of `hall_fisher` the rank is lost, at a yaw, where both determinants vanish:
 
     D_X = g_1 h_2 - g_2 h_1 = 0,    D_Y = k_1 m_2 - k_2 m_1 = 0.
 
-Their zeros are isolated and proved by `synth.analyse.observability.isolated_zeros`, and rounded once from 256 bits.
+`synth.analyse.observability.isolated_zeros` isolates and proves their zeros, which are rounded once from 256 bits.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ from synth.statespace import readonly
 
 Ball = flint.arb
 
-CLEAR = 1e-9  # of alpha^2, rad: far above what double precision leaves of a determinant
+CLEAR = 1e-9  # of alpha^2, rad: far above the rounding error of a determinant
 
 
 def of_pair(array: PlanarArray, yaw: float) -> Array:
@@ -48,14 +48,14 @@ def of_pair(array: PlanarArray, yaw: float) -> Array:
 
 
 def possible(array: PlanarArray, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
-    """Return which cells (2, N) no bound on the determinants keeps from holding a point."""
+    """Return which cells (2, N) may hold a point: no bound on the determinants excludes it."""
     q = np.vstack([cells, np.full(cells.shape[1], yaw)])
-    of, place = hall_fisher.rows(array, q), hall_fisher.turned(array, q[2])
+    of, place = hall_fisher.rows(array, q), hall_fisher.sensor_phases(array, q[2])
     open = np.ones(cells.shape[1], dtype=bool)
     for i, j in ((0, 1), (1, 0)):
         p, across = cells[i] + place[i], cells[j] + place[j]
-        dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.bend(array, 3) / 2 * half**2
-        dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.bend(array, 2) / 2 * half**2
+        dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.derivative_bound(array, 3) / 2 * half**2
+        dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.derivative_bound(array, 2) / 2 * half**2
         g, h, dh = np.abs(of.g[i]), np.abs(of.h[i]), dB + np.abs(place[j]) * dg
         D = of.g[i, 0] * of.h[i, 1] - of.g[i, 1] * of.h[i, 0]
         change = sum(g[a] * dh[b] + dg[a] * h[b] + dg[a] * dh[b] for a, b in ((0, 1), (1, 0)))
@@ -105,11 +105,11 @@ class _Pair:
 
 def _check_slopes(array: PlanarArray, yaw: float) -> None:
     """Raise ModelError where both slopes of an axis may vanish together, so that rank is lost on a line."""
-    for name, place in zip("XY", hall_fisher.turned(array, np.array([yaw])), strict=True):
+    for name, place in zip("XY", hall_fisher.sensor_phases(array, np.array([yaw])), strict=True):
         half, along = pi / isolated_zeros.CELLS, isolated_zeros.grid(1)[0]
         for _ in range(isolated_zeros.CUTS):
             slopes = np.abs(hall_fisher.field(array, along + place, 1))
-            along = along[(slopes <= hall_fisher.bend(array, 2) * half).all(axis=0)]
+            along = along[(slopes <= hall_fisher.derivative_bound(array, 2) * half).all(axis=0)]
             half /= 2
             along = np.concatenate([along - half, along + half])
         if along.size:

@@ -1,9 +1,9 @@
-"""Hall voltages in six degrees of freedom as phasors: measurement model and Jacobian of sensors anywhere in a body.
+"""Measurement model and Jacobian in six degrees of freedom of two-axis Hall sensors in a body, with phasors.
 
     V_k = [u v]' B(P_k),   P_k = (X, Y, Z) + R r_k,    q = (phase_x, phase_y, rise, roll, pitch, yaw) in rad
 
-In units of phase, so that the gradient of B is that of `hall_two_waves` over w and places are o = w R r. With rows p of
-the gradient turned into the body's axes, p_i = R' grad B R_i, b = R' B and a sensor at (x, y, z) rad in the body,
+Lengths are in units of phase: the gradient of B is that of `hall_two_waves` over w, and places are o = w R r. With rows
+p of the gradient in the body's axes, p_i = R' grad B R_i, b = R' B and a sensor at (x, y, z) rad in the body,
 
     u:  p_1 by phases,  t = (y p_13 - z p_12,  z p_11 - x p_13 - b_3,  x p_12 - y p_11 + b_2)    by turns in the body
     v:  p_2 by phases,  t = (y p_23 - z p_22 + b_3,  z p_12 - x p_23,  x p_22 - y p_12 - b_1)
@@ -33,7 +33,7 @@ class Attitude:
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """Where a sensor is in the body, rad, its voltages, and the field's alpha and beta that it sees, V."""
+    """Position of a sensor in the body, rad, its voltages, and alpha and beta of the field, V."""
 
     arm: tuple[float, float, float]
     volts: tuple[ca.SX, ca.SX]
@@ -42,8 +42,8 @@ class Sensor:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """A sensor with the waves along X and Y that it sees."""
+class Observed:
+    """A sensor with the waves along X and Y at its position."""
 
     sensor: Sensor
     x: Waves
@@ -69,15 +69,15 @@ def attitude(yaw: Phasor, by_x: ca.SX, by_y: ca.SX) -> Attitude:
 
 
 def place(of: Sensor, body: Attitude) -> Vector:
-    """Return where a sensor is about the body's origin, rad."""
+    """Return the position of a sensor from the body's origin, rad."""
     return [total(r * e[i] for r, e in zip(of.arm, body.axes, strict=True) if r) for i in range(3)]
 
 
-def seen(of: Sensor, place: Vector, phases: Sequence[Phasor], rise: ca.SX) -> Seen:
+def observe(of: Sensor, place: Vector, phases: Sequence[Phasor], rise: ca.SX) -> Observed:
     """Return a sensor at a place about the body's origin and at phases along X and Y, the body raised, all in rad."""
     decay = ca.exp(-(rise + place[2]))
     x, y = (_waves(p, decay) for p in phases)
-    return Seen(of, x, y)
+    return Observed(of, x, y)
 
 
 def _waves(of: Phasor, decay: ca.SX) -> Waves:
@@ -88,7 +88,7 @@ def _waves(of: Phasor, decay: ca.SX) -> Waves:
     return Phasor(c, s), Phasor(c * (q**2 - both + 5 * p**2), s * (p**2 - both + 5 * q**2))
 
 
-def _flux(by: Seen) -> Vector:
+def _flux(by: Observed) -> Vector:
     """Return B, V."""
     of, x, y = by.sensor, by.x, by.y
     along = [of.alpha * first.sine + of.beta * fifth.sine for first, fifth in (x, y)]
@@ -96,13 +96,13 @@ def _flux(by: Seen) -> Vector:
     return *along, up
 
 
-def residuals(by: Seen, body: Attitude) -> list[ca.SX]:
-    """Return what u and v read beyond the model, V."""
+def residuals(by: Observed, body: Attitude) -> list[ca.SX]:
+    """Return the residuals of u and v, V."""
     B = _flux(by)
     return [volts - dot(e, B) for volts, e in zip(by.sensor.volts, body.axes[:2], strict=True)]
 
 
-def rows(by: Seen, body: Attitude) -> tuple[Vector, Vector]:
+def rows(by: Observed, body: Attitude) -> tuple[Vector, Vector]:
     """Return the Jacobian's rows of u and v, (6,) each, V by rad."""
     of, B, fifth = by.sensor, _flux(by), 5 * by.sensor.beta
     f = [of.alpha * w[0].sine + fifth * w[1].sine for w in (by.x, by.y)]
@@ -121,6 +121,6 @@ def rows(by: Seen, body: Attitude) -> tuple[Vector, Vector]:
 
 
 def _angles(t: Vector, body: Attitude) -> Vector:
-    """Return by roll, pitch and yaw what is `t` by turns about the body's axes."""
+    """Return the derivatives by roll, pitch and yaw, from those `t` by rotations about the body's axes."""
     roll = body.roll
     return t[0], roll.cosine * t[1] - roll.sine * t[2], total(e[2] * each for e, each in zip(body.axes, t, strict=True))

@@ -1,6 +1,6 @@
-"""The stage of two-axis Hall sensors over a Halbach magnet matrix as printed: their chain, and model (2) above it.
+"""Stage of two-axis Hall sensors over a Halbach magnet matrix as printed: signal chain, and model (2) of the field.
 
-    alpha_n = s A_n(z),    A_n the amplitude of sin(n w X) in B_X above the blocks that were made, s in V/T.
+    alpha_n = s A_n(z),    A_n the amplitude of sin(n w X) in B_X above the fabricated blocks, s in V/T.
 
 Sensors are at +-(3/8, 3/8) l about the body's origin: the paper gives the spacing (3) only, whose first is (3/4) l.
 
@@ -21,7 +21,7 @@ from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray
 
 PUBLISHED: tuple[Pair, ...] = ((-0.375, -0.375), (0.375, 0.375), (0.640, 0.613))  # pitches; a third was added to (3)
-PER_PITCH = 40  # points of a scan, so that sensors of (3/8) l stand on points
+PER_PITCH = 40  # points of a scan, with sensors at (3/8) l on grid points
 NUMBERS = (1, 5)  # of model (2)
 
 
@@ -37,7 +37,7 @@ class Stage:
 
     @property
     def chain(self) -> Chain:
-        """What follows the sensors."""
+        """The signal chain of the sensors."""
         return Chain(self.sensitivity, noise=self.noise)
 
     @cached_property
@@ -57,7 +57,7 @@ class Stage:
 
     @property
     def truth(self) -> Scan:
-        """What is read above six pitches of the blocks that were made."""
+        """The voltages above six pitches of the fabricated blocks."""
         return finite_matrix.scan(self.strong, self.weak, self.height, self.chain.gain, PER_PITCH)
 
     def array(self, places: Sequence[Pair]) -> PlanarArray:
@@ -65,10 +65,10 @@ class Stage:
         alpha, beta = (self.chain.gain * self.amplitudes(NUMBERS)[k] for k in (0, 1))
         two = ((0.0, 0.0), (self.pitch, 0.0))
         model = PlanarArray(two, 0.0, float(alpha), float(beta), self.pitch, self.chain.noise)
-        return hall_two_waves.placed(model, tuple(places))
+        return hall_two_waves.with_positions(model, tuple(places))
 
     def waves(self, orders: Sequence[Order], ideal: bool = False) -> tuple[Wave, ...]:
-        """Return waves above the blocks that were made, or above `ideal` ones."""
+        """Return waves above the fabricated blocks, or above `ideal` ones."""
         return concentrated_field.waves(self._cell(ideal), orders, concentrated_field.values())
 
     def amplitudes(self, numbers: Sequence[int], z: float | None = None, ideal: bool = False) -> Array:
@@ -81,9 +81,13 @@ class Stage:
         return float(concentrated_field.amplitude(self.waves([(2, 1)])[0], z))
 
     def _cell(self, ideal: bool) -> Cell:
-        return concentrated_field.ideal(self.strong) if ideal else concentrated_field.fabricated(self.strong, self.weak)
+        return (
+            concentrated_field.ideal_matrix(self.strong)
+            if ideal
+            else concentrated_field.fabricated_matrix(self.strong, self.weak)
+        )
 
 
 def grid(of: PlanarArray, points: int) -> Array:
-    """Return poses (3, points^2) in the middles of squares over the pitch, m, at yaw 0."""
+    """Return poses (3, points^2) at the centres of squares over the pitch, m, at yaw 0."""
     return np.array(hall_two_waves.poses(of.pitch, points, shift=0.5))

@@ -1,10 +1,10 @@
-"""Two-axis Hall sensors over a field of two waves each way, in volts: model (2) without gamma and delta, times V/T.
+"""Two-axis Hall sensors in a field of two waves along each axis: model (2) without gamma and delta, in volts.
 
     in the plane    B_X(X) = c + alpha sin(w X) + beta sin(5 w X),   B_Y likewise in Y,   w = 2 pi / pitch
     over the gap    B = -grad Phi,   a_1 = alpha, a_5 = beta
                     Phi = sum over n = 1, 5 of a_n / (n w) exp(-n w (Z - height)) (cos(n w X) + cos(n w Y))
 
-so that B_X is the same at the height, without c: offsets of the sensors are to be taken off before.
+This B_X agrees with the first at the height, without c: subtract the sensors' offsets first.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 6 (b).
 """
@@ -26,11 +26,11 @@ from synth import numeric
 from synth.errors import ModelError
 from synth.statespace import readonly
 
-FEWEST = 3  # sensors of two axes for six unknowns
+MIN_SENSORS = 3  # sensors of two axes for six unknowns
 
 
 class _Periodic:
-    """An array over a field of a pitch in m, of sensors at `arms` in rad of phase."""
+    """Array in a field with a pitch in m, of sensors at `arms` in rad of phase."""
 
     pitch: float
     arms: Any
@@ -46,11 +46,11 @@ class _Periodic:
         return max(abs(x) + abs(y) for x, y, *_ in self.arms)
 
     def yaw_within(self, phase: float) -> float:
-        """Return the yaw in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
+        """Return the yaw T in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
         return sqrt(1 + 2 * phase / self.reach) - 1
 
     def _check(self, positive: Iterable[str], finite: Iterable[str]) -> None:
-        """Make fields floats; raise ModelError for one that is no number, or not above 0 where it must be."""
+        """Convert fields to floats; raise ModelError for one that is not a number, or not above 0 where it must be."""
         for name in positive:
             object.__setattr__(self, name, numeric.positive(name, getattr(self, name)))
         for name in finite:
@@ -59,10 +59,10 @@ class _Periodic:
 
 @dataclass(frozen=True)
 class PlanarArray(_Periodic):
-    """Sensors at `positions` in the body, m, and the field that they see, V; each axis is noisy by `deviation`, V.
+    """Sensors at `positions` in the body, m, their field in V, and the noise `deviation` of each axis, V.
 
-    Lists and arrays are taken, too. Raises ModelError for fewer than two places or more than 26 sensors, or a figure
-    that is no number or out of its range.
+    Positions may be lists or an array. Raises ModelError for fewer than two places, more than 26 sensors, or a value
+    that is not a number or out of its range.
     """
 
     positions: tuple[Pair, ...]
@@ -73,14 +73,14 @@ class PlanarArray(_Periodic):
     deviation: float = 1e-3
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "positions", numeric.places(self.positions, 2))
+        object.__setattr__(self, "positions", numeric.positions(self.positions, 2))
         if len(set(self.positions)) < 2:
-            raise ModelError(f"sensors are at {self.positions}: the yaw takes two places, give another one")
+            raise ModelError(f"sensors are at {self.positions}: the yaw needs two places, give another one")
         self._check(("alpha", "pitch", "deviation"), ("c", "beta"))
 
     @property
     def centre(self) -> Pair:
-        """Return the mean of the positions, m: where the estimate is made, so that X, Y and yaw are least coupled."""
+        """Return the mean of the positions, m: the estimated point, where X, Y and yaw are least coupled."""
         n = len(self.positions)
         return sum(x for x, _ in self.positions) / n, sum(y for _, y in self.positions) / n
 
@@ -98,12 +98,12 @@ class PlanarArray(_Periodic):
 
 @dataclass(frozen=True)
 class SpatialArray(_Periodic):
-    """Sensors at `positions` in the body, m, and the field that they see at a `height` in m above the matrix, V.
+    """Sensors at `positions` in the body, m, and their field at a `height` in m above the matrix, V.
 
-    Their axes are along the body's x and y; each is noisy by `deviation`, V. Positions may be lists or an array.
+    Their axes are along the body's x and y, each with noise `deviation`, V. Positions may be lists or an array.
 
-    Raises ModelError for fewer than three places or more than 26 sensors, for places that are all above one another,
-    or a figure that is no number or out of its range.
+    Raises ModelError for fewer than three places or more than 26 sensors, for places all above one another,
+    or a value that is not a number or out of its range.
     """
 
     positions: tuple[Triple, ...]
@@ -114,15 +114,15 @@ class SpatialArray(_Periodic):
     deviation: float = 1e-3
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "positions", numeric.places(self.positions, 3))
-        if len(set(self.positions)) < FEWEST:
+        object.__setattr__(self, "positions", numeric.positions(self.positions, 3))
+        if len(set(self.positions)) < MIN_SENSORS:
             raise ModelError(
-                f"{len(set(self.positions))} sensors have fewer than six voltages: give {FEWEST} places or more"
+                f"{len(set(self.positions))} sensors have fewer than six voltages: give {MIN_SENSORS} places or more"
             )
         if len({r[:2] for r in self.positions}) < 2:
             raise ModelError(
                 f"all sensors are at x, y = {self.positions[0][:2]} m, above one another: their voltages differ by the "
-                "decay with Z alone, which hardly tells turns from displacements; give places apart in x and y"
+                "decay with Z alone, which hardly separates rotations from displacements; give places apart in x and y"
             )
         self._check(("alpha", "height", "pitch", "deviation"), ("beta",))
 
@@ -141,7 +141,7 @@ class SpatialArray(_Periodic):
 AnyArray = TypeVar("AnyArray", PlanarArray, SpatialArray)
 
 
-def placed(array: AnyArray, places: ArrayLike | tuple[Pair, ...]) -> AnyArray:
+def with_positions(array: AnyArray, places: ArrayLike | tuple[Pair, ...]) -> AnyArray:
     """Return an array with its sensors at places in the body's plane, in pitches; raise ModelError for no places."""
     at = [(x * array.pitch, y * array.pitch) for x, y in numeric.rows("places", places, 2)]
     if isinstance(array, PlanarArray):
@@ -167,30 +167,30 @@ def level(array: SpatialArray, q: Array) -> Array:
 
 
 def model(array: AnyArray) -> tuple[HallArray, tuple[Wave, ...]]:
-    """Return the sensors and waves of `hall_array` that read as `array`: sensors of no volume, two waves each way."""
+    """Return the equivalent sensors and waves of `hall_array`: zero volume, two waves along each axis."""
     if isinstance(array, SpatialArray):
         height, sensors = (
             array.height,
             HallArray(tuple(map(hall_array.Sensor, array.positions)), volume=(0.0, 0.0, 0.0)),
         )
     else:
-        height, sensors = hall_array.HEIGHT, hall_array.points(array.positions)
+        height, sensors = hall_array.HEIGHT, hall_array.point_sensors(array.positions)
     amplitudes = {1: array.alpha / sensors.chain.gain, 5: array.beta / sensors.chain.gain}
-    return sensors, concentrated_field.fitted(amplitudes, height, {"l": ca.SX(array.pitch)})
+    return sensors, concentrated_field.waves_from_amplitudes(amplitudes, height, {"l": ca.SX(array.pitch)})
 
 
-def checked(poses: ArrayLike) -> Array:
-    """Return poses (N, 6) of X, Y, Z and angles; raise ModelError for another shape, none, or what is not finite."""
+def check_poses(poses: ArrayLike) -> Array:
+    """Return poses (N, 6) of X, Y, Z and angles; raise ModelError for another shape, none, or infinite values."""
     return numeric.table("the poses of X, Y, Z, roll, pitch, yaw", poses, len(hall_array.SPATIAL))
 
 
 def rows(array: SpatialArray, poses: ArrayLike) -> Array:
-    """Return the Jacobians (N, 2 sensors, 6) in V/m and V/rad at poses (N, 6) in m and rad; raise as `checked`."""
-    q = checked(poses).T
+    """Return the Jacobians (N, 2 sensors, 6) in V/m and V/rad at poses (N, 6) in m and rad; raise as `check_poses`."""
+    q = check_poses(poses).T
     slopes = _one().map(q.shape[1])
     field = (array.alpha, array.beta, array.height, array.pitch)
-    found = [slopes(q, ca.DM(r), ca.DM(field)).full().reshape(2, -1, len(q)) for r in array.positions]
-    return readonly(np.concatenate(found).transpose(1, 0, 2))
+    jacobians = [slopes(q, ca.DM(r), ca.DM(field)).full().reshape(2, -1, len(q)) for r in array.positions]
+    return readonly(np.concatenate(jacobians).transpose(1, 0, 2))
 
 
 @cache
@@ -198,7 +198,7 @@ def _one() -> ca.Function:
     """Return the Jacobian (2, 6) of a sensor by the pose, its place in the body and (alpha, beta, height, pitch)."""
     q, r, field = (ca.SX.sym(name, n) for name, n in (("q", len(hall_array.SPATIAL)), ("r", 3), ("field", 4)))
     pose, (alpha, beta, height, pitch) = hall_array.spatial_pose(q), ca.vertsplit(field)
-    waves = concentrated_field.fitted({1: alpha, 5: beta}, height, {"l": pitch})
+    waves = concentrated_field.waves_from_amplitudes({1: alpha, 5: beta}, height, {"l": pitch})
     B = concentrated_field.field(waves, *ca.vertsplit(pose.at + pose.turn @ r))
     volts = (pose.turn.T @ ca.vertcat(B.x, B.y, B.z))[:2]
     return ca.Function("sensor", [q, r, field], [ca.jacobian(volts, q)])

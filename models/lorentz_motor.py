@@ -1,4 +1,4 @@
-"""Forces of one three-phase planar motor: a flat winding without iron above a magnet matrix.
+"""Lorentz forces of one three-phase ironless planar motor above a magnet matrix, and its commutation.
 
        one pitch l of the winding, along the motion y          each band: width l/6, height Gamma, length w across,
        +----+----+----+----+----+----+                         eta0 turns per m^2; Nm pitches in all
@@ -21,7 +21,7 @@ with B = B_Z of the array along y, and f_z the same with -B_Y. With the fundamen
     G = (sqrt(2) w l^2 / pi^2) (1 - exp(-gamma Gamma)) (1 - exp(-gamma Delta))
 
 (17) prints 1/2 where the integral gives 3 / (2 pi): the distribution factor 3/pi of bands of 60 degrees is missing, and
-the printed force is 4.7 % too large. `Reading` names the choice. The harmonics 5 and 9 of the field make a ripple.
+the printed force is 4.7 % too large. `Variant` names the choice. The harmonics 5 and 9 of the field cause force ripple.
 
 Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology", (17),
 Tables 1 and 2.
@@ -38,7 +38,7 @@ from models import halbach
 from synth.signals import Parameter
 
 Values = Mapping[str, ca.SX]
-Reading = Literal["lorentz", "printed"]
+Variant = Literal["lorentz", "printed"]
 
 TABLE_1, TABLE_2 = "Table 1", "Table 2"
 PARAMETERS = (
@@ -65,7 +65,7 @@ class MotorForces:
 
 
 def turn_density(p: Values) -> ca.SX:
-    """Return eta0 in 1/m^2: the turns over the area of a winding."""
+    """Return eta0 in 1/m^2: turns over the area of a winding."""
     return p["turns"] / p["area"]
 
 
@@ -80,9 +80,9 @@ def geometric_constant(p: Values) -> ca.SX:
     return ca.sqrt(2) * p["w"] * p["l"] ** 2 / pi**2 * (1 - ca.exp(-k * thickness(p))) * (1 - ca.exp(-k * p["Delta"]))
 
 
-def force_constant(p: Values, reading: Reading = "lorentz") -> ca.SX:
+def force_constant(p: Values, variant: Variant = "lorentz") -> ca.SX:
     """Return K in N/A at the gap z0. Source: (17), whose factor 1/2 is "printed"."""
-    factor = {"lorentz": 3 / (2 * pi), "printed": 0.5}[reading]
+    factor = {"lorentz": 3 / (2 * pi), "printed": 0.5}[variant]
     decay = ca.exp(-halbach.wave_number(p) * p["z0"])
     return factor * p["mu0_M0"] * turn_density(p) * p["Nm"] * geometric_constant(p) * decay
 
@@ -92,7 +92,7 @@ def forces(
 ) -> MotorForces:
     """Return the forces in N on a winding at y in m along the motion, lifted by z in m above the gap z0.
 
-    `currents` in A by phase; `harmonics` of the field beside the fundamental make the ripple.
+    `currents` in A by phase; `harmonics` of the field beside the fundamental cause ripple.
     """
     k = halbach.wave_number(p)
     f_y, f_z = ca.SX(0), ca.SX(0)
@@ -107,7 +107,7 @@ def forces(
     return MotorForces(f_y, f_z)
 
 
-def commutated(i_q: ca.SX, i_d: ca.SX, y: ca.SX, p: Values) -> dict[str, ca.SX]:
+def phase_currents(i_q: ca.SX, i_d: ca.SX, y: ca.SX, p: Values) -> dict[str, ca.SX]:
     """Return the phase currents in A that make f_y = K i_q and f_z = K i_d at y in m; i_q, i_d are amplitudes in A."""
     angle = halbach.wave_number(p) * y
     alpha = ca.cos(angle) * i_q - ca.sin(angle) * i_d

@@ -1,4 +1,4 @@
-"""The levitated platen under its ideal loops: continuous time, ideal sensing, currents without a limit.
+"""Simulation of the levitated platen under its ideal loops: continuous time, ideal sensing, unlimited currents.
 
     axis s:    w_s = K_s (e_s, de_s, xi_s),   dxi_s = Phi xi_s + N e_s                   (14)-(16), Gamma xi within K
     law:       v = D^-1 (w_y - a1, w_phi - b1, w_theta - c1),   u_x = w_x/h_x, u_z = w_z/h_z,   i_d of (8)     (12)
@@ -35,11 +35,11 @@ class Regulator:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Errors in m and rad by axis at the times (N,); `left_at` is when the gap left its range, s, or infinity."""
+    """Errors in m and rad by axis at the times (N,); `exit_time` is when the gap left its range, s, or infinity."""
 
     time: Array
     error: Mapping[str, Array]
-    left_at: float
+    exit_time: float
 
 
 def run(
@@ -51,10 +51,11 @@ def run(
     time: tuple[float, float],
     lv3: str = "csch2",
 ) -> Motion:
-    """Integrate the axes of some regulators on their courses from rest at `start` (m, rad); the others rest at 0.
+    """Integrate the axes of some regulators along their reference courses from rest at `start` (m, rad).
 
-    `known` holds the parameters that (12) knows; `time` is the duration and the sample period in s, and `lv3` the
-    reading of L_v3 in plant and law. The courses have one frequency. Without phi and theta v_phi = v_theta = 0.
+    The other axes rest at 0. `known` holds the parameters that (12) uses, `time` the duration and the sample period in
+    s, and `lv3` names the factor in L_v3 of plant and law. All courses have one frequency. Without phi and theta among
+    the axes, v_phi = v_theta = 0.
     """
     names, n = [r.axis for r in regulators], len(regulators)
     t, x = ca.SX.sym("t"), ca.SX.sym("x", 5 * n)
@@ -80,7 +81,7 @@ def run(
 
 @lru_cache(maxsize=8)
 def _derivative(regulators: tuple[Regulator, ...], frequency: float, lv3: str) -> ca.Function:
-    """Return d/dt of (q, v of each axis, then xi of each) for (t, state, parameters, those known to (12), waves)."""
+    """Return d/dt of (q, v of each axis, then xi of each) for (t, state, parameters, parameters in (12), waves)."""
     count = len(regulators)
     t, state, waves = ca.SX.sym("t"), ca.SX.sym("state", 5 * count), ca.SX.sym("waves", count, 3)
     true, known = maglev_stage.parameter_symbols(), maglev_stage.parameter_symbols()
@@ -95,7 +96,7 @@ def _derivative(regulators: tuple[Regulator, ...], frequency: float, lv3: str) -
         d_xi.append(ca.mtimes(ca.DM(np.asarray(r.A)), z)[2:])
     inputs = maglev_polynomial.law(known, lv3, position, w)
     pose = {n: position.get(n, ca.SX(0)) for n in ("y", "phi", "theta")}
-    second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.named_reading(lv3))
+    second = maglev_stage.accelerations(pose, inputs, true, maglev_stage.force_variant(lv3))
     slopes = [slope for s in position for slope in (speed[s], second[s])]
     arguments = [t, state, ca.vcat(list(true.values())), ca.vcat(list(known.values())), waves]
     return ca.Function("derivative", arguments, [ca.vcat([*slopes, *d_xi])], {"cse": True})

@@ -1,4 +1,4 @@
-"""The levitated platen as a polynomial in its transformed currents, and the law that inverts it.
+"""Feedback linearisation of the levitated platen: its accelerations as polynomials in the currents, and the inverse.
 
 With the direct currents (8) from v = (v_y, v_phi, v_theta), the accelerations (6), (7) of `maglev_stage` are a
 polynomial in v, u_x, u_z:
@@ -55,8 +55,8 @@ class InputPolynomial:
     """The accelerations as polynomials in v: (9), or (11) when terms are left out.
 
     `x` holds the symbols y, phi, theta; `u` those of u_x, u_z; `v` those of v_y, v_phi, v_theta. `coefficients` maps
-    a1..a9, b1..b6, c1..c6 (each kept name of `TERMS`) and h_x, h_z to expressions in x, in u, and in what symbols the
-    parameters contained. The unit of a coefficient is that of its acceleration over A^degree.
+    a1..a9, b1..b6, c1..c6 (each kept name of `TERMS`) and h_x, h_z to expressions in x, in u, and in the symbols of
+    the parameters. The unit of a coefficient is that of its acceleration over A^degree.
     """
 
     x: Exprs
@@ -91,7 +91,7 @@ def input_polynomial(p: Exprs, lv3: str = "csch2") -> InputPolynomial:
     x = {name: ca.SX.sym(name) for name in ("y", "phi", "theta")}
     u = {name: ca.SX.sym(name) for name in ("u_x", "u_z")}
     v = {name: ca.SX.sym(name) for name in TRANSFORMED}
-    second = maglev_stage.accelerations(x, u | maglev_stage.input_transformation(v), p, maglev_stage.named_reading(lv3))
+    second = maglev_stage.accelerations(x, u | maglev_stage.input_transformation(v), p, maglev_stage.force_variant(lv3))
     coefficients = {name: _coefficient(second[q], v, monomial) for name, (q, monomial) in TERMS.items()}
     coefficients |= {f"h_{q}": ca.jacobian(second[q], u[f"u_{q}"]) for q in ("x", "z")}
     return InputPolynomial(x, u, v, coefficients)
@@ -124,7 +124,8 @@ def inverse(model: InputPolynomial, w: Exprs) -> dict[str, ca.SX]:
 def law(p: Exprs, lv3: str, position: Exprs, w: Exprs) -> dict[str, ca.SX]:
     """Return i_d1..i_d4, u_x, u_z in A from positions and demanded accelerations. Source: (8), (12).
 
-    `p` holds the parameters by name. Without theta among the positions v_phi = v_theta = 0, and (12) is its first row.
+    `p` holds the parameters by name. Without theta among the positions, v_phi = v_theta = 0 and (12) reduces to its
+    first row.
     """
     model = simplified(input_polynomial(p, lv3))
     currents = inverse(model, w)

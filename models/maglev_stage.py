@@ -1,4 +1,4 @@
-"""A platen levitated below four linear motors: three translations and two rotations.
+"""Equations of motion of a platen levitated below four linear motors: three translations, two rotations.
 
                     ^ Z                     y  gap of the centre, positive down; x, z horizontal
                  [motor 3]                  phi, theta  rotations about X and Z
@@ -34,7 +34,7 @@ from synth.signals import Parameter, Signal
 Exprs = Mapping[str, ca.SX]
 
 PEAK = 7 / sqrt(2)  # A rms: 7 A peak
-SLIP = 1e-3  # m/s, within which friction of the guides changes sign
+SLIP = 1e-3  # m/s, the velocity scale of the guide friction's change of sign
 TABLE = pmlsm.TABLE
 PARAMETERS = (
     *pmlsm.PARAMETERS,
@@ -45,8 +45,8 @@ PARAMETERS = (
     Parameter("r", 0.397, "m", 1.3e-3, TABLE),
     Parameter("I_x", 0.5268, "kg m^2/rad", 1e-4, TABLE),
     Parameter("I_z", 0.5268, "kg m^2/rad", 1e-4, TABLE),
-    Parameter("k_s_phi", 15000.0, "1/s^2", 0.3, "not printed: chosen below 35719, where 5 A still reach 3 mrad"),
-    Parameter("k_s_theta", 3000.0, "1/s^2", 0.3, "not printed: chosen below 9818, where 5 A still reach 14 mrad"),
+    Parameter("k_s_phi", 15000.0, "1/s^2", 0.3, "not printed: chosen below 35719, at which 5 A still reach 3 mrad"),
+    Parameter("k_s_theta", 3000.0, "1/s^2", 0.3, "not printed: chosen below 9818, at which 5 A still reach 14 mrad"),
     Parameter("G", 9.81, "m/s^2", 3e-3, "standard gravity to three digits"),
 )
 STATES = (
@@ -66,19 +66,19 @@ INPUTS = (
     *(Signal(f"i_d{j}", "A", -PEAK, PEAK, f"direct current of motor {j}, rms") for j in (1, 2, 3, 4)),
     *(Signal(f"u_{n}", "A", -PEAK, PEAK, f"thrust current along {n.upper()}, rms") for n in "xz"),
 )
-TILTED, ROLLED = (
+GAP_1_3, GAP_2_4 = (
     (0.0168, 0.0322),
     (0.0124, 0.0366),
 )  # m: gaps of motors 1 and 3, 2 and 4, over the ranges of y and angles
 OUTPUTS = (
     *(signal for signal in STATES if signal.name in RATE),
-    *(Signal(f"g{j}", "m", *ends, f"gap of motor {j}") for j, ends in enumerate(2 * (TILTED, ROLLED), 1)),
+    *(Signal(f"g{j}", "m", *ends, f"gap of motor {j}") for j, ends in enumerate(2 * (GAP_1_3, GAP_2_4), 1)),
 )
 QUADRATURE = ("u_z", "u_x", "u_z", "u_x")  # of motors 1 to 4
 
 
 def nominal(plant: Plant | None = None) -> dict[str, ca.SX]:
-    """Return the parameters' values by name as constant expressions, those of `plant` where one is given."""
+    """Return the parameters of `plant`, or the published ones, by name as constant expressions."""
     return {p.name: ca.SX(p.value) for p in (plant.parameters if plant else PARAMETERS)}
 
 
@@ -110,15 +110,15 @@ def input_transformation(v: Exprs) -> dict[str, ca.SX]:
     }
 
 
-def accelerations(x: Exprs, u: Exprs, p: Exprs, reading: pmlsm.Reading = pmlsm.STRESS) -> dict[str, ca.SX]:
+def accelerations(x: Exprs, u: Exprs, p: Exprs, variant: pmlsm.Variant = pmlsm.STRESS) -> dict[str, ca.SX]:
     """Return y'', x'', z'' in m/s^2 and phi'', theta'' in rad/s^2 from y, phi, theta and the six currents.
 
     Source: (6), (7), with every quadratic term.
     """
     g = gaps(x, p)
     motors = list(zip(g, (u[f"i_d{j}"] for j in (1, 2, 3, 4)), (u[name] for name in QUADRATURE), strict=True))
-    F_V = [pmlsm.normal_force(gap, i_d, i_q, p, reading) for gap, i_d, i_q in motors]
-    F_H = [pmlsm.thrust(gap, i_q, p, reading) for gap, _, i_q in motors]
+    F_V = [pmlsm.normal_force(gap, i_d, i_q, p, variant) for gap, i_d, i_q in motors]
+    F_H = [pmlsm.thrust(gap, i_q, p, variant) for gap, _, i_q in motors]
     return {
         "y": p["G"] + sum(F_V) / p["M_y"],
         "x": (F_H[1] + F_H[3]) / p["M_x"],
@@ -146,10 +146,10 @@ def plant(lv3: str = "csch2") -> Plant:
 
     Raises ModelError for another `lv3`.
     """
-    reading = named_reading(lv3)
+    variant = force_variant(lv3)
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        second = accelerations(x, u, p, reading)
+        second = accelerations(x, u, p, variant)
         derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
         named_gaps = {f"g{j}": g for j, g in enumerate(gaps(x, p), 1)}
         return derivative, {q: x[q] for q in RATE} | named_gaps
@@ -160,14 +160,14 @@ def plant(lv3: str = "csch2") -> Plant:
 def direct_currents(
     w: Exprs, x: Exprs, squares: Sequence[ca.SX], motors: Sequence[pmlsm.ForceLaw], p: Exprs
 ) -> dict[str, ca.SX]:
-    """Return i_d1..i_d4 in A for which y'', phi'', theta'' = `w`: (8) and (12), with i_d^2 + i_q^2 = `squares`, given.
+    """Return i_d1..i_d4 in A for which y'', phi'', theta'' = `w`, by (8) and (12) with given `squares` i_d^2 + i_q^2.
 
     With the forces f_j = b_j i_dj, which carry the loads a_j + c_j (i_d^2 + i_q^2)_j and accelerate,
 
         f_1 + f_2 + f_3 + f_4 = n,    f_3 - f_1 = d,    f_2 - f_4 = e,    i_d1 + i_d3 = i_d2 + i_d4
 
-    where the last is (8). This is one linear equation in f_1 + f_3; halves of all forces are computed. `w` holds y, phi
-    and theta in m/s^2 and rad/s^2, `x` holds phi and theta in rad, `squares` and `motors` go by motor.
+    where the last is (8). This is one linear equation in f_1 + f_3. The code computes halves of all forces. `w` holds
+    y, phi and theta in m/s^2 and rad/s^2, `x` holds phi and theta in rad, `squares` and `motors` go by motor.
     """
     half = [m.half_a + m.half_c * square for m, square in zip(motors, squares, strict=True)]  # of the loads
     s1, s2, s3, s4 = (1 / m.b for m in motors)
@@ -190,12 +190,12 @@ def parameter_symbols() -> dict[str, ca.SX]:
     return symbols(PARAMETERS)
 
 
-def named_reading(lv3: str) -> pmlsm.Reading:
-    """Return the reading with the factor "csch2" or "coth2" in L_v3; raise ModelError for another."""
+def force_variant(lv3: str) -> pmlsm.Variant:
+    """Return the variant with the factor "csch2" or "coth2" in L_v3; raise ModelError for another name."""
     if lv3 == "csch2":
-        return pmlsm.Reading("csch2")
+        return pmlsm.Variant("csch2")
     if lv3 == "coth2":
-        return pmlsm.Reading("coth2")
+        return pmlsm.Variant("coth2")
     raise ModelError(f"the factor in L_v3 is named '{lv3}': choose 'csch2', or 'coth2' as printed")
 
 
@@ -206,17 +206,17 @@ def geometry(plant: Plant) -> slotted_field.Geometry:
     return slotted_field.Geometry(poles=plant.parameter("p").value, **shared)
 
 
-def guides(plant: Plant, friction: Mapping[str, float], cells: int) -> ca.Function:
-    """Return the accelerations (10,) that friction and cogging add, a function of the state (10,) and t in s.
+def guide_disturbance(plant: Plant, friction: Mapping[str, float], cells: int) -> ca.Function:
+    """Return the accelerations (10,) by guide friction and cogging as a function of the state (10,) and t in s.
 
-    F_s = -F_c tanh(v_s/SLIP) + 2 A(y) sin(2 pi s/t1), s = x, z, with F_c in N by axis; A is geometric through the
-    amplitudes of the slotted field of a fineness `cells` at 20 and 25 mm.
+    F_s = -F_c tanh(v_s/SLIP) + 2 A(y) sin(2 pi s/t1), s = x, z, with F_c in N by axis; A is the geometric
+    interpolation of the cogging of the slotted field at 20 and 25 mm, on a grid of `cells`.
     """
     names = [s.name for s in plant.states]
     x, t = ca.SX.sym("x", len(names)), ca.SX.sym("t")
     state = dict(zip(names, ca.vertsplit(x), strict=True))
-    near, far = (slotted_field.forces(geometry(plant), g, cells).cogging for g in (0.020, 0.025))
-    amplitude = near * (far / near) ** ((state["y"] - 0.020) / 0.005)
+    at_20, at_25 = (slotted_field.forces(geometry(plant), g, cells).cogging for g in (0.020, 0.025))
+    amplitude = at_20 * (at_25 / at_20) ** ((state["y"] - 0.020) / 0.005)
     added = dict.fromkeys(names, ca.SX(0))
     for axis, force in friction.items():
         wave = ca.sin(2 * pi * state[axis] / plant.parameter("t1").value)

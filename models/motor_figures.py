@@ -1,6 +1,6 @@
-"""Figures of one planar motor: G and K of (17), the Lorentz force on the bands by quadrature, and angles of phases.
+"""Figures of one planar motor: G and K of (17), the Lorentz force by quadrature, and the angles of the phases.
 
-They are functions of numbers, as the pitch of Table 1 is not that of the matrix and a comparison needs both.
+They are functions of numbers, because the pitch of Table 1 differs from that of the matrix and a comparison needs both.
 
 Source: Yu, Kim, section 5.1, (17), Tables 1 and 2; see `lorentz_motor`.
 """
@@ -28,13 +28,13 @@ def G(l: float, w: float, area: float, Delta: float) -> float:
     return float(lorentz_motor.geometric_constant(constants({"l": l, "w": w, "area": area, "Delta": Delta})))
 
 
-def force_constant(p: Parameters, reading: lorentz_motor.Reading = "lorentz") -> float:
+def force_constant(p: Parameters, variant: lorentz_motor.Variant = "lorentz") -> float:
     """Return K in N/A."""
-    return float(lorentz_motor.force_constant(constants(p), reading))
+    return float(lorentz_motor.force_constant(constants(p), variant))
 
 
 def lorentz_force(p: Parameters, y: float) -> tuple[float, float]:
-    """Return f_y and f_z in N for i_Q = 1 A at y in m, by quadrature over the bands, nothing simplified by hand."""
+    """Return f_y and f_z in N for i_Q = 1 A at y in m, by quadrature over the bands without simplification."""
     known, l = constants(p), p["l"]
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     high = float(lorentz_motor.thickness(known))
@@ -50,14 +50,14 @@ def lorentz_force(p: Parameters, y: float) -> tuple[float, float]:
 
 
 def ripple(p: Parameters) -> float:
-    """Return by how much in % the force of i_Q changes over a pitch or lifts."""
+    """Return the ripple of the force of i_Q over a pitch or its lift, the larger one, in % of the force at y = 0."""
     forces = np.array([lorentz_force(p, y) for y in np.linspace(0, p["l"], 7)])
     return round(100 * float(np.abs(forces / forces[0, 0] - [1, 0]).max()), 9)  # the rest is rounding
 
 
 def currents(l: float, y: float) -> dict[str, float]:
     """Return the phase currents of i_Q = 1 A at y in m."""
-    phases = lorentz_motor.commutated(ca.SX(1), ca.SX(0), ca.SX(y), {"l": ca.SX(l)})
+    phases = lorentz_motor.phase_currents(ca.SX(1), ca.SX(0), ca.SX(y), {"l": ca.SX(l)})
     return {phase: float(i) for phase, i in phases.items()}
 
 

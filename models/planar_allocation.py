@@ -1,4 +1,4 @@
-"""From forces and torques on the platen to the phase currents of its three motors, and what the limits leave of them.
+"""Allocation of forces and torques on the platen to its three motors under current limits, and their commutation.
 
     w = T F       w = (f_x, f_y, m_phi, f_z, m_theta, m_psi) in the platen's frame       Table 3 with arms
                   F = (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz), f = K i                      (17)
@@ -11,24 +11,25 @@
     f_Bz    0   0   0   1  -b   -a
     f_Cz    0   0   0   1   c    0
 
-K is that of the Lorentz integral; (17) as printed is pi/3 of it. It is taken at the nominal gap: a lift by z makes the
-force exp(-gamma z) of the demand, 2.4 % at 0.2 mm.
+K is that of the Lorentz integral, at the nominal gap; (17) as printed is pi/3 times as large. At a lift z the force is
+exp(-gamma z) times the demand, 2.4 % less at 0.2 mm.
 
-The laws demand currents d = w / scale, so that what is left of T and K is ratios of arms, most of them 1 or 1/2:
+The control laws demand currents d = w / scale. What remains of T and K are ratios of arms, most of them 1 or 1/2:
 
     scale   x, y: K    phi, psi: 2 a K    z: 2 (b + c) K / c    theta: 2 (b + c) K
 
     i_CQ = d_x',   i_AQ, i_BQ = d_y'/2 -+ (d_phi + c/(2 a) d_x'),   i_AD, i_BD = d_z - d_theta +- d_psi,
     i_CD = 2 b/c d_z + 2 d_theta
 
-d_x, d_y come in the matrix' frame and are turned by phi into d_x', d_y'.
+d_x, d_y are in the frame of the matrix and are rotated by phi into d_x', d_y' of the platen.
 
-Limits. Each motor keeps |i_Q| <= QUADRATURE and |i_D| <= DIRECT, so that hypot(i_Q, i_D) <= 1.26 A and no phase exceeds
-it. DIRECT holds theta and psi at 2 mrad against their springs, both at once. C is limited before A and B, which take
-its torque back: by what the yaw demands of them, to half of QUADRATURE at least. With less for the yaw the platen turns
-on while C pushes its most; with more, noise in the yaw would limit C. i_CQ stands for d_x' in the currents of A and B.
-Of these yaw comes first and y has what it leaves: a platen that turns too far is lost, one that is late is not.
-`made_*` are the demands that the limited currents meet, for anti-windup.
+Limits. Each motor keeps |i_Q| <= QUADRATURE and |i_D| <= DIRECT. Then hypot(i_Q, i_D) <= 1.26 A, and no phase exceeds
+1.26 A. DIRECT suffices to hold theta and psi at 2 mrad against their springs at the same time. i_CQ is limited first,
+to QUADRATURE less |d_phi| but at least to half of QUADRATURE, because A and B must compensate the torque of C. If less
+were reserved for the yaw, the platen would keep turning while C is at its limit. If more were, yaw noise would limit C.
+The limited i_CQ replaces d_x' in the currents of A and B. There the yaw has priority over y: a platen that turns too
+far loses its position measurement, a platen that lags behind does not. `achieved_*` are the demands that the limited
+currents achieve, for anti-windup.
 
 Source: Yu, Kim, section 5.1, (17), Table 3.
 """
@@ -48,16 +49,17 @@ from synth.timing import Discrete
 
 LIMIT = planar_stage.LIMIT  # A
 QUADRATURE = 0.9 * LIMIT  # A
-SPARE = 3e-5  # of LIMIT: what rounding and polynomials may add to a phase, see `_phase`
-DIRECT = sqrt(((1 - SPARE) * LIMIT) ** 2 - QUADRATURE**2)  # A
+ROUNDING_MARGIN = 3e-5  # of LIMIT: what rounding and polynomials may add to a phase, see `_phase`
+DIRECT = sqrt(((1 - ROUNDING_MARGIN) * LIMIT) ** 2 - QUADRATURE**2)  # A
 AXES = planar_stage.AXES
 HORIZONTAL, VERTICAL = AXES[:3], AXES[3:]
-ROUNDING = 1e-14  # of a ratio of arms
+ROUNDING = 1e-14  # largest deviation of a ratio of arms that counts as 1
 BOX = {s.name: s for s in planar_stage.STATES}
-YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: what the filter leaves of raw yaws within 0.025
-DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand over the scale of {axis}") for axis in AXES)
+YAW = replace(BOX["phi"], low=-0.075, high=0.075)  # rad: range of the filtered yaw for raw yaws within 0.025
+DEMANDS = tuple(Signal(f"d_{axis}", "A", -1e5, 1e5, f"demand of {axis} over its scale") for axis in AXES)
 ACHIEVED = tuple(
-    replace(s, name=f"made_{axis}", about="by the limited currents") for axis, s in zip(AXES, DEMANDS, strict=True)
+    replace(s, name=f"achieved_{axis}", about="demand that the limited currents achieve")
+    for axis, s in zip(AXES, DEMANDS, strict=True)
 )
 CURRENTS = tuple(
     Signal(f"i_{motor}{axis}", "A", -bound, bound, f"{what} current of motor {motor}, peak of a phase")
@@ -71,7 +73,7 @@ WITHIN = hall_sections.WITHIN
 
 
 def scales(plant: Plant) -> dict[str, float]:
-    """Return for each axis the force in N or torque in N m of a demand of 1 A."""
+    """Return the force in N or torque in N m of a demand of 1 A, by axis."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     side, lever = 2 * a, 2 * (b + c)
     arms = {"x": 1.0, "y": 1.0, "phi": side, "z": lever / c, "theta": lever, "psi": side}
@@ -79,79 +81,80 @@ def scales(plant: Plant) -> dict[str, float]:
 
 
 def authority(plant: Plant) -> dict[str, float]:
-    """Return for each axis the demand in A that the motors meet with LIMIT each, and no more is."""
+    """Return the largest demand in A that the motors can meet, each with LIMIT, by axis."""
     most = force_constant(plant) * LIMIT * np.abs(wrench(plant)).sum(axis=1)
     return {axis: float(w) / scale for w, (axis, scale) in zip(most, scales(plant).items(), strict=True)}
 
 
 def achievable_bound(plant: Plant) -> dict[str, float]:
-    """Return for each axis a bound in A of what is met of its demand, however the yaw within YAW shares x and y."""
+    """Return a bound in A on the achieved demand of each axis, for every yaw within YAW."""
     most = authority(plant)
     return most | {"x": most["x"] + YAW.high * most["y"], "y": most["y"] + YAW.high * most["x"]}
 
 
 def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
-    """Return the Block from demands and the yaw `phi` to limited currents and what these meet of each demand."""
+    """Return the Block from demands and the yaw `phi` to limited currents and the demands that these achieve."""
     a, b, c = (plant.parameter(name).value for name in "abc")
     across, rear = c / (2 * a), 2 * b / c
     constants = [
         Constant("half", 0.5, "1", "Table 3: 1/2"),
-        Constant("part", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
-        Constant("front_part", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
+        Constant("rear_share", c / (2 * (b + c)), "1", "Table 3: c/(2 (b + c))"),
+        Constant("front_share", b / (2 * (b + c)), "1", "Table 3: b/(2 (b + c))"),
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         angle = clip(u[phi.name], YAW)
         cos, sin = ca.cos(angle), ca.sin(angle)
         d_x, d_y, d_phi, d_z, d_theta, d_psi = (u[s.name] for s in DEMANDS)
-        wanted_c = cos * d_x + sin * d_y
+        demand_c = cos * d_x + sin * d_y
         half = (cos * d_y - sin * d_x) / 2
-        left = ca.fmax(QUADRATURE - ca.fabs(d_phi), QUADRATURE / 2)
-        C = ca.fmax(ca.fmin(wanted_c, left), -left)
-        turn = clip(d_phi + _times(across, C), CURRENTS[0])
-        room = QUADRATURE - ca.fabs(turn)
-        half = ca.fmax(ca.fmin(half, room), -room)
-        front, back = d_z - d_theta, _times(rear, d_z) + 2 * d_theta
+        limit_c = ca.fmax(QUADRATURE - ca.fabs(d_phi), QUADRATURE / 2)
+        C = ca.fmax(ca.fmin(demand_c, limit_c), -limit_c)
+        yaw = clip(d_phi + _product(across, C), CURRENTS[0])
+        limit_half = QUADRATURE - ca.fabs(yaw)
+        half = ca.fmax(ca.fmin(half, limit_half), -limit_half)
+        front, back = d_z - d_theta, _product(rear, d_z) + 2 * d_theta
         Az, Bz, Cz = (clip(i, CURRENTS[3]) for i in (front + d_psi, front - d_psi, back))
-        currents = half - turn, half + turn, C, Az, Bz, Cz
+        currents = half - yaw, half + yaw, C, Az, Bz, Cz
         both, lifts = 2 * half, Az + Bz
-        made = (
+        achieved = (
             cos * C - sin * both,
             sin * C + cos * both,
-            turn - _times(across, C),
-            k["part"] * (lifts + Cz),
-            k["part"] * Cz - k["front_part"] * lifts,
+            yaw - _product(across, C),
+            k["rear_share"] * (lifts + Cz),
+            k["rear_share"] * Cz - k["front_share"] * lifts,
             k["half"] * (Az - Bz),
         )
-        return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *made), strict=True)))
+        return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True)))
 
-    inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "Table 3, (17), limits"
+    inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "motor currents, Table 3, (17)"
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)
 
 
-def _times(ratio: float, value: ca.SX) -> ca.SX:
-    """Return the product, without arithmetic where the arms are as printed."""
+def _product(ratio: float, value: ca.SX) -> ca.SX:
+    """Return ratio * value; a ratio of 1, as for the printed arms, costs no operation."""
     return value if abs(ratio - 1) < ROUNDING else ratio * value
 
 
 def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     """Return the Block from the motors' currents, the place within the pitch and the yaw `phi` to nine phase currents.
 
-    The angle comes from the distance to the middle of the pitch. A quarter of it is at most 50 degrees, where the
-    cosine is the root of what the sine's square leaves, and two doublings make it whole. Motors A and B lie b behind:
-    that many quarters of a pitch are turned without arithmetic, and the rest is part of the distance.
+    The electrical angle follows from the distance to the middle of the pitch. A quarter of it is at most 50 degrees,
+    for which cos = sqrt(1 - sin^2); two angle doublings give the whole angle. Motors A and B lie b behind the centre.
+    Whole quarter pitches of b are rotations by 90 degrees, which cost no operation; the remainder is added to the
+    distance.
     """
     l, a, b, c = (plant.parameter(name).value for name in ("l", "a", "b", "c"))
     turns = round(4 * b / l)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        turned = clip(u[phi.name], YAW)
-        behind = b * ca.cos(turned) - turns * l / 4
-        back, named = _angle("back", u["within_x"] - c * ca.sin(turned), l)
-        front, more = _angle("front", u["within_y"] - behind, l)
+        angle = clip(u[phi.name], YAW)
+        behind = b * ca.cos(angle) - turns * l / 4
+        back, named = _cos_sin("rear", u["within_x"] - c * ca.sin(angle), l)
+        front, named_front = _cos_sin("front", u["within_y"] - behind, l)
         for _ in range(turns):
             front = (front[1], -front[0])
-        yaw = 2 * pi / l * a * ca.sin(turned)
+        yaw = 2 * pi / l * a * ca.sin(angle)
         (cos, sin), (cy, sy) = front, (ca.cos(yaw), ca.sin(yaw))
         cc, ss, cs, sc = cos * cy, sin * sy, cos * sy, sin * cy
         angles = {"A": (cc + ss, sc - cs), "B": (cc - ss, sc + cs), "C": back}
@@ -162,30 +165,37 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             middle = -alpha / 2
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
-        return Step(output, named=[*named, *more], certified=dict.fromkeys(output, _phase))
+        return Step(output, named=[*named, *named_front], certified=dict.fromkeys(output, _phase_bound))
 
-    return build("commutation", time, law, inputs=[*CURRENTS, *WITHIN, phi], outputs=COMPUTED, tag="(17) inverted")
+    return build(
+        "commutation",
+        time,
+        law,
+        inputs=[*CURRENTS, *WITHIN, phi],
+        outputs=COMPUTED,
+        tag="phase currents, (17) inverted",
+    )
 
 
-def _phase(u: float, e: float) -> float:
-    """Return how large a phase current becomes at most, A, of an error u relative to each result, e to each sine.
+def _phase_bound(u: float, e: float) -> float:
+    """Return a bound on a phase current in A, for a relative rounding error u and a relative error e of the sines.
 
-    The two doublings make a unit vector of any sine, so that its error e is one of the angle alone. Of its length
-    roundings make 18 u while 1 - sin^2 is 0.4 or more; the yaw's vector is longer by e at most, its product with the
-    other by 3 u; i_Q and i_D are so by 2 u; and the phases of a current R long come to R (1 + 6 u).
+    The two doublings make a unit vector of any sine, so its error e only affects the angle. Rounding changes the length
+    of this vector by at most 18 u while 1 - sin^2 >= 0.4. The vector of the yaw is longer by at most e, its product
+    with the other by 3 u, i_Q and i_D by 2 u. A current vector of length R has phases of at most R (1 + 6 u).
     """
     return hypot(QUADRATURE, DIRECT) * (1 + e) * (1 + 32 * u)
 
 
-def _angle(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:
-    """Return cosine and sine of 2 pi / l times a distance in m, and what is named on the way, of its quarter q.
+def _cos_sin(name: str, distance: ca.SX, l: float) -> tuple[tuple[ca.SX, ca.SX], list[tuple[Signal, ca.SX]]]:
+    """Return cosine and sine of 4 q = 2 pi / l times a distance in m, and the named expressions of the quarter angle q.
 
     With h = sin q cos q: cos 4q = 1 - 8 h^2, sin 4q = h (4 - 8 sin^2 q).
     """
     sin = ca.sin(pi / (2 * l) * distance)
     h = sin * ca.sqrt(1 - sin**2)
     named = [
-        (Signal(f"distance_{name}", "m", -l, l, "to the middle of the pitch"), distance),
+        (Signal(f"distance_{name}", "m", -l, l, "distance to the middle of the pitch"), distance),
         (Signal(f"quarter_sine_{name}", "1", -1, 1), sin),
     ]
     return (1 - 8 * h**2, h * (4 - 8 * sin**2)), named

@@ -1,4 +1,4 @@
-"""A platen on air bearings, driven in six axes by three planar motors over a magnet matrix.
+"""Equations of motion of a platen on air bearings, driven in six axes by three planar motors over a magnet matrix.
 
         Y ^        [  C  ]  --> f_Cx         motor centres in the platen: A (-a, -b), B (a, -b), C (0, c)
           |                                  theta, psi, phi  rotations about X, Y, Z; z up
@@ -12,12 +12,12 @@
     Ixx theta'' = c f_Cz - b (f_Az + f_Bz) - K_theta theta                                                   (20)
     Iyy psi''   = a (f_Az - f_Bz) - K_psi psi
 
-Each motor's forces (`models.lorentz_motor`) follow from its phase currents and from the place of its own centre in the
+Each motor's forces (`models.lorentz_motor`) follow from its phase currents and the position of its own centre over the
 matrix, x + R(phi) r_i, at its own gap. Three two-axis Hall sensors (`models.hall_sensor`) and three laser distance
 sensors see the platen.
 
-The arms are not printed. (26) holds 117.15 = K a / Izz. With b = a and c = 2 a the rows x and z of Table 3, taken with
-unit coefficients, move these axes alone; (26) leaves out the yaw of motor C that the row x compensates.
+The arms are not printed. (26) contains 117.15 = K a / Izz. With b = a and c = 2 a the rows x and z of Table 3, with
+unit coefficients, move these axes alone. (26) neglects the yaw torque of motor C, which the row x compensates.
 
 Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology",
 (17)-(20), Tables 1 to 3.
@@ -58,12 +58,12 @@ PARAMETERS = (
 AXES = ("x", "y", "phi", "z", "theta", "psi")
 RATE = {axis: f"v{axis}" if axis in "xyz" else f"w{axis}" for axis in AXES}
 STATES = (
-    Signal("x", "m", -0.11, 0.11, "of the mass centre, from a strong block's centre"),
-    Signal("y", "m", -0.10, 0.10),
+    Signal("x", "m", -0.11, 0.11, "position of the mass centre along X, from a strong block's centre"),
+    Signal("y", "m", -0.10, 0.10, "position of the mass centre along Y"),
     Signal("phi", "rad", -0.02, 0.02, "yaw"),
-    Signal("z", "m", -2e-4, 2e-4, "up from the nominal gap"),
-    Signal("theta", "rad", -2e-3, 2e-3, "about X"),
-    Signal("psi", "rad", -2e-3, 2e-3, "about Y"),
+    Signal("z", "m", -2e-4, 2e-4, "height above the nominal gap"),
+    Signal("theta", "rad", -2e-3, 2e-3, "tilt about X"),
+    Signal("psi", "rad", -2e-3, 2e-3, "tilt about Y"),
     *(Signal(f"v{axis}", "m/s", -1.0, 1.0) for axis in "xy"),
     Signal("wphi", "rad/s", -5.0, 5.0),
     Signal("vz", "m/s", -0.1, 0.1),
@@ -78,16 +78,22 @@ INPUTS = tuple(
 )
 HALL = tuple(f"V_{sensor}{axis}" for sensor in "abc" for axis in "xy")
 LASERS = ("d1", "d2", "d3")
+ABOUT = {
+    **{name: f"voltage of Hall sensor {name[2].upper()} along {name[3]}" for name in HALL},
+    "d1": "laser distance at the front left, up from nominal",
+    "d2": "laser distance at the front right, up from nominal",
+    "d3": "laser distance at the rear, up from nominal",
+}
 OUTPUTS = (
     *(signal for signal in STATES if signal.name in AXES),
-    *(Signal(name, "V", -10.0, 10.0, "Hall sensor and axis") for name in HALL),
-    *(Signal(name, "m", -5e-4, 5e-4, "laser distance, up from nominal") for name in LASERS),
+    *(Signal(name, "V", -10.0, 10.0, ABOUT[name]) for name in HALL),
+    *(Signal(name, "m", -5e-4, 5e-4, ABOUT[name]) for name in LASERS),
 )
 
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A point of the platen: where it is in the matrix, X, Y in m, and how far it is lifted, m."""
+    """A point of the platen: its position X, Y over the matrix and its lift, m."""
 
     X: ca.SX
     Y: ca.SX
@@ -95,14 +101,14 @@ class Place:
 
 
 def place(x: Exprs, r_x: ca.SX, r_y: ca.SX) -> Place:
-    """Return where the platen's point (r_x, r_y) in m is, for the pose `x` by name; tilts count to first order."""
+    """Return the position of the platen's point (r_x, r_y) in m for the pose `x` by name; tilts to first order."""
     c, s = ca.cos(x["phi"]), ca.sin(x["phi"])
     lift = x["z"] + x["theta"] * r_y - x["psi"] * r_x
     return Place(x["x"] + c * r_x - s * r_y, x["y"] + s * r_x + c * r_y, lift)
 
 
 def centres(x: Exprs, p: Exprs) -> dict[str, Place]:
-    """Return where the centre of each motor is."""
+    """Return the position of each motor's centre."""
     return {
         "A": place(x, -p["a"], -p["b"]),
         "B": place(x, p["a"], -p["b"]),
@@ -112,12 +118,12 @@ def centres(x: Exprs, p: Exprs) -> dict[str, Place]:
 
 def motor_forces(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,)) -> dict[str, lorentz_motor.MotorForces]:
     """Return each motor's force in N along its motion and up, from the phase currents `u` in A."""
-    found: dict[str, lorentz_motor.MotorForces] = {}
+    forces: dict[str, lorentz_motor.MotorForces] = {}
     for motor, at in centres(x, p).items():
         currents = {phase: u[f"i_{motor}{phase}"] for phase in lorentz_motor.OFFSETS}
         along = at.X if motor == "C" else at.Y
-        found[motor] = lorentz_motor.forces(along, at.lift, currents, p, harmonics)
-    return found
+        forces[motor] = lorentz_motor.forces(along, at.lift, currents, p, harmonics)
+    return forces
 
 
 def accelerations(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,)) -> dict[str, ca.SX]:
@@ -136,31 +142,31 @@ def accelerations(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,))
 
 
 def hall_places(plant: Plant) -> tuple[tuple[float, float], ...]:
-    """Return where Hall sensors A, B and C are in the platen, m."""
+    """Return the positions of Hall sensors A, B and C in the platen, m."""
     spacing = plant.parameter("spacing").value
     return (0.0, 0.0), (spacing, 0.0), (0.0, spacing)
 
 
 def hall_voltages(x: Exprs, p: Exprs, harmonics: Sequence[int] = halbach.HARMONICS) -> dict[str, ca.SX]:
     """Return V_ax .. V_cy in V: sensor A at the platen's centre, B a spacing along its x, C one along its y."""
-    found: dict[str, ca.SX] = {}
+    voltages: dict[str, ca.SX] = {}
     for sensor, r_x, r_y in (("a", 0, 0), ("b", p["spacing"], 0), ("c", 0, p["spacing"])):
         at = place(x, ca.SX(r_x), ca.SX(r_y))
         field = halbach.field(at.X, at.Y, p["height"] + at.lift, p, harmonics)
         pair = hall_sensor.voltages(field, x["phi"], p["sensitivity"], ca.SX(0))
-        found |= {f"V_{sensor}x": pair.u, f"V_{sensor}y": pair.v}
-    return found
+        voltages |= {f"V_{sensor}x": pair.u, f"V_{sensor}y": pair.v}
+    return voltages
 
 
 def laser_distances(x: Exprs, p: Exprs) -> dict[str, ca.SX]:
-    """Return d1, d2, d3 in m: the lift of three points of the platen, at its left and right front and at its back."""
+    """Return d1, d2, d3 in m: the lift of three points of the platen, front left, front right and rear."""
     arm = p["laser_arm"]
     points = ((-arm, -arm), (arm, -arm), (ca.SX(0), arm))
     return {name: place(x, *point).lift for name, point in zip(LASERS, points, strict=True)}
 
 
 def force_constant(plant: Plant) -> float:
-    """Return K in N/A, the Lorentz integral's."""
+    """Return K in N/A by the Lorentz integral."""
     return float(lorentz_motor.force_constant({p.name: ca.SX(p.value) for p in plant.parameters}))
 
 
@@ -185,7 +191,7 @@ def commutation_matrix(plant: Plant, pose: Mapping[str, float]) -> Array:
     for k, (motor, at) in enumerate(centres({axis: ca.SX(v) for axis, v in pose.items()}, p).items()):
         for column, along in ((k, True), (k + len(MOTORS), False)):
             y = at.X if motor == "C" else at.Y
-            for phase, current in lorentz_motor.commutated(ca.SX(along), ca.SX(not along), y, p).items():
+            for phase, current in lorentz_motor.phase_currents(ca.SX(along), ca.SX(not along), y, p).items():
                 E[phases.index(f"i_{motor}{phase}"), column] = float(current)
     return readonly(E)
 
@@ -196,7 +202,7 @@ def plant(force_harmonics: Sequence[int] = (1,), field_harmonics: Sequence[int] 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         second = accelerations(x, u, p, force_harmonics)
         derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
-        seen = hall_voltages(x, p, field_harmonics) | laser_distances(x, p)
-        return derivative, {q: x[q] for q in AXES} | seen
+        measurements = hall_voltages(x, p, field_harmonics) | laser_distances(x, p)
+        return derivative, {q: x[q] for q in AXES} | measurements
 
     return build("planar_stage", STATES, INPUTS, OUTPUTS, PARAMETERS, physics)

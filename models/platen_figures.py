@@ -1,4 +1,4 @@
-"""Which axes of the platen forces of its motors accelerate, by (18)-(20): what Table 3 and (26) state.
+"""Which axes of the platen the motors' forces accelerate, by (18)-(20), to compare with Table 3 and (26).
 
 Source: Yu, Kim, section 5.1; see `planar_stage`.
 """
@@ -12,38 +12,38 @@ from models import lorentz_motor, planar_stage
 from models.motor_figures import constants
 from synth.signals import names
 
-ALONE = 1e-9  # of what one motor can do to an axis: less is rounding and leaves it at rest
+ALONE = 1e-9  # of the largest acceleration of an axis by one motor: less is rounding
 FORCES = tuple(f"{motor}{axis}" for motor in planar_stage.MOTORS for axis in "yz")
 
 Accelerations = Mapping[str, float]  # by axis
 
 
-def motions(p: Mapping[str, float]) -> dict[str, Accelerations]:
+def accelerations_per_force(p: Mapping[str, float]) -> dict[str, Accelerations]:
     """Return `accelerations` of each of FORCES."""
     return {force: accelerations(p, force) for force in FORCES}
 
 
 def accelerations(p: Mapping[str, float], force: str) -> Accelerations:
-    """Return the accelerations of the six axes, level at the matrix' middle, per ampere that makes one of FORCES.
+    """Return the accelerations of the six axes, level in the middle of the matrix, per ampere that makes one of FORCES.
 
-    Parameters that `p` leaves out are as published.
+    Parameters that are not in `p` are as published.
     """
     plant = planar_stage.plant().with_parameters(**p)
     known, at = constants({s.name: s.value for s in plant.parameters}), dict.fromkeys(planar_stage.AXES, ca.SX(0))
     motor, centre = force[0], planar_stage.centres(at, known)[force[0]]
     i_q, i_d = (ca.SX(float(axis == force[1])) for axis in "yz")
-    phases = lorentz_motor.commutated(i_q, i_d, centre.X if motor == "C" else centre.Y, known)
+    phases = lorentz_motor.phase_currents(i_q, i_d, centre.X if motor == "C" else centre.Y, known)
     u = {f"i_{motor}{phase}": float(i) for phase, i in phases.items()}
     slopes = plant.f(np.zeros(len(plant.states)), [u.get(n, 0.0) for n in names(plant.inputs)], plant.values)
     slope = dict(zip(names(plant.states), np.asarray(slopes).ravel(), strict=True))
     return {axis: float(slope[planar_stage.RATE[axis]]) for axis in planar_stage.AXES}
 
 
-def moved_alone(made: Mapping[str, Accelerations], table: Mapping[str, Mapping[str, float]]) -> int:
-    """Return how many rows of a table of forces by axis accelerate that axis alone; `made` are `motions`."""
-    return sum(_moved(made, forces) == {axis} for axis, forces in table.items())
+def decoupled_rows(accelerations: Mapping[str, Accelerations], table: Mapping[str, Mapping[str, float]]) -> int:
+    """Return how many rows of a table of forces by axis accelerate that axis alone."""
+    return sum(_accelerated_axes(accelerations, forces) == {axis} for axis, forces in table.items())
 
 
-def _moved(made: Mapping[str, Accelerations], forces: Mapping[str, float]) -> set[str]:
-    total = {n: sum(size * made[force][n] for force, size in forces.items()) for n in planar_stage.AXES}
-    return {n for n, a in total.items() if abs(a) > ALONE * max(abs(each[n]) for each in made.values())}
+def _accelerated_axes(accelerations: Mapping[str, Accelerations], forces: Mapping[str, float]) -> set[str]:
+    total = {n: sum(size * accelerations[force][n] for force, size in forces.items()) for n in planar_stage.AXES}
+    return {n for n, a in total.items() if abs(a) > ALONE * max(abs(each[n]) for each in accelerations.values())}

@@ -13,9 +13,10 @@ g is the gap in m; i_d, i_q are rms currents in A (a phase peaks at sqrt(2) i); 
 
 Every function takes `p`, the parameters by name: symbols or numbers.
 
-Readings of the print. It says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress of a current sheet
-between two irons gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~ csch^2: the tangential field
-on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Reading` names each choice.
+Variants of the printed formulas. The paper says "3 pole pairs" for p, K_v2 ~ 1/p^2 and L_v3 ~ coth^2. Maxwell's stress
+of a current sheet between two iron faces gives p = 6 poles, K_v2 ~ 1/p (only then K_v2^2 = 4 K_v1 K_v3) and L_v3 ~
+csch^2: the tangential field on the sheet lowers the attraction by the missing coth^2 - csch^2 = 1. `Variant` names each
+choice.
 
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(4), Table I.
 """
@@ -33,10 +34,10 @@ Values = Mapping[str, ca.SX]
 
 
 @dataclass(frozen=True)
-class Reading:
-    """How the printed formulas are read; the default is what Maxwell's stress gives.
+class Variant:
+    """A variant of the printed formulas; the default is the one that follows from Maxwell's stress.
 
-    `lv3` is the factor in L_v3, `kv2_power` the power of p in K_v2, `p_counts` what p stands for in (3) and (4).
+    `lv3` is the factor in L_v3, `kv2_power` the power of p in K_v2, `p_counts` the meaning of p in (3) and (4).
     """
 
     lv3: Literal["csch2", "coth2"] = "csch2"
@@ -44,8 +45,8 @@ class Reading:
     p_counts: Literal["poles", "pole_pairs"] = "poles"
 
 
-STRESS = Reading()
-PRINTED = Reading("coth2", 2, "pole_pairs")
+STRESS = Variant()
+PRINTED = Variant("coth2", 2, "pole_pairs")
 
 TABLE = "Table I"
 PARAMETERS = (
@@ -61,7 +62,7 @@ PARAMETERS = (
     Parameter("tau", 57.15e-3, "m", 1e-4, TABLE),  # pole pitch
     Parameter("tau_p", 28.58e-3, "m", 2e-4, TABLE),  # magnet width
     Parameter("H_c", 875400.0, "A/m", 6e-5, "Table I; also taken as the magnets' surface charge sigma_m in (4)"),
-    Parameter("mu_rec", 1.0, "1", 0.05, "not printed: charge sheets, as (4) takes the magnets, have that of air"),
+    Parameter("mu_rec", 1.0, "1", 0.05, "not printed: charge sheets, as in (4), have that of air"),
     Parameter("mu0", 4e-7 * pi, "N/A^2", 1e-9, "CODATA 2018"),
 )
 
@@ -125,32 +126,32 @@ def magnet_field(g: ca.SX, p: Values) -> ca.SX:
     """Return B_pmy1, the amplitude in T of the magnets' fundamental at the stator.
 
     B_pmy1 = (4/pi) mu0 sigma_m sin(pi tau_p / (2 tau)) sinh(k h_m) / sinh(k (h_m + g)), sigma_m = H_c: charge sheets on
-    the magnets' faces between two irons of infinite permeability, which is also what K_h L_h in (3), (4) contains.
+    the magnets' faces between iron of infinite permeability. K_h L_h in (3), (4) contains the same field.
     """
     k = ca.pi / p["tau"]
     sheet = 4 / ca.pi * p["mu0"] * p["H_c"] * ca.sin(k * p["tau_p"] / 2)
     return sheet * ca.sinh(k * p["h_m"]) / ca.sinh(k * (p["h_m"] + g))
 
 
-def constants(p: Values, reading: Reading = STRESS) -> Constants:
-    """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `reading` says."""
+def constants(p: Values, variant: Variant = STRESS) -> Constants:
+    """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `variant` says."""
     k, k_w1 = ca.pi / p["tau"], winding_factor(p)
-    poles = p["p"] if reading.p_counts == "poles" else p["p"] / 2
+    poles = p["p"] if variant.p_counts == "poles" else p["p"] / 2
     magnets = p["L_A"] * p["p_m"]
     charge = p["H_c"] * p["mu0"] * ca.sinh(k * p["h_m"]) * ca.sin(k * p["tau_p"] / 2)
     return Constants(
         K_h=12 * ca.sqrt(2) * p["W"] * k_w1 * magnets * charge / (ca.pi * poles),
         K_v1=magnets * p["tau"] / (4 * p["mu0"]),
-        K_v2=3 * ca.sqrt(2) * magnets * p["W"] * k_w1 / poles**reading.kv2_power,
+        K_v2=3 * ca.sqrt(2) * magnets * p["W"] * k_w1 / poles**variant.kv2_power,
         K_v3=18 * magnets * p["W"] ** 2 * k_w1**2 * p["mu0"] / (p["tau"] * poles**2),
     )
 
 
-def coefficients(g: ca.SX, p: Values, reading: Reading = STRESS) -> Coefficients:
-    """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `reading` says."""
+def coefficients(g: ca.SX, p: Values, variant: Variant = STRESS) -> Coefficients:
+    """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `variant` says."""
     height = ca.pi / p["tau"] * (p["h_m"] + g)
     lambda_, K_c, B = permeance_factor(g, p), carter_coefficient(g, p), magnet_field(g, p)
-    stress = {"csch2": 1 / ca.sinh(height) ** 2, "coth2": 1 / ca.tanh(height) ** 2}[reading.lv3]
+    stress = {"csch2": 1 / ca.sinh(height) ** 2, "coth2": 1 / ca.tanh(height) ** 2}[variant.lv3]
     return Coefficients(
         L_h=lambda_ / (K_c * ca.sinh(height)),
         L_v1=lambda_ * B**2,
@@ -159,17 +160,17 @@ def coefficients(g: ca.SX, p: Values, reading: Reading = STRESS) -> Coefficients
     )
 
 
-def thrust(g: ca.SX, i_q: ca.SX, p: Values, reading: Reading = STRESS) -> ca.SX:
+def thrust(g: ca.SX, i_q: ca.SX, p: Values, variant: Variant = STRESS) -> ca.SX:
     """Return F_H = -K_h L_h(g) i_q in N, for a gap in m and an rms current in A. Source: (1)."""
-    return -constants(p, reading).K_h * coefficients(g, p, reading).L_h * i_q
+    return -constants(p, variant).K_h * coefficients(g, p, variant).L_h * i_q
 
 
-def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, reading: Reading = STRESS) -> ca.SX:
+def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, variant: Variant = STRESS) -> ca.SX:
     """Return F_V = -K_v1 L_v1 + K_v2 L_v2 i_d - K_v3 L_v3 (i_d^2 + i_q^2) in N, positive when it opens the gap.
 
     `g` is the gap in m, `i_d` and `i_q` are rms currents in A. Source: (2).
     """
-    K, L = constants(p, reading), coefficients(g, p, reading)
+    K, L = constants(p, variant), coefficients(g, p, variant)
     return -K.K_v1 * L.L_v1 + K.K_v2 * L.L_v2 * i_d - K.K_v3 * L.L_v3 * (i_d**2 + i_q**2)
 
 
@@ -193,16 +194,16 @@ class Balance:
         return -2 * self.free / (self.linear + sqrt(D)) if D >= 0 else nan
 
 
-def balance(load: ca.SX, p: Values, reading: Reading = STRESS) -> Callable[[float], Balance]:
+def balance(load: ca.SX, p: Values, variant: Variant = STRESS) -> Callable[[float], Balance]:
     """Return the balance of a `load` in N, downwards, by the gap in m; parameters are numbers. Source: (2)."""
     g = ca.SX.sym("g")
-    K, L = constants(p, reading), coefficients(g, p, reading)
+    K, L = constants(p, variant), coefficients(g, p, variant)
     terms = ca.Function("balance", [g], [load - K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, -K.K_v3 * L.L_v3])
     return lambda gap: Balance(*map(float, terms(gap)))
 
 
 def force_law(g: ca.SX, p: Values) -> ForceLaw:
-    """Return (1) and (2) at the gap `g` in m, for the reading STRESS, with all four coefficients from the thrust's h.
+    """Return (1) and (2) at the gap `g` in m, for the variant STRESS, all four coefficients from the thrust constant h.
 
     With S = B_pmy1 sinh(k (h_m + g)), which does not depend on the gap, K_v2 S = K_h and K_v2^2 = 4 K_v1 K_v3, so that
 

@@ -15,9 +15,9 @@ over the back iron, in the gap and in three open slots. Both irons are infinitel
     y = 0           ----+----------+--------    back iron
 
 Method. Five-point scheme (control volumes) on a tensor grid aligned with slot edges, tooth faces, mid-gap and magnet
-top, graded quadratically towards the tooth corners: there A varies as r^(2/3), and this grading keeps second order.
-The magnet's sides may stand anywhere in x: cubic interpolation spreads each sheet over four nodes, so the forces move
-smoothly with every dimension. The forces are Maxwell's stress over the mid-gap line.
+top, graded quadratically towards the tooth corners: there A varies as r^(2/3), and this grading preserves second order.
+The magnet's sides may be anywhere in x: cubic interpolation spreads each sheet over four nodes, and the forces depend
+smoothly on every dimension. The forces are the integral of Maxwell's stress over the mid-gap line.
 
 Signs. The mover (magnets) hangs below the stator; y points up. With a magnet that points up centred at x_m, slot s
 carries N (i_d sin k(x_s - x_m) + i_q cos k(x_s - x_m)), k = pi/tau, where i_d, i_q are *peak* phase currents (amplitude
@@ -45,7 +45,7 @@ POSITIONS = 6
 
 @dataclass(frozen=True)
 class Forces:
-    """Forces of one motor at one gap, per peak phase current; means over a slot pitch but for the cogging."""
+    """Forces of one motor at one gap, per peak phase current; means over a slot pitch except the cogging."""
 
     thrust: float  # [N/A] along x, per i_q
     vertical: float  # [N/A] downwards, per i_d
@@ -56,7 +56,7 @@ class Forces:
 
 @dataclass(frozen=True)
 class Converged:
-    """Forces extrapolated to cells of no size, with the correction that this made as the error of each."""
+    """Forces extrapolated to zero cell size, with the size of the extrapolation as the error of each."""
 
     value: Forces
     error: Forces
@@ -64,7 +64,7 @@ class Converged:
 
 @dataclass(frozen=True)
 class Field:
-    """Potential A [Wb/m] on the nodes, (nx, ny + 1), and the currents I [A] that make it."""
+    """Potential A [Wb/m] on the nodes, (nx, ny + 1), and the currents I [A] that generate it."""
 
     grid: Grid
     A: Array
@@ -202,7 +202,7 @@ def forces(geometry: Geometry, gap: float, cells: int = 12) -> Forces:
     return Forces(thrust, vertical, attraction, lift, 2 * float(np.abs(np.fft.rfft(table[:, 4])[1])) / POSITIONS)
 
 
-def extrapolated(geometry: Geometry, gap: float, cells: int = 12) -> Converged:
+def extrapolate(geometry: Geometry, gap: float, cells: int = 12) -> Converged:
     """Return Richardson's (4 F(2 cells) - F(cells))/3, the scheme being of second order; ValueError as in `grid`."""
     coarse, fine = (np.array(astuple(forces(geometry, gap, n))) for n in (cells, 2 * cells))
     correction = (fine - coarse) / 3

@@ -1,4 +1,4 @@
-"""The motor's dimensions, and the tensor grid of one pole on which its field is computed.
+"""Dimensions of one slotted motor and the tensor grid of one pole for its finite-difference field.
 
 The grid is aligned with slot edges, tooth faces, mid-gap and magnet top, and graded quadratically towards the tooth
 corners: there the potential varies as r^(2/3), and this grading keeps second order.
@@ -18,10 +18,10 @@ SLOTS_PER_POLE = 3
 
 @dataclass(frozen=True)
 class Geometry:
-    """One motor: Table I of the paper, and what the paper leaves open (mu_rec, slot_depth).
+    """One motor: Table I of the paper, and two dimensions that are not printed (mu_rec, slot_depth).
 
-    The winding fixes three slots a pole, so the slots stand at tau/3. A t1 other than tau/3 is represented by the
-    opening b with b^2/(tau/3) = b0^2/t1, the quantity on which Carter's correction depends to leading order.
+    The winding has three slots per pole, so the slot pitch is tau/3. A t1 other than tau/3 is represented by a slot
+    opening b with b^2/(tau/3) = b0^2/t1, the quantity that determines Carter's correction to leading order.
     """
 
     L_A: float = 50e-3  # [m] magnet length across the motion
@@ -35,7 +35,7 @@ class Geometry:
     poles: float = 6.0  # [-] stator poles
     H_c: float = 875400.0  # [A/m] coercivity
     mu_rec: float = 1.0  # [-] recoil permeability; the closed form's charge sheet has 1
-    slot_depth: float = 25.4e-3  # [m] two openings: deeper moves no force by more than 5e-6 of itself
+    slot_depth: float = 25.4e-3  # [m] two openings: deeper slots change no force by more than 5e-6
 
     @property
     def opening(self) -> float:
@@ -50,7 +50,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Grid:
-    """Tensor grid of one pole: x[0] = 0 is the left edge of slot 0, and x[-1] = tau stands for x[0] with A negated."""
+    """Tensor grid of one pole: x[0] = 0 is the left edge of slot 0; x[-1] = tau is x[0] with A negated."""
 
     x: Array  # [m] (nx + 1,)
     y: Array  # [m] (ny + 1,)
@@ -58,7 +58,7 @@ class Grid:
     middle: int  # row of the mid-gap line
     face: int  # row of the tooth faces
     air: NDArray[np.bool_]  # (nx, ny) cells that are not iron
-    nodes: NDArray[np.bool_]  # (nx, ny + 1) nodes on air
+    nodes: NDArray[np.bool_]  # (nx, ny + 1) nodes that touch air
     slot: NDArray[np.intp]  # (nx,) slot above each column of cells, -1 above a tooth
 
 
@@ -70,7 +70,7 @@ def grid(geometry: Geometry, gap: float, cells: int) -> Grid:
     _check(geometry, gap, cells)
     b, pitch = geometry.opening, geometry.tau / SLOTS_PER_POLE
     even = np.linspace(0.0, 1.0, 2 * cells + 1)
-    column = np.r_[b * _both_ends(2 * cells)[:-1], b + (pitch - b) * _both_ends(cells)[:-1]]
+    column = np.r_[b * _graded_at_both_ends(2 * cells)[:-1], b + (pitch - b) * _graded_at_both_ends(cells)[:-1]]
     x = np.r_[np.add.outer(pitch * np.arange(SLOTS_PER_POLE), column).ravel(), geometry.tau]
     half, low = gap / 2, geometry.h_m + gap / 2
     y = np.r_[
@@ -98,7 +98,7 @@ def _check(geometry: Geometry, gap: float, cells: int) -> None:
         raise ValueError(f"magnet width {geometry.tau_p} m reaches the pole pitch {geometry.tau} m; reduce tau_p")
 
 
-def _both_ends(n: int) -> Array:
+def _graded_at_both_ends(n: int) -> Array:
     s = np.linspace(0.0, 1.0, n + 1)
     return s * s * (3 - 2 * s)
 

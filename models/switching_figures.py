@@ -1,7 +1,7 @@
-"""Figures of two Hall sensors over a pitch: their spacing (1), their switching, the inverse of the field in (2), (3).
+"""Figures of two Hall sensors over a pitch: spacing (1), switching between them, and the inverse field (2), (3).
 
-Two sensors on the platen's x read V_a and V_b over one pitch of travel. A sensor is sensitive where |dV/dx| is large,
-which is where |V| is small: the one with the smaller |V| is read.
+Two sensors on the platen's x axis give V_a and V_b over one pitch of travel. A sensor is sensitive where |dV/dx| is
+large, which is where |V| is small. The position is read from the sensor with the smaller |V|.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4.
 """
@@ -20,31 +20,33 @@ Array = NDArray[np.float64]
 Parameters = Mapping[str, float]
 
 PUBLISHED = {p.name: p.value for p in planar_stage.PARAMETERS}
-COUNT = 2000  # places in a pitch, a multiple of 8
-EDGES = np.arange(COUNT) / COUNT - 0.5  # in pitches, with the borders of the sections among them
-PLACES = EDGES + 0.5 / COUNT  # without
+COUNT = 2000  # samples of a pitch, a multiple of 8
+EDGES = np.arange(COUNT) / COUNT - 0.5  # in pitches, including the borders of the sections
+PLACES = EDGES + 0.5 / COUNT  # in pitches, excluding the borders
 
 
 def scan(p: Parameters, places: Array, harmonics: tuple[int, ...] = halbach.HARMONICS) -> Array:
     """Return voltages in V and slopes in V/m (4, N), V_a, V_b and their slopes, level at y = 0.
 
-    `places` (N,) lie along x in pitches from a strong block; parameters that `p` leaves out are as published.
+    `places` (N,) lie along x in pitches from a strong block; parameters that are not in `p` are as published.
     """
-    every, X = {**PUBLISHED, **p}, ca.SX.sym("X")
-    V = planar_stage.hall_voltages(dict.fromkeys(planar_stage.AXES, ca.SX(0)) | {"x": X}, constants(every), harmonics)
+    parameters, X = {**PUBLISHED, **p}, ca.SX.sym("X")
+    V = planar_stage.hall_voltages(
+        dict.fromkeys(planar_stage.AXES, ca.SX(0)) | {"x": X}, constants(parameters), harmonics
+    )
     pair = ca.vertcat(V["V_ax"], V["V_bx"])
     read = ca.Function("read", [X], [ca.vertcat(pair, ca.jacobian(pair, X))])
-    return np.asarray(read.map(len(places))((places * every["l"]).reshape(1, -1)))
+    return np.asarray(read.map(len(places))((places * parameters["l"]).reshape(1, -1)))
 
 
 def phase(l: float, spacing: float) -> float:
-    """Return by how many degrees the fundamental of V_b is ahead of that of V_a, -180 to 180."""
+    """Return the phase lead of the fundamental of V_b over that of V_a, -180 to 180 degrees."""
     a, b, *_ = (np.fft.fft(v)[1] for v in scan({"l": l, "spacing": spacing}, PLACES[:: COUNT // 100]))
     return float(np.degrees(np.angle(b / a)))
 
 
 def switches(p: Parameters) -> int:
-    """Return how often another sensor is read over a pitch."""
+    """Return how often the sensor that is read changes over a pitch."""
     a, b, *_ = scan(p, PLACES)
     return _changes(np.abs(a) < np.abs(b))
 
@@ -56,7 +58,7 @@ def sections(p: Parameters) -> int:
 
 
 def least_slope(p: Parameters, *harmonics: int) -> float:
-    """Return the least over the greatest slope that is read, with some harmonics of the field."""
+    """Return the least over the greatest slope of the sensor that is read, with some harmonics of the field."""
     a, b, slope_a, slope_b = np.abs(scan(p, EDGES, harmonics))
     slope = np.where(a < b, slope_a, slope_b)
     return float(slope.min() / slope.max())

@@ -4,7 +4,7 @@ i_d, i_q are rms currents in A, the phase currents are instantaneous, th is the 
 
     i_a = sqrt(2) (i_d cos th - i_q sin th),  i_b the same at th - 2 pi/3,  i_c at th + 2 pi/3.
 
-They sum to zero and have the amplitude sqrt(2) hypot(i_d, i_q), so that a limit of that norm limits every phase.
+They sum to zero and have the amplitude sqrt(2) hypot(i_d, i_q): a limit on hypot(i_d, i_q) limits every phase.
 """
 
 import casadi as ca
@@ -14,7 +14,7 @@ def electrical_angle(displacement: ca.SX, tau: ca.SX) -> ca.SX:
     """Return th = pi displacement / tau + pi/2 in rad, for a pole pitch `tau` in m.
 
     `displacement` in m is that of a magnet of positive polarity from the slot that phase a fills, along the motion. At
-    zero the direct axis then lies midway between slots of phase a, so that i_d meets the magnets and i_q their edges.
+    zero the direct axis then lies midway between slots of phase a, so i_d acts on the magnets and i_q on their edges.
     """
     return ca.pi * displacement / tau + ca.pi / 2
 

@@ -1,22 +1,22 @@
-"""Arguments: what a caller gives, checked against the annotations of the function that takes it.
+"""Run-time validation of arguments against the annotations of a function (as `beartype`, `typeguard`).
 
     @checked
     def delayed(system: System, delay_s: float) -> Delayed:        delayed(S, None) raises TimingError:
                             "`delay_s` of `transfer.delayed` is None: give a number of seconds"
 
-`checked` stands at every function and constructor that users call; functions that take what another has read already
-go without. An annotation says which values pass:
+`checked` decorates every function and constructor that users call. Internal functions, whose arguments another
+function has read already, go without. An annotation says which values pass:
 
-    float, complex    a number, no bool and no text: of a size up to LARGEST, infinite or NaN
-    int               a whole number, no bool               bool, str     just that
+    float, complex    a number, not a bool or a text: of a size up to LARGEST, infinite or NaN
+    int               a whole number, not a bool            bool, str     exactly that
     Sequence[T]       a list, tuple or array of T           Mapping[K, V] a mapping of K to V
     Array, ArrayLike  anything but text, None, a mapping or a masked array: `real` and `matrix` read the rest
     a class           an instance of it                     Callable      anything that can be called
-    A | B             what passes for A or for B            Any           everything: the function reads it itself
+    A | B             what passes for A or for B            Any           any value: the function reads it itself
 
-What numbers may be beyond that (finite, positive, below a Nyquist frequency) is for each function to say. Where a
-checked function meets a number that double precision does not hold, or a matrix that it cannot factor, it raises
-ModelError instead of NumPy's and Python's own arithmetic errors.
+Each function checks further conditions itself (finite, positive, below a Nyquist frequency). Where a checked function
+meets a number that double precision cannot represent, or a matrix that it cannot factor, it raises ModelError instead
+of the arithmetic errors of NumPy and Python.
 """
 
 import functools
@@ -47,19 +47,19 @@ UNITS = {"_per_s": " in 1/s", "_s": SECONDS}
 
 
 def checked(target: Target) -> Target:
-    """Return a function, or a class, whose arguments are held against their annotations at each call.
+    """Return a function, or a class, whose arguments are compared with their annotations at each call.
 
     The calls raise SignalError for an argument of the wrong kind, TimingError for a time, ModelError where
     arithmetic leaves double precision.
     """
     if inspect.isclass(target):
-        setattr(target, "__init__", _checked(target.__init__, target.__name__))  # noqa: B010
+        setattr(target, "__init__", _with_checks(target.__init__, target.__name__))  # noqa: B010
         return target
-    return typing.cast(Target, _checked(target, f"{target.__module__.rpartition('.')[2]}.{target.__qualname__}"))
+    return typing.cast(Target, _with_checks(target, f"{target.__module__.rpartition('.')[2]}.{target.__qualname__}"))
 
 
-def _checked(function: Callable[..., Any], where: str) -> Callable[..., Any]:
-    known = functools.cache(lambda: _kinds(function))  # read at the first call, when all that they name is there
+def _with_checks(function: Callable[..., Any], where: str) -> Callable[..., Any]:
+    known = functools.cache(lambda: _kinds(function))  # read at the first call, when all names in them are defined
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
@@ -100,11 +100,11 @@ def _refusal(where: str, name: str, value: object, kind: Kind) -> SynthError:
     unit = next((text for end, text in UNITS.items() if number and name.endswith(end)), "")
     error = TimingError if unit == SECONDS or name in OF_TIME else SignalError
     need = kind.need.replace("a number", f"a number{unit}", 1)
-    return error(f"`{name}` of `{where}` is {found(value)}: give {need}")
+    return error(f"`{name}` of `{where}` is {describe(value)}: give {need}")
 
 
-def found(value: object) -> str:
-    """Return what was given, short enough for a sentence."""
+def describe(value: object) -> str:
+    """Describe a value in a few words, for an error message."""
     if np.ma.isMaskedArray(value):
         return f"a masked array of shape {np.shape(value)}"
     if isinstance(value, np.ndarray) and value.ndim:
@@ -147,7 +147,7 @@ def real(what: str, values: ArrayLike) -> Array:
         if np.iscomplexobj(values):
             raise ValueError("they are complex")
         if np.asarray(values).dtype.kind in "USO":
-            raise ValueError("they are no numbers to NumPy")
+            raise ValueError("NumPy does not read them as numbers")
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise SignalError(f"the {what} are no real numbers ({error}): give an array of real numbers alone") from error
@@ -158,7 +158,7 @@ def real(what: str, values: ArrayLike) -> Array:
 
 
 def matrix(name: str, values: ArrayLike) -> Array:
-    """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is no matrix."""
+    """Return a matrix as float64, a scalar as (1, 1); raise SignalError, calling it `name`, when it is not a matrix."""
     array = real(f"entries of {name}", values)
     array = array.reshape(1, 1) if array.ndim == 0 else array
     if array.ndim != 2:
@@ -166,31 +166,31 @@ def matrix(name: str, values: ArrayLike) -> Array:
     return array
 
 
-def fitting(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
+def matrix_of_shape(name: str, values: ArrayLike, rows: int, columns: int | None = None) -> Array:
     """Return a finite matrix as float64; raise SignalError for another shape (`columns` None: any), called `name`."""
     array = matrix(name, values)
-    wanted = (rows, array.shape[1] if columns is None else columns)
-    if array.shape != wanted or not np.isfinite(array).all():
-        shape = f"{rows} rows" if columns is None else f"shape {wanted}"
+    expected = (rows, array.shape[1] if columns is None else columns)
+    if array.shape != expected or not np.isfinite(array).all():
+        shape = f"{rows} rows" if columns is None else f"shape {expected}"
         raise SignalError(f"{name} has shape {array.shape} or is not finite: give a finite matrix of {shape}")
     return array
 
 
-def names(what: str, given: object) -> tuple[str, ...]:
+def names(what: str, values: object) -> tuple[str, ...]:
     """Return names as a tuple, one text as a tuple of one.
 
-    Raises SignalError, calling them `what`, for what is no list of texts, like a matrix of names.
+    Raises SignalError, calling them `what`, for a value that is not a list of texts, like a matrix of names.
     """
-    if isinstance(given, str):
-        return (str(given),)
-    listed = tuple(given) if isinstance(given, Iterable) else (None,)
+    if isinstance(values, str):
+        return (str(values),)
+    listed = tuple(values) if isinstance(values, Iterable) else (None,)
     if not all(isinstance(name, str) for name in listed):
-        raise SignalError(f"the {what} are {given!r}: give names of signals, in one list")
+        raise SignalError(f"the {what} are {values!r}: give names of signals, in one list")
     return tuple(str(name) for name in listed)
 
 
 def distinct(what: str, names: Sequence[str]) -> tuple[str, ...]:
-    """Return names as a tuple; raise SignalError for one text instead of several, no name or one given twice."""
+    """Return names as a tuple; raise SignalError for a single text, an empty list or a repeated name."""
     if isinstance(names, str):
         raise SignalError(f"the {what} are the text '{names}': give a list of names, like ['{names}']")
     listed = tuple(names)
@@ -202,7 +202,7 @@ def distinct(what: str, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def whole(what: str, value: int) -> int:
-    """Return a whole number; raise SignalError, calling it `what`, where it is none."""
+    """Return a whole number; raise SignalError, calling it `what`, for another value."""
     try:
         return operator.index(value)
     except TypeError as error:
@@ -210,7 +210,7 @@ def whole(what: str, value: int) -> int:
 
 
 def check_level(level: float) -> None:
-    """Raise SignalError for a confidence level that is no probability between 0 and 1."""
+    """Raise SignalError for a confidence level that is not a probability between 0 and 1."""
     if not kinds.is_number(level) or not 0 < level < 1:
         raise SignalError(f"the confidence level is {level}: give a probability between 0 and 1, like 0.95")
 

@@ -1,10 +1,10 @@
-"""Blocks: one discrete step (x, u) -> (x', y) with named signals.
+"""Discrete-time blocks, x[k+1] = f(x[k], u[k]), y[k] = h(x[k], u[k]), with named signals (a Simulink subsystem).
 
     u --->[ x' = f(x, u, k) ]---> y          k: constants ("gains") that emission rounds to the target's scalar type
           [ y  = h(x, u, k) ]
 
-Everything that runs in the loop is a Block. Each real state has declared bounds, which the step itself enforces, so
-that x' lies in its box for every x in the box and every u.
+Everything that runs in the loop is a Block. Each real state has declared bounds, which the step itself enforces: x'
+lies in its box for every x in the box and every u.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import arguments
+from synth import arguments, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.fault import LATCH_BIT, Fault, Safety
@@ -30,7 +30,7 @@ Value = TypeVar("Value")
 @arguments.checked
 @dataclass(frozen=True)
 class State:
-    """What a Block remembers: a signal and its value after `init`; `integer` marks counters and flags."""
+    """A state of a Block: a signal and its value after `init`; `integer` marks counters and flags."""
 
     signal: Signal
     initial: float
@@ -57,7 +57,7 @@ class State:
 @arguments.checked
 @dataclass(frozen=True)
 class Constant:
-    """A shipped number, exact until emission rounds it; `source` says what it was computed from."""
+    """A constant of the controller, exact until emission rounds it; `source` names the origin of its value."""
 
     name: str
     value: float
@@ -75,7 +75,7 @@ class Constant:
 @arguments.checked
 @dataclass(frozen=True)
 class Named:
-    """An intermediate signal of a composition: what it is called, which Block computes it, and the equation's tag.
+    """An intermediate signal of a composition, the Block that computes it, and the tag of its equation.
 
     `certificate`, of a signal that is limited to +-h, says how large it is before the limit; see `Step`.
     """
@@ -87,11 +87,11 @@ class Named:
 
 
 @arguments.checked
-@dataclass(frozen=True, eq=False)
+@show.result
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
-    `safety` is what the step does once it has latched, of a Block that may.
+    `safety` describes the step after a latch, of a Block that can latch.
     """
 
     name: str
@@ -113,13 +113,19 @@ class Block:
         if not isinstance(self.time, Discrete):
             raise TimingError(f"block '{self.name}' runs in {self.time}: a step needs a period, give timing.Discrete")
 
+    def sheet(self) -> show.Sheet:
+        """Return the signals and states with their ranges."""
+        groups = {"input": self.inputs, "output": self.outputs, "state": [s.signal for s in self.states]}
+        title = f"Block {self.name}, {self.time}: {len(self.constants)} constants"
+        return show.Sheet(title, (self.tag,) if self.tag else (), (show.signals(groups),))
+
     def rounded(self, scalar: type[np.floating]) -> "Block":
-        """Return the Block with each constant rounded to `scalar`: what is analysed is then what ships."""
+        """Return the Block with each constant rounded to `scalar`, the values that the C has."""
         with np.errstate(over="ignore"):  # an overflow is infinite, which a Constant refuses
             return replace(self, constants=tuple(replace(c, value=float(scalar(c.value))) for c in self.constants))
 
     def renamed(self, names: Mapping[str, str]) -> "Block":
-        """Return the Block with inputs and outputs renamed, old name to new; one that is not listed keeps its own."""
+        """Return the Block with inputs and outputs renamed, old name to new; other names stay."""
         inputs, safety = [s.name for s in self.inputs], self.safety
         if safety:
             values, rates = _under(names, safety.safe_output), _under(names, safety.slew_per_s)
@@ -155,14 +161,14 @@ class Block:
         next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
         return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
 
-    def _columns(self, wanted: Iterable[str]) -> ca.SX:
-        return ca.vcat([self.symbol[name] for name in wanted])
+    def _columns(self, names: Iterable[str]) -> ca.SX:
+        return ca.vcat([self.symbol[name] for name in names])
 
 
 @arguments.checked
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What a law computes: outputs, the states' next values, and further signals worth a name.
+    """The result of a law: outputs, next values of the states, and further signals with a name.
 
     `certified` gives for outputs and named signals that are limited to +-h a function (u, e) to how large they are
     before the limit while all inputs are in range, as computed with an error of u relative to the result of each
@@ -193,9 +199,8 @@ def build(
 ) -> Block:
     """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
 
-    Raises SignalError when a name stands twice, when an output or a next state is missing or not declared, when an
-    expression depends on a symbol that is not the Block's own, or when the law wants the value of a symbol, as `if`
-    does.
+    Raises SignalError when a name is listed twice, when an output or a next state is missing or not declared, when an
+    expression depends on a symbol of another Block, or when the law needs the value of a symbol, as `if` does.
     """
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         names(group)
@@ -210,7 +215,7 @@ def build(
     )
     step = laws.evaluate(f"the law of block '{name}'", law, u, x, k)
     if not isinstance(step, Step):
-        raise SignalError(f"the law of block '{name}' returns {arguments.found(step)}: return a Step")
+        raise SignalError(f"the law of block '{name}' returns {arguments.describe(step)}: return a Step")
     laws.require_names(f"block '{name}': outputs", [s.name for s in outputs], step.output)
     laws.require_names(f"block '{name}': next states", [s.name for s in states], step.next)
     advanced = {s.name: ca.SX(step.next[s.name]) for s in states}
@@ -219,27 +224,16 @@ def build(
     laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
     inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
-    _closed(name, [*next.values(), *(e for _, e in inside)], symbol)
-    return Block(
-        name,
-        tag,
-        time,
-        tuple(inputs),
-        tuple(outputs),
-        tuple(states),
-        tuple(constants),
-        symbol,
-        output,
-        next,
-        tuple(inside),
-    )
+    _check_symbols(name, [*next.values(), *(e for _, e in inside)], symbol)
+    declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(inside))
 
 
 @arguments.checked
 def unranged(block: Block) -> Block:
     """Return the Block with outputs of any finite value in single precision.
 
-    Emission then proves no range of theirs: for looking at inner signals on the host, not for driving hardware.
+    Emission then proves no range of these outputs: use it to inspect inner signals on the host, not to drive hardware.
     """
     any_value = float(np.finfo(np.float32).max)
     return replace(block, outputs=tuple(replace(s, low=-any_value, high=any_value) for s in block.outputs))
@@ -277,24 +271,26 @@ def _under(names: Mapping[str, str], of: Mapping[str, Value]) -> dict[str, Value
 
 def _row(name: str, values: Sequence[float]) -> list[float]:
     try:
-        found = np.asarray(values, dtype=np.float64)
+        numbers = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise SignalError(f"table '{name}' holds what is no number, {error}: give two or more numbers") from error
-    if found.ndim != 1 or found.size < 2 or not np.isfinite(found).all():
         raise SignalError(
-            f"table '{name}' has values {found.shape}, not finite, too few or not in a row: give two or more numbers"
+            f"table '{name}' has an entry that is not a number, {error}: give two or more numbers"
+        ) from error
+    if numbers.ndim != 1 or numbers.size < 2 or not np.isfinite(numbers).all():
+        raise SignalError(
+            f"table '{name}' has values {numbers.shape}, not finite, too few or not in a row: give two or more numbers"
         )
-    return list(map(float, found))
+    return list(map(float, numbers))
 
 
-def _pick(name: str, kind: str, symbol: Exprs, wanted: Sequence[Signal | State | Constant]) -> Exprs:
-    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in wanted})
+def _pick(name: str, kind: str, symbol: Exprs, signals: Sequence[Signal | State | Constant]) -> Exprs:
+    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in signals})
 
 
-def _closed(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
-    own = {s.element_hash() for s in symbol.values()}
+def _check_symbols(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
+    known = {s.element_hash() for s in symbol.values()}
     for v in ca.symvar(ca.vcat(exprs)) if exprs else []:
-        if v.element_hash() not in own:
+        if v.element_hash() not in known:
             raise SignalError(
                 f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it"
             )

@@ -1,8 +1,8 @@
-"""Content-addressed cache: a result is kept under the digest of everything that it depends on.
+"""Content-addressed cache (as `joblib.Memory`): each result is stored under the digest of all that it depends on.
 
     key = SHA-256(the function's slice, its arguments, versions of Python and of all packages, platform and processor)
 
-Nothing goes by time: what has not changed is found again, and what has changed has another key.
+Time stamps play no part: a changed input gives another key.
 """
 
 import functools
@@ -24,10 +24,10 @@ T = TypeVar("T")
 KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def kept(function: Callable[P, T]) -> Callable[P, T]:
-    """Keep the results of a function of its arguments alone; one of an argument without digest is computed each time.
+def cached(function: Callable[P, T]) -> Callable[P, T]:
+    """Cache the results of a function that depends on its arguments alone.
 
-    What it raises is not kept.
+    A call with an argument that has no digest computes its result each time. Exceptions are not cached.
     """
 
     @functools.wraps(function)
@@ -42,7 +42,7 @@ def kept(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def key(function: Callable[..., Any], *values: Any, data: bool = False) -> str:
-    """Return the key of what a function computes of `values`; with `data` also of data files beside its modules.
+    """Return the key of a function's result for `values`; with `data` it covers the data files beside its modules.
 
     Raises ContentError for a value that has no digest.
     """
@@ -52,7 +52,7 @@ def key(function: Callable[..., Any], *values: Any, data: bool = False) -> str:
 
 @functools.cache
 def environment() -> str:
-    """Return a digest of what every result may depend on: Python, packages, platform, processor, kernels."""
+    """Return a digest of the environment of every result: Python, packages, platform, processor, kernels."""
     packages = sorted({(d.name or "", d.version or "") for d in importlib.metadata.distributions()})
     processor = (platform.system(), platform.machine(), _processor(), os.cpu_count())
     kernels = [(name, os.environ.get(name)) for name in KERNELS]
@@ -60,7 +60,7 @@ def environment() -> str:
 
 
 def _processor() -> str:
-    """Return what decides which kernels run: model and flags of the first processor, where Linux tells them."""
+    """Return model and flags of the first processor, which select the kernels, where Linux reports them."""
     path = Path("/proc/cpuinfo")
     lines = path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if path.exists() else [platform.processor()]
     return "\n".join(line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part")))

@@ -1,20 +1,30 @@
-"""The command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in a workspace's root.
+"""Command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in the root of a workspace.
 
-With --json stdout is one document and progress goes to stderr. Exit status: 0 well, 1 a check failed, 2 wrong usage.
-What a command needs is imported once it runs, so that the help and the completion of the shell answer at once.
+With --json stdout is one document and progress goes to stderr. Exit status: 0 passed, 1 a check failed, 2 wrong usage,
+130 interrupted by Ctrl-C, 143 terminated. A command imports its modules when it runs: the help and the completion of
+the shell answer at once. `synth --install-completion` makes the shell complete commands and names of designs.
 """
 
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
 app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Physics to verified C for precision stages. Call it in the root of a workspace.",
+    help="Physics to verified C for precision stages. Run it in the root of a workspace.",
+    epilog="Example: synth new my_stage && cd my_stage && synth build",
 )
+
+
+KEPT = "finished results are kept and no file is half-written; run the same command again to continue"
 
 
 class Core(StrEnum):
@@ -32,7 +42,7 @@ class Scalar(StrEnum):
 
 
 def _complete(incomplete: str) -> list[str]:
-    """Return the designs of the workspace whose names begin so."""
+    """Return the designs of the workspace whose names begin with `incomplete`."""
     return sorted(path.parent.name for path in Path().glob(f"designs/{incomplete}*/design.py"))
 
 
@@ -42,7 +52,7 @@ Names = Annotated[
     typer.Argument(metavar="[NAME]...", help="designs; all when left out", autocompletion=_complete),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON document, progress on stderr")]
-Fresh = Annotated[bool, typer.Option("--fresh", help="trust nothing that an earlier run left in the cache")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="ignore the cache of earlier runs")]
 
 
 @app.callback()
@@ -51,9 +61,13 @@ def _commands() -> None:
 
 
 def main() -> None:
-    """Run the command line; an error of this package or of a file is told in one line and exits with 2."""
+    """Run the command line; print an error of this package or of a file in one line and exit with 2."""
     try:
-        app()
+        with _interruptible():
+            app()
+    except Interrupted as interrupt:
+        sys.stderr.write(f"interrupted: {KEPT}\n")
+        raise SystemExit(interrupt.code) from None
     except Exception as error:
         from synth.errors import SynthError
 
@@ -64,6 +78,28 @@ def main() -> None:
 
         Console(stderr=True).print(f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
         raise SystemExit(2) from error
+
+
+class Interrupted(SystemExit):
+    """The end by a signal, which neither typer nor a job handles."""
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Raise Interrupted inside, with the exit status of a shell, on Ctrl-C and on a request to terminate."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, _: object) -> NoReturn:
+    raise Interrupted(128 + number)
 
 
 @app.command(epilog="Example: synth build my_stage")
@@ -94,7 +130,7 @@ def verify(
 
 @app.command(epilog="Example: synth cost my_stage --json")
 def cost(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
-    """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
+    """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     from synth import commands
 
     raise typer.Exit(commands.cost(names or (), as_json, fresh))
@@ -123,7 +159,7 @@ def simulate(names: Names = None, as_json: AsJson = False, fresh: Fresh = False)
 
 @app.command(epilog="Example: synth audit my_stage")
 def audit(names: Names = None, as_json: AsJson = False, fresh: Fresh = False) -> None:
-    """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
+    """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
     from synth import commands
 
     raise typer.Exit(commands.audit(names or (), as_json, fresh))
@@ -144,7 +180,7 @@ def emit(
 
 @app.command(epilog="Example: synth new my_stage && cd my_stage && synth build")
 def new(name: Annotated[str, typer.Argument(help="the stage: small letters, digits and underscores")]) -> None:
-    """Make a workspace with a levitator of one axis that builds at once; in a workspace, add such a stage to it."""
+    """Make a workspace with a one-axis levitator that builds at once; in a workspace, add such a stage to it."""
     from synth import commands
 
     raise typer.Exit(commands.new(name))

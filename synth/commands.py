@@ -1,7 +1,7 @@
-"""What the commands of the command line do, for the designs of the workspace in the current folder, side by side.
+"""The commands of the command line, for the designs of the workspace in the current folder, in parallel.
 
-Each prints tables, or with `as_json` one JSON document with progress on stderr, and returns the exit status: 0 well,
-1 a check failed, 2 a design came to no result.
+Each prints tables, or with `as_json` one JSON document, and returns the exit status: 0 passed, 1 a check failed, 2 a
+design has no result. A terminal shows progress as bars; elsewhere it is written as lines, to stderr with `as_json`.
 """
 
 import json
@@ -18,29 +18,33 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from synth import store, tables, tasks, workspace
+from synth import progress, store, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError
 from synth.jobs import Job, run
 from synth.new import create
+from synth.progress import Progress
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
 
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
+PROOFS = 5  # lines that `prove` reports for each folder of C
 Names = Sequence[str]
 
 
-def _say(as_json: bool) -> Callable[[str, str], None]:
+def _writer(as_json: bool) -> Callable[[str, str], None]:
+    """Return a function of a design's name and a line, which writes both."""
     console = Console(stderr=as_json)
-    return lambda name, what: console.print(f"{name}: {what}", highlight=False, markup=False)
+    return lambda name, line: console.print(f"{name}: {line}", highlight=False, markup=False)
 
 
 def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
-    """Run jobs side by side; return what those called like a design returned, or their error as a document."""
-    with store.fresh_run() if fresh else nullcontext():
-        outcomes = run(jobs, _say(as_json))
+    """Run jobs in parallel; return for each design the value of the job of its name, or a Failed."""
+    fresh_run = store.fresh_run() if fresh else nullcontext()
+    with fresh_run, progress.display(len(jobs), _writer(as_json)) as display:
+        outcomes = run(jobs, display)
     console = Console(stderr=True)
     for name, outcome in outcomes.items():
         if outcome.error:
@@ -49,46 +53,46 @@ def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool
     return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
 
 
-def _each(
-    names: Names, as_json: bool, fresh: bool, work: Callable[[workspace.Design, workspace.Told], Any]
+def _for_each_design(
+    names: Names, as_json: bool, fresh: bool, work: Callable[[workspace.Design, Progress], Any]
 ) -> dict[str, Any]:
-    """Do one thing with each design, side by side; return what came of it by name."""
+    """Do the same work on each design, in parallel; return the results by name."""
     designs = workspace.designs(Path.cwd(), names)
-    jobs = [Job(d.name, d.name, lambda say, d=d: work(d, say)) for d in designs]  # type: ignore[misc]
+    jobs = [Job(d.name, d.name, partial(work, d)) for d in designs]
     return _run(jobs, designs, as_json, fresh)
 
 
 def build(names: Names, as_json: bool, fresh: bool) -> int:
     """Regenerate gains and C, verify, simulate, audit, and write the report of each design."""
-    root, told = Path.cwd(), []
+    root, documents = Path.cwd(), []
     designs = workspace.designs(root, names)
     results = _run(tasks.build_jobs(designs, root), designs, as_json, fresh)
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
-        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _json(built.evidence) + "\n"}
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _strict_json(built.evidence) + "\n"}
         write.save(reports, root / "reports")
-        bad = [c for c in built.checks if not c.passed]
-        _say(as_json)(name, f"{len(built.checks)} checks, {len(bad)} failed; report in reports/{name}.html")
-        told.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in bad]})
-    return _finish(as_json, told, results, any(document["failed"] for document in told))
+        failed = [c for c in built.checks if not c.passed]
+        _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
+        documents.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in failed]})
+    return _finish(as_json, documents, results, any(document["failed"] for document in documents))
 
 
 def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
-    """Compare the witnesses on this machine, or the machine code of a `core` with this machine's."""
+    """Compare the witnesses on this machine, or the machine code of a `core` with that of this machine."""
     if core is not None:
         _require_emulator()
-    results = _each(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
-    documents = [r.document for r in _good(results)]
+    results = _for_each_design(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
+    documents = [r.document for r in _successful(results)]
     for name, verified in results.items():
         if not as_json and isinstance(verified, Verified):
-            tables.print_checks(name, verified.checks, verified.figures)
-    return _finish(as_json, documents, results, not all(c.passed for r in _good(results) for c in r.checks))
+            tables.print_checks(name, verified.checks, verified.figures, verified.notes)
+    return _finish(as_json, documents, results, not all(c.passed for r in _successful(results) for c in r.checks))
 
 
 @dataclass(frozen=True)
 class Failed:
-    """The name of a design that came to no result, and why."""
+    """The name of a design without a result, and the reason."""
 
     design: str
     error: str
@@ -96,64 +100,67 @@ class Failed:
 
 @dataclass(frozen=True)
 class Verified:
-    """A verification: the document, the checks, and figures beside them."""
+    """A verification: the document, the checks, measured values without a limit, and notes below them."""
 
     document: Mapping[str, Any]
     checks: Sequence[Check]
     figures: Mapping[str, float]
+    notes: Sequence[str] = ()
 
 
-def _good(results: Mapping[str, Any]) -> list[Any]:
+def _successful(results: Mapping[str, Any]) -> list[Any]:
     return [result for result in results.values() if not isinstance(result, Failed)]
 
 
-def _on_host(design: workspace.Design, say: workspace.Told) -> Verified:
-    evidence = tasks.verification(design, True).result(say)
+def _on_host(design: workspace.Design, report: Progress) -> Verified:
+    evidence = tasks.verification(design, True).result(report)
     return Verified(evidence.document(), evidence.checks, {})
 
 
-def _on_target(core: str, design: workspace.Design, say: workspace.Told) -> Verified:
-    """Replay on the host and on a core: the document, the checks, and the drift with contraction as figures."""
+def _on_target(core: str, design: workspace.Design, report: Progress) -> Verified:
+    """Replay on the host and on a core: the document, the checks, and the drift with contraction as measured values."""
     from synth.execute import cross, host
     from synth.verify import on_target
 
-    emitted = tasks.emission(design, CORES[core]).result(say)[design.name]
+    emitted = tasks.emission(design, CORES[core]).result(report)[design.name]
     inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
-    checks = on_target.verify(emitted, inputs, core, say)
+    checks = on_target.verify(emitted, inputs, core, report)
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
-        say("drift with contraction: arm-none-eabi-gcc is not installed, not measured")
-        return Verified(document, checks, {})
+        note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
+        report(note)
+        return Verified(document, checks, {}, (note,))
     drift = on_target.drift(emitted, inputs, core, design.bench.floor)
     floor = design.bench.floor
     least = f"{floor:g}" if isinstance(floor, float) else "floor"
     what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
-    figures = {what: drift.worst, "fault words unlike then": float(drift.faults)}
+    figures = {what: drift.worst, "fault words that differ": float(drift.faults)}
     return Verified(document | {"drift": asdict(drift)}, checks, figures)
 
 
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
-    """Count what a step costs on a Cortex-M4F, beside CasADi's own C: instructions, bytes, decisions. No verdicts."""
+    """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
-    results = _each(names, as_json, fresh, lambda design, say: tasks.whole_cost(design).result(say))
-    for measured in _good(results):
+    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.whole_cost(design).result(report))
+    for measured in _successful(results):
         if not as_json:
             tables.print_cost(measured)
-    return _finish(as_json, [measured.document() for measured in _good(results)], results)
+    return _finish(as_json, [measured.document() for measured in _successful(results)], results)
 
 
 def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
     """Prove the emitted C, as deep as the proofs go or a subset."""
 
-    def proved(design: workspace.Design, say: workspace.Told) -> dict[str, list[Check]]:
-        emitted = tasks.emission(design, design.scalar).result(say)
+    def run_proofs(design: workspace.Design, report: Progress) -> dict[str, list[Check]]:
+        emitted = tasks.emission(design, design.scalar).result(report)
+        count = progress.numbered(report, PROOFS * len(emitted))
         return {
-            folder: list(proofs.prove(e.files, e.manifest, whole, lambda what, folder=folder: say(f"{folder}: {what}")))  # type: ignore[misc]
+            folder: list(proofs.prove(e.files, e.manifest, whole, partial(_in_folder, count, folder)))
             for folder, e in emitted.items()
         }
 
-    results = _each(names, as_json, fresh, proved)
-    folders = {folder: checks for each in _good(results) for folder, checks in each.items()}
+    results = _for_each_design(names, as_json, fresh, run_proofs)
+    folders = {folder: checks for each in _successful(results) for folder, checks in each.items()}
     if not as_json:
         for folder, checks in folders.items():
             tables.print_checks(folder, checks)
@@ -161,15 +168,19 @@ def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
     return _finish(as_json, documents, results, not all(c.passed for checks in folders.values() for c in checks))
 
 
+def _in_folder(report: Progress, folder: str, line: str) -> None:
+    report(f"{folder}: {line}")
+
+
 def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     """Run each design's experiments on the full plant with the compiled C in the loop."""
 
-    def simulated(design: workspace.Design, say: workspace.Told) -> list[Verified]:
-        experiments = tasks.simulation(design).result(say)
+    def run_experiments(design: workspace.Design, report: Progress) -> list[Verified]:
+        experiments = tasks.simulation(design).result(report)
         return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
 
-    results = _each(names, as_json, fresh, simulated)
-    documents, every = [], [v for each in _good(results) for v in each]
+    results = _for_each_design(names, as_json, fresh, run_experiments)
+    documents, every = [], [v for each in _successful(results) for v in each]
     for name, each in results.items():
         if not isinstance(each, Failed):
             documents.append({"design": name, "experiments": [v.document for v in each]})
@@ -180,9 +191,9 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
-    """Recompute every published figure: published, recomputed, verdict, why. No verdict fails the command."""
-    results = _each(names, as_json, fresh, lambda design, say: tasks.audit(design).result(say))
-    rows = [row for each in _good(results) for row in each]
+    """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
+    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
+    rows = [row for each in _successful(results) for row in each]
     if not as_json:
         tables.print_rows(rows)
     return _finish(as_json, [row.document() for row in rows], results)
@@ -192,7 +203,7 @@ def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
     """Write a design's C, header, manifest, gains and vectors to a folder, in a scalar type."""
     (design,) = workspace.designs(Path.cwd(), [name])
     with store.fresh_run() if fresh else nullcontext():
-        emitted = tasks.emission(design, SCALARS[scalar]).result(lambda what: None)
+        emitted = tasks.emission(design, SCALARS[scalar]).result(progress.silent)
     for folder, files in emitted.items():
         write.save(files.files, out / folder)
     return 0
@@ -223,7 +234,7 @@ def _require_emulator() -> None:
         )
 
 
-def _json(document: Any) -> str:
+def _strict_json(document: Any) -> str:
     """Return strict JSON: null for a number that JSON does not have."""
     return json.dumps(_finite(document), indent=1, allow_nan=False)
 
@@ -239,8 +250,8 @@ def _finite(value: Any) -> Any:
 def _finish(
     as_json: bool, documents: Sequence[Mapping[str, Any]], results: Mapping[str, Any], failed: bool = False
 ) -> int:
-    """Print the documents, errors last; return 2 where a design came to no result, 1 where a check failed."""
+    """Print the documents, errors last; return 2 where a design has no result, 1 where a check failed."""
     errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
     if as_json:
-        sys.stdout.write(_json([*documents, *errors]) + "\n")
+        sys.stdout.write(_strict_json([*documents, *errors]) + "\n")
     return 2 if errors else int(failed)

@@ -1,7 +1,7 @@
 """Composition of Blocks by signal name: an output drives every input that has its name.
 
-[ a ]--- w --->[ b ]--- u --->        loops are judged signal by signal, from what each expression depends on:
-  ^------ excess ----|                a cycle of Blocks that a state breaks is no algebraic loop
+[ a ]--- w --->[ b ]--- u --->        algebraic loops are found signal by signal, from the dependencies
+  ^------ excess ----|                of each expression: a state in a cycle breaks the loop
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,12 +20,12 @@ from synth.timing import Discrete, common
 def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
     """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
 
-    States and constants carry their Block's name in front: ``filter_y`` and ``lag`` make ``filter_y_lag``.
+    The name of its Block precedes each state and constant: ``lag`` of ``filter_y`` becomes ``filter_y_lag``.
 
-    Raises WiringError for a signal with two drivers, with unlike units, with none although a Block needs it, asked for
-    although nobody drives or needs it, for an algebraic loop, for a fault bit that is set twice, and for guards
-    that latch after different numbers of bad samples; SignalError for an input or output listed twice; TimingError for
-    unlike sample periods.
+    Raises WiringError for a signal with two drivers or with different units, for one that a Block needs and none
+    drives, for a listed input that no Block needs and a listed output that none drives, for an algebraic loop, for a
+    fault bit that is set twice, and for guards that latch after different numbers of bad samples; SignalError for an
+    input or output listed twice; TimingError for different sample periods.
     """
     if not len(blocks):
         raise WiringError(f"'{name}': there is no Block to wire: give at least one")
@@ -33,10 +33,10 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     assert isinstance(time, Discrete)
     blocks = [_prefixed(b) for b in blocks]
     driver = _drivers(blocks)
-    opened = _open_inputs(name, blocks, driver, inputs)
-    _own_bits(blocks, driver)
-    symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *opened)}
-    definitions = {s: _rewired(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
+    open_inputs = _open_inputs(name, blocks, driver, inputs)
+    _check_fault_bits(blocks, driver)
+    symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *open_inputs)}
+    definitions = {s: _substitute_inputs(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
     resolved, inside = _resolve(blocks, definitions, symbol)
     for s in outputs:
         if s not in driver:
@@ -45,19 +45,19 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     states = tuple(s for b in blocks for s in b.states)
     next: dict[str, ca.SX] = {}
     for b in blocks:
-        exprs = _rewired(b, symbol, [b.next[s.name] for s in b.states])
+        exprs = _substitute_inputs(b, symbol, [b.next[s.name] for s in b.states])
         next |= zip((s.name for s in b.states), ca.substitute(exprs, keys, values) if exprs else [], strict=True)
     constants = tuple(c for b in blocks for c in b.constants)
-    kept = {s: symbol[s] for s in opened} | {n: b.symbol[n] for b in blocks for n in _private(b)}
+    kept = {s: symbol[s] for s in open_inputs} | {n: b.symbol[n] for b in blocks for n in _private(b)}
     signals = {s.name: s for b in blocks for s in b.outputs}
     faults = tuple(f for b in blocks for f in b.faults)
-    flags = [e for b in blocks for e in _rewired(b, symbol, [b.output[f.output] for f in b.faults])]
+    flags = [e for b in blocks for e in _substitute_inputs(b, symbol, [b.output[f.output] for f in b.faults])]
     flags = ca.substitute(flags, keys, values) if flags else []
     return Block(
         name,
         "",
         time,
-        tuple(opened[s] for s in names(opened[s] for s in inputs)),
+        tuple(open_inputs[s] for s in names(open_inputs[s] for s in inputs)),
         tuple(signals[s] for s in names(signals[s] for s in outputs)),
         states,
         constants,
@@ -71,7 +71,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
 
 
 def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
-    """Return the signal that `signal` only passes on."""
+    """Return the signal of which `signal` is a copy."""
     while definitions[signal].is_symbolic():
         by_hash = {symbol[s].element_hash(): s for s in definitions}
         source = by_hash.get(definitions[signal].element_hash())
@@ -82,7 +82,7 @@ def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
 
 
 def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Safety | None:
-    """Return what the Blocks declare, for the outputs that pass on a signal with a safe value."""
+    """Return the safety that the Blocks declare, for the outputs that copy a signal with a safe value."""
     declared = [(b.name, b.safety) for b in blocks if b.safety]
     if not declared:
         return None
@@ -101,7 +101,7 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
 
 
 def _prefixed(block: Block) -> Block:
-    """Return the Block with its name in front of each state and constant, so that copies of one Block can meet."""
+    """Return the Block with its name before each state and constant, which keeps copies of one Block apart."""
     local = {n: f"{block.name}_{n}" for n in _private(block)}
     symbol = {local.get(n, n): s for n, s in block.symbol.items()}
     states = tuple(replace(s, signal=replace(s.signal, name=local[s.name])) for s in block.states)
@@ -135,7 +135,7 @@ def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
 def _open_inputs(
     name: str, blocks: Sequence[Block], driver: Mapping[str, Block], allowed: Sequence[str]
 ) -> dict[str, Signal]:
-    opened: dict[str, tuple[Signal, str]] = {}
+    open_inputs: dict[str, tuple[Signal, str]] = {}
     for b in blocks:
         for s in b.inputs:
             if s.name in driver:
@@ -146,22 +146,22 @@ def _open_inputs(
                     f"signal '{s.name}' is needed by '{b.name}' but no Block drives it: "
                     f"add a Block that does, or list it among the inputs of '{name}'"
                 )
-            elif s.name in opened:
-                _same_unit(*opened[s.name], s, b.name)
+            elif s.name in open_inputs:
+                _same_unit(*open_inputs[s.name], s, b.name)
             else:
-                opened[s.name] = (s, b.name)
+                open_inputs[s.name] = (s, b.name)
     for n in allowed:
-        if n not in opened:
+        if n not in open_inputs:
             why = f"is driven by '{driver[n].name}'" if n in driver else "is needed by no Block"
             raise WiringError(f"'{name}': input '{n}' {why}: take it off the inputs")
     for b in blocks:
         for n in _private(b):
-            if n in opened:
+            if n in open_inputs:
                 raise WiringError(f"input '{n}' is also a name in block '{b.name}': rename one of them")
-    return {n: s for n, (s, _) in opened.items()}
+    return {n: s for n, (s, _) in open_inputs.items()}
 
 
-def _own_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> None:
+def _check_fault_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> None:
     taken: dict[int, str] = {}
     for b in blocks:
         for f in b.faults:
@@ -184,7 +184,7 @@ def _same_unit(first: Signal, first_block: str, second: Signal, second_block: st
         )
 
 
-def _rewired(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> list[ca.SX]:
+def _substitute_inputs(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> list[ca.SX]:
     """Return a Block's expressions with its own input symbols replaced by the composition's."""
     if not block.inputs or not exprs:
         return list(exprs)
@@ -224,13 +224,13 @@ def _resolve(
         keys, values = [symbol[s] for s in resolved], list(resolved.values())
         ready = [pair for pair in waiting[b] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
         waiting[b] = [pair for pair in waiting[b] if all(pair is not r for r in ready)]
-        exprs = [definitions[signal], *_rewired(b, symbol, [e for _, e in ready])]
+        exprs = [definitions[signal], *_substitute_inputs(b, symbol, [e for _, e in ready])]
         exprs = ca.substitute(exprs, keys, values) if keys else exprs
         resolved[signal] = exprs[0]
         inside += zip((n for n, _ in ready), exprs[1:], strict=True)
         inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
-    for b, late in waiting.items():  # what only a next state needs
-        exprs = _rewired(b, symbol, [e for _, e in late])
+    for b, late in waiting.items():  # signals that only a next state needs
+        exprs = _substitute_inputs(b, symbol, [e for _, e in late])
         exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
         inside += zip((n for n, _ in late), exprs, strict=True)
     return resolved, tuple(inside)
@@ -241,6 +241,6 @@ def _needs(block: Block, expr: ca.SX) -> set[str]:
 
 
 def _depends(expr: ca.SX, symbol: Exprs) -> set[str]:
-    """Return the names of those symbols that stand in `expr`; symbols are told apart by identity, not by name."""
+    """Return the names of the symbols in `expr`; symbols are compared by identity, not by name."""
     present = {v.element_hash() for v in ca.symvar(expr)}
     return {name for name, s in symbol.items() if s.element_hash() in present}

@@ -1,10 +1,10 @@
-"""Content digests: one SHA-256 for equal values, on every machine and in every process.
+"""Content digests: equal values have the same SHA-256, on every machine and in every process.
 
     numbers, texts, types, sequences, mappings     their type and their content, bit by bit; a mapping's order counts
     arrays                                         type, shape and bytes
     dataclasses                                    the class with its slice, and all fields
     CasADi's expressions and functions             their serialised form; symbols count by name and place
-    functions                                      their slice, bytecode, defaults, and what they close over
+    functions                                      their slice, bytecode, defaults and closures
 
 A value of another kind has no digest.
 """
@@ -34,15 +34,15 @@ def digest(*values: Any) -> str:
     try:
         text = b"".join(reader.content(v) for v in values)
         return hashlib.sha256(text + reader.joint()).hexdigest()
-    except (TypeError, ValueError, AttributeError, RuntimeError) as error:  # of values that break what their type says
+    except (TypeError, ValueError, AttributeError, RuntimeError) as error:  # of values that violate their type
         raise ContentError(f"content: found {error}, need values that can be read: give plain data") from error
 
 
 @dataclass(frozen=True, eq=False)
 class _Reader:
-    """What reads values: it gathers their SX expressions, so that a symbol in two of them counts as one.
+    """A reader of values, which gathers their SX expressions: a symbol in two of them counts as one.
 
-    The classes of a program's thousands of nodes are few: each is read once.
+    Each class is read once, since thousands of nodes of a program share a few classes.
     """
 
     expressions: list[ca.SX]
@@ -104,8 +104,8 @@ class _Reader:
         if inspect.isfunction(inner):
             free = inspect.getclosurevars(inner).nonlocals.items()
             around = [(name, v) for name, v in free if v is not value]
-            own = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
-            return "function", (_source(inner), own, inner.__defaults__, inner.__kwdefaults__, around)
+            bytecode = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
+            return "function", (_source(inner), bytecode, inner.__defaults__, inner.__kwdefaults__, around)
         if inspect.isbuiltin(inner):
             return "builtin", f"{inner.__module__}.{inner.__qualname__}".encode()
         raise ContentError(
@@ -121,7 +121,7 @@ def _array(value: np.ndarray[Any, Any]) -> tuple[Any, ...]:
 
 
 def _bytecode(code: CodeType) -> tuple[Any, ...]:
-    """Return what a function computes of its names and constants; a set among these has no order."""
+    """Return bytecode, names and constants of a function; a set among the constants is sorted."""
     constants = [
         _bytecode(c) if isinstance(c, CodeType) else sorted(map(repr, c)) if isinstance(c, frozenset) else repr(c)
         for c in code.co_consts
@@ -130,6 +130,6 @@ def _bytecode(code: CodeType) -> tuple[Any, ...]:
 
 
 def _source(value: Callable[..., Any] | type) -> bytes:
-    """Return the name of a class or function, and its slice where its source counts."""
+    """Return the name of a class or function, and the digest of its slice where its source counts."""
     name = f"{value.__module__}.{value.__qualname__}"
     return f"{name} {slices.digest(value) if slices.is_followed(value) else ''}".encode()

@@ -1,4 +1,4 @@
-"""Linear models of other makes, as A, B, C, D with names and time: plain arrays, python-control, scipy.signal."""
+"""Conversion of plain arrays and of models of python-control and scipy.signal to A, B, C, D, names and time."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -26,7 +26,7 @@ def coefficients(system: Any) -> tuple[Array, Array] | None:
 
 
 def from_fractions(system: Any) -> Form:
-    """Return python-control's transfer functions, each in companion form: nothing is cancelled."""
+    """Return python-control's transfer functions, each in companion form, without pole-zero cancellation."""
     p, m = len(system.num), len(system.num[0])
     parts = [[_companion(system.num[i][j], system.den[i][j]) for j in range(m)] for i in range(p)]
     order = sum(len(part[0]) for row in parts for part in row)
@@ -34,23 +34,25 @@ def from_fractions(system: Any) -> Form:
     first = 0
     for i, j in np.ndindex(p, m):
         a, b, c, D[i, j] = parts[i][j]
-        own = slice(first, first + len(a))
-        A[own, own], B[own, j], C[i, own] = a, b, c
-        first = own.stop
+        states = slice(first, first + len(a))
+        A[states, states], B[states, j], C[i, states] = a, b, c
+        first = states.stop
     labels = (tuple(system.input_labels), tuple(system.output_labels))
     return A, B, C, D, _numbered("x", order), *labels, time_of(system.dt)
 
 
 def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, float]:
     """Return A (n, n), B (n,), C (n,) and D of numerator over denominator, highest powers first."""
-    given = [arguments.matrix(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
-    if not all(np.isfinite(v).all() for v in given):
-        raise SignalError(f"the transfer function {given[0]} / {given[1]} is not finite: give finite coefficients")
-    b, a = (np.trim_zeros(v, "f") for v in given)
+    quotient = [arguments.matrix(name, [v])[0] for name, v in (("numerator", numerator), ("denominator", denominator))]
+    if not all(np.isfinite(v).all() for v in quotient):
+        raise SignalError(
+            f"the transfer function {quotient[0]} / {quotient[1]} is not finite: give finite coefficients"
+        )
+    b, a = (np.trim_zeros(v, "f") for v in quotient)
     if not len(a) or len(b) > len(a):
         raise SignalError(
-            f"the transfer function {given[0]} / {given[1]} has no state-space form: its denominator must be other "
-            "than 0 and of no less degree than its numerator"
+            f"the transfer function {quotient[0]} / {quotient[1]} has no state-space form: its denominator must "
+            "not be 0, and its degree must be at least that of the numerator"
         )
     n = len(a) - 1
     exact = [[Fraction(float(v)) for v in part] for part in (a, np.concatenate([np.zeros(len(a) - len(b)), b]))]
@@ -64,28 +66,28 @@ def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, f
 def from_scipy(system: Any) -> Form:
     """Return a system of scipy.signal; those in continuous time have no `dt`, or None for it."""
     try:
-        found = system.to_ss()
+        model = system.to_ss()
     except ValueError as error:
         raise SignalError(f"the scipy.signal system has no state-space form ({error}): give A, B, C, D") from error
-    dt = getattr(found, "dt", None)
-    return from_arrays((found.A, found.B, found.C, found.D, 0 if dt is None else dt))
+    dt = getattr(model, "dt", None)
+    return from_arrays((model.A, model.B, model.C, model.D, 0 if dt is None else dt))
 
 
 def from_arrays(arrays: Sequence[Any]) -> Form:
-    """Return arrays (A, B), (A, B, C) or (A, B, C, D), with a time behind them or none."""
-    given, time = list(arrays), _given_time(arrays)
-    if len(given) == 5 or (given and isinstance(given[-1], Continuous | Discrete)):
-        given.pop()
-    if len(given) not in (2, 3, 4):
-        raise SignalError(f"{len(given)} arrays make no linear model: give (A, B), (A, B, C) or (A, B, C, D)")
-    A, B, *rest = (arguments.matrix(name, value) for name, value in zip("ABCD", given, strict=False))
+    """Return arrays (A, B), (A, B, C) or (A, B, C, D), with or without a time after them."""
+    matrices, time = list(arrays), _time_argument(arrays)
+    if len(matrices) == 5 or (matrices and isinstance(matrices[-1], Continuous | Discrete)):
+        matrices.pop()
+    if len(matrices) not in (2, 3, 4):
+        raise SignalError(f"{len(matrices)} arrays make no linear model: give (A, B), (A, B, C) or (A, B, C, D)")
+    A, B, *rest = (arguments.matrix(name, value) for name, value in zip("ABCD", matrices, strict=False))
     states, inputs = _numbered("x", len(A)), _numbered("u", B.shape[1])
     C = rest[0] if rest else np.eye(len(A))
     D = rest[1] if len(rest) > 1 else np.zeros((len(C), B.shape[1]))
     return A, B, C, D, states, inputs, _numbered("y", len(C)) if rest else states, time
 
 
-def _given_time(arrays: Sequence[Any]) -> Time:
+def _time_argument(arrays: Sequence[Any]) -> Time:
     last = arrays[-1] if arrays else None
     if isinstance(last, Continuous | Discrete):
         return last
@@ -95,7 +97,7 @@ def _given_time(arrays: Sequence[Any]) -> Time:
 
 
 def time_of(dt: Any) -> Time:
-    """Return the time that a `dt` stands for: 0 for continuous, else a period in seconds."""
+    """Return the Time of a `dt`: 0 is continuous, another number a period in seconds."""
     value = dt.item() if isinstance(dt, np.ndarray | np.generic) and dt.size == 1 and not np.ndim(dt) else dt
     if not isinstance(value, int | float) or value is True:
         raise SignalError(f"there is no sample period, dt is {dt!r}: give 0 for continuous time or a period in seconds")

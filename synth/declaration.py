@@ -1,9 +1,9 @@
-"""The declaration of a stage: its sensors, set-points and actuators, the controller between them, and what must hold.
+"""Declaration of a stage: its sensors, set-points and actuators, the controller between them, and the requirements.
 
     sensors, set-points --> guard --> errors --> laws --> limits --> safe output --> actuators
                             <name>_held  <name>_error  <name>_demand  <name>_computed  <name>
 
-The data alone; `synth.stage` completes it from the plant's signals, composes the controller and makes the design.
+This module holds data alone; `synth.stage` completes them from the plant's signals and composes the controller.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from synth import show
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -72,9 +73,9 @@ class Actuator:
     about: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Interface:
-    """What stands around the laws of a stage, as `stage.interface` completes it: no `of`, low, high is left out.
+    """The interface between plant and laws, as `stage.interface` completes it: every `of`, low and high is set.
 
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor
@@ -92,6 +93,16 @@ class Interface:
     reason: str
     suspected: tuple[str, ...] = ()
 
+    def sheet(self) -> show.Sheet:
+        """Return the signals with their ranges."""
+        groups = {
+            "sensor": [self.signals[s.name] for s in self.sensors],
+            "set-point": [self.signals[s.name] for s in self.set_points],
+            "actuator": self.outputs,
+        }
+        line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
+        return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
+
     @property
     def inputs(self) -> tuple[Signal, ...]:
         """The controller's inputs: sensors, then set-points."""
@@ -103,7 +114,7 @@ class Interface:
         return tuple(self.signals[a.name] for a in self.actuators)
 
     def held(self, name: str) -> Signal:
-        """Return ``<name>_held``, what the guard makes of a sensor or set-point: the signal that a law reads.
+        """Return ``<name>_held``, the output of the guard for a sensor or set-point, which a law reads.
 
         Raises SignalError for another name.
         """
@@ -117,16 +128,16 @@ class Interface:
         set_point = next((s for s in self.set_points if s.of == of), None)
         if set_point is None or of not in [s.name for s in self.sensors]:
             known = ", ".join(s.of for s in self.set_points) or "none"
-            raise SignalError(f"'{of}' is no sensor with a set-point: declare both, or take one of {known}")
+            raise SignalError(f"'{of}' is not a sensor with a set-point: declare both, or take one of {known}")
         r, y = self._signal(set_point.name), self._signal(of)
         return Signal(f"{of}_error", y.unit, r.low - y.high, r.high - y.low, f"{set_point.name} less {of}")
 
     def demand(self, name: str, bound: float) -> Signal:
-        """Return ``<name>_demand``, what a law asks of an actuator, up to +-`bound` in its unit, before the limit."""
+        """Return ``<name>_demand``, the unlimited output of a law, up to +-`bound` in its unit."""
         return replace(self._signal(name), name=f"{name}_demand", low=-bound, high=bound)
 
     def computed(self, name: str) -> Signal:
-        """Return ``<name>_computed``: what a law that limits its own demand gives instead of ``<name>_demand``."""
+        """Return ``<name>_computed``: the output of a law that limits its demand itself."""
         return replace(self._signal(name), name=f"{name}_computed")
 
     def before(self, name: str) -> Signal:
@@ -134,7 +145,7 @@ class Interface:
         return replace(self._signal(name), name=f"{name}_before")
 
     def excess(self, name: str, bound: float) -> Signal:
-        """Return ``<name>_excess``, limited less demanded, for a demand up to +-`bound`: what anti-windup reads."""
+        """Return ``<name>_excess``, limited minus demanded, for a demand up to +-`bound`; anti-windup reads it."""
         return replace(self._signal(name), name=f"{name}_excess", low=-bound, high=bound)
 
     def _signal(self, name: str) -> Signal:
@@ -145,9 +156,9 @@ class Interface:
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """Blocks between what the guard and the errors drive and what the limits read.
+    """Blocks between the outputs of guard and errors and the inputs of the limits.
 
-    `gains` returns what gains.json says of them for a scalar type, under `name`.
+    `gains` returns their entry in gains.json for a scalar type, under `name`.
     """
 
     name: str
@@ -156,7 +167,7 @@ class Law:
 
 
 class Synthesis(Protocol):
-    """A law that is computed when the rate and the interface are known: `axis.servo` returns one."""
+    """A law that is computed once the rate and the interface are known: `axis.servo` returns one."""
 
     def law(self, time: Discrete, interface: Interface) -> Law:
         """Return the law at a rate, for an interface with its delay."""
@@ -165,21 +176,28 @@ class Synthesis(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Composition:
-    """The laws of a controller, all Blocks of which it is made in the order of the data, and what they are together."""
+    """The laws of a controller, all its Blocks in the order of data flow, and the composed Block."""
 
     laws: tuple[Law, ...]
     parts: tuple[Block, ...]
     block: Block
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Controller:
-    """A controller, composed when it is first asked for: a design may be named without its gains being computed."""
+    """A controller, composed at its first use: naming a design computes no gains."""
 
     name: str
     time: Discrete
     interface: Interface
     compose: Callable[[], Composition]
+
+    def sheet(self) -> show.Sheet:
+        """Return the interface; nothing is composed for it."""
+        around = self.interface.sheet()
+        return show.Sheet(
+            f"Controller {self.name}, {self.time}", (f"{around.title}, {around.lines[0]}",), around.tables
+        )
 
     @cached_property
     def composition(self) -> Composition:
@@ -206,8 +224,8 @@ class Controller:
 class Companion:
     """A Block that is emitted beside the controller, as the commutation of a motor is.
 
-    `inputs` returns its inputs (N,) by name for test vectors, from those that were recorded of the controller and what
-    the controller answered, and `gains` what its gains.json says.
+    `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller,
+    and `gains` the document of its gains.json.
     """
 
     block: Block
@@ -215,22 +233,22 @@ class Companion:
     gains: Gains | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Stage:
-    """A whole stage: what is declared, before anything is computed of it.
+    """A whole stage as declared, before anything is computed from it.
 
     reference         a step of the independent NumPy witness: (states, inputs) -> (states', outputs, fault words)
     operating_points  plant states by name of the point; `require` are least margins there
-    coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, in place of all these
-    tolerances        parameters of the plant at all ends of whose tolerances the margins are required, too
+    coordinates       {name: {sensor: weight}}: sums of sensors at which loops are opened, instead of at each sensor
+    tolerances        plant parameters; the margins are required at all limits of their tolerances, too
     experiments       data with `name` and `run(rig) -> Experiment`
-    scalar            the type in which it ships; `surrogate_error` is relative, by type, else the emitter's own
-    start             plant states of a run, where these are not 0
+    scalar            the scalar type of the C; `surrogate_error` is relative, by type, else the emitter's
+    start             initial plant states of a run, where these are not 0
     stops             (low, high) of positions, which are inelastic; `velocities` names the rate of each position
-    limited           controller states that may stand at their bounds, as an integral that is limited on purpose
+    limited           controller states that may reach their bounds, such as an integral limited on purpose
     wires             plant input: controller output, where these are not the interface's actuators
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
-    gains             what gains.json says, else what the laws say
+    gains             the document of gains.json, else that of the laws
     companions        Blocks that are emitted beside the controller
     substeps          Runge-Kutta steps of a sample in simulation
     """
@@ -256,6 +274,14 @@ class Stage:
     companions: Sequence[Companion] = ()
     substeps: int = 4
 
+    def sheet(self) -> show.Sheet:
+        """Return the controller's interface and the names of the experiments."""
+        inner = self.controller.sheet()
+        experiments = f"experiments: {', '.join(e.name for e in self.experiments) or 'none'}"
+        return show.Sheet(
+            f"Stage {self.name}, ships in {self.scalar.__name__}", (*inner.lines, experiments), inner.tables
+        )
+
     @property
     def name(self) -> str:
         """The controller's name, which is that of the design's folder and of its C."""
@@ -263,5 +289,5 @@ class Stage:
 
     @property
     def interface(self) -> Interface:
-        """What stands around the controller's laws."""
+        """The interface of the controller."""
         return self.controller.interface

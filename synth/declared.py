@@ -1,7 +1,7 @@
-"""What the command line does with a declared stage, as far as the design does not do it itself.
+"""Standard tasks of a declared stage, which the command line runs unless the design replaces them.
 
 emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
-simulate   the experiments, on the shipped C           bench      stimuli of the machine code
+simulate   the experiments, with the emitted C          bench      stimuli of the machine code
 report     the standard report
 """
 
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import build, host
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
 from synth.simulate.experiment import Experiment
@@ -28,26 +29,24 @@ from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 from synth.workspace import Bench
 
-Progress = Callable[[str], None]
 
-
-def compiled(stage: Stage, scalar: type[np.floating]) -> host.Controller:
+def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Controller:
     """Return the stage's controller in a scalar type, compiled once."""
-    return _compiled(stage, np.dtype(scalar).name)
+    return _compile(stage, np.dtype(scalar).name)
 
 
 @lru_cache(maxsize=8)
-def _compiled(stage: Stage, scalar: str) -> host.Controller:
+def _compile(stage: Stage, scalar: str) -> host.Controller:
     kind = np.float32 if scalar == "float32" else np.float64
-    return build.compiled(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
+    return build.compile_block(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
 
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under its controller in a scalar type."""
-    return Rig(stage, stage.plant, compiled(stage, scalar))
+    return Rig(stage, stage.plant, compiled_controller(stage, scalar))
 
 
-def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
+def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error, block = stage.surrogate_error.get(scalar), stage.controller.block
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
@@ -58,13 +57,13 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, Emitted]:
     for companion in stage.companions:
         document = {"design": companion.gains(scalar)} if companion.gains else None
         beside = write.emit(companion.block, scalar, document, error=error)
-        given = dict(companion.inputs(inputs, answers.outputs))
-        answered = host.load(beside.files, beside.manifest).replay(given)
-        folders[companion.block.name] = _with_vectors(beside, given, answered)
+        recorded = dict(companion.inputs(inputs, answers.outputs))
+        answered = host.load(beside.files, beside.manifest).replay(recorded)
+        folders[companion.block.name] = _with_vectors(beside, recorded, answered)
     return folders
 
 
-def _with_vectors(files: Emitted, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> Emitted:
+def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> EmittedCode:
     text = vectors.document(inputs, answers.outputs, answers.faults)
     return replace(files, files={**files.files, "vectors.json": text})
 
@@ -75,21 +74,21 @@ def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
 
 
 def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
-    """Return what gains.json says of a stage: the plant with its parameters, the rate, and the gains of each law."""
+    """Return the document of gains.json: the plant with its parameters, the rate, and the gains of each law."""
     laws = {law.name: dict(law.gains(scalar)) for law in stage.controller.laws if law.gains}
     parameters = {p.name: {"value": p.value, "unit": p.unit, "tolerance": p.tolerance} for p in stage.plant.parameters}
     return {"plant": stage.plant.name, "period_s": stage.controller.time.period_s, "parameters": parameters, **laws}
 
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
-    """Run the experiments with the shipped C; a check of each fails where a state of the laws stood at its bound."""
-    shipped, double = rig(stage, stage.scalar), compiled(stage, np.float64)
-    runs = experiments.run(shipped, stage.experiments, progress)
-    return [headroom.judged(run, double, stage.limited) for run in runs]
+    """Run the experiments with the emitted C; a check of each fails where a state of the laws reached its bound."""
+    single, double = rig(stage, stage.scalar), compiled_controller(stage, np.float64)
+    runs = experiments.run(single, stage.experiments, progress)
+    return [headroom.with_headroom(run, double, stage.limited) for run in runs]
 
 
 def no_audit(stage: Stage) -> Iterator[Row]:
-    """Yield nothing: a stage of one's own has no published figures."""
+    """Yield nothing: only a published stage has published values."""
     return iter(())
 
 
@@ -100,7 +99,7 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
 def bench(
     stage: Stage, own: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
 ) -> Bench:
-    """Return what is measured of the controller as machine code; `own` are steps that only this stage can say."""
+    """Return the stimuli of the machine code; `own` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
         return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
@@ -114,13 +113,13 @@ def bench(
 
 def report(
     stage: Stage,
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
     """Return the report as one HTML document."""
-    from synth.report import template  # what draws takes longer to import than all else together
+    from synth.report import template  # matplotlib takes longer to import than all else together
 
     return template.report(stage, files, evidence, runs, rows, cost)

@@ -1,8 +1,8 @@
-"""What can go wrong, by kind. Each message names the quantity, what was found, what is needed and the mend."""
+"""Exceptions. Each message gives the quantity, the value found, the value needed and the remedy."""
 
 
 class SynthError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base class of every error that this package raises on purpose."""
 
 
 class SignalError(SynthError):
@@ -14,11 +14,11 @@ class TimingError(SynthError):
 
 
 class WiringError(SynthError):
-    """Blocks cannot be wired: a missing signal, two drivers, unlike units or an algebraic loop."""
+    """Blocks cannot be wired: a missing signal, two drivers, different units or an algebraic loop."""
 
 
 class ModelError(SynthError):
-    """A model has no property that was asked for: no trim, an unstabilisable mode, a singular decoupling matrix."""
+    """A model lacks a requested property: no trim point, an unstabilisable mode, a singular decoupling matrix."""
 
 
 class EmitError(SynthError):
@@ -34,4 +34,4 @@ class DesignError(SynthError):
 
 
 class ContentError(SynthError):
-    """A value or its source cannot be compared with another by content, so that nothing can be kept under it."""
+    """A value or its source has no content digest, and no result can be cached under it."""

@@ -1,4 +1,4 @@
-"""Faults: the bits of the word that a step returns, and what it does once it has latched."""
+"""Fault word: the bits that a step returns, and the safe output after a latch."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,8 @@ LATCH_BIT = 31  # of the fault word: it has latched
 class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
 
-    `input` is the input that is out of range, `suspect` the one that contradicts others; without either it has latched.
+    `input` is the input that is out of range, `suspect` the one that contradicts others. Without either the bit reports
+    the latch.
     """
 
     bit: int
@@ -26,7 +27,7 @@ class Fault:
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
-    Both mappings have the outputs of a Block as keys; an output in neither goes on as computed. `reason` says why
+    Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
     these values.
     """
 

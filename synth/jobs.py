@@ -1,27 +1,31 @@
-"""Jobs side by side: a graph of tasks on all cores, each in a process of its own.
+"""Parallel jobs: a directed acyclic graph of tasks, each in a process of its own, as many at a time as there are cores.
 
-A process that raises, or dies, fails its own job; those that come after it are not run, all others finish. Processes
-are forked, so that each begins with what this one has imported and parsed; what it returns must be data.
+A process that raises an error, or dies, fails its own job. Jobs that depend on a failed job do not run; all others
+finish. Processes are forked: each begins with the imported and parsed modules of this one, and returns data. When this
+process is interrupted it stops the others, which remove their temporary files, before the interrupt goes on.
 """
 
 import multiprocessing
 import os
+import signal
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from typing import Any
+from time import monotonic
+from typing import Any, NoReturn
 
 from synth.errors import SynthError
+from synth.progress import Display, Progress
 
-Progress = Callable[[str], None]
+STOP_S = 5.0  # for a stopped process to remove its temporary files, after which it is killed
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """What is run, under a name of its own, once the jobs `after` which it comes have succeeded.
+    """A function to run, with a unique name, once the jobs named in `after` have succeeded.
 
-    `about` goes before each line of its progress. Of the jobs that may run, the first in the list is begun first.
+    `about` goes before each line of its progress. Of the jobs that can run, the first in the list begins first.
     """
 
     name: str
@@ -32,7 +36,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a job returned, or why it failed: `expected` tells an error on purpose from a crash."""
+    """The value that a job returned, or why it failed; `expected` is False for a crash, which is no SynthError."""
 
     value: Any = None
     error: str = ""
@@ -51,10 +55,10 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def run(jobs: Sequence[Job], say: Callable[[str, str], None], processes: int | None = None) -> Mapping[str, Outcome]:
-    """Run jobs, `processes` at a time (as many as there are cores); return what became of each, by name.
+def run(jobs: Sequence[Job], display: Display, processes: int | None = None) -> Mapping[str, Outcome]:
+    """Run jobs, `processes` at a time (by default as many as there are cores); return the outcome of each, by name.
 
-    `say(about, line)` is called for each line of progress, in this process. Each name in `after` is that of a job.
+    The `display` is called in this process. Each name in `after` is that of a job.
     """
     outcomes: dict[str, Outcome] = {}
     running: list[_Running] = []
@@ -64,26 +68,41 @@ def run(jobs: Sequence[Job], say: Callable[[str, str], None], processes: int | N
             while len(running) < (processes or cores()) and (job := _ready(waiting, outcomes)):
                 waiting.remove(job)
                 running.append(_start(job))
-            for each in [r for end in wait([r.end for r in running]) for r in running if r.end is end]:
-                if (outcome := _heard(each, say)) is not None:
+                display.begin(job.name, job.about)
+            ready = wait([r.end for r in running], display.tick_s)
+            for each in [r for r in running if r.end in ready]:
+                if (outcome := _receive(each, display)) is not None:
                     outcomes[each.job.name] = outcome
                     running.remove(each)
-            waiting = _skip_failed(waiting, outcomes)
+                    display.end(each.job.name)
+            waiting = _skip_failed(waiting, outcomes, display)
+            display.tick()
     finally:
-        for each in running:
-            each.process.terminate()
+        _stop(running)
     return {job.name: outcomes[job.name] for job in jobs}
 
 
-def _skip_failed(waiting: Sequence[Job], outcomes: dict[str, Outcome]) -> list[Job]:
-    """Return the jobs that may still run; those after a failed one have failed too."""
+def _stop(running: Sequence[_Running]) -> None:
+    """Stop processes; kill those that do not end in time, since a long computation outside Python cannot hear."""
+    for each in running:
+        each.process.terminate()
+    deadline = monotonic() + STOP_S
+    for each in running:
+        each.process.join(max(0.0, deadline - monotonic()))
+        each.process.kill()
+        each.process.join()
+
+
+def _skip_failed(waiting: Sequence[Job], outcomes: dict[str, Outcome], display: Display) -> list[Job]:
+    """Return the jobs that can still run; a job that depends on a failed one fails too."""
     left = list(waiting)
     for job in waiting:
         failed = [name for name in job.after if name in outcomes and outcomes[name].error]
         if failed:
             outcomes[job.name] = Outcome(error=f"not run: {failed[0]} failed")
             left.remove(job)
-    return left if len(left) == len(waiting) else _skip_failed(left, outcomes)
+            display.end(job.name)
+    return left if len(left) == len(waiting) else _skip_failed(left, outcomes, display)
 
 
 def _ready(waiting: Sequence[Job], outcomes: Mapping[str, Outcome]) -> Job | None:
@@ -101,24 +120,36 @@ def _start(job: Job) -> _Running:
 
 def _work(job: Job, end: Connection) -> None:
     """Run a job in its process; send its progress and then its outcome."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _end_process)
     try:
         outcome = Outcome(job.run(lambda line: end.send(line)))
         end.send(outcome)
     except (SynthError, OSError) as error:
         end.send(Outcome(error=str(error)))
+    except _Stopped:
+        raise
     except BaseException:
         end.send(Outcome(error=traceback.format_exc(), expected=False))
 
 
-def _heard(running: _Running, say: Callable[[str, str], None]) -> Outcome | None:
-    """Pass on a line of progress and return None, or return how the job ended."""
+class _Stopped(SystemExit):
+    """The end of a process that was asked to stop: its `finally` clauses run, and it says nothing."""
+
+
+def _end_process(number: int, _: object) -> NoReturn:
+    raise _Stopped(128 + number)
+
+
+def _receive(running: _Running, display: Display) -> Outcome | None:
+    """Show a line of progress and return None, or return the outcome of the job."""
     try:
         message = running.end.recv()
     except (EOFError, OSError):
         running.process.join()
         return Outcome(error=f"its process ended with status {running.process.exitcode}", expected=False)
     if isinstance(message, str):
-        say(running.job.about, message)
+        display.report(running.job.name, running.job.about, message)
         return None
     running.process.join()
     return message if isinstance(message, Outcome) else Outcome(message)

@@ -1,4 +1,4 @@
-"""Kinds: which values pass for an annotation; `arguments` says what each annotation means."""
+"""Kinds of values: a predicate for each type annotation; `arguments` documents the annotations."""
 
 import functools
 import inspect
@@ -20,7 +20,7 @@ NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
 
 @dataclass(frozen=True)
 class Kind:
-    """Which values pass for an annotation, and what to give instead of another."""
+    """The values that pass for an annotation, and the text that asks for such a value."""
 
     passes: Callable[[Any], bool]
     need: str
@@ -29,7 +29,7 @@ class Kind:
 
 @functools.cache
 def of(annotation: Any) -> Kind | None:
-    """Return the kind of an annotation; None where everything passes."""
+    """Return the kind of an annotation, None where every value passes."""
     if annotation in KINDS:
         return KINDS[annotation]
     origin, inner = get_origin(annotation), get_args(annotation)
@@ -84,7 +84,7 @@ def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
 
 
 def _sequence(kind: Kind | None, once: bool) -> Kind:
-    """Return the kind of a list; of what can be iterated over `once` only, the entries are not looked at."""
+    """Return the kind of a list; the entries of an iterator that can be read only `once` are not checked."""
 
     def passes(values: Any) -> bool:
         if not _is_listed(values):

@@ -1,7 +1,7 @@
-"""Laws: a user's function of named symbols, evaluated once; its mistakes are told with the Block's or plant's name.
+"""Evaluation of a user's symbolic function, with errors that name the Block or plant.
 
-What Python decides while it runs the function, it decides before any signal has a value. `if u > 0`, `max(u, 0)` and
-`u > 0 and u < 1` ask a symbol for its truth, which CasADi refuses; `math.sin(u)` asks it for a float and gets NaN.
+The function runs once, before any signal has a value. `if u > 0`, `max(u, 0)` and `u > 0 and u < 1` need the truth
+value of a symbol, which CasADi refuses; `math.sin(u)` needs a float and gets NaN.
 """
 
 import traceback
@@ -23,7 +23,7 @@ INDEX = "look a number up with block.table, and repeat with a count that is a nu
 
 
 class Named(dict[str, ca.SX]):
-    """Symbols by name; `what` says whose they are, for a name that is not among them."""
+    """Symbols by name; `what` names their owner in the error for an unknown name."""
 
     def __init__(self, what: str, symbols: Mapping[str, ca.SX]) -> None:
         super().__init__(symbols)
@@ -45,9 +45,9 @@ def column(what: str, symbols: Mapping[str, ca.SX], names: Iterable[str]) -> ca.
     return ca.vcat([symbols[name] for name in listed])
 
 
-def require_names(what: str, wanted: Sequence[str], given: Collection[str]) -> None:
-    """Raise SignalError, calling them `what`, unless all wanted names are given and no others."""
-    missing, unknown = [n for n in wanted if n not in given], [n for n in given if n not in wanted]
+def require_names(what: str, expected: Sequence[str], names: Collection[str]) -> None:
+    """Raise SignalError, calling them `what`, unless `names` are the `expected` ones."""
+    missing, unknown = [n for n in expected if n not in names], [n for n in names if n not in expected]
     if missing or unknown:
         raise SignalError(
             f"{what}: missing {missing or 'none'}, not declared {unknown or 'none'}: give one for each signal"
@@ -55,10 +55,10 @@ def require_names(what: str, wanted: Sequence[str], given: Collection[str]) -> N
 
 
 def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
-    """Return what a user's function makes of symbols.
+    """Return the result of a user's function of symbols.
 
-    Raises SignalError, naming `what`, the line and CasADi's function to use instead, where Python wants the value of a
-    symbol.
+    Raises SignalError, naming `what`, the line and the function of CasADi to use instead, where Python needs the value
+    of a symbol.
     """
     try:
         return function(*args, **kwargs)
@@ -68,7 +68,7 @@ def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwa
                 f"{what} cannot be called with {len(args)} arguments ({error}): give it one for each"
             ) from error
         if mend := _mend(str(error)):
-            raise SignalError(f"{what} wants the value of a symbol{_line(error)}: {mend}") from error
+            raise SignalError(f"{what} needs the value of a symbol{_line(error)}: {mend}") from error
         raise
 
 
@@ -85,18 +85,18 @@ def _line(error: Exception) -> str:
 
 
 def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX]) -> None:
-    """Raise SignalError, naming `what` and the expression, for one that computes with NaN; ca.if_else may select it."""
+    """Raise SignalError, naming `what` and the expression, that computes with NaN; ca.if_else may select NaN."""
     for name, expr in exprs.items():
         if _has_nan(expr, list(symbols)):
             raise SignalError(
-                f"{what} computes '{name}' with NaN, which is what a function of Python's math makes of a symbol: use "
+                f"{what} computes '{name}' with NaN, the result of a function of Python's math for a symbol: use "
                 "CasADi's, like ca.sin(u) for math.sin(u)"
             )
 
 
 def _has_nan(expr: ca.SX, symbols: Sequence[ca.SX]) -> bool:
     f = ca.Function("f", list(symbols), [ca.SX(expr)], {"allow_free": True})
-    unset: set[int] = set()  # registers that hold NaN, which a selection by ca.if_else may, and nothing else
+    unset: set[int] = set()  # registers that hold NaN; only a selection by ca.if_else may read them
     for k in range(f.n_instructions()):
         operation, used, made = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
         if operation == ca.OP_CONST:

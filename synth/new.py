@@ -1,7 +1,7 @@
-"""A new stage: a levitator of one axis with its law, reference and experiments, to be turned into the reader's own.
+"""Project template (`synth new`): a one-axis levitator with law, reference and experiments, as a start for a stage.
 
-In a folder that holds no workspace yet a new one is made, with README, settings of git and of continuous integration;
-in the root of a workspace the stage joins those that are there.
+Outside a workspace it makes one, with README, .gitignore and continuous integration. In the root of a workspace it
+adds the stage to those present.
 """
 
 import keyword
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import jinja2
 
-from synth import signals
+from synth import signals, store
 from synth.errors import DesignError
 
 STAGE = {
@@ -21,24 +21,29 @@ STAGE = {
     "test_design.py.j2": "tests/test_{name}.py",
 }
 WORKSPACE = {"README.md.j2": "README.md", "gitignore.j2": ".gitignore", "ci.yml.j2": ".github/workflows/ci.yml"}
-RESERVED = ("designs", "models", "synth", "test", "tests")  # modules that a model of that name would hide
+RESERVED = ("designs", "models", "synth", "test", "tests")  # a model of that name would hide the module
 
 
 def create(root: Path, name: str) -> tuple[Path, tuple[Path, ...]]:
     """Write the files of a new stage; return the root of its workspace and the files, relative to it.
 
-    Raises SignalError for a name that C does not take, and DesignError for one that Python does not take and where a
-    file is there already: then nothing is written.
+    Raises SignalError for a name that C does not allow, and DesignError for one that Python does not allow or where a
+    file exists already; then nothing is written.
     """
     _check_name(name)
     in_workspace = (root / "designs").is_dir()
     folder, sources = (root, STAGE) if in_workspace else (root / name, WORKSPACE | STAGE)
-    files = _rendered(sources, name)
+    files = _render(sources, name)
     if present := [path for path in files if (folder / path).exists()]:
         raise DesignError(f"{folder / present[0]} exists already, and nothing was written: choose another name")
-    for path, text in files.items():
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        (folder / path).write_text(text, encoding="utf-8")
+    try:
+        for path, text in files.items():
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            store.replace_text(folder / path, text)
+    except BaseException:
+        for path in files:
+            (folder / path).unlink(missing_ok=True)
+        raise
     return folder, tuple(files)
 
 
@@ -51,7 +56,7 @@ def _check_name(name: str) -> None:
         )
 
 
-def _rendered(sources: Mapping[str, str], name: str) -> dict[Path, str]:
+def _render(sources: Mapping[str, str], name: str) -> dict[Path, str]:
     loader = jinja2.PackageLoader("synth", "new_stage")
     environment = jinja2.Environment(loader=loader, undefined=jinja2.StrictUndefined, keep_trailing_newline=True)
     return {Path(path.format(name=name)): environment.get_template(t).render(name=name) for t, path in sources.items()}

@@ -1,13 +1,13 @@
-"""Plants: dx/dt = f(x, u, p), y = h(x, u, p), symbolic, with the box of states and inputs in which they are valid."""
+"""Symbolic nonlinear plants, dx/dt = f(x, u, p), y = h(x, u, p), valid in a box of states and inputs."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from synth import arguments, law
+from synth import arguments, law, show
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, names
 
@@ -16,7 +16,7 @@ Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mappi
 
 
 @arguments.checked
-@dataclass(frozen=True, eq=False)
+@show.result
 class Plant:
     """A continuous nonlinear model; the signals' ranges are its domain.
 
@@ -30,6 +30,14 @@ class Plant:
     parameters: tuple[Parameter, ...]
     f: ca.Function
     h: ca.Function
+
+    def sheet(self) -> show.Sheet:
+        """Return the signals with their ranges, and the parameters."""
+        groups = {"state": self.states, "input": self.inputs, "output": self.outputs}
+        rows = ((p.name, show.number(p.value), p.unit, f"{p.tolerance:g}", p.source) for p in self.parameters)
+        parameters = show.Table(("parameter", "value", "unit", "tolerance", "source"), tuple(rows))
+        tables = (show.signals(groups), *([parameters] if self.parameters else []))
+        return show.Sheet(f"Plant {self.name}: dx/dt = f(x, u, p), y = h(x, u, p)", tables=tables)
 
     @property
     def values(self) -> NDArray[np.float64]:
@@ -82,7 +90,7 @@ def build(
 ) -> Plant:
     """Make a Plant from `physics(x, u, p) -> (derivatives by state, outputs by name)`.
 
-    Raises SignalError when a derivative or output is missing or one is not known, or when a state's unit is unreadable.
+    Raises SignalError when a derivative or output is missing or unknown, or when the unit of a state is unreadable.
     """
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
@@ -98,10 +106,10 @@ def build(
     return Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
 
 
-def _pair(name: str, given: object) -> tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]:
-    if isinstance(given, tuple) and len(given) == 2 and all(isinstance(part, Mapping) for part in given):
-        return given
+def _pair(name: str, values: object) -> tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]:
+    if isinstance(values, tuple) and len(values) == 2 and all(isinstance(part, Mapping) for part in values):
+        return values
     raise SignalError(
-        f"the physics of plant '{name}' returns {arguments.found(given)}: return two mappings, the derivatives by "
+        f"the physics of plant '{name}' returns {arguments.describe(values)}: return two mappings, the derivatives by "
         "state and the outputs by name"
     )

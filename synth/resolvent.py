@@ -1,16 +1,16 @@
-"""The response C (v I - A)^-1 B + D of a linear model at many points v, from the real Schur form of its balanced A.
+"""Frequency response C (v I - A)^-1 B + D at many points v, by the real Schur form of the balanced A.
 
     S^-1 A S = U T U',      (v I - T) Z = U' S^-1 B,      X = U Z,      M(v) = C S X + D
 
 S is diagonal with powers of two, U is orthogonal, and T is upper triangular but for 2 x 2 blocks, one for each complex
-pair of poles. The triangular equations of many points are solved together, a block of rows at a time, so that the time
-goes into products of matrices (Laub 1981 takes the Hessenberg form instead, one point at a time).
+pair of poles. The triangular equations of many points are solved together, a block of rows at a time: products of
+matrices take most of the time (Laub 1981 takes the Hessenberg form instead, one point at a time).
 
 U spreads the rounding of the largest entries of A over all others. So the residual R = B - (v I - A) X is compared,
-entry by entry, with |B| + |v X| + |A| |X|: where it is small, X is the solution for a matrix whose entries are off by
-their own rounding. Elsewhere iterative refinement takes X there (Higham, Accuracy and Stability of Numerical
-Algorithms, section 12), and where that does not converge, next to a pole, (v I - A) X = B is solved by elimination. So
-are small models and few points: that takes less time than the Schur form.
+entry by entry, with |B| + |v X| + |A| |X|: where it is small, X is the exact solution for a matrix whose entries
+differ from those of A by rounding (backward stability). Elsewhere iterative refinement improves X (Higham, Accuracy
+and Stability of Numerical Algorithms, section 12). Where that does not converge, next to a pole, (v I - A) X = B is
+solved by elimination. Elimination also serves small models and few points, where it is faster.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ ROWS = 32  # of T in one block of the triangular solution
 ENTRIES = 2**16  # of the states at the points of one chunk: 1 MB, which stays in the processor's cache
 TOGETHER = 8  # chunks whose inexact solutions are refined together
 MATRICES = 2**20  # entries of all matrices v I - A that are held at once: 16 MB
-BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: what elimination guarantees is not refined
+BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: the accuracy of elimination
 NEAR = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
 CLOSE = 1e-3  # a refinement that moves the states by less shows that the point is no pole
 STEPS = 2  # of refinement, before elimination
@@ -39,7 +39,7 @@ STEPS = 2  # of refinement, before elimination
 class Schur:
     """T (n, n), quasi-triangular and real, and U (n, n), orthogonal, of A = U T U'.
 
-    `poles` (n,) are the eigenvalues of A as they stand on the diagonal of T; `edges` cut its rows into blocks.
+    `poles` (n,) are the eigenvalues of A in the order of the diagonal of T; `edges` divide its rows into blocks.
     """
 
     T: Array
@@ -76,7 +76,7 @@ class Schur:
         [[v - a, -b], [-c, v - a]] is [[v - a, b], [c, v - a]] / ((v - p)(v - p*)), and a = (p + p*) / 2.
         """
         first = v - self.poles[:, None]
-        inverse = 1 / (first.real**2 + first.imag**2)  # beyond a double's range the solution is off, which is noticed
+        inverse = 1 / (first.real**2 + first.imag**2)  # an overflow spoils the solution, and the residual shows it
         first.real *= inverse
         first.imag *= -inverse
         second = np.zeros_like(first)
@@ -103,7 +103,7 @@ def schur(A: Array) -> Schur:
 
 
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
-    """Return A, B, C in states scaled by powers of two so that rows and columns of A are of like size."""
+    """Return A, B, C in states scaled by powers of two that make the rows and columns of A of similar size."""
     if not len(A):
         return A, B, C
     A, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
@@ -130,28 +130,28 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
     A, B, C = balanced(A, B, C)
     form = schur(A)
     for part in _chunks(len(v), TOGETHER * ENTRIES // B.size):
-        M[part] += _refined(form, A, B, C, v[part])
+        M[part] += _solve_refined(form, A, B, C, v[part])
     return M
 
 
 def singular(A: Array, v: Complex) -> complex:
-    """Return that of the points v (k,) at which v I - A is nearest to singular."""
+    """Return the point among v (k,) at which v I - A is nearest to singular."""
     parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
     sizes = [np.linalg.slogdet(part[:, None, None] * np.eye(len(A)) - A)[1] for part in parts]
     return complex(v[int(np.concatenate(sizes).argmin())])
 
 
-def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
+def _solve_refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
     M, places, right = np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128), np.arange(len(v)), form.U.T @ B
     inexact = []
-    with np.errstate(all="ignore"):  # at a pole X is infinite; elimination tells what that is
+    with np.errstate(all="ignore"):  # at a pole X is infinite; elimination raises the error
         for part in _chunks(len(v), ENTRIES // B.size):
             X = _product(form.U, form.solve(v[part], right[:, :, None]))
             M[part] = _product(C, X).transpose(2, 0, 1)
             size, residual = _size(X), _residual(A, B, v[part], X)
             near = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v[part])) > NEAR * np.abs(B).max()
-            far = ~_satisfied(A, B, v[part], size, residual) | near
+            far = ~_is_backward_stable(A, B, v[part], size, residual) | near
             inexact.append((places[part][far], X[:, :, far], residual[:, :, far]))
         left, X, residual = (np.concatenate(each, axis=-1) for each in zip(*inexact, strict=True))
         for _ in range(STEPS):
@@ -161,15 +161,15 @@ def _refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
             X = X + change
             M[left] = _product(C, X).transpose(2, 0, 1)
             size, residual = _size(X), _residual(A, B, v[left], X)
-            moved = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
-            far = ~(_satisfied(A, B, v[left], size, residual) & (moved <= CLOSE))
+            relative_change = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
+            far = ~(_is_backward_stable(A, B, v[left], size, residual) & (relative_change <= CLOSE))
             left, X, residual = left[far], X[:, :, far], residual[:, :, far]
     M[left] = _direct(A, B, C, v[left])
     return M
 
 
 def _chunks(count: int, most: int) -> list[slice]:
-    """Return the places from 0 to `count` in parts of like size, each of at most `most`, or of one."""
+    """Return the places from 0 to `count` in parts of similar size, each of at most `most`, or of one."""
     parts = -(-count // max(1, most))
     edges = [count * k // max(1, parts) for k in range(parts + 1)]
     return [slice(first, last) for first, last in pairwise(edges)]
@@ -183,8 +183,8 @@ def _residual(A: Array, B: Array, v: Complex, X: Complex) -> Complex:
     return residual
 
 
-def _satisfied(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
-    """Tell for each point (k,) whether X, whose entries have the `size` (n, m, k), leaves no more than rounding.
+def _is_backward_stable(A: Array, B: Array, v: Complex, size: Array, residual: Complex) -> NDArray[np.bool_]:
+    """Return for each point (k,) whether the residual of X, of entries of `size` (n, m, k), is rounding error.
 
     |A| |X| is left out first: the product takes time, and few points need it.
     """
@@ -213,5 +213,5 @@ def _direct(A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by elimination at each point."""
     parts = [v[part] for part in _chunks(len(v), MATRICES // len(A) ** 2)]
     shifted = (part[:, None, None] * np.eye(len(A)) - A for part in parts)
-    found = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
-    return np.concatenate(found) if found else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)
+    responses = [C @ np.linalg.solve(each, np.broadcast_to(B, (len(each), *B.shape))) for each in shifted]
+    return np.concatenate(responses) if responses else np.zeros((0, len(C), B.shape[1]), dtype=np.complex128)

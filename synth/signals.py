@@ -1,8 +1,8 @@
-"""Signals: a name, a unit and a range; the unit is an SI product such as ``kg m^2/s^2``.
+"""Signals with name, unit and range, and dimensional analysis of units such as ``kg m^2/s^2``.
 
 A unit denotes a point in the free abelian group over the base units (m, kg, s, A, K, rad); two units agree when their
 exponents do, so that ``N`` and ``kg m/s^2`` are one unit while ``rad`` and ``1`` are not. There are no prefixes: every
-quantity is in SI base scale, and factors of a thousand cannot hide in a name.
+quantity is in SI base scale, and a unit contains no hidden factor of a thousand.
 """
 
 import math
@@ -38,7 +38,7 @@ _FACTOR = re.compile(r"(?P<op>[ /])?(?P<name>1|[A-Za-z]+)(?:\^(?P<power>-?\d+))?
 def dimension(unit: str) -> Dimension:
     """Parse `unit` into sorted (base unit, exponent) pairs.
 
-    Raises SignalError when the text is no product of known units.
+    Raises SignalError when the text is not a product of known units.
     """
     exponents: dict[str, Fraction] = {}
     position = 0
@@ -76,10 +76,10 @@ def per_second(unit: str) -> str:
 
 @arguments.checked
 def identifier(kind: str, name: str) -> None:
-    """Raise SignalError when `name` cannot stand in C as the name of a `kind`."""
+    """Raise SignalError when `name` is not an identifier of C for a `kind`."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or _KEYWORD.fullmatch(name):
         raise SignalError(
-            f"{kind} name '{name}' is no identifier of C: use letters, digits and underscores, and no word of C itself"
+            f"{kind} name '{name}' is no identifier of C: use letters, digits and underscores, and no keyword of C"
         )
 
 
@@ -88,7 +88,7 @@ def identifier(kind: str, name: str) -> None:
 class Signal:
     """A scalar quantity that is wired by name.
 
-    `low` and `high` bound the values, in `unit`, for which the design holds. An identifier of C serves as `name`.
+    `low` and `high` bound the values, in `unit`, for which the design holds. The `name` is an identifier of C.
     """
 
     name: str
@@ -129,14 +129,14 @@ class Parameter:
 
 @arguments.checked
 def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
-    """Return the names in order; raise SignalError when one stands twice."""
+    """Return the names in order; raise SignalError when one is listed twice."""
     signals = tuple(signals)
     if strangers := [s for s in signals if not isinstance(s, Signal | Parameter)]:
-        raise SignalError(f"{arguments.found(strangers[0])} is no signal: give a list of Signals or Parameters")
-    found = tuple(s.name for s in signals)
-    for name in found:
-        if found.count(name) > 1:
+        raise SignalError(f"{arguments.describe(strangers[0])} is no signal: give a list of Signals or Parameters")
+    listed = tuple(s.name for s in signals)
+    for name in listed:
+        if listed.count(name) > 1:
             raise SignalError(
-                f"the name '{name}' is declared {found.count(name)} times: each signal needs its own name"
+                f"the name '{name}' is declared {listed.count(name)} times: each signal needs its own name"
             )
-    return found
+    return listed

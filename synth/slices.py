@@ -1,14 +1,14 @@
-"""Program slices: the statements that a function may run, read from the syntax trees of its module and its imports.
+"""Program slicing: the statements that a function may run, from the syntax trees of its module and its imports.
 
     slice(f) = the least set that holds f's own statement, and with a statement every top-level statement that it names,
                in its module or by way of an import, and all that runs when a module of the slice is imported
 
-Its digest changes when what the function computes may change, and stays when unrelated functions beside it change. A
-module that is named as a whole (passed on, or read by a name that it does not define) counts whole. Data files beside
-the modules (`.toml`, `.c`, ...) count where they are asked for. Comments do not count; docstrings do.
+The digest of a slice changes when the function may compute something else, and stays when unrelated functions beside
+it change. A module that is passed on as a whole, or read by a name that it does not define, counts whole. Data files
+beside the modules (`.toml`, `.c`, ...) count on request. Comments do not count; docstrings do.
 
-Followed are `synth` and the packages of the workspace that holds the function; of others the versions count. What a
-string names at run time is not seen: formulas of an audit call functions of modules that are named as a whole.
+The slice follows imports of `synth` and of the packages of the workspace; other packages count by their versions. It
+does not see a name in a string: formulas of an audit call functions of modules that are named as a whole.
 
 Source: M. Weiser, Program slicing, IEEE Trans. Software Engineering 10 (1984), 352-357.
 """
@@ -29,7 +29,7 @@ from synth.errors import ContentError
 from synth.sources import BARE, TOOLKIT, Statement
 
 DATA = (".toml", ".c", ".h", ".j2", ".css", ".md", ".json", ".csv")
-WHOLE = "*"  # in place of the name of one statement: all of a module; BARE is what it runs when it is imported
+WHOLE = "*"  # instead of the name of one statement: all of a module; BARE: the statements that run at its import
 
 Place = tuple[str, str]  # module and name
 
@@ -37,7 +37,7 @@ Place = tuple[str, str]  # module and name
 def digest(function: Callable[..., Any] | type, data: bool = False) -> str:
     """Return the digest of the slice of a function or class; with `data` also of data files beside its modules.
 
-    Raises ContentError where its source is not in a file, or where a function of the slice was replaced since.
+    Raises ContentError where its source is not in a file, or where a function of the slice has been replaced.
     """
     entry = _entry(function)
     lines = [_digest(entry, data), *_live(entry.root, _places(entry))]
@@ -61,21 +61,21 @@ def _digest(entry: "_Entry", data: bool) -> str:
 
 
 def _live(root: Path, places: frozenset[Place]) -> Iterator[str]:
-    """Yield the numbers and texts that stand at places now: a program, or a test, may set them after the import."""
+    """Yield the present numbers and texts of places: a program, or a test, may set them after the import."""
     for module, name in sorted(places):
         value = getattr(sys.modules.get(module), name, None) if name not in (WHOLE, BARE) else None
         if inspect.isfunction(value) or isinstance(value, type):
-            _require_own(root, (module, name), value)
+            _require_original(root, (module, name), value)
         elif (plain := _plain(value)) is not None:
             yield f"{module} {name} {plain}"
 
 
-def _require_own(root: Path, place: Place, value: Any) -> None:
-    """Raise ContentError where a statement defines a function or class and another one stands in its place."""
+def _require_original(root: Path, place: Place, value: Any) -> None:
+    """Raise ContentError where a function or class has replaced the one that a statement defines."""
     inner, name = inspect.unwrap(value), ".".join(place)
-    found = f"{inner.__module__}.{inner.__qualname__}"
-    if found != name and any(s.defines for s in _at(root, place)):
-        raise ContentError(f"slice: found {found} in place of {name}, need what its source says: put it back")
+    actual = f"{inner.__module__}.{inner.__qualname__}"
+    if actual != name and any(s.defines for s in _at(root, place)):
+        raise ContentError(f"slice: found {actual} in place of {name}, need what its source says: put it back")
 
 
 def _plain(value: Any) -> str | None:
@@ -91,21 +91,21 @@ def _plain(value: Any) -> str | None:
 
 
 def is_followed(function: Callable[..., Any] | type) -> bool:
-    """Whether the source of a function or class counts: that of Python and of installed packages has a version."""
+    """Return whether the source of a function or class counts; Python and installed packages have versions instead."""
     path = _file(inspect.unwrap(function))
     if path is None:
         return function.__module__ != "builtins"
-    return path.is_relative_to(TOOLKIT) or not any(map(path.is_relative_to, _installed()))
+    return path.is_relative_to(TOOLKIT) or not any(map(path.is_relative_to, _installation_folders()))
 
 
 @functools.cache
-def _installed() -> tuple[Path, ...]:
+def _installation_folders() -> tuple[Path, ...]:
     return tuple(Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib"))
 
 
 @dataclass(frozen=True)
 class _Entry:
-    """Where a slice begins: a top-level statement of a module, or the lambdas in one line of it."""
+    """The start of a slice: a top-level statement of a module, or the lambdas in one of its lines."""
 
     module: str
     path: Path
@@ -141,24 +141,24 @@ def _entry(function: Callable[..., Any] | type) -> _Entry:
 
 
 def _file(function: Callable[..., Any] | type) -> Path | None:
-    """Return the file with the source of a function or class, None for what is built in or typed at a prompt."""
+    """Return the file with the source of a function or class, None for a built-in or one typed at a prompt."""
     try:
-        return _resolved(inspect.getfile(function))
+        return _resolve(inspect.getfile(function))
     except (TypeError, OSError):
         return None
 
 
 @functools.cache
-def _resolved(file: str) -> Path | None:
+def _resolve(file: str) -> Path | None:
     path = Path(file).resolve()
     return path if path.is_file() else None
 
 
 def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]:
-    """Return the places that can be reached from where a slice starts."""
+    """Return the places that can be reached from the start of a slice."""
     waiting = [each for each in start if not isinstance(each, Statement)]
     module = waiting[0][0]
-    waiting += [place for each in start if isinstance(each, Statement) for place in _reached(root, module, each)]
+    waiting += [place for each in start if isinstance(each, Statement) for place in _named_places(root, module, each)]
     places: set[Place] = set()
     while waiting:
         place = waiting.pop()
@@ -170,7 +170,7 @@ def _closure(root: Path, start: Sequence[Place | Statement]) -> frozenset[Place]
 
 @functools.cache
 def _next(root: Path, place: Place) -> tuple[Place, ...]:
-    """Return the places that the statements at a place name, and those that run with the import of its module."""
+    """Return the places that the statements at a place name, and those that the import of its module runs."""
     name = place[0]
     module = sources.module(root, name)
     if module is None:
@@ -178,7 +178,7 @@ def _next(root: Path, place: Place) -> tuple[Place, ...]:
     imported = [(t, BARE) for target in module.imports.values() for t in _targets(target)]
     imported += [(target[:-2], WHOLE) for target in module.imports.values() if target.endswith(".*")]
     packages = [(".".join(name.split(".")[:k]), BARE) for k in range(1, name.count(".") + 1)]
-    reached = [p for s in _at(root, place) for p in _reached(root, name, s)]
+    reached = [p for s in _at(root, place) for p in _named_places(root, name, s)]
     return tuple(dict.fromkeys([(name, BARE), *imported, *packages, *reached]))
 
 
@@ -197,44 +197,44 @@ def _at(root: Path, place: Place) -> tuple[Statement, ...]:
     return module.statements.get(place[1], ())
 
 
-def _reached(root: Path, name: str, statement: Statement) -> Iterator[Place]:
+def _named_places(root: Path, name: str, statement: Statement) -> Iterator[Place]:
     """Yield the places that a statement of a module names."""
-    own, module = dict(statement.imports), sources.module(root, name)
-    for target in own.values():
+    local, module = dict(statement.imports), sources.module(root, name)
+    for target in local.values():
         yield from ((t, BARE) for t in _targets(target))
     for first, *attributes in statement.paths:
-        if first in own:
-            yield from _followed(root, own[first], attributes)
+        if first in local:
+            yield from _follow(root, local[first], attributes)
         elif module and first in module.statements:
             yield name, first
         elif module and first in module.imports:
-            yield from _followed(root, module.imports[first], attributes)
+            yield from _follow(root, module.imports[first], attributes)
 
 
-def _followed(root: Path, target: str, attributes: Sequence[str]) -> Iterator[Place]:
+def _follow(root: Path, target: str, attributes: Sequence[str]) -> Iterator[Place]:
     """Yield what `target.attribute. ...` names, where the target is a module or a name in one."""
     if sources.module(root, target) is None:
         parent, _, last = target.rpartition(".")
         if parent and sources.module(root, parent) is not None:
-            yield from _named(root, parent, last, attributes)
+            yield from _follow_name(root, parent, last, attributes)
         return
     if not attributes:
         yield target, WHOLE
         return
     deeper = f"{target}.{attributes[0]}"
     if sources.module(root, deeper) is not None:
-        yield from _followed(root, deeper, attributes[1:])
+        yield from _follow(root, deeper, attributes[1:])
     else:
-        yield from _named(root, target, attributes[0], attributes[1:])
+        yield from _follow_name(root, target, attributes[0], attributes[1:])
 
 
-def _named(root: Path, name: str, wanted: str, attributes: Sequence[str]) -> Iterator[Place]:
+def _follow_name(root: Path, name: str, binding: str, attributes: Sequence[str]) -> Iterator[Place]:
     """Yield the statement that binds a name in a module, the one that it is imported from, or the module whole."""
     module = sources.module(root, name)
-    if module and wanted in module.statements:
-        yield name, wanted
-    elif module and wanted in module.imports:
-        yield from _followed(root, module.imports[wanted], attributes)
+    if module and binding in module.statements:
+        yield name, binding
+    elif module and binding in module.imports:
+        yield from _follow(root, module.imports[binding], attributes)
     else:
         yield name, WHOLE
 

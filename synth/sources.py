@@ -1,7 +1,7 @@
-"""Sources of the toolkit and of a workspace: the top-level statements of a module, what they name, what they import.
+"""Parsed sources of the toolkit and of a workspace: top-level statements of a module, names in them, and imports.
 
-A module is read once in a process: what is imported does not change with its file afterwards. What is found in its
-syntax tree is kept under the digest of its text.
+A process reads a module once, since an imported module does not change with its file. The summary of a syntax tree is
+cached under the digest of the text.
 """
 
 import ast
@@ -15,16 +15,16 @@ from pathlib import Path
 from synth import store
 
 TOOLKIT = Path(__file__).resolve().parent
-BARE = ""  # in place of the name that a statement binds, where it does more than that
+BARE = ""  # instead of a bound name, for a statement that does more than bind names
 
 Paths = tuple[tuple[str, ...], ...]  # dotted names, split at the dots
 
 
 @dataclass(frozen=True)
 class Statement:
-    """A top-level statement: the digest of its text, the dotted names in it, and the names that it imports itself.
+    """A top-level statement: the digest of its text, the dotted names in it, and the names that it imports.
 
-    `defines` tells a function or a class.
+    `defines` is True for a function or a class.
     """
 
     digest: str
@@ -58,18 +58,18 @@ def module(root: Path, name: str) -> Module | None:
 
 @cache
 def parsed(path: Path | None, name: str) -> Module:
-    """Read a module once in a process: what is imported does not change with its file afterwards."""
+    """Read a module, once in a process."""
     if path is None:  # a folder without __init__.py
         return Module(Path(), {}, {})
     content = text(path)
-    own = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
-    key = hashlib.sha256(own + f"{name} {path.name} ".encode() + content).hexdigest()
+    version = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
+    key = hashlib.sha256(version + f"{name} {path.name} ".encode() + content).hexdigest()
     return Module(path, *store.fetch(key, lambda: _summary(ast.parse(content), name, path.name == "__init__.py")))
 
 
 @cache
 def text(path: Path) -> bytes:
-    """Return what a file holds, as it was when it was first asked for."""
+    """Return the content of a file at the first call."""
     return path.read_bytes()
 
 
@@ -80,14 +80,14 @@ def _summary(tree: ast.Module, name: str, package: bool) -> tuple[dict[str, tupl
         if isinstance(node, ast.Import | ast.ImportFrom) or _is_docstring(node):
             continue
         made = statement(node, name, package)
-        for bound in _bound(node) or (BARE,):
+        for bound in _bound_names(node) or (BARE,):
             statements[bound] = (*statements.get(bound, ()), made)
     inside = [item for s in statements.get(BARE, ()) for item in s.imports]
     return statements, dict([*inside, *_imports(tree.body, name, package)])
 
 
 def statement(node: ast.AST, name: str, package: bool) -> Statement:
-    """Read a statement, or a lambda, of the module called `name`, which may be that of a package."""
+    """Read a statement, or a lambda, of the module called `name`; `package` marks an `__init__.py`."""
     inside = [n for n in ast.walk(node) if isinstance(n, ast.Import | ast.ImportFrom)]
     digest = hashlib.sha256(ast.unparse(node).encode()).hexdigest()
     defines = isinstance(node, ast.FunctionDef | ast.ClassDef)
@@ -98,8 +98,8 @@ def _is_docstring(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def _bound(node: ast.stmt) -> tuple[str, ...]:
-    """Return the names that a statement binds, none where it does more than that."""
+def _bound_names(node: ast.stmt) -> tuple[str, ...]:
+    """Return the names that a statement binds, none for a statement that does more."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
         return (node.name,)
     targets: list[ast.expr] = []
@@ -112,7 +112,7 @@ def _bound(node: ast.stmt) -> tuple[str, ...]:
 
 
 def _paths(node: ast.AST) -> Iterator[tuple[str, ...]]:
-    """Yield each dotted name in a tree, as long as it goes."""
+    """Yield each dotted name in a tree, in full length."""
     chain: list[str] = []
     inner: ast.AST = node
     while isinstance(inner, ast.Attribute):
@@ -132,7 +132,7 @@ def _imports(nodes: Sequence[ast.AST], name: str, package: bool) -> Iterator[tup
             for a in node.names:
                 top = a.name.split(".")[0]
                 yield (a.asname, a.name) if a.asname else (top, top)
-            yield from ((f".{a.name}", a.name) for a in node.names)  # loaded, under no name of its own
+            yield from ((f".{a.name}", a.name) for a in node.names)  # loaded without a name
         elif isinstance(node, ast.ImportFrom):
             base = name.split(".")[: len(name.split(".")) - node.level + package] if node.level else []
             source = ".".join([*base, *([node.module] if node.module else [])])

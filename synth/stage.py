@@ -1,12 +1,12 @@
-"""One declaration a stage: what surrounds the laws is derived from the plant, and from all of it a design.
+"""From the declaration of a stage to its controller and design.
 
     interface    names, units and ranges from the plant's signals; guard, errors, limits and safe output follow
     controller   guard + errors + laws + limits + safe output, composed into one Block
-    design       everything that the command line does with a stage
+    design       the tasks that the command line runs for a stage
 
 Laws are Blocks. They read ``<name>_held`` of sensors and set-points, ``<sensor>_error``, ``<actuator>_excess``,
-``<actuator>_before``, ``ready``, ``complete`` and ``latched``. They give ``<actuator>_demand``, which is limited here,
-or ``<actuator>_computed``.
+``<actuator>_before``, ``ready``, ``complete`` and ``latched``. Their outputs are ``<actuator>_demand``, which is
+limited here, or ``<actuator>_computed``.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -32,10 +32,10 @@ from synth.declaration import (
     Stage,
     Synthesis,
 )
-from synth.declared import Progress
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.plant import Plant
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.signals import Signal, names
 from synth.simulate.experiment import Experiment
@@ -70,13 +70,13 @@ def interface(
     reason: str = "",
     suspected: Sequence[str] = (),
 ) -> Interface:
-    """Complete what surrounds the laws with the names, units and ranges of the plant's signals.
+    """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
-    go to their safe values, for a `reason` that the header of the C tells. `suspected` are sensors that a law compares.
+    go to their safe values, for a `reason` that the C header states. `suspected` are sensors that a law compares.
 
-    Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input that
-    neither an actuator nor a disturbance drives.
+    Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
+    an actuator or a disturbance.
     """
     outputs = {s.name: s for s in plant.outputs}
     positions = outputs | {s.name: s for s in plant.states}
@@ -135,21 +135,21 @@ def _signal(declared: Sensor | SetPoint | Actuator, of: Signal) -> Signal:
     return Signal(declared.name, of.unit, declared.low, declared.high, declared.about)
 
 
-def guarded(around: Interface) -> tuple[safety.Guarded, ...]:
-    """Return the controller's inputs as the guard takes them; sensors are its measurements."""
-    sensors = [safety.Guarded(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
-    points = [safety.Guarded(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
+def guarded_inputs(around: Interface) -> tuple[safety.GuardedInput, ...]:
+    """Return the inputs of the controller in the form of the guard; sensors are its measurements."""
+    sensors = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
+    points = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
     return (*sensors, *points)
 
 
 def safe(around: Interface) -> safety.Safety:
-    """Return what happens after too many bad samples."""
+    """Return the safe outputs after too many bad samples."""
     values, slews = {a.name: a.safe for a in around.actuators}, {a.name: a.slew_per_s for a in around.actuators}
     return safety.Safety(around.bad_samples, values, slews, around.reason)
 
 
 def errors(time: Discrete, around: Interface, of: Sequence[str]) -> Block:
-    """Return the Block of the tracking errors of some sensors, set-point less measurement: ``<sensor>_error``."""
+    """Return the Block of the tracking errors, set-point minus measurement: ``<sensor>_error``."""
     points = {s.of: s for s in around.set_points if s.of in of}
     held = [around.held(name) for of, s in points.items() for name in (of, s.name)]
 
@@ -160,7 +160,7 @@ def errors(time: Discrete, around: Interface, of: Sequence[str]) -> Block:
 
 
 def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Block:
-    """Return the Block that limits ``<name>_demand`` to ``<name>_computed``; ``<name>_excess`` is what it adds."""
+    """Return the Block that limits ``<name>_demand`` to ``<name>_computed``; ``<name>_excess`` is the difference."""
     ends = {s.name.removesuffix("_demand"): s for s in demands}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
@@ -183,13 +183,13 @@ def controller(
     laws: Laws | Callable[[], Laws],
     outputs: Sequence[str] | None = None,
 ) -> Controller:
-    """Compose guard, errors, laws, limits and safe output; once latched the laws' states stand still.
+    """Compose guard, errors, laws, limits and safe output; after a latch the states of the laws are frozen.
 
-    It is composed when it is first used, and `laws` that are a function are called then. `outputs` are the
-    controller's, the actuators' where they are left out: a law that reads an actuator's value stands behind the safe
-    output and may share it out. Without actuators they are those of the laws, which go on once latched.
+    The controller is composed at its first use, which also calls `laws` where they are a function. `outputs` are by
+    default those of the actuators. A law that reads the value of an actuator comes after the safe output and may
+    distribute it. Without actuators the outputs are those of the laws, which continue after a latch.
 
-    Its use raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
+    The first use raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
     """
 
     def composed() -> Composition:
@@ -201,25 +201,27 @@ def controller(
 def _composition(
     name: str, time: Discrete, around: Interface, laws: Laws, outputs: Sequence[str] | None
 ) -> Composition:
-    made = tuple(_law(law, time, around) for law in laws)
-    blocks = [block for law in made for block in law.blocks]
+    resolved = tuple(_law(law, time, around) for law in laws)
+    blocks = [block for law in resolved for block in law.blocks]
     read = {s.name for block in blocks for s in block.inputs}
     driven = {s.name: s for block in blocks for s in block.outputs}
     demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
-    wanted = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
+    controlled = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
     actuators = [a.name for a in around.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     parts = (
-        safety.guard(time, guarded(around), around.bad_samples, around.suspected, reason=around.reason),
-        *([errors(time, around, wanted)] if wanted else []),
+        safety.guard(time, guarded_inputs(around), around.bad_samples, around.suspected, reason=around.reason),
+        *([errors(time, around, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, around, demands)] if demands else []),
         *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
         *behind,
     )
-    own = list(actuators) or [s.name for block in blocks for s in block.outputs]
-    block = compose(name, parts, inputs=names(around.inputs), outputs=own if outputs is None else list(outputs))
-    return Composition(made, parts, safety.frozen(block) if around.actuators else block)
+    driven_outputs = list(actuators) or [s.name for block in blocks for s in block.outputs]
+    block = compose(
+        name, parts, inputs=names(around.inputs), outputs=driven_outputs if outputs is None else list(outputs)
+    )
+    return Composition(resolved, parts, safety.frozen(block) if around.actuators else block)
 
 
 def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:
@@ -232,7 +234,7 @@ def design(
     controller: Controller,
     plant: Plant,
     *,
-    emit: Callable[[Stage, type[np.floating]], Mapping[str, Emitted]] = declared.emit,
+    emit: Callable[[Stage, type[np.floating]], Mapping[str, EmittedCode]] = declared.emit,
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
     simulate: Callable[[Stage, Progress], Sequence[Experiment]] = declared.simulate,
     audit: Callable[[Stage], Iterator[Row]] = declared.no_audit,
@@ -240,12 +242,12 @@ def design(
     report: Callable[..., str] = declared.report,
     **fields: Any,
 ) -> Design:
-    """Return what the command line does with a stage; `fields` are further ones of `declaration.Stage`.
+    """Return the design of a stage; `fields` are further ones of `declaration.Stage`.
 
-    Each of the six tasks is a function of the stage, then of the arguments that `workspace.Design` gives it, and can be
-    replaced by one of the design's own.
+    Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`. A design may replace
+    any of them.
 
-    Raises DesignError for a stage without `reference` that has the standard verification.
+    Raises DesignError for a stage without `reference` that uses the standard verification.
     """
     stage = Stage(controller, plant, **fields)
     if verify is standard.verify:

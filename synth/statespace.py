@@ -1,7 +1,8 @@
-"""Linear models: dx/dt = A x + B u, y = C x + D u, or x+ = A x + B u in discrete time, with named signals.
+"""State-space models with named signals (`control.ss`, MATLAB `ss`).
 
-Wherever the package takes a model it takes a System: a StateSpace, plain arrays or a python-control system; `of` reads
-it.
+    continuous   dx/dt = A x + B u,  y = C x + D u            discrete   x[k+1] = A x[k] + B u[k]
+
+Every function for models takes a System: a StateSpace, plain arrays or a python-control system; `of` reads it.
 """
 
 import copy
@@ -22,11 +23,13 @@ Complex = NDArray[np.complex128]
 
 
 def readonly(values: ArrayLike) -> Array:
-    """Return a read-only float64 copy; raise SignalError when the values are no array of numbers."""
+    """Return a read-only float64 copy; raise SignalError when the values are not an array of numbers."""
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise SignalError(f"{arguments.found(values)} is no array of real numbers ({error}): give one") from error
+        raise SignalError(
+            f"{arguments.describe(values)} is not an array of real numbers ({error}): give one"
+        ) from error
     array.flags.writeable = False
     return array
 
@@ -36,11 +39,11 @@ def readonly(values: ArrayLike) -> Array:
 class StateSpace:
     """A linear model with n states, m inputs and p outputs.
 
-    A is (n, n), B (n, m), C (p, n), D (p, m), in the SI units of the named signals; `units` maps names to units, as far
-    as they are known. An output that has the name of a state has its unit.
+    A is (n, n), B (n, m), C (p, n), D (p, m), in the SI units of the named signals; `units` maps names to known
+    units. An output that has the name of a state has its unit.
 
-    Raises SignalError when shapes and names do not fit, an entry is no finite real number or a unit cannot be read;
-    TimingError when `time` is no Time.
+    Raises SignalError when shapes and names do not fit, an entry is not a finite real number, a unit cannot be read or
+    `time` is not a Time.
     """
 
     A: Array
@@ -74,21 +77,25 @@ class StateSpace:
         object.__setattr__(self, "units", known)
 
     def unit(self, name: str) -> str:
-        """Return the unit of a signal, "" where it is not known."""
+        """Return the unit of a signal, "" where it is unknown."""
         return self.units.get(name, "")
 
     def labels(self, names: Sequence[str]) -> tuple[str, ...]:
         """Return each name with its unit."""
-        return tuple(show.named(name, self.unit(name)) for name in names)
+        return tuple(show.with_unit(name, self.unit(name)) for name in names)
 
     def sheet(self) -> show.Sheet:
         """Return the four matrices as one table: states and outputs down, states and inputs across."""
-        after = "d/dt" if isinstance(self.time, Continuous) else "next"
+        continuous = isinstance(self.time, Continuous)
+        after = "d/dt" if continuous else "next"
         rows = [*(f"{after} {label}" for label in self.labels(self.states)), *self.labels(self.outputs)]
         table = show.matrix(
             "", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.labels(self.inputs))
         )
         size = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        derivative = r"\dot{x} = A x + B u" if continuous else r"x_{k+1} = A x_k + B u_k"
+        output = r"y = C x + D u" if continuous else r"y_k = C x_k + D u_k"
+        table = replace(table, equation=rf"{derivative},\quad {output}")
         return show.Sheet(f"Linear model in {self.time}: {size}", tables=(table,))
 
     @property
@@ -101,7 +108,7 @@ class StateSpace:
 
         Values beyond what a double holds are not finite.
 
-        Raises SignalError when the points are no list of finite numbers; ModelError naming a pole among them.
+        Raises SignalError when the points are not a list of finite numbers; ModelError naming a pole among them.
         """
         try:
             v = np.atleast_1d(np.asarray(s_or_z, dtype=np.complex128))
@@ -133,7 +140,7 @@ class StateSpace:
         return replace(self, B=B, C=C, D=D, inputs=tuple(inputs), outputs=tuple(outputs))
 
     def renamed(self, names: Mapping[str, str]) -> "StateSpace":
-        """Return the model with signals renamed, old name to new; one that is not in `names` keeps its own."""
+        """Return the model with signals renamed, old name to new; other names stay."""
         states, inputs, outputs = (
             tuple(names.get(n, n) for n in part) for part in (self.states, self.inputs, self.outputs)
         )
@@ -143,7 +150,7 @@ class StateSpace:
     def to_control(self) -> Any:
         """Return the same model as a python-control StateSpace.
 
-        Raises SignalError for states without inputs or outputs, which python-control does not take.
+        Raises SignalError for states without inputs or outputs, which python-control does not support.
         """
         import control
 
@@ -190,24 +197,24 @@ def of(system: System) -> StateSpace:
 
 
 @arguments.checked
-def together(*systems: System) -> tuple[StateSpace, ...]:
-    """Return Systems that are to be connected, each as `of` does.
+def in_common_time(*systems: System) -> tuple[StateSpace, ...]:
+    """Return Systems for a connection as StateSpaces with a common time.
 
-    A python-control system whose `dt` is None has the time of the others, and one whose `dt` is True, which is sampled
-    with a period that is not told, has their period.
+    A python-control system with `dt` None takes the time of the others. One with `dt` True is sampled with an unknown
+    period and takes theirs.
 
-    Raises as `of`, which is asked for all systems where none of them has a time; TimingError for a `dt` of True beside
-    continuous models.
+    Raises as `of`, which reads all systems where none has a time; TimingError for a `dt` of True beside continuous
+    models.
     """
     known = [of(system) for system in systems if not _lacks_period(system)]
     if not known:
         return tuple(of(system) for system in systems)
-    time, given = known[0].time, iter(known)
-    return tuple(_in_time(system, time) if _lacks_period(system) else next(given) for system in systems)
+    time, remaining = known[0].time, iter(known)
+    return tuple(_in_time(system, time) if _lacks_period(system) else next(remaining) for system in systems)
 
 
 def _lacks_period(system: System) -> bool:
-    """Tell whether a system of python-control says nothing of its time, or of its period."""
+    """Return whether a system of python-control lacks a time or a period."""
     dt = getattr(system, "dt", 0)
     return hasattr(system, "ninputs") and (dt is None or dt is True)
 
@@ -231,7 +238,7 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
     if not all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt", "state_labels")):
-        raise SignalError(f"{arguments.found(system)} is no StateSpace of python-control: give one, or use `of`")
+        raise SignalError(f"{arguments.describe(system)} is no StateSpace of python-control: give one, or use `of`")
     time = conversions.time_of(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

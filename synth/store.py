@@ -1,15 +1,14 @@
-"""Results on disk: each under the key that it is given, whole or not at all.
+"""On-disk key-value store of pickled results, with atomic writes and a lock for each key.
 
-An entry is a pickle behind a digest of itself, written to one side and moved into place, so a reader sees all of it or
-none. An entry that is cut short, altered, or no longer readable counts as missing. Of processes that want the same
-result one computes it while the others wait; the lock goes with the process that holds it, a killed one too. Where the
-folder cannot be written, results are computed and not kept.
+An entry is a pickle after its digest. It is written to a temporary file and renamed: a reader sees all of it or
+nothing. A truncated, altered or unreadable entry counts as missing. When several processes need the same result, one
+computes it and the others wait; the lock ends with its process, even a killed one. Where the folder cannot be written,
+results are computed and not stored.
 
-Reading a pickle runs what is in it. The folder is the user's own, as are the programs that he runs: do not share it
-with people whom you would not let run commands in your name.
+Reading a pickle can run code. Do not share the folder with people whom you would not let run commands in your name.
 
-With SYNTH_FRESH set, to any name of the run, an entry is read only if it was made under the same name: such a run
-trusts nothing older than itself, makes everything once, and leaves the new entries for others.
+With SYNTH_FRESH set to any name of a run, only entries made under the same name are read: such a run ignores older
+entries, computes everything once, and leaves new entries for others.
 """
 
 import fcntl
@@ -27,11 +26,11 @@ T = TypeVar("T")
 
 FRESH = "SYNTH_FRESH"
 MAGIC = b"synth cache 1\n"
-LIMIT = 4 * 2**30  # bytes of results kept, those that were not used for the longest time left out
+LIMIT = 4 * 2**30  # bytes of stored results; the least recently used ones are removed
 
 
 def folder() -> Path:
-    """Return where results are kept: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
+    """Return the folder of the results: `$SYNTH_CACHE`, else `$XDG_CACHE_HOME/synth`, else `~/.cache/synth`."""
     if chosen := os.environ.get("SYNTH_CACHE"):
         return Path(chosen).absolute()
     base = os.environ.get("XDG_CACHE_HOME")
@@ -39,17 +38,17 @@ def folder() -> Path:
 
 
 def run_name() -> str:
-    """Return the name of a run that trusts nothing older than itself, '' for one that reads all entries."""
+    """Return the name of a run that ignores older entries, '' for one that reads all entries."""
     return os.environ.get(FRESH, "")
 
 
 def fetch(name: str, compute: Callable[[], T]) -> T:
-    """Return the result kept under a key, or compute it and keep it."""
+    """Return the result stored under a key, or compute and store it."""
     path = _path(name)
     with suppress(_Missing):
         return _read(path)
-    with _locked(path):
-        with suppress(_Missing):  # another process has made it meanwhile
+    with _lock(path):
+        with suppress(_Missing):  # another process has computed it meanwhile
             return _read(path)
         result = compute()
         _write(path, result)
@@ -57,7 +56,7 @@ def fetch(name: str, compute: Callable[[], T]) -> T:
 
 
 def holds(name: str) -> bool:
-    """Whether there is a result under a key that can be read."""
+    """Return whether a readable result is stored under a key."""
     try:
         _read(_path(name))
     except _Missing:
@@ -65,9 +64,21 @@ def holds(name: str) -> bool:
     return True
 
 
+def replace_text(path: Path, text: str) -> None:
+    """Write a text file in one step: whoever reads it, and an interrupt, finds the old text or the new one."""
+    path = path.resolve()
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        os.replace(beside, path)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+
+
 @contextmanager
 def fresh_run() -> Iterator[None]:
-    """Let what is done inside trust no result that is older than it; processes begun inside do likewise."""
+    """Ignore older results inside the context, also in processes that are started there."""
     before = os.environ.get(FRESH)
     os.environ[FRESH] = before or uuid.uuid4().hex
     try:
@@ -78,7 +89,7 @@ def fresh_run() -> Iterator[None]:
 
 
 def trim(limit: int = LIMIT) -> None:
-    """Remove the entries that were not used for the longest time, until `limit` bytes are left."""
+    """Remove the least recently used entries until `limit` bytes are left."""
     with suppress(OSError):
         entries = [(p, p.stat()) for p in (folder() / "results").glob("??/*") if p.is_file()]
         total = sum(s.st_size for _, s in entries)
@@ -94,7 +105,7 @@ def _path(name: str) -> Path:
 
 
 class _Missing(Exception):
-    """There is no entry that can be read."""
+    """No readable entry."""
 
 
 def _read(path: Path) -> Any:
@@ -108,7 +119,7 @@ def _read(path: Path) -> Any:
         raise _Missing
     try:
         result = pickle.loads(body)
-    except Exception:  # a pickle of classes that have moved since raises anything
+    except Exception:  # unpickling a class that no longer exists may raise any exception
         raise _Missing from None
     with suppress(OSError):
         os.utime(path)  # for `trim`
@@ -116,7 +127,7 @@ def _read(path: Path) -> Any:
 
 
 def _write(path: Path, result: Any) -> None:
-    """Write an entry; nothing where the folder cannot be written, or where the result is no data."""
+    """Write an entry; do nothing where the folder cannot be written or the result cannot be pickled."""
     with suppress(OSError, pickle.PicklingError, AttributeError, TypeError):
         run, body = run_name().encode(), pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -131,16 +142,16 @@ def _write(path: Path, result: Any) -> None:
 
 
 def _check(path: Path, run: bytes, body: bytes) -> bytes:
-    """Return the digest of an entry; its own place counts, so that none can stand in for another."""
+    """Return the digest of an entry with its file name: an entry under another name is not valid."""
     return hashlib.sha256(b"\n".join([path.name.encode(), run, body])).hexdigest().encode()
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Hold the lock of a key, which ends with the process; none where the folder takes no locks."""
+def _lock(path: Path) -> Iterator[None]:
+    """Hold the lock of a key, which ends with the process; no lock where the folder does not support locks."""
     lock = folder() / "locks" / path.name
     try:
-        handle = _acquired(lock)
+        handle = _open_lock(lock)
     except OSError:
         yield
         return
@@ -152,12 +163,12 @@ def _locked(path: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _acquired(lock: Path) -> int:
+def _open_lock(lock: Path) -> int:
     lock.parent.mkdir(parents=True, exist_ok=True)
     while True:
         handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o600)
         fcntl.flock(handle, fcntl.LOCK_EX)
-        # Who held it last has removed the file, and another process may hold one of the same name by now.
+        # The last holder has removed the file, and another process may hold a new one of the same name.
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(handle), os.stat(lock)):
                 return handle

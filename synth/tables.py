@@ -12,8 +12,10 @@ from synth.report.audit import Row
 from synth.verify import cost as costs
 
 
-def print_checks(title: str, checks: Sequence[Check], figures: Mapping[str, float] | None = None) -> None:
-    """Print checks with their limits, then figures without; below them what is said of failed checks."""
+def print_checks(
+    title: str, checks: Sequence[Check], figures: Mapping[str, float] | None = None, notes: Sequence[str] = ()
+) -> None:
+    """Print checks, then measured values without a limit, then notes and descriptions of the failed checks."""
     table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
     for c in checks:
         table.add_row(c.name, f"{c.found:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
@@ -21,25 +23,25 @@ def print_checks(title: str, checks: Sequence[Check], figures: Mapping[str, floa
         table.add_row(name, f"{value:.6g}", "", "", "")
     console = Console()
     console.print(table)
-    for c in (c for c in checks if c.about and not c.passed):
-        console.print(f"{c.name}: {c.about}", highlight=False, markup=False)
+    for line in (*notes, *(f"{c.name}: {c.about}" for c in checks if c.about and not c.passed)):
+        console.print(line, highlight=False, markup=False)
 
 
-def print_cost(found: costs.Cost) -> None:
+def print_cost(cost: costs.Cost) -> None:
     """Print every table of a cost, and what was not measured."""
     console = Console(width=None if sys.stdout.isatty() else 160)
-    for t in costs.tables(found):
-        table = Table(*t.columns, title=f"{found.design}: {t.caption}", title_justify="left")
+    for t in costs.tables(cost):
+        table = Table(*t.columns, title=f"{cost.design}: {t.caption}", title_justify="left")
         for row in t.rows:
             table.add_row(*map(escape, row))
         console.print(table)
-    console.print("\n".join([costs.NOTE, *found.absent]), highlight=False)
+    console.print("\n".join([costs.NOTE, *cost.absent]), highlight=False)
 
 
 def print_rows(rows: Sequence[Row]) -> None:
     """Print audited rows: published, recomputed, verdict, why."""
     table = Table("row", "published", "recomputed", "verdict", "why", show_lines=True)
     for row in rows:
-        found = "\n".join(f"{q.name}: {q.value:.6g} {q.unit}" for q in row.recomputed)
-        table.add_row(row.id, row.published.text, found, str(row.verdict), row.why)
+        recomputed = "\n".join(f"{q.name}: {q.value:.6g} {q.unit}" for q in row.recomputed)
+        table.add_row(row.id, row.published.text, recomputed, str(row.verdict), row.why)
     Console().print(table)

@@ -1,10 +1,10 @@
-"""The tasks of a design, each kept under the content of what it depends on, and run side by side.
+"""Incremental build: the tasks of a design, cached by content and run in parallel (as `make`, `ninja`).
 
     emit ----+--> verify, simulate, audit, cost --> report
 
-What a task of a design computes has a key: the slice of the function that does it, with its data files, its arguments,
-the compilers, and for the report the keys of all that goes into it. So an edit of the page makes the page again, and an
-edit of the control law all that the law has a part in.
+The result of a task has a key: the slice of its function with data files, the arguments and the compilers, and for
+the report the keys of its inputs. An edit of the page rebuilds the page alone; an edit of the control law rebuilds
+every result that depends on the law.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,11 +19,12 @@ import numpy as np
 from synth import cache, slices, store, workspace
 from synth.check import Check
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host
-from synth.jobs import Job, Progress
+from synth.jobs import Job
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
@@ -38,7 +39,7 @@ LIBRARY = "cross compiler"
 
 @dataclass(frozen=True, eq=False)
 class Task(Generic[T]):
-    """What is computed of a design; `depends` are the functions and values that the result follows from."""
+    """A computation for a design; its result is a function of `depends`, functions and values."""
 
     what: str
     compute: Callable[[Progress], T]
@@ -51,7 +52,7 @@ class Task(Generic[T]):
         return cache.key(first, compilers(), data, *others, data=True)
 
     def result(self, say: Progress) -> T:
-        """Return what is kept, or compute it; a function whose source cannot be read is called each time."""
+        """Return the cached result, or compute it; a function without readable source is called each time."""
         try:
             key = self.key()
         except ContentError:
@@ -63,25 +64,25 @@ class Task(Generic[T]):
 
 @dataclass(frozen=True)
 class Built:
-    """What a build leaves: the report, the evidence as a document, and all checks."""
+    """The results of a build: the report, the evidence as a document, and all checks."""
 
     page: str
     evidence: Any
     checks: tuple[Check, ...]
 
 
-def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, Emitted]]:
-    """Return the task of what is written to generated_c/<name>/, by folder."""
+def emission(design: Design, scalar: type[np.floating]) -> Task[dict[str, EmittedCode]]:
+    """Return the task of emitting the files of generated_c/<name>/, by folder."""
 
-    def compute(say: Progress) -> dict[str, Emitted]:
+    def compute(say: Progress) -> dict[str, EmittedCode]:
         say("gains and C")
-        return dict(workspace.emitted(design, scalar))
+        return dict(workspace.emitted_files(design, scalar))
 
     return Task("gains and C", compute, (design.emit, scalar))
 
 
 def verification(design: Design, whole: bool) -> Task[Evidence]:
-    """Return the task of comparing the witnesses, over the `whole` replay or over a short one."""
+    """Return the task of comparing the witnesses, over the `whole` replay or a short one."""
     return Task("verification", lambda say: design.verify(say, whole), (design.verify, whole))
 
 
@@ -91,7 +92,7 @@ def simulation(design: Design) -> Task[list[Experiment]]:
 
 
 def audit(design: Design) -> Task[list[Row]]:
-    """Return the task of recomputing the published figures."""
+    """Return the task of recomputing the published values."""
 
     def compute(say: Progress) -> list[Row]:
         rows = []
@@ -104,7 +105,7 @@ def audit(design: Design) -> Task[list[Row]]:
 
 
 def brief_cost(design: Design) -> Task[Cost | None]:
-    """Return the task of measuring the cost in a few seconds; None is measured without emulator or cross compiler."""
+    """Return the task of measuring the cost in a few seconds; its result is None without emulator or cross compiler."""
     if design.scalar is not np.float32 or missing() or not cross.available():
         return Task("cost", _nothing, (_nothing,))
     from synth.verify import meter
@@ -118,7 +119,7 @@ def brief_cost(design: Design) -> Task[Cost | None]:
 
 
 def whole_cost(design: Design) -> Task[Cost]:
-    """Return the task of measuring the cost over the costliest steps and all decisions; it needs the emulator."""
+    """Return the task of measuring the cost over the most expensive steps and all decisions; it needs the emulator."""
     from synth.verify import meter
 
     def compute(say: Progress) -> Cost:
@@ -130,7 +131,7 @@ def whole_cost(design: Design) -> Task[Cost]:
 
 
 def build(design: Design) -> Task[Built]:
-    """Return the task of the report, made of what all others have made."""
+    """Return the task of the report, from the results of all other tasks."""
     emit, verify, simulate, rows, cost = (
         emission(design, design.scalar),
         verification(design, False),
@@ -148,15 +149,15 @@ def build(design: Design) -> Task[Built]:
 
     try:
         keys = [task.key() for task in (emit, verify, simulate, rows, cost)]
-    except ContentError:  # nothing has a key where one part of it has none
+    except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
     return Task("report", compute, (design.report, *keys))
 
 
 def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:
-    """Return the jobs that build designs; the last of each has the design's name and returns what was Built.
+    """Return the jobs that build designs; the last of each has the design's name and returns a Built.
 
-    The C is written to `root`/generated_c as soon as it is there.
+    The C is written to `root`/generated_c as soon as it is emitted.
     """
     emulated = not missing() and "zig" in cross.available()
     library = [Job(LIBRARY, LIBRARY, lambda say: cross.prepare("cortex-m4f"))] if emulated else []
@@ -182,13 +183,13 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
         ("cost", brief_cost(design), (first, *library)),
         ("audit", audit(design), (first,)),
     )
-    jobs = [Job(f"{name} {what}", name, _kept(task), after) for what, task, after in tasks]
+    jobs = [Job(f"{name} {what}", name, _run_only(task), after) for what, task, after in tasks]
     last = Job(name, name, whole.result, tuple(job.name for job in jobs))
     return [Job(first, name, save), *jobs, last]
 
 
-def _kept(task: Task[Any]) -> Callable[[Progress], None]:
-    """Return a run that leaves its result in the cache alone: the job that wants it reads it there."""
+def _run_only(task: Task[Any]) -> Callable[[Progress], None]:
+    """Return a function that leaves the result of a task in the cache, where the next job reads it."""
 
     def run(say: Progress) -> None:
         task.result(say)
@@ -203,10 +204,10 @@ def missing() -> list[str]:
 
 @once
 def compilers() -> Sequence[tuple[str, ...]]:
-    """Return what the compilers that make code of a design's C say of themselves."""
-    found = [host_compiler.find_compiler()]
-    found += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
-    return [(*c.command, c.identity, *c.machine_flags) for c in found]
+    """Return command, identity and machine flags of each compiler of a design's C."""
+    available = [host_compiler.find_compiler()]
+    available += [cross.find_compiler("cortex-m4f", name) for name in cross.available()]
+    return [(*c.command, c.identity, *c.machine_flags) for c in available]
 
 
 def _silent(line: str) -> None:

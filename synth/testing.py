@@ -8,7 +8,7 @@
         return DESIGN
 
 Run in the root of the workspace. Defects are planted in a declared stage: the sign of each constant, slews, limits,
-accepted ranges and the number of bad samples. CasADi's evaluation of what then would ship is held against the
+accepted ranges and the number of bad samples. CasADi's evaluation of the defective controller is compared with the
 reference.
 """
 
@@ -33,17 +33,17 @@ __all__ = [
     "test_the_c_compiles_without_a_warning",
     "test_the_committed_files_are_regenerated_byte_for_byte",
     "test_the_evidence_passes",
-    "unnoticed",
+    "undetected_defects",
     "variants",
 ]
 
 STEPS = 2000  # random ones, and as many edge steps
-NOTICED = 1e3  # times what is allowed between witnesses
+NOTICED = 1e3  # times the tolerance between witnesses
 WIDER = 1.1  # a planted limit or range, of the declared one
 
 
 def test_the_committed_files_are_regenerated_byte_for_byte(design: Design) -> None:
-    """Hold generated_c/ against what the design emits; vectors are recorded and may differ in the last place."""
+    """Compare generated_c/ with the emitted files; vectors are recorded and may differ in the last place."""
     for folder, emitted in design.emit(design.scalar).items():
         committed = Path("generated_c") / folder
         assert committed.is_dir(), f"{committed} is missing: run `synth build {design.name}` and commit it"
@@ -54,7 +54,7 @@ def test_the_committed_files_are_regenerated_byte_for_byte(design: Design) -> No
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_the_c_compiles_without_a_warning(design: Design, scalar: type[np.floating]) -> None:
-    """Compile what is emitted in both scalar types with every warning on."""
+    """Compile the C of both scalar types with every warning on."""
     for emitted in design.emit(scalar).values():
         host_compiler.check(host.code(emitted.files))
 
@@ -67,41 +67,41 @@ def test_the_evidence_passes(design: Design) -> None:
 
 
 def test_defects_that_are_planted_are_found(design: Design) -> None:
-    """Hold variants of the controller, each with one defect, against the reference."""
+    """Compare variants of the controller, each with one defect, with the reference."""
     if design.stage is None:
         pytest.skip("defects are planted in a declared stage: this design was not made by stage.design")
-    assert unnoticed(design.stage) == []
+    assert undetected_defects(design.stage) == []
 
 
-def unnoticed(stage: Stage) -> list[str]:
-    """Return the planted defects that the reference does not tell from the declared controller."""
+def undetected_defects(stage: Stage) -> list[str]:
+    """Return the planted defects that the comparison with the reference does not detect."""
     states, inputs = _steps(stage)
     expected = agree.reference(standard.require_reference(stage))(states, inputs)
     block = stage.controller.block
-    missed = []
+    undetected = []
     for name, variant in variants(stage):
-        found = agree.casadi(variant)(states, inputs)
-        gap = agree.compare(name, ("reference", expected), ("casadi", found), None, block)
+        observed = agree.casadi(variant)(states, inputs)
+        gap = agree.compare(name, ("reference", expected), ("casadi", observed), None, block)
         if max(gap.worst, gap.state_worst) <= NOTICED * suite.EXACT and not gap.faults_differ:
-            missed.append(name)
-    return missed
+            undetected.append(name)
+    return undetected
 
 
 def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
     """Return random and edge steps, and those of a closed loop up to the latch and of latches from the limits."""
     rig, block = declared.rig(stage, np.float64), stage.controller.block
-    loop = steps.recorded(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
-    recorded = steps.joined("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
+    loop = steps.record(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
+    recorded = steps.concatenate("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
     rng = np.random.default_rng(standard.SEED)
-    drawn = [sampling.in_operation(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
+    random_steps = [sampling.in_operation(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
     x = {s.name: recorded.states[s.name].astype(np.float64) for s in block.states}
     u = {s.name: recorded.inputs[s.name].astype(np.float64) for s in block.inputs}
-    parts = [*drawn, (x, u)]
+    parts = [*random_steps, (x, u)]
     return tuple({n: np.concatenate([part[i][n] for part in parts]) for n in parts[0][i]} for i in (0, 1))  # type: ignore[return-value]
 
 
 def variants(stage: Stage) -> Iterator[tuple[str, Block]]:
-    """Yield controllers with one defect each, by what was changed."""
+    """Yield (defect, controller), one defect each."""
     made, block = stage.controller, stage.controller.block
     for k, constant in enumerate(block.constants):
         changed = (*block.constants[:k], replace(constant, value=-constant.value), *block.constants[k + 1 :])
@@ -111,14 +111,17 @@ def variants(stage: Stage) -> Iterator[tuple[str, Block]]:
         yield name, stages.controller(made.name, made.time, around, made.laws, outputs).block
 
 
-def _interfaces(made: Controller) -> Iterator[tuple[str, Interface]]:
-    around, given = made.interface, {s.name for law in made.laws for block in law.blocks for s in block.outputs}
+def _interfaces(controller: Controller) -> Iterator[tuple[str, Interface]]:
+    around, driven = (
+        controller.interface,
+        {s.name for law in controller.laws for block in law.blocks for s in block.outputs},
+    )
     yield "bad_samples", replace(around, bad_samples=around.bad_samples + 1)
     for k, a in enumerate(around.actuators):
         others = around.actuators[:k], around.actuators[k + 1 :]
         faster = (*others[0], replace(a, slew_per_s=2 * a.slew_per_s), *others[1])
         yield f"slew of {a.name} doubled", replace(around, actuators=faster)
-    limited = [s for s in around.outputs if f"{s.name}_demand" in given]  # others the laws limit themselves
+    limited = [s for s in around.outputs if f"{s.name}_demand" in driven]  # the laws limit the others
     for s in (*limited, *around.inputs):
         wider = replace(s, high=s.high + (WIDER - 1) * (s.high - s.low))
         yield f"range of {s.name} wider", replace(around, signals={**around.signals, s.name: wider})

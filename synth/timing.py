@@ -1,4 +1,4 @@
-"""Time as a type: a model is continuous, or sampled with one period; the two never mix."""
+"""Continuous and discrete time as types: a model is continuous, or sampled with one period; mixing raises an error."""
 
 import math
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Continuous:
 class Discrete:
     """Time t = k T with the sample period T = `period_s`, seconds.
 
-    Raises TimingError when the period is no finite positive number.
+    Raises TimingError when the period is not a finite positive number.
     """
 
     period_s: float
@@ -40,7 +40,7 @@ Time = Continuous | Discrete
 
 @arguments.checked
 def common(*times: Time) -> Time:
-    """Return the one time that all share; raise TimingError naming the first that differs, or for none at all."""
+    """Return the common time; raise TimingError naming the first that differs, or when no time is given."""
     if not times:
         raise TimingError("no times were given to compare: give one or more")
     for time in times[1:]:
@@ -56,4 +56,4 @@ def period(time: Time) -> float:
         return time.period_s
     if not isinstance(time, Continuous):
         raise TimingError(f"the time is {time!r}: give Discrete with a sample period")
-    raise TimingError("a sample period was asked of a continuous model: discretise it first")
+    raise TimingError("a continuous model has no sample period: discretise it first")

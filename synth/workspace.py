@@ -1,6 +1,6 @@
-"""A workspace: a folder with models/ and designs/<name>/design.py, whose `DESIGN` says what the toolkit can do with it.
+"""Workspaces: a folder with models/ and designs/<name>/design.py, whose `DESIGN` holds the tasks of a design.
 
-The folder is put first on the path of this process, which serves one workspace only, so that two never mix.
+The folder goes first on the path of this process. A process serves one workspace only.
 """
 
 import importlib
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from synth.block import Block
 from synth.declaration import Stage
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import host
+from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
 from synth.verify import agree
@@ -25,13 +26,12 @@ from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
 
-Told = Callable[[str], None]
-Report = Callable[[Mapping[str, Emitted], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
+Report = Callable[[Mapping[str, EmittedCode], Evidence, Sequence[Experiment], Sequence[Row], Cost | None], str]
 
 
 @dataclass(frozen=True)
 class Bench:
-    """What is measured of a design as machine code.
+    """The stimuli with which the machine code of a design is measured.
 
     `block` is what is emitted under the design's name. `replay` returns inputs (N,) of a closed loop with faults, and
     `sequences` the steps that look for the costliest one and reach every decision; both take the compiled C. Below
@@ -40,7 +40,7 @@ class Bench:
 
     block: Callable[[], Block]
     replay: Callable[[host.Controller], Mapping[str, NDArray[np.floating]]]
-    sequences: Callable[[host.Controller, Told], Sequence[Steps]]
+    sequences: Callable[[host.Controller, Progress], Sequence[Steps]]
     floor: agree.Floor = None
 
 
@@ -50,19 +50,18 @@ def _no_rows() -> Iterator[Row]:
 
 @dataclass(frozen=True)
 class Design:
-    """One design; each task hears the progress that it reports.
+    """A design and its tasks, which report their progress.
 
-    `emit(scalar)` returns what is written to generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
-    experiments, `audit` the published figures recomputed, where there are any, `report` the page made of
-    all these and of the cost, which is None where nothing could measure it. `stage` is what was declared, where a
-    declaration made the design.
+    `emit(scalar)` returns the files of generated_c/<name>/, by folder. `verify` returns evidence, `simulate` the
+    experiments, `audit` the recomputed published values, if there are any, and `report` the page of all these and of
+    the cost, which is None where it could not be measured. `stage` is the declaration, where there is one.
     """
 
     name: str
     scalar: type[np.floating]
-    emit: Callable[[type[np.floating]], Mapping[str, Emitted]]
-    verify: Callable[[Told, bool], Evidence]
-    simulate: Callable[[Told], Sequence[Experiment]]
+    emit: Callable[[type[np.floating]], Mapping[str, EmittedCode]]
+    verify: Callable[[Progress, bool], Evidence]
+    simulate: Callable[[Progress], Sequence[Experiment]]
     bench: Bench
     report: Report
     audit: Callable[[], Iterator[Row]] = _no_rows
@@ -70,30 +69,38 @@ class Design:
 
 
 def regenerate(design: Design, root: Path = Path()) -> None:
-    """Write what a design emits to generated_c/ of the workspace at `root`."""
+    """Write the emitted files of a design to generated_c/ of the workspace at `root`."""
     for folder, files in design.emit(design.scalar).items():
         write.save(files.files, root / "generated_c" / folder)
 
 
-def designs(root: Path, wanted: Sequence[str] = ()) -> list[Design]:
-    """Load the designs of the workspace at `root`, all of them when none is wanted by name.
+def designs(root: Path, selected: Sequence[str] = ()) -> list[Design]:
+    """Load the `selected` designs of the workspace at `root`, all of them when no name is selected.
 
-    Raises DesignError when the folder is no workspace, a design is not there, or it has no `DESIGN`.
+    Raises DesignError when the folder is not a workspace, a design is missing, or it has no `DESIGN`.
     """
     folder = root / "designs"
-    found = sorted(path.parent.name for path in folder.glob("*/design.py"))
-    if not found:
-        raise DesignError(f"{root} holds no designs/<name>/design.py: call synth in the root of a workspace")
-    for name in wanted:
-        if name not in found:
-            raise DesignError(f"design '{name}' is not here: there are {', '.join(found)}")
+    if not folder.is_dir():
+        above = next((str(path) for path in root.parents if (path / "designs").is_dir()), "WORKSPACE")
+        raise DesignError(
+            f"{root} is not a workspace, it has no folder designs/: run `cd {above}`, or make a workspace here with "
+            "`synth new NAME`"
+        )
+    present = sorted(path.parent.name for path in folder.glob("*/design.py"))
+    if not present:
+        raise DesignError(
+            f"the workspace {root} has no design yet, no designs/NAME/design.py: add one with `synth new NAME`"
+        )
+    for name in selected:
+        if name not in present:
+            raise DesignError(f"design '{name}' is not in this workspace: it has {', '.join(present)}")
     if str(root) not in sys.path:
         sys.path.insert(0, str(root))
-    return [_load(name) for name in (wanted or found)]
+    return [_load(name) for name in (selected or present)]
 
 
-def emitted(design: Design, scalar: type[np.floating]) -> Mapping[str, Emitted]:
-    """Return what the design emits, by folder; raise DesignError when none of the folders has the design's name."""
+def emitted_files(design: Design, scalar: type[np.floating]) -> Mapping[str, EmittedCode]:
+    """Return the emitted files by folder; raise DesignError when no folder has the name of the design."""
     folders = design.emit(scalar)
     if design.name not in folders:
         raise DesignError(

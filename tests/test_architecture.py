@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1]
 VOCABULARY = (
     "errors",
     "store",
+    "progress",
     "sources",
     "slices",
     "contents",
@@ -67,17 +68,17 @@ def violations(path: Path, text: str) -> list[str]:
     name = path.with_suffix("").parts
     if name[0] == "synth" and name[1] != "__init__" and name[:2] not in RANK:
         return [f"{path} has no place in the order; add {name[1]} to VOCABULARY or LAYERS"]
-    own = rank(name)
+    importer = rank(name)
     reference = path.name.startswith("reference") and "designs" in path.parts[:2]
-    found = []
+    messages = []
     for module in imports(path, text):
         other = rank(module)
         independent = module[:1] == ("designs",) and any(part.startswith("reference") for part in module[2:])
         if (reference and module[0] in NOT_IN_A_REFERENCE and not independent) or (
-            own is not None and other is not None and other > own
+            importer is not None and other is not None and other > importer
         ):
-            found.append(f"{path} imports {'.'.join(module)}")
-    return found
+            messages.append(f"{path} imports {'.'.join(module)}")
+    return messages
 
 
 def folder(module: tuple[str, ...], folders: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
@@ -93,17 +94,17 @@ def place(path: Path) -> tuple[str, ...]:
 def folder_imports(texts: Mapping[Path, str]) -> dict[tuple[str, ...], set[tuple[str, ...]]]:
     """Return which other folders of designs/ each folder imports, from the text of every file."""
     files = {path: text for path, text in texts.items() if path.parts[0] == "designs"}
-    found: dict[tuple[str, ...], set[tuple[str, ...]]] = {place(path): set() for path in files}
+    targets: dict[tuple[str, ...], set[tuple[str, ...]]] = {place(path): set() for path in files}
     for path, text in files.items():
-        found[place(path)] |= {folder(module, found) for module in imports(path, text)} - {place(path), ()}
-    return found
+        targets[place(path)] |= {folder(module, targets) for module in imports(path, text)} - {place(path), ()}
+    return targets
 
 
 def folder_violations(texts: Mapping[Path, str]) -> list[str]:
     """Return what is wrong with the imports among the folders of designs/: one of a design, or a cycle."""
     by_folder = folder_imports(texts)
     designs = {path.parent.parts for path in texts if path.name == "design.py"}
-    found = [
+    messages = [
         f"{'/'.join(one[:2])} imports the design {'/'.join(other[:2])}"
         for one, others in by_folder.items()
         for other in others
@@ -112,19 +113,19 @@ def folder_violations(texts: Mapping[Path, str]) -> list[str]:
     try:
         TopologicalSorter(by_folder).prepare()
     except CycleError as error:
-        found.append(f"a cycle of folders: {' -> '.join('/'.join(each) for each in error.args[1])}")
-    return found
+        messages.append(f"a cycle of folders: {' -> '.join('/'.join(each) for each in error.args[1])}")
+    return messages
 
 
 def sources() -> list[Path]:
-    own = [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
-    return [*own, *sorted((ROOT / "tests" / "designs").rglob("reference*.py"))]
+    files = [file for top in ("synth", "models", "designs") for file in sorted((ROOT / top).rglob("*.py"))]
+    return [*files, *sorted((ROOT / "tests" / "designs").rglob("reference*.py"))]
 
 
 def test_imports_follow_the_flow_of_data() -> None:
     assert sources()
-    found = {file: violations(file.relative_to(ROOT), file.read_text(encoding="utf-8")) for file in sources()}
-    assert not {file: what for file, what in found.items() if what}
+    messages = {file: violations(file.relative_to(ROOT), file.read_text(encoding="utf-8")) for file in sources()}
+    assert not {file: what for file, what in messages.items() if what}
 
 
 @pytest.mark.parametrize(
@@ -200,5 +201,5 @@ def test_shared_packages_may_be_imported_and_files_of_a_folder_each_other() -> N
     ],
 )
 def test_a_planted_import_among_designs_is_found(path: str, text: str, message: str | None) -> None:
-    found = folder_violations({Path(name): each for name, each in (DESIGNS | {path: text}).items()})
-    assert (message is None and not found) or (message is not None and any(message in each for each in found))
+    messages = folder_violations({Path(name): each for name, each in (DESIGNS | {path: text}).items()})
+    assert (message is None and not messages) or (message is not None and any(message in each for each in messages))

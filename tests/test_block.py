@@ -53,8 +53,8 @@ def network(rng: np.random.Generator, count: int = 4) -> list[Block]:
 
 
 def _member(rng: np.random.Generator, b: int, signals: list[str]) -> Block:
-    own = [f"s{2 * b}", f"s{2 * b + 1}"]
-    inputs = ["open", *(s for s in signals if s not in own and rng.random() < 0.7)]
+    state_names = [f"s{2 * b}", f"s{2 * b + 1}"]
+    inputs = ["open", *(s for s in signals if s not in state_names and rng.random() < 0.7)]
     weight = rng.normal(size=(4, len(inputs) + 2))
 
     def law(u: Any, x: Any, k: Any) -> Step:
@@ -62,8 +62,8 @@ def _member(rng: np.random.Generator, b: int, signals: list[str]) -> Block:
             terms = [w * u[n] for w, n in zip(weight[row], inputs, strict=False) if n in allowed]
             return sum(terms, start=weight[row, -2] * x["p"] + weight[row, -1] * k["c"] * x["q"])
 
-        before = [["open", *signals[: signals.index(s)]] for s in own]
-        output = {s: ca.tanh(mix(i, before[i])) for i, s in enumerate(own)}
+        before = [["open", *signals[: signals.index(s)]] for s in state_names]
+        output = {s: ca.tanh(mix(i, before[i])) for i, s in enumerate(state_names)}
         inner = signal(f"inner{b}"), mix(2, inputs)
         return Step(output, {"p": mix(2, inputs), "q": ca.sin(mix(3, inputs))}, [inner])
 
@@ -72,7 +72,7 @@ def _member(rng: np.random.Generator, b: int, signals: list[str]) -> Block:
         TIME,
         law,
         inputs=[signal(s) for s in inputs],
-        outputs=[signal(s) for s in own],
+        outputs=[signal(s) for s in state_names],
         states=[State(signal("p", low=-0.4, high=0.3), 0.1), State(signal("q"), -0.2)],
         constants=[Constant("c", rng.normal(), "1", "test")],
     )
@@ -304,5 +304,5 @@ def test_a_renamed_block_steps_as_before_under_its_new_names() -> None:
     assert [s.name for s in (*renamed.inputs, *renamed.outputs)] == ["b", "late"]
     assert [s.name for s in renamed.states] == ["kept"] and renamed.faults[0].output == "late"
     assert [named.signal.name for named, _ in renamed.inside] == ["late"] and {"b", "kept"} == set(renamed.symbol)
-    for given, found in zip(block.function()(2.0, 3.0), renamed.function()(2.0, 3.0), strict=True):
-        assert float(given) == float(found)
+    for before, after in zip(block.function()(2.0, 3.0), renamed.function()(2.0, 3.0), strict=True):
+        assert float(before) == float(after)

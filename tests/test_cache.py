@@ -133,14 +133,14 @@ def test_a_package_of_another_version_is_another_key(monkeypatch: pytest.MonkeyP
         def __init__(self, name: str, version: str) -> None:
             self.name, self.version = name, version
 
-    found = []
+    keys = []
     for version in ("2.0", "2.1"):
         monkeypatch.setattr("importlib.metadata.distributions", lambda version=version: [Installed("numpy", version)])
         cache.environment.cache_clear()
-        found.append(cache.environment())
+        keys.append(cache.environment())
     monkeypatch.undo()
     cache.environment.cache_clear()
-    assert len({*found, cache.environment()}) == 3
+    assert len({*keys, cache.environment()}) == 3
 
 
 def test_another_compiler_is_another_key(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,14 +158,14 @@ def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     from synth.emit.approx import minimax, surrogate
     from synth.emit.passes import replace
 
-    before = slices.digest(replace._fitted)
+    before = slices.digest(replace._fit)
     monkeypatch.setattr(surrogate, "TRIALS", 2)
-    assert slices.digest(replace._fitted) != before
+    assert slices.digest(replace._fit) != before
     monkeypatch.undo()
-    assert slices.digest(replace._fitted) == before
+    assert slices.digest(replace._fit) == before
     monkeypatch.setattr(minimax, "fit", lambda *a: None)
     with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.minimax\.fit"):
-        slices.digest(replace._fitted)
+        slices.digest(replace._fit)
 
 
 def test_a_slice_holds_what_runs_and_little_else() -> None:
@@ -237,7 +237,7 @@ def test_a_symbol_in_two_expressions_is_one() -> None:
 def test_what_cannot_be_compared_is_computed_each_time(folder: Path) -> None:
     count = []
 
-    @cache.kept
+    @cache.cached
     def work(value: object) -> int:
         count.append(value)
         return len(count)

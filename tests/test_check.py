@@ -10,8 +10,8 @@ from synth.check import Check
 
 
 @pytest.mark.parametrize(
-    ("found", "passed"), [(1.0, True), (np.float32(1), True), (np.float64(2), False), (math.nan, False)]
+    ("value", "passed"), [(1.0, True), (np.float32(1), True), (np.float64(2), False), (math.nan, False)]
 )
-def test_a_figure_is_held_against_its_limit_and_the_verdict_can_be_written(found: float, passed: bool) -> None:
-    verdict = Check("gap", found, 1.0, "m").passed
+def test_a_figure_is_held_against_its_limit_and_the_verdict_can_be_written(value: float, passed: bool) -> None:
+    verdict = Check("gap", value, 1.0, "m").passed
     assert verdict is passed and json.loads(json.dumps(verdict)) is passed

@@ -18,8 +18,9 @@ from typer.testing import CliRunner
 from benchmarks import axes
 from synth import cli, tasks, workspace
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import cross, host
+from synth.progress import Progress
 from synth.verify import on_target, prove, steps
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -27,8 +28,9 @@ from synth.verify.steps import Steps
 
 pytestmark = pytest.mark.slow
 
+ROOT = Path(__file__).parents[1]
 RUNNER = CliRunner()
-EMITTED = {scalar: {"axes_2": axes.emitted(2, scalar)} for scalar in (np.float32, np.float64)}
+EMITTED = {scalar: {"axes_2": axes.emit(2, scalar)} for scalar in (np.float32, np.float64)}
 
 
 def replay(controller: host.Controller) -> dict[str, Any]:
@@ -36,11 +38,14 @@ def replay(controller: host.Controller) -> dict[str, Any]:
     return {"q1": q1, "q2": 0.002 * np.sin(0.05 * np.arange(200)), "r1": 0.0, "r2": 0.0}
 
 
-def sequences(controller: host.Controller, told: workspace.Told) -> list[Steps]:
-    return [steps.recorded(controller, "loop", replay(controller), closed_loop=True), steps.drawn(controller, 2000)]
+def sequences(controller: host.Controller, report: Progress) -> list[Steps]:
+    return [
+        steps.record(controller, "loop", replay(controller), closed_loop=True),
+        steps.random_steps(controller, 2000),
+    ]
 
 
-def report(files: Mapping[str, Emitted], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
+def report(files: Mapping[str, EmittedCode], evidence: Evidence, runs: Any, rows: Any, cost: Cost | None) -> str:
     return "cost: none" if cost is None else f"cost: {len(cost.coverage)}"
 
 
@@ -48,8 +53,8 @@ AXES = workspace.Design(
     name="axes_2",
     scalar=np.float32,
     emit=EMITTED.__getitem__,
-    verify=lambda told, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
-    simulate=lambda told: (),
+    verify=lambda report, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
+    simulate=lambda report: (),
     audit=lambda: iter(()),
     bench=workspace.Bench(lambda: axes.block(2), replay, sequences, 1.0),
     report=report,
@@ -65,7 +70,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def one_design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, cache: Path) -> None:
     """A workspace of one design, and a folder to write in."""
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: [AXES])
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [AXES])
     monkeypatch.setenv("SYNTH_CACHE", str(cache))
     monkeypatch.chdir(tmp_path)
 
@@ -104,7 +109,7 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
 
 @pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    def differs(emitted: Emitted, inputs: Any, core: str, told: workspace.Told) -> Sequence[Check]:
+    def differs(emitted: EmittedCode, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
         return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
 
     monkeypatch.setattr(on_target, "verify", differs)
@@ -128,20 +133,20 @@ def test_an_unknown_core_is_wrong_usage() -> None:
 
 @pytest.mark.usefixtures("one_design")
 @pytest.mark.parametrize(("arguments", "whole"), [((), False), (("--whole",), True)])
-@pytest.mark.parametrize("found", [0, 1])
+@pytest.mark.parametrize("alarms", [0, 1])
 def test_prove_tells_the_depth_and_fails_with_a_check(
-    monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], whole: bool, found: int
+    monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], whole: bool, alarms: int
 ) -> None:
     """The proofs have tests of their own; here they are handed what was emitted."""
 
-    def proofs(files: Mapping[str, str], manifest: Any, deep: bool, told: workspace.Told) -> tuple[Check, ...]:
+    def proofs(files: Mapping[str, str], manifest: Any, deep: bool, report: Progress) -> tuple[Check, ...]:
         assert files["axes_2.c"] and manifest["design"] == "axes_2" and deep == whole
-        return (Check("alarms", found, 0, "alarms"),)
+        return (Check("alarms", alarms, 0, "alarms"),)
 
     monkeypatch.setattr(prove, "prove", proofs)
-    (document,) = printed("prove", *arguments, status=found)
+    (document,) = printed("prove", *arguments, status=alarms)
     assert (document["design"], document["whole"]) == ("axes_2", whole)
-    assert document["checks"][0]["found"] == found
+    assert document["checks"][0]["found"] == alarms
 
 
 @pytest.mark.usefixtures("one_design")
@@ -172,39 +177,39 @@ def test_build_goes_on_without_an_emulator(monkeypatch: pytest.MonkeyPatch) -> N
     assert Path("reports/axes_2.html").read_text() == "cost: none"
 
 
-def crash(told: workspace.Told, whole: bool) -> Evidence:
+def crash(report: Progress, whole: bool) -> Evidence:
     raise ZeroDivisionError("planted")
 
 
-def die(told: workspace.Told, whole: bool) -> Evidence:
+def die(report: Progress, whole: bool) -> Evidence:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
 
 @pytest.mark.usefixtures("one_design")
-@pytest.mark.parametrize(("verify", "told"), [(crash, "planted"), (die, "status -9")])
+@pytest.mark.parametrize(("verify", "message"), [(crash, "planted"), (die, "status -9")])
 def test_a_crash_in_one_design_is_reported_and_the_others_finish(
-    monkeypatch: pytest.MonkeyPatch, verify: Any, told: str
+    monkeypatch: pytest.MonkeyPatch, verify: Any, message: str
 ) -> None:
     monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
     designs = [replace(AXES, name="axes_1", verify=verify), AXES]
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: designs)
     result = RUNNER.invoke(cli.app, ["verify", "--json"])
-    assert result.exit_code == 2 and told in result.stderr
+    assert result.exit_code == 2 and message in result.stderr
     (good, bad) = json.loads(result.stdout)
-    assert good["design"] == "axes_2" and good["passed"] and bad["design"] == "axes_1" and told in bad["error"]
+    assert good["design"] == "axes_2" and good["passed"] and bad["design"] == "axes_1" and message in bad["error"]
 
 
 @pytest.mark.usefixtures("one_design")
 def test_lines_of_progress_are_whole_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def verify(name: str, told: workspace.Told, whole: bool) -> Evidence:
+    def verify(name: str, report: Progress, whole: bool) -> Evidence:
         for k in range(50):
-            told(f"step {k} of a long line that another process must not cut")
+            report(f"step {k} of a long line that another process must not cut")
         return Evidence(name, (), ())
 
     names = ("axes_1", "axes_2")
     designs = [replace(AXES, name=name, verify=partial(verify, name)) for name in names]
-    monkeypatch.setattr(workspace, "designs", lambda root, wanted: designs)
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: designs)
     lines = RUNNER.invoke(cli.app, ["verify", "--json"]).stderr.splitlines()
     expected = [
         f"{name}: step {k} of a long line that another process must not cut" for name in names for k in range(50)
@@ -222,6 +227,30 @@ def test_help_and_completion_load_nothing_heavy() -> None:
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+def test_every_command_has_an_example_in_its_help() -> None:
+    assert cli.app.registered_commands
+    for command in cli.app.registered_commands:
+        assert command.callback is not None
+        result = RUNNER.invoke(cli.app, [command.callback.__name__, "--help"])
+        assert f"Example: synth {command.callback.__name__} my_stage" in " ".join(result.stdout.split())
+    assert "Example: synth new my_stage" in RUNNER.invoke(cli.app, ["--help"]).stdout
+
+
+@pytest.mark.parametrize(("words", "completed"), [("synth emit le", ["lens", "lever"]), ("synth sim", ["simulate"])])
+def test_the_shell_completes_commands_and_designs(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: str, completed: list[str]
+) -> None:
+    for name in ("lens", "lever", "mirror"):
+        (tmp_path / "designs" / name).mkdir(parents=True)
+        (tmp_path / "designs" / name / "design.py").touch()
+    script = "import sys; sys.argv = ['synth']; from synth.cli import main; main()"
+    asked = {"_SYNTH_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+    environment = {**os.environ, **asked, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", script]
+    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+    assert ended.stdout.split() == completed
 
 
 def test_names_are_completed_from_the_workspace(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from synth.errors import DesignError
-from synth.jobs import Job, Progress, run
+from synth.jobs import Job, run
+from synth.progress import Lines, Progress
 
 
 def gives(value: Any) -> Callable[[Progress], Any]:
@@ -44,7 +45,7 @@ def test_what_comes_after_a_failed_job_is_not_run_and_the_run_ends(
 ) -> None:
     """The failed job is the last that runs: nothing is left to wait for."""
     jobs = [Job("emit", "a", job), Job("verify", "a", gives(1), ("emit",)), Job("report", "a", gives(2), ("verify",))]
-    outcomes = run(jobs, lambda about, line: None, processes)
+    outcomes = run(jobs, Lines(lambda about, line: None), processes)
     assert error in outcomes["emit"].error and outcomes["emit"].expected is expected
     assert outcomes["verify"].error == "not run: emit failed"
     assert outcomes["report"].error in ("not run: emit failed", "not run: verify failed")
@@ -53,6 +54,6 @@ def test_what_comes_after_a_failed_job_is_not_run_and_the_run_ends(
 def test_other_jobs_finish_and_tell_their_progress() -> None:
     lines: list[tuple[str, str]] = []
     jobs = [Job("a", "first", refuses), Job("b", "second", gives(2)), Job("c", "second", gives(3), ("b",))]
-    outcomes = run(jobs, lambda about, line: lines.append((about, line)), 1)
+    outcomes = run(jobs, Lines(lambda about, line: lines.append((about, line))), 1)
     assert [(o.value, o.error) for o in outcomes.values()] == [(None, "the stage has no plant"), (2, ""), (3, "")]
     assert list(outcomes) == ["a", "b", "c"] and lines == [("second", "makes 2"), ("second", "makes 3")]

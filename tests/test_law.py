@@ -42,7 +42,7 @@ DECISIONS = {
 @pytest.mark.parametrize("name", DECISIONS)
 def test_a_decision_of_python_is_refused_by_the_blocks_name(name: str) -> None:
     law = DECISIONS[name]
-    with pytest.raises(SignalError, match=r"the law of block 'limiter' wants .* in line \d+, .*ca\.if_else.*ca\.fmax"):
+    with pytest.raises(SignalError, match=r"the law of block 'limiter' needs .* in line \d+, .*ca\.if_else.*ca\.fmax"):
         made(lambda u, x, k: Step({"y": law(u["u"])}))
 
 
@@ -78,7 +78,7 @@ def test_a_mistake_in_the_law_itself_stays_raw() -> None:
 @pytest.mark.parametrize(
     ("physics", "message"),
     [
-        (lambda x, u, p: ({"y": max(x["y"], 0)}, {"y": x["y"]}), r"the physics of plant 'tank' wants .*ca\.fmax"),
+        (lambda x, u, p: ({"y": max(x["y"], 0)}, {"y": x["y"]}), r"the physics of plant 'tank' needs .*ca\.fmax"),
         (lambda x, u, p: ({"y": math.sqrt(x["y"])}, {"y": x["y"]}), r"plant 'tank' computes 'y' with NaN"),
         (lambda x, u, p: ({"y": x["z"]}, {"y": x["y"]}), "among its states plant 'tank' has no 'z': it has y"),
         (lambda x, u, p: {"y": x["y"]}, "the physics of plant 'tank' returns .*: return two mappings"),

@@ -36,9 +36,9 @@ def synth(workspace: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def documents(workspace: Path, *arguments: str) -> list[dict]:
-    found = synth(workspace, *arguments, "--json")
-    assert found.returncode == 0, found.stderr[-2000:] + found.stdout[-2000:]
-    return json.loads(found.stdout)
+    ended = synth(workspace, *arguments, "--json")
+    assert ended.returncode == 0, ended.stderr[-2000:] + ended.stdout[-2000:]
+    return json.loads(ended.stdout)
 
 
 def test_design_and_experiments_are_short() -> None:
@@ -62,15 +62,15 @@ def test_build_writes_c_evidence_and_report(workspace: Path) -> None:
 
 
 def test_simulate_tells_how_near_each_state_came_to_its_bound(workspace: Path) -> None:
-    (found,) = documents(workspace, "simulate")
-    for experiment in found["experiments"]:
+    (document,) = documents(workspace, "simulate")
+    for experiment in document["experiments"]:
         names = {c["name"]: c["passed"] for c in experiment["checks"]}
         assert names["largest |state| / bound"] is True, experiment["name"]
 
 
 def test_verify_compares_all_witnesses_and_margins(workspace: Path) -> None:
-    (found,) = documents(workspace, "verify")
-    names = [c["name"] for c in found["checks"]]
+    (document,) = documents(workspace, "verify")
+    names = [c["name"] for c in document["checks"]]
     assert any("reference against c64" in n for n in names) and any("phase margin" in n for n in names)
 
 
@@ -82,13 +82,13 @@ PROVE = pytest.param(
 
 @pytest.mark.parametrize("arguments", [["cost"], ["audit"], ["verify", "--target", "cortex-m4f"], PROVE])
 def test_the_other_commands_work(workspace: Path, arguments: Sequence[str]) -> None:
-    found = documents(workspace, *arguments)
-    assert isinstance(found, list) and (found or arguments == ["audit"])
+    printed = documents(workspace, *arguments)
+    assert isinstance(printed, list) and (printed or arguments == ["audit"])
 
 
 def test_emit_writes_the_other_scalar_type(workspace: Path, tmp_path: Path) -> None:
-    found = synth(workspace, "emit", NAME, "--scalar", "float64", "--out", str(tmp_path))
-    assert found.returncode == 0, found.stderr
+    ended = synth(workspace, "emit", NAME, "--scalar", "float64", "--out", str(tmp_path))
+    assert ended.returncode == 0, ended.stderr
     assert json.loads((tmp_path / NAME / "manifest.json").read_text())["scalar"] == "float64"
 
 
@@ -106,6 +106,6 @@ def test_its_own_tests_pass_once_it_is_committed(workspace: Path) -> None:
     )
     environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{workspace}"}
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"]
-    found = subprocess.run(command, cwd=workspace, env=environment, capture_output=True, text=True, check=False)
-    assert found.returncode == 0, found.stdout[-3000:]
-    assert "5 passed" in found.stdout
+    ended = subprocess.run(command, cwd=workspace, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stdout[-3000:]
+    assert "5 passed" in ended.stdout

@@ -43,9 +43,9 @@ def test_the_new_files_are_as_clean_as_this_repository(tmp_path: Path) -> None:
     folder, files = new.create(tmp_path, "stage")
     assert all((folder / path).is_file() for path in files) and Path(".gitignore") in files
     settings = ("--config", str(ROOT / "pyproject.toml"), "--ignore", "I001")  # sorted as in a workspace of its own
-    assert (found := run(folder, sys.executable, "-m", "ruff", "check", *settings, ".")).returncode == 0, found.stdout
+    assert (ended := run(folder, sys.executable, "-m", "ruff", "check", *settings, ".")).returncode == 0, ended.stdout
     form = ("--config", str(ROOT / "pyproject.toml"), "--check")
-    assert (found := run(folder, sys.executable, "-m", "ruff", "format", *form, ".")).returncode == 0, found.stdout
+    assert (ended := run(folder, sys.executable, "-m", "ruff", "format", *form, ".")).returncode == 0, ended.stdout
 
 
 @pytest.mark.parametrize("name", ["", "1a", "a-b", "../up", "My", "class", "int", "tests", "models", "é"])

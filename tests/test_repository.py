@@ -25,7 +25,7 @@ def published_texts() -> dict[str, str]:
     """Return {path: text} of every file that git tracks or would track, without those that hold binary data."""
     files = {name: ROOT / name for name in published_names()}
     data = {name: file.read_bytes() for name, file in files.items() if file.is_file()}
-    return {name: found.decode("utf-8", errors="replace") for name, found in data.items() if b"\0" not in found}
+    return {name: content.decode("utf-8", errors="replace") for name, content in data.items() if b"\0" not in content}
 
 
 def published_names() -> list[str]:

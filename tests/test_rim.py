@@ -9,7 +9,7 @@ import pytest
 
 from synth.analyse import discretise, disk, interconnect, sensitivity, transfer
 from synth.errors import ModelError, SignalError, TimingError
-from synth.statespace import StateSpace, of, together
+from synth.statespace import StateSpace, in_common_time, of
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.feedback import inverse_lqr, lqr
 from synth.synthesise.observers import lqg
@@ -31,9 +31,9 @@ GAINS = {
 @pytest.mark.parametrize("name", GAINS)
 def test_a_controller_without_time_takes_the_plants(name: str, dt: Any) -> None:
     closed = sensitivity.close(HELD, GAINS[name](dt))
-    told = sensitivity.close(HELD, GAINS[name](0.1))
+    timed = sensitivity.close(HELD, GAINS[name](0.1))
     assert closed.whole.time == Discrete(0.1)
-    np.testing.assert_array_equal(closed.whole.A, told.whole.A)
+    np.testing.assert_array_equal(closed.whole.A, timed.whole.A)
     assert sensitivity.close(GAINS[name](dt), HELD).whole.time == Discrete(0.1)
     if dt is None:
         assert sensitivity.close(PLANT, GAINS[name](None)).whole.time == Continuous()
@@ -43,7 +43,7 @@ def test_a_sampled_controller_of_no_period_does_not_meet_a_continuous_plant() ->
     with pytest.raises(TimingError, match=r"a sampled system \(dt is True\) meets continuous time"):
         sensitivity.close(PLANT, GAINS["a static gain"](True))
     with pytest.raises(SignalError, match="there is no sample period, dt is None"):
-        together(GAINS["a static gain"](None), GAINS["a lag"](None))
+        in_common_time(GAINS["a static gain"](None), GAINS["a lag"](None))
     gain = GAINS["a static gain"](None)
     named = of(HELD).renamed({"u[0]": "f", "y[0]": "q"})
     assert interconnect.connect([named, gain], ["f", "u[0]"], ["q", "y[0]"], {}).time == Discrete(0.1)

@@ -20,13 +20,13 @@ ACTUATORS = [Actuator("i1", 0.0, 100.0), Actuator("coil", 0.0, 50.0, of="i2", lo
 
 
 def around(**changed: Any) -> stage.Interface:
-    given = {"sensors": SENSORS, "set_points": POINTS, "actuators": ACTUATORS, "disturbances": ["hum"]}
-    return stage.interface(PID.PLANT, **(given | changed))
+    declared = {"sensors": SENSORS, "set_points": POINTS, "actuators": ACTUATORS, "disturbances": ["hum"]}
+    return stage.interface(PID.PLANT, **(declared | changed))
 
 
 def test_names_units_and_ranges_come_from_the_plant() -> None:
-    found = around()
-    ranges = {name: (s.unit, s.low, s.high) for name, s in found.signals.items()}
+    interface = around()
+    ranges = {name: (s.unit, s.low, s.high) for name, s in interface.signals.items()}
     assert ranges == {
         "z": ("m", -6e-4, 6e-4),
         "x_read": ("m", -1e-3, 5e-4),
@@ -34,10 +34,10 @@ def test_names_units_and_ranges_come_from_the_plant() -> None:
         "i1": ("A", -3, 3),
         "coil": ("A", -1.0, 2),
     }
-    assert [s.name for s in found.inputs] == ["z", "x_read", "z_ref"] and found.set_points[0].initial == 1e-4
-    error = found.error("z")
+    assert [s.name for s in interface.inputs] == ["z", "x_read", "z_ref"] and interface.set_points[0].initial == 1e-4
+    error = interface.error("z")
     assert (error.name, error.low, error.high) == ("z_error", pytest.approx(-5e-4), pytest.approx(11e-4))
-    assert found.signals["coil"].about == "voice coil" and found.signals["x_read"].about == "from the left"
+    assert interface.signals["coil"].about == "voice coil" and interface.signals["x_read"].about == "from the left"
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_what_the_plant_does_not_have_is_refused_by_name(changed: dict[str, Any]
 
 
 def test_a_set_point_without_a_sensor_has_no_error() -> None:
-    with pytest.raises(SignalError, match="'x_read' is no sensor with a set-point"):
+    with pytest.raises(SignalError, match="'x_read' is not a sensor with a set-point"):
         around().error("x_read")
 
 
@@ -76,7 +76,7 @@ def test_a_law_without_its_actuator_is_refused() -> None:
 
 
 def test_once_latched_the_laws_stand_still_and_the_outputs_go_to_their_safe_values() -> None:
-    controller = declared.compiled(PID.DESIGN.stage, np.float64)
+    controller = declared.compiled_controller(PID.DESIGN.stage, np.float64)
     n = 100
     held = {"z": np.full(n, 1e-4), "x": np.full(n, 5e-4), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     held["z"][20:] = np.nan
@@ -95,10 +95,10 @@ def test_a_stage_without_reference_is_refused_where_it_would_be_verified() -> No
 
 def test_each_task_can_be_replaced() -> None:
     made = PID.DESIGN.stage.controller
-    own = stage.design(
+    replaced = stage.design(
         made, PID.PLANT, reference=PID.reference.step, audit=lambda s: iter([s.name]), report=lambda s, *_: s.about
     )
-    assert list(own.audit()) == ["levitator_pid"] and own.report({}, None, [], [], None) == ""
+    assert list(replaced.audit()) == ["levitator_pid"] and replaced.report({}, None, [], [], None) == ""
     assert list(PID.DESIGN.audit()) == []
 
 

@@ -102,11 +102,11 @@ def test_matrices_are_copies_that_cannot_be_written() -> None:
 
 def test_arrays_and_python_control_systems_are_read_as_models() -> None:
     arrays = ([[0.5, 1.0], [0.0, 0.2]], [[0.0], [1.0]], [[1.0, 0.0]], [[0.0]])
-    for given in ((*arrays, Discrete(0.1)), (*arrays, 0.1), control.ss(*arrays, 0.1)):
-        found = of(given)
-        assert found.time == Discrete(0.1)
+    for system in ((*arrays, Discrete(0.1)), (*arrays, 0.1), control.ss(*arrays, 0.1)):
+        model = of(system)
+        assert model.time == Discrete(0.1)
         for letter, value in zip("ABCD", arrays, strict=True):
-            np.testing.assert_array_equal(getattr(found, letter), value)
+            np.testing.assert_array_equal(getattr(model, letter), value)
     assert of(arrays).time == of((*arrays, 0)).time == Continuous()
     assert of(arrays) is not None and of(arrays).outputs == ("y1",)
 
@@ -119,12 +119,12 @@ def test_a_model_is_read_as_itself_and_a_transfer_function_by_its_response() -> 
 
 @pytest.mark.parametrize("dt", [None, 0.1])
 def test_systems_of_scipy_are_read(dt: float | None) -> None:
-    given = {} if dt is None else {"dt": dt}
-    form = scipy.signal.TransferFunction([2.0, 1.0], [1.0, 3.0, 5.0], **given)
+    options = {} if dt is None else {"dt": dt}
+    form = scipy.signal.TransferFunction([2.0, 1.0], [1.0, 3.0, 5.0], **options)
     for system in (form, form.to_ss(), form.to_zpk()):
-        found = of(system)
-        assert found.time == (Continuous() if dt is None else Discrete(dt)) and found.states == ("x1", "x2")
-        np.testing.assert_allclose(found.response(2j)[0, 0, 0], (4j + 1) / (6j + 1), rtol=1e-12)
+        model = of(system)
+        assert model.time == (Continuous() if dt is None else Discrete(dt)) and model.states == ("x1", "x2")
+        np.testing.assert_allclose(model.response(2j)[0, 0, 0], (4j + 1) / (6j + 1), rtol=1e-12)
 
 
 def test_a_response_is_asked_for_at_a_list_of_points_off_the_poles() -> None:
@@ -148,9 +148,9 @@ def test_a_model_of_200_states_prints_its_ends() -> None:
 
 
 def test_all_states_are_outputs_where_no_C_is_given() -> None:
-    found = of((np.diag([1.0, 2.0]), [[1.0], [1.0]]))
-    assert found.states == found.outputs == ("x1", "x2") and found.inputs == ("u1",)
-    np.testing.assert_array_equal(found.C, np.eye(2))
+    model = of((np.diag([1.0, 2.0]), [[1.0], [1.0]]))
+    assert model.states == model.outputs == ("x1", "x2") and model.inputs == ("u1",)
+    np.testing.assert_array_equal(model.C, np.eye(2))
 
 
 @pytest.mark.parametrize(
@@ -179,10 +179,10 @@ def test_what_is_no_model_is_refused(system: Any, message: str) -> None:
 
 
 def test_units_follow_the_signals() -> None:
-    found = change(units={"x0": "m", "u1": "A", "y2": "m", "gone": "s"})
-    assert found.units == {"x0": "m", "u1": "A", "y2": "m"} and found.unit("x1") == ""
-    assert found.renamed({"x0": "gap"}).unit("gap") == "m" and found.channel("y2", "u1").unit("u1") == "A"
-    assert "d/dt x0 [m]" in repr(found) and "u1 [A]" in repr(found)
+    changed = change(units={"x0": "m", "u1": "A", "y2": "m", "gone": "s"})
+    assert changed.units == {"x0": "m", "u1": "A", "y2": "m"} and changed.unit("x1") == ""
+    assert changed.renamed({"x0": "gap"}).unit("gap") == "m" and changed.channel("y2", "u1").unit("u1") == "A"
+    assert "d/dt x0 [m]" in repr(changed) and "u1 [A]" in repr(changed)
     with pytest.raises(SignalError, match="unit 'mm'"):
         change(units={"x0": "mm"})
 
@@ -197,9 +197,9 @@ def test_some_outputs_and_inputs_are_selected_in_the_order_given() -> None:
 
 def test_nothing_of_a_transfer_function_is_cancelled() -> None:
     """A minimal realisation would lose the unstable pole that (s - 1) / (s^2 - 1) hides."""
-    found = of(control.tf([1, -1], [1, 0, -1]))
-    np.testing.assert_allclose(np.sort(found.poles.real), [-1, 1], atol=1e-12)
-    assert found.response(2.0)[0, 0, 0] == pytest.approx(1 / 3)
+    model = of(control.tf([1, -1], [1, 0, -1]))
+    np.testing.assert_allclose(np.sort(model.poles.real), [-1, 1], atol=1e-12)
+    assert model.response(2.0)[0, 0, 0] == pytest.approx(1 / 3)
 
 
 def test_transfer_functions_of_several_channels_are_read() -> None:
@@ -214,7 +214,7 @@ def test_transfer_functions_of_several_channels_are_read() -> None:
     ("numerator", "denominator", "message"),
     [
         ([np.nan], [1, 0.2, 1, 0], "not finite"),
-        ([1, 0, 0], [1, 1], "of no less degree"),
+        ([1, 0, 0], [1, 1], "its degree must be at least"),
         ([1], [np.inf, 1], "not finite"),
     ],
 )

@@ -13,7 +13,7 @@ def test_every_planted_defect_is_found() -> None:
     names = [name for name, _ in testing.variants(PID.DESIGN.stage)]
     assert {"sign of pid_z_p", "slew of i2 doubled", "bad_samples", "range of z wider"} <= set(names)
     assert len(names) == len(set(names)) == 19
-    assert testing.unnoticed(PID.DESIGN.stage) == []
+    assert testing.undetected_defects(PID.DESIGN.stage) == []
 
 
 def test_a_defect_that_the_reference_shares_is_named() -> None:
@@ -24,4 +24,4 @@ def test_a_defect_that_the_reference_shares_is_named() -> None:
         stepped = agree.casadi(wrong)(x, u)
         return stepped.states, stepped.outputs, stepped.faults
 
-    assert testing.unnoticed(replace(PID.DESIGN.stage, reference=step)) == ["slew of i2 doubled"]
+    assert testing.undetected_defects(replace(PID.DESIGN.stage, reference=step)) == ["slew of i2 doubled"]

@@ -32,11 +32,30 @@ def test_designs_are_found_by_name() -> None:
     known = sorted(path.parent.name for path in (ROOT / "designs").glob("*/design.py"))
     assert known and [d.name for d in workspace.designs(ROOT)] == known
     assert [d.name for d in workspace.designs(ROOT, known[:1])] == known[:1]
-    with pytest.raises(DesignError, match=f"'other' is not here: there are {', '.join(known)}"):
+    with pytest.raises(DesignError, match=f"'other' is not in this workspace: it has {', '.join(known)}"):
         workspace.designs(ROOT, ["other"])
 
 
-def design(name: str, **emitted: write.Emitted) -> workspace.Design:
+def test_outside_a_workspace_one_sentence_says_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match=r"is not a workspace, .*: run `cd WORKSPACE`, or make .* `synth new NAME`$"):
+        workspace.designs(tmp_path)
+    (tmp_path / "designs").mkdir()
+    with pytest.raises(DesignError, match=r"has no design yet, no designs/NAME/design.py: add one with `synth new N"):
+        workspace.designs(tmp_path)
+    (tmp_path / "reports").mkdir()
+    with pytest.raises(DesignError, match=f"run `cd {tmp_path}`, or make"):
+        workspace.designs(tmp_path / "reports")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["build", "verify", "simulate", "audit", "prove", "emit stage --out out"])
+def test_each_command_says_so_in_one_line(tmp_path: Path, command: str) -> None:
+    script = [sys.executable, "-c", "from synth.cli import main; main()", *command.split()]
+    ended = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True)
+    assert ended.returncode == 2 and ended.stderr.count("\n") == 1 and "synth new NAME" in ended.stderr, ended.stderr
+
+
+def design(name: str, **emitted: write.EmittedCode) -> workspace.Design:
     """Return a design without an audit that emits `emitted`; the rest of it is not to be reached."""
 
     def never(*_: Any) -> NoReturn:
@@ -63,7 +82,7 @@ def test_a_design_under_another_name_than_its_folder_is_refused_at_once(
 def test_a_design_that_emits_under_another_name_is_refused_before_anything_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made = design("stage", levitator=write.Emitted({}, {}))
+    made = design("stage", levitator=write.EmittedCode({}, {}))
     monkeypatch.setattr(workspace, "designs", lambda *_: [made])
     monkeypatch.chdir(tmp_path)
     for command in (
@@ -82,11 +101,6 @@ def test_a_design_that_emits_under_another_name_is_refused_before_anything_runs(
 
 def test_a_design_needs_no_audit() -> None:
     assert list(design("stage").audit()) == []
-
-
-def test_a_folder_without_designs_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DesignError, match="call synth in the root of a workspace"):
-        workspace.designs(tmp_path)
 
 
 @pytest.mark.slow
@@ -114,18 +128,32 @@ def test_a_failed_check_is_exit_status_1(root: Path, monkeypatch: pytest.MonkeyP
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["verify", "other"], "other"),
         (["emit", "maglev_5dof"], "--out"),
         (["emit", "maglev_5dof", "--out", "README.md"], "README"),
     ],
 )
-def test_wrong_usage_is_exit_status_2_in_one_line(arguments: list[str], told: str) -> None:
+def test_wrong_usage_is_exit_status_2_in_one_line(arguments: list[str], message: str) -> None:
     command = [sys.executable, "-c", "from synth.cli import main; main()", *arguments]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 2
-    assert told in result.stderr and "Traceback" not in result.stderr
+    assert message in result.stderr and "Traceback" not in result.stderr
+
+
+@pytest.mark.slow
+def test_emit_loads_nothing_that_draws_or_typesets(tmp_path: Path) -> None:
+    """Nor python-control: all that is slow to import and not used for C."""
+    script = (
+        "import sys\nfrom synth import workspace\nfrom synth.cli import app\nfrom pathlib import Path\n"
+        "heavy = {'matplotlib', 'sympy', 'control', 'rich.progress', 'markdown_it'}\n"
+        "workspace.designs(Path.cwd())\nprint(heavy & set(sys.modules))\n"
+        "app(['emit', 'maglev_5dof', '--out', sys.argv[1]], standalone_mode=False)\nprint(heavy & set(sys.modules))"
+    )
+    command = [sys.executable, "-c", script, str(tmp_path)]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert ended.stdout == "set()\nset()\n" and (tmp_path / "maglev_5dof/maglev_5dof.c").exists()
 
 
 @pytest.mark.slow

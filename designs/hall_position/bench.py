@@ -1,13 +1,13 @@
-"""Stimuli of the estimator as machine code: which steps are measured, replayed, and committed as test vectors.
+"""Stimuli of the estimator's machine code: steps to measure, to replay, and to commit as test vectors.
 
-motions          with noise, from `init`: across pitches at up to 2 m/s with a little yaw, through full turns, and
-                 to yaws where no estimate is valid
-lost, refused    voltages that jump to those of elsewhere; single voltages out of range and runs of them
-shifted          samples of motions from states with phases and yaws of others: the end of every reach
-random, anew     states and voltages drawn anywhere, and samples of motions with some states drawn anew
-faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
-at ends, rare    of these, those that come to the end of a range, and those whose flags few others have
-vectors          from `init` at rest with three samples out of range, then across pitches with a yaw, to the latch
+motions             with noise, from `init`: across pitches at up to 2 m/s with small yaws, through full turns, and to
+                    yaws where no estimate is valid
+lost, refused       voltages that jump to those of another motion; single voltages out of range, and runs of them
+shifted             samples of motions, from states with shifted phases, yaws and motions: the ends of every bound
+random, resampled   random states and voltages, and samples of motions with some states resampled
+faults, edges       every input bad alone and all at once; every input at the last accepted number and the next one
+at ends, rare       of these, the steps near the ends of ranges, and those with rare combinations of flags
+vectors             from `init` at rest with three samples out of range, then across pitches with a yaw, to the latch
 """
 
 from collections.abc import Callable, Mapping
@@ -24,106 +24,110 @@ from synth.verify import steps
 from synth.verify.sampling import Columns
 from synth.verify.steps import Steps
 
-FLOOR = 1.0  # m, rad, V, below which a difference of outputs is absolute
+FLOOR = 1.0  # m, rad, V: differences of smaller outputs are absolute
 REPLAY, LONG = 10_000, 6_000  # steps of the replay, and of each motion
 SLOW = 0.2, 0.04, 0.0  # m, rad, rad/s: travel, yaw and turn of a motion
 MOTIONS = {"motions": SLOW, "turns": (0.3, 0.5, 13.0), "yaws left": (0.2, 0.4, 0.0)}
-EACH, DRAWN, RARE = 1500, 4000, 1500  # steps of each kind
-EACH_END, NEAR = 40, 1e-5  # steps for an end of a range, and what is near it, of the range
-PERTURBED = 10, 1e-3  # how often, and how much of the range at most
+EACH, RANDOM, RARE = 1500, 4000, 1500  # steps of each kind
+EACH_END, NEAR = 40, 1e-5  # steps for each end of a range; relative distance that counts as near
+PERTURBED = 10, 1e-3  # repetitions, and largest change relative to the range
 SEED = 1204
-VECTORS, REST, VECTORS_SEED = 1000, 200, 2009  # samples of the test vectors, of them at rest
-START, WAY = (0.011, 0.034, 0.03), (0.12, -0.09, -0.08)  # X, Y, yaw in m and rad: over two pitches in 1 s
-OUT, BAD, LOST = 9.0, slice(150, 153), slice(900, 910)  # V; of V_ay and of V_bx
+VECTORS, AT_REST, VECTORS_SEED = 1000, 200, 2009  # samples of the test vectors, and those of them at rest
+START, DISPLACEMENT = (0.011, 0.034, 0.03), (0.12, -0.09, -0.08)  # X, Y, yaw in m and rad: more than two pitches in 1 s
+OUT_OF_RANGE, SHORT_FAULT, LONG_FAULT = 9.0, slice(150, 153), slice(900, 910)  # V; of V_ay and of V_bx
 
 
 def replay(controller: host.Controller) -> Columns:
     """Return the controller's inputs (10,000,) on a motion with refused voltages, jumps, and the latch."""
-    V, k = _measured(_name(controller), REPLAY, SLOW, SEED), np.arange(REPLAY)
+    V, k = _measure(_name(controller), REPLAY, SLOW, SEED), np.arange(REPLAY)
     V[k % 250 == 1, 0, 1] = np.nan
     V[(k > 4100) & (k < 4105), 1, 0] = np.inf
     V[(k > 6100) & (k < 6120)] *= -1
     V[(k > 7100) & (k < 7104), 1, 1] = -6.0
     V[k > 9500, 0, 0] = 9.0
-    return motions.named(V)
+    return motions.by_input(V)
 
 
 def recording(name: str, scalar: type[np.floating]) -> dict[str, Numbers]:
     """Return the inputs (N,) of an estimator's test vectors, V."""
-    V = motions.noisy(config.array(name), way(), VECTORS_SEED)
-    V[BAD, 0, 1] = OUT
-    V[LOST, 1, 0] = OUT
-    return motions.named(V.astype(scalar))
+    V = motions.noisy(config.array(name), path(), VECTORS_SEED)
+    V[SHORT_FAULT, 0, 1] = OUT_OF_RANGE
+    V[LONG_FAULT, 1, 0] = OUT_OF_RANGE
+    return motions.by_input(V.astype(scalar))
 
 
-def of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
-    """Return those of three sensors beside `inputs` of two, in their scalar type."""
+def vectors_of_three(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
+    """Return the test vectors' inputs of three sensors, in the scalar type of the `inputs` of two."""
     return recording(config.THREE, inputs["V_ax"].dtype.type)
 
 
-def way() -> Pose:
-    """Return the poses (N,) of the test vectors: at rest, then there without a jerk."""
-    part = np.clip((np.arange(VECTORS) - REST) / (VECTORS - REST), 0, 1)
-    along = part - np.sin(2 * np.pi * part) / (2 * np.pi)
-    return Pose(*(start + by * along for start, by in zip(START, WAY, strict=True)))
+def path() -> Pose:
+    """Return the poses (N,) of the test vectors: at rest, then moving with a smooth start and end."""
+    progress = np.clip((np.arange(VECTORS) - AT_REST) / (VECTORS - AT_REST), 0, 1)
+    along = progress - np.sin(2 * np.pi * progress) / (2 * np.pi)
+    return Pose(*(start + by * along for start, by in zip(START, DISPLACEMENT, strict=True)))
 
 
 def sequences(controller: host.Controller, progress: Callable[[str], None]) -> list[Steps]:
     """Return every sequence, those of motions first."""
     progress("sequences")
     name = _name(controller)
-    volts = {kind: _measured(name, LONG, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
-    loops = [steps.recorded(controller, kind, motions.named(V), closed_loop=True) for kind, V in volts.items()]
-    lost = steps.recorded(controller, "lost", motions.named(_lost(volts["turns"], volts["motions"])))
-    recorded = [*loops, lost, steps.recorded(controller, "refused", replay(controller))]
-    pool = steps.joined("all of these", recorded)
-    wrong = [_shifted(controller, pool), _random(controller, name), steps.anew(controller, pool, "states anew")]
-    near = steps.at_ends(controller, steps.joined("wrong", wrong), EACH_END, NEAR)
-    perturbed = steps.shaken(controller, near, "shaken", *PERTURBED)
+    volts = {kind: _measure(name, LONG, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
+    loops = [steps.record(controller, kind, motions.by_input(V), closed_loop=True) for kind, V in volts.items()]
+    lost = steps.record(controller, "lost", motions.by_input(_misplaced_voltages(volts["turns"], volts["motions"])))
+    recorded = [*loops, lost, steps.record(controller, "refused", replay(controller))]
+    pool = steps.concatenate("all of these", recorded)
+    wrong = [
+        _shifted_states(controller, pool),
+        _random_steps(controller, name),
+        steps.resampled(controller, pool, "states resampled"),
+    ]
+    near = steps.at_range_ends(controller, steps.concatenate("wrong", wrong), EACH_END, NEAR)
+    perturbed = steps.perturbed(controller, near, "perturbed", *PERTURBED)
     return [
         *(steps.thinned(each, EACH) for each in recorded),
-        *(steps.thinned(each, DRAWN) for each in wrong),
-        steps.faulty(controller, {name: float(v[0]) for name, v in motions.named(volts["motions"]).items()}),
-        steps.edges(controller, loops[0]),
-        steps.drawn(controller, DRAWN),
-        *(steps.rare(controller, each, RARE) for each in (pool, *wrong)),
-        steps.thinned(steps.at_ends(controller, perturbed, EACH_END), EACH),
+        *(steps.thinned(each, RANDOM) for each in wrong),
+        steps.fault_steps(controller, {name: float(v[0]) for name, v in motions.by_input(volts["motions"]).items()}),
+        steps.edge_steps(controller, loops[0]),
+        steps.random_steps(controller, RANDOM),
+        *(steps.rarest(controller, each, RARE) for each in (pool, *wrong)),
+        steps.thinned(steps.at_range_ends(controller, perturbed, EACH_END), EACH),
     ]
 
 
 def _name(controller: host.Controller) -> str:
     name = str(controller.manifest["design"])
     if name not in config.PLACES:
-        raise DesignError(f"'{name}' is none of {', '.join(config.PLACES)}: measure one of these")
+        raise DesignError(f"'{name}' is not one of {', '.join(config.PLACES)}: measure one of these")
     return name
 
 
-def _measured(name: str, n: int, size: tuple[float, float, float], seed: int) -> Numbers:
+def _measure(name: str, n: int, size: tuple[float, float, float], seed: int) -> Numbers:
     """Return voltages (n, sensors, 2) on a motion of one body."""
-    pose = motions.wander(config.TIME.period_s, (n, 1), seed, *size)
+    pose = motions.smooth_motions(config.TIME.period_s, (n, 1), seed, *size)
     return motions.noisy(config.array(name), pose, seed)[:, 0]
 
 
-def _lost(V: Numbers, other: Numbers) -> Numbers:
-    """Return voltages that are for some time those of another motion, or of none."""
+def _misplaced_voltages(V: Numbers, other: Numbers) -> Numbers:
+    """Return voltages that for some time are those of another motion, or of no pose at all."""
     k = np.arange(len(V))[:, np.newaxis, np.newaxis]
     jumping = np.where(k % 400 > 300, other, V)
     return np.where((k % 900 > 600) & (k % 900 < 640), -jumping, jumping)
 
 
-def _shifted(controller: host.Controller, pool: Steps) -> Steps:
-    """Return steps of motions, each from a state that is off in phases, yaw and motions, by any order of magnitude."""
+def _shifted_states(controller: host.Controller, pool: Steps) -> Steps:
+    """Return steps of motions, each from a state with phases, yaw and motions shifted by 1e-5 to 3."""
     rng, states = np.random.default_rng(SEED), pool.states.copy()
     size = 10.0 ** rng.uniform(-5, 0.5, len(pool))
     for f in controller.manifest["structs"]["state"]["fields"]:
         if f["ctype"] == "float" and not f["name"].startswith(("guard", "estimator_pitch")):
-            moved = states[f["name"]] + size * rng.uniform(-1, 1, len(pool))
-            states[f["name"]] = np.clip(moved, f["low"], f["high"])
+            shifted = states[f["name"]] + size * rng.uniform(-1, 1, len(pool))
+            states[f["name"]] = np.clip(shifted, f["low"], f["high"])
     return Steps("shifted", states, pool.inputs)
 
 
-def _random(controller: host.Controller, name: str) -> Steps:
-    """Return random steps as verification draws them."""
-    states, inputs = random_steps.in_operation(random_steps.subject(name), DRAWN)
-    records = host.records(controller.manifest, controller.state, states, DRAWN)
-    return Steps("random", records, controller.records(inputs, DRAWN))
+def _random_steps(controller: host.Controller, name: str) -> Steps:
+    """Return the random steps of verification."""
+    states, inputs = random_steps.in_operation(random_steps.subject(name), RANDOM)
+    records = host.records(controller.manifest, controller.state, states, RANDOM)
+    return Steps("random", records, controller.records(inputs, RANDOM))

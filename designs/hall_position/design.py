@@ -1,14 +1,23 @@
 """Absolute position from Hall voltages, after Kawato and Kim: from the magnets' geometry to verified C."""
 
 from functools import partial
+from typing import Any
 
-from designs.hall_position import bench, config, page, random_steps, reference_guard, verification
+from designs.hall_position import bench, config, random_steps, reference_guard, verification
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
 from synth import stage
 from synth.stage import Companion
 from synth.workspace import Bench
+
+
+def report(*arguments: Any) -> str:
+    """Return the report; what draws it is imported here, since `synth emit` does not need it."""
+    from designs.hall_position import page
+
+    return page.report(*arguments)
+
 
 CONTROLLER, THREE = config.controller(), config.block(config.THREE)
 DESIGN = stage.design(
@@ -18,11 +27,11 @@ DESIGN = stage.design(
     surrogate_error=estimator.SURROGATE_ERROR,
     recording=lambda rig: bench.recording(config.NAME, rig.controller.scalar),
     gains=partial(config.gains, config.NAME),
-    companions=[Companion(THREE, bench.of_three, partial(config.gains, config.THREE))],
+    companions=[Companion(THREE, bench.vectors_of_three, partial(config.gains, config.THREE))],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: experiments.run(progress),
     audit=lambda of: rows.rows(),
     bench=lambda of: Bench(config.block, bench.replay, bench.sequences, bench.FLOOR),
-    report=lambda of, *parts: page.report(*parts),
+    report=lambda of, *parts: report(*parts),
     about=__doc__,
 )

@@ -1,4 +1,4 @@
-"""The report of the Hall position: what a design review reads, from report.md, report.toml and the computed blocks."""
+"""Report of the Hall position for a design review: report.md and report.toml with the computed blocks."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from designs.hall_position import config, costs
 from designs.hall_position.loop import calibration
 from designs.hall_position.pages import accuracy, estimator, experiments, field, loops, six, trust
 from models.hall_stage import Stage
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
 from synth.report.captions import Made
@@ -21,22 +21,22 @@ from synth.verify.evidence import Evidence
 
 ABOUT = (
     "Absolute position over a Halbach magnet matrix from the voltages of two-axis Hall sensors, after Kawato and Kim: "
-    "the field, its model, the estimator and what it tells where. This page was computed from the magnets' geometry; "
-    "every figure on it was measured on the C that ships, or on the model that the C was derived from."
+    "the field, its model, the estimator and its accuracy over the pitch. This page was computed from the magnets' "
+    "geometry; every figure on it was measured on the shipped C, or on the model that the C was derived from."
 )
 
 
 def report(
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
-    """Return the whole report as one HTML document, with every experiment that is handed in."""
+    """Return the report as one HTML document, with all experiments in `runs`."""
     data = tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     stage = Stage()
-    made = captions.captioned(_blocks(stage, data, runs), data["blocks"])
+    blocks = captions.with_captions(_blocks(stage, data, runs), data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
     parts = [
         experiments.section(runs, data["beside"]),
@@ -45,13 +45,13 @@ def report(
         standard.audit(rows, ()),
         standard.verification(evidence),
         sections.cost(cost),
-        costs.section(costs.measure(files[config.THREE], six.placed(stage, 4)) if cost else ()),
+        costs.section(costs.measure(files[config.THREE], six.optimised_layout(stage, 4)) if cost else ()),
         standard.files(files),
     ]
     inputs, outputs = "4 Hall voltages; 6 with a third sensor", "X, Y and yaw, their deviations, residual, flags"
     law = ("law", "GLSDC, Fig. 9, five corrections a sample")
     facts = (*standard.facts(config.TIME, np.float32, inputs, outputs), law)
-    return template.assembled(config.NAME, ABOUT, facts, parts, {**equations, **made})
+    return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
 
 
 def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Made]:
@@ -59,7 +59,7 @@ def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -
         **field.blocks(stage),
         **estimator.blocks(data["meaning"]),
         **accuracy.blocks(stage),
-        **trust.blocks(trust.kinds()),
-        **experiments.blocks(calibration.calibrated().map if runs else None, runs),
+        **trust.blocks(trust.estimators()),
+        **experiments.blocks(calibration.calibrated_source().map if runs else None, runs),
         **six.blocks(stage),
     }

@@ -1,9 +1,9 @@
-"""GLSDC in plain NumPy for any number of unknowns, for comparison; N bodies advance one sample at a time.
+"""Reference of GLSDC in plain NumPy, for any number of unknowns; N bodies advance one sample at a time.
 
     minimise  |w^(1/2) (V - h(q + d))|^2 + |S d|^2,    d (n,) in m and rad, S diagonal: the root of the damping
 
-A correction is the least-squares solution of the weighted rows over S, by an orthogonal factorisation, anew at each
-trial or once where the sample begins. A search begins at points of Roberts' sequence.
+A correction is the least-squares solution of the weighted rows stacked on S, by QR factorisation, at each trial or once
+at the predicted pose. A search starts at the points of Roberts' sequence.
 
 Source: Kawato and Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B and Fig. 9.
 """
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
-SLACK = 0.01  # of deviation^2, of the cost
+SLACK = 0.01  # of deviation^2: the rise of the cost allowed for rounding
 PATIENCE = 5  # samples
 PLASTIC = 1.324717957244746  # g, g^3 = g + 1
 
@@ -39,11 +39,11 @@ class Setup:
 
 @dataclass(frozen=True)
 class Problem:
-    """Names of states, residuals (N, m) and rows (N, m, n) at poses (N, n), S, and how far d may go, (n,) in m and rad.
+    """Names of states, residuals (N, m) and rows (N, m, n) at poses (N, n), S, and bounds of d (n,) in m and rad.
 
-    Residuals are those of the first axes of all sensors, then of the second ones. `blocks` of unknowns are solved for
-    together, the last ones first; where these are limited, those before fit it. Rows are factorised `once` a sample or
-    at each trial. `units` are a state's units of each unknown. A cost may rise by the part `rounding` of itself.
+    Residuals are those of the first axes of all sensors, then of the second ones. Each of the `blocks` of unknowns is
+    solved for together, the later ones first; the earlier ones then fit the limited values. Rows are factorised `once`
+    a sample or at each trial. `units` are a state's units of each unknown. A cost may rise by `rounding`, relative.
     """
 
     poses: Sequence[str]
@@ -55,7 +55,7 @@ class Problem:
     blocks: Sequence[slice]
     corrections: int
     deviation: float
-    settled: float
+    convergence_sigma: float
     scale: float = 1.0
     rounding: float = 0.0
     once: bool = False
@@ -88,10 +88,10 @@ def initial_state(names: Sequence[str]) -> dict[str, Array]:
 
 
 def predict(of: Problem, state: Columns) -> Array:
-    """Return the pose (N, n) in m and rad with which a sample begins, where the last motion leads, if there is one."""
+    """Return the predicted pose (N, n) in m and rad: the last one plus the predicted motion, if there is one."""
     start = np.stack([state[name] for name in of.poses], axis=1)
-    by = np.stack([state[name] for name in of.motions], axis=1) if of.motions else 0.0
-    return np.asarray((start + by) / of.units)
+    motion = np.stack([state[name] for name in of.motions], axis=1) if of.motions else 0.0
+    return np.asarray((start + motion) / of.units)
 
 
 def descend(of: Problem, start: Array, volts: Array, weights: Array) -> tuple[list[Fit], Array, Array]:
@@ -104,57 +104,58 @@ def descend(of: Problem, start: Array, volts: Array, weights: Array) -> tuple[li
         fits.append(trial)
         better = trial.cost <= of.threshold(lowest)
         best, lowest = np.where(better[:, None], trial.at, best), np.where(better, trial.cost, lowest)
-    converged = better & ((trial.z**2).sum(axis=1) <= (of.settled * of.deviation) ** 2)
+    converged = better & ((trial.z**2).sum(axis=1) <= (of.convergence_sigma * of.deviation) ** 2)
     return fits, np.where(converged[:, None], correct(of, trial), best), converged
 
 
 def fit(of: Problem, start: Array, at: Array, volts: Array, weights: Array, first: Fit | None = None) -> Fit:
-    """Linearise at a displacement (N, n), by the weights (N, sensors) of sensors; the `first` fit keeps its rows."""
+    """Linearise at a displacement (N, n) with weights (N, sensors); with `first`, its rows are reused."""
     root = np.tile(np.sqrt(weights), 2)
     e, H = of.linearise(start + at, volts)
     e, H = root * e, root[:, :, None] * H if first is None else first.H
-    Q, R = np.linalg.qr(damped(H, of.damping)) if first is None else (first.Q, first.R)
+    Q, R = np.linalg.qr(augment(H, of.damping)) if first is None else (first.Q, first.R)
     b = np.concatenate([e, -of.damping * at], axis=1)
     each = (e**2).reshape(len(at), 2, -1).sum(axis=1)
     return Fit(at, H, each, each.sum(axis=1), (b**2).sum(axis=1), Q, R, np.einsum("nmi,nm->ni", Q, b))
 
 
-def damped(H: Array, root: Array) -> Array:
-    """Return rows (N, m, n) over those of the damping's root (n,)."""
+def augment(H: Array, root: Array) -> Array:
+    """Return rows (N, m, n) stacked on the diagonal root (n,) of the damping."""
     return np.concatenate([H, np.broadcast_to(np.diag(root), (len(H), len(root), len(root)))], axis=1)
 
 
 def correct(of: Problem, trial: Fit) -> Array:
-    """Return the displacement (N, n) that a scaled correction leads to, within the bounds."""
+    """Return the displacement (N, n) after a scaled correction, within the bounds."""
     R, z, end = trial.R, of.scale * trial.z, trial.at.copy()
     for block in of.blocks:
-        moved = end[:, block.stop :] - trial.at[:, block.stop :]
-        right = z[:, block] - (R[:, block, block.stop :] @ moved[:, :, None])[:, :, 0]
-        own = R[:, block, block]
-        step = right / own[:, 0] if own.shape[1] == 1 else np.linalg.solve(own, right[:, :, None])[:, :, 0]
+        later = end[:, block.stop :] - trial.at[:, block.stop :]
+        right = z[:, block] - (R[:, block, block.stop :] @ later[:, :, None])[:, :, 0]
+        diagonal = R[:, block, block]
+        scalar = diagonal.shape[1] == 1
+        step = right / diagonal[:, 0] if scalar else np.linalg.solve(diagonal, right[:, :, None])[:, :, 0]
         end[:, block] = np.clip(trial.at[:, block] + step, -of.bounds[block], of.bounds[block])
     return end
 
 
-def follow(of: Problem, state: Columns, by: Array, lost: Array) -> dict[str, Array]:
-    """Return the motions that follow corrections `by` (N, n), in a state's units; none of bodies that are lost."""
+def update_motion(of: Problem, state: Columns, steps: Array, lost: Array) -> dict[str, Array]:
+    """Return the predicted motions after `steps` (N, n) in a state's units; 0 where position lock is lost."""
     bounds = of.bounds * of.units
-    moved = {m: np.clip(state[m] + by[:, i], -bounds[i], bounds[i]) for i, m in enumerate(of.motions)}
-    return {m: np.where(lost, 0, v) for m, v in moved.items()}
+    motions = {m: np.clip(state[m] + steps[:, i], -bounds[i], bounds[i]) for i, m in enumerate(of.motions)}
+    return {m: np.where(lost, 0, v) for m, v in motions.items()}
 
 
 def restart(state: Columns, fault: Array, phases: Columns) -> tuple[dict[str, Array], Array]:
-    """Return the next counts, starts and phases, and whether the next sample begins elsewhere."""
-    again = fault & (state["astray"] >= PATIENCE - 1)
-    next = {"astray": np.where(fault & ~again, state["astray"] + 1, 0)}
-    for axis, part in (("x", 1 / PLASTIC), ("y", 1 / PLASTIC**2)):
-        start = wrap(state[f"start_{axis}"] + 2 * pi * (part - 1))[0]
-        next[f"start_{axis}"] = np.where(again, start, state[f"start_{axis}"])
-        next[f"phase_{axis}"] = np.where(again, start, phases[f"phase_{axis}"])
-    return next, again
+    """Return the next counts, starts and phases, and whether the next sample restarts elsewhere."""
+    restarts = fault & (state["residual_faults"] >= PATIENCE - 1)
+    next = {"residual_faults": np.where(fault & ~restarts, state["residual_faults"] + 1, 0)}
+    for axis, fraction in (("x", 1 / PLASTIC), ("y", 1 / PLASTIC**2)):
+        start = wrap(state[f"start_{axis}"] + 2 * pi * (fraction - 1))[0]
+        next[f"start_{axis}"] = np.where(restarts, start, state[f"start_{axis}"])
+        next[f"phase_{axis}"] = np.where(restarts, start, phases[f"phase_{axis}"])
+    return next, restarts
 
 
 def wrap(angle: Array) -> tuple[Array, Array]:
-    """Return angles within half a turn, and the turns taken off."""
+    """Return angles wrapped to -pi .. pi, and the whole turns that were subtracted."""
     turns = np.where(angle > pi, 1.0, np.where(angle < -pi, -1.0, 0.0))
     return angle - 2 * pi * turns, turns

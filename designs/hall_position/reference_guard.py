@@ -1,7 +1,7 @@
-"""The guarded estimator in plain NumPy: acceptance of voltages, hold, latch and fault word around `reference`.
+"""Reference of the guarded estimator in plain NumPy: acceptance of voltages, hold, latch and fault word.
 
-A voltage V is accepted where |V| <= 5, which NaN is not; while it is refused the last accepted one is held. The latch
-is set by the fifth sample in a row with a refused voltage. N bodies advance one sample at a time.
+A voltage V is accepted if |V| <= 5, so NaN is refused. While it is refused, the last accepted one is held. The fifth
+consecutive sample with a refused voltage sets the latch. N bodies advance one sample at a time.
 """
 
 from string import ascii_lowercase
@@ -11,7 +11,7 @@ import numpy as np
 from designs.hall_position import reference
 from designs.hall_position.reference_glsdc import Array, Columns, Setup
 
-OWN = "estimator_"
+PREFIX = "estimator_"
 SPAN, BAD_SAMPLES, LATCH = 5.0, 5, np.uint32(1 << 31)
 
 
@@ -20,7 +20,7 @@ def channels(of: Setup) -> list[str]:
     return [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(of.positions)] for axis in "xy"]
 
 
-def accepted(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
+def hold_refused(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
     """Return the held voltages and which were refused, (N, sensors, 2) both."""
     now = np.stack([np.asarray(inputs[n], dtype=np.float64) for n in channels(of)], axis=1)
     last = np.stack([np.asarray(states[f"guard_last_{n}"], dtype=np.float64) for n in channels(of)], axis=1)
@@ -30,19 +30,19 @@ def accepted(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]
     return np.where(refused, last, now).reshape(shape), refused.reshape(shape)
 
 
-def of_estimator(states: Columns) -> dict[str, Array]:
-    """Return the estimator's part of the states, by its own names."""
-    return {n.removeprefix(OWN): np.asarray(v, dtype=np.float64) for n, v in states.items() if n.startswith(OWN)}
+def estimator_states(states: Columns) -> dict[str, Array]:
+    """Return the states of the estimator, without their prefix."""
+    return {n.removeprefix(PREFIX): np.asarray(v, dtype=np.float64) for n, v in states.items() if n.startswith(PREFIX)}
 
 
 def step(of: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
-    """Return next states, outputs and fault words (N,), states by the names that the C gives them."""
-    held, refused = accepted(of, states, inputs)
-    outputs, after = reference.step(of, of_estimator(states), held, refused)
+    """Return next states, outputs and fault words (N,), states by their names in the C."""
+    held, refused = hold_refused(of, states, inputs)
+    outputs, after = reference.step(of, estimator_states(states), held, refused)
     flat, names = refused.reshape(len(refused), -1), channels(of)
     bad, left = np.any(flat, axis=1), np.asarray(states["guard_left"], dtype=np.int64)
     latched = (np.asarray(states["guard_latched"]) > 0) | (bad & (left <= 1))
-    next = {f"{OWN}{n}": v for n, v in after.items()}
+    next = {f"{PREFIX}{n}": v for n, v in after.items()}
     next |= {f"guard_last_{n}": v for n, v in zip(names, held.reshape(len(held), -1).T, strict=True)}
     next |= {"guard_left": np.where(bad, np.maximum(left - 1, 1), BAD_SAMPLES), "guard_latched": 1 * latched}
     next |= {"guard_ready": np.where(bad, states["guard_ready"], 1)}

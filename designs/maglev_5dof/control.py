@@ -1,13 +1,13 @@
-"""The controller of the five-axis maglev stage as Blocks: F(8), (12), (14), (16), (17) between encoders and currents.
+"""Controller of the five-axis maglev stage as Blocks, from encoders to currents: F(8), (12), (14), (16), (17).
 
     encoders, set-points -> guard -> kinematics -> filters -> regulators -> decoupling and limits -> safe output
 
-The published gains come from continuous LQR; they are used at 1 kHz as the paper did, with the sampled-data optimum
-beside them in gains.json. Readings where the paper is silent: the phi loop takes the theta loop's weights, which are
-not published for it; a motor's limit is on sqrt(i_d^2 + i_q^2), levitation first; each motor's forces are taken at its
-own measured gap, and what i_q^2 attracts at the thrust current of the sample before. Two things are changed, and
-`restored=False` leaves F(12) as printed: what it drops of i_d^2 is put back at the currents of the sample before, and
-only a part of the guides' springs is compensated.
+The published gains come from continuous LQR. They are used at 1 kHz as in the paper; gains.json lists the sampled-data
+optimum beside them. Assumptions where the paper gives no information: the phi loop has the weights of the theta loop;
+the current limit of a motor is on sqrt(i_d^2 + i_q^2), with priority for levitation; the forces of each motor are
+computed at its own measured gap; the attraction by i_q^2 is that of the thrust current of the sample before. The
+shipped law differs from F(12) in two points, which `corrected=False` undoes: it includes the attraction by i_d^2 at the
+currents of the sample before, and it compensates only a part of the guide springs.
 """
 
 from dataclasses import dataclass, replace
@@ -34,25 +34,25 @@ NAME = "maglev_5dof"
 TIME = Discrete(1e-3)
 OMEGA0 = 1.5 * pi  # rad/s, the frequency of the references, F section IV-B
 FREQUENCIES = (0.0, OMEGA0)  # rad/s, the exosystem of F(15)
-FILTER = 1000.0  # rad/s: 300 makes the phi loop unstable and 500 leaves it a peak sensitivity of 4.6
+FILTER = 1000.0  # rad/s: with 300 the phi loop is unstable, with 500 its peak sensitivity is 4.6
 CURRENT = maglev_stage.PEAK  # A rms, F section II
-DIRECT = CURRENT * (1 - 1e-4)  # of i_d: keeps the root of what it leaves of CURRENT away from 0
+DIRECT = CURRENT * (1 - 1e-4)  # A rms, limit of i_d: keeps sqrt(CURRENT^2 - i_d^2) away from 0
 RATED = 5 / sqrt(2)  # A rms, 5 A peak continuous, F section II
 ANTI_WINDUP = (7e-5, 7e-5, 7e-5)  # E_x = E_z, F section IV-A
-ETA_BOUNDS = (600.0, 3.0, 600.0)  # of the internal model's states
+ETA_BOUNDS = (600.0, 3.0, 600.0)  # of the states of the internal model
 BAD_SAMPLES = 5
-SAFE_CURRENT = 2.5  # A rms of i_d: lets the platen down from every gap of 18.1 mm or more
+SAFE_CURRENT = 2.5  # A rms of i_d: lowers the platen from every gap of 18.1 mm or more
 SLEW = 100.0  # A/s
 RESOLUTION = 10e-6  # m, F section II
-SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is known to some 1e-3
+SURROGATE_ERROR = {np.float32: 5e-7, np.float64: 1e-14}  # relative; the force law itself is accurate to some 1e-3
 
-# The part of each guide spring that F(12) cancels: too much makes an axis unstable, too little only slow. Springs that
-# are weaker than assumed by 30 % (phi) and 20 % (theta) leave the axes stable.
+# The part of each guide spring that the law compensates: too much makes an axis unstable, too little slow. With
+# springs 30 % (phi) and 20 % (theta) weaker than assumed the axes are stable.
 COMPENSATED = {"k_s_phi": 0.75, "k_s_theta": 0.95}
 
 BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_stage.RATE}  # m, rad
 GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
-WIDE = 0.1  # m: twice the stroke, so that neither overshoot nor the give of a stop reads as a broken encoder
+WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
 
 INTERFACE = stage.interface(
     maglev_stage.plant(),
@@ -72,7 +72,7 @@ INTERFACE = stage.interface(
         *(Actuator(f"u_{n}", 0.0, SLEW) for n in "xz"),
     ],
     bad_samples=BAD_SAMPLES,
-    reason="zero current slams the platen up below 28.7 mm; 2.5 A rms lets it down from 18.1 mm and above",
+    reason="zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above",
 )
 CURRENTS = INTERFACE.outputs
 OUTPUTS = (
@@ -81,7 +81,7 @@ OUTPUTS = (
 )
 HELD = tuple(INTERFACE.held(f"y{j}") for j in MOTORS)
 ARM = 1 / (2 * INTERFACE.plant.parameter("r").value)  # 1/m
-# y, phi and theta in the heights of the four motors, F(5) about the level platen: where the loops are opened.
+# y, phi and theta from the gaps of the four motors, F(5) linearised: coordinates in which the loops are opened.
 POSE = {"y": {f"y{j}": 0.25 for j in MOTORS}, "phi": {"y3": ARM, "y1": -ARM}, "theta": {"y2": ARM, "y4": -ARM}}
 
 
@@ -117,7 +117,7 @@ class Axis:
 
     @property
     def excess(self) -> Signal | None:
-        """What the limit adds to the thrust current of x and z."""
+        """The limited less the demanded thrust current of x and z."""
         about = f"u_{self.name} limited less u_{self.name} demanded"
         return Signal(f"excess_{self.name}", "A", -1e6, 1e6, about) if self.name in "xz" else None
 
@@ -146,8 +146,8 @@ def gain(axis: Axis) -> lqr.Gain:
     return lqr.lqr(axis_plant(axis), np.diag(axis.weights), np.eye(1), exact=True)
 
 
-def regulator_block(axis: Axis, wound: bool = True) -> Block:
-    """Return the regulator of one axis, F(14)-(17), or F(14)-(16) when `wound` is false."""
+def regulator_block(axis: Axis, anti_windup: bool = True) -> Block:
+    """Return the regulator of one axis, F(14)-(17), or F(14)-(16) when `anti_windup` is false."""
     return regulator.block(
         f"regulator_{axis.name}",
         TIME,
@@ -157,7 +157,7 @@ def regulator_block(axis: Axis, wound: bool = True) -> Block:
         rate=axis.rate,
         demand=axis.demand,
         bounds=ETA_BOUNDS,
-        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and wound else None,
+        anti_windup=(axis.excess, ANTI_WINDUP) if axis.excess and anti_windup else None,
         tag="F(14)-(17)" if axis.excess else "F(14)-(16)",
     )
 
@@ -171,7 +171,7 @@ def kinematics(plant: Plant) -> Block:
         return Step(maglev_stage.kinematics(y1, y2, y3, y4, r))
 
     outputs = [a.position for a in AXES if a.name in POSE]
-    return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="F(5) inverted")
+    return build("kinematics", TIME, law, inputs=HELD, outputs=outputs, tag="pose from the gaps, F(5)")
 
 
 def errors() -> Block:
@@ -181,48 +181,50 @@ def errors() -> Block:
         return Step({a.error.name: u[a.position.name] - u[a.reference.name] for a in AXES})
 
     inputs = [s for a in AXES for s in (a.position, a.reference)]
-    return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="F(14) e")
+    return build("errors", TIME, law, inputs=inputs, outputs=[a.error for a in AXES], tag="tracking errors, F(14)")
 
 
-def decoupling(plant: Plant, restored: bool = True) -> Block:
+def decoupling(plant: Plant, corrected: bool = True) -> Block:
     """Return the Block from demanded accelerations to limited currents, F(8) and F(12).
 
-    Each motor's forces are taken at its own measured gap. The attraction by i_d^2 + i_q^2 is taken at the currents of
-    the sample before, so that the rest is linear; where it is not `restored`, that of i_d^2 is left out as in F(11).
-    Each motor keeps hypot(i_d, i_q) <= CURRENT with i_d served first.
+    The forces of each motor are computed at its own measured gap. The attraction by i_d^2 + i_q^2 is that of the sample
+    before, which makes the equations linear; without `corrected`, that of i_d^2 is neglected as in F(11). Each motor
+    keeps hypot(i_d, i_q) <= CURRENT with priority for i_d.
     """
     lifting, values = Signal("i", "A", -DIRECT, DIRECT), maglev_stage.nominal(plant)
-    values |= {n: part * values[n] for n, part in COMPENSATED.items()} if restored else {}
+    values |= {n: part * values[n] for n, part in COMPENSATED.items()} if corrected else {}
     angles = [a.position for a in AXES if a.name in ("phi", "theta")]
     before = [INTERFACE.before(s.name) for s in CURRENTS]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
         squares = [u[f"{thrust}_before"] ** 2 for thrust in maglev_stage.QUADRATURE]
-        if restored:
+        if corrected:
             squares = [i_q + u[f"i_d{j}_before"] ** 2 for j, i_q in zip(MOTORS, squares, strict=True)]
         w = {a.name: u[a.demand.name] for a in AXES}
         direct = maglev_stage.direct_currents(w, u, squares, motors, values)
         i_d = {n: clip(i, lifting) for n, i in direct.items()}
         demand = maglev_stage.thrust_currents(w, motors, values)
         pairs = {"u_x": (i_d["i_d2"], i_d["i_d4"]), "u_z": (i_d["i_d1"], i_d["i_d3"])}
-        thrust = {n: _limited(demand[n], *pair) for n, pair in pairs.items()}
+        thrust = {n: _limit_thrust(demand[n], *pair) for n, pair in pairs.items()}
         output = {f"{n}_computed": i for n, i in (i_d | thrust).items()}
         output |= {f"excess_{n[-1]}": thrust[n] - demand[n] for n in thrust}
-        named = [pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named(j, m, square)]
-        named += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
-        return Step(output, named=named)
+        named_signals = [
+            pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named_forces(j, m, square)
+        ]
+        named_signals += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
+        return Step(output, named=named_signals)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
     outputs = [*(INTERFACE.computed(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
-    return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="F(8), F(12), limits")
+    return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
 
 
-def _named(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
-    """Return what the C names of a motor's forces."""
+def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
+    """Return the named expressions of a motor's forces, for the C."""
     return [
-        (Signal(f"thrust_{j}", "N/A", 0, 100), m.h),
-        (Signal(f"pull_{j}", "A^2/N", 0, 100), m.ratio),
+        (Signal(f"thrust_per_ampere_{j}", "N/A", 0, 100), m.h),
+        (Signal(f"half_a_over_h2_{j}", "A^2/N", 0, 100), m.ratio),
         (Signal(f"half_a_{j}", "N", 0, 1e3), m.half_a),
         (Signal(f"half_c_{j}", "N/A^2", 0, 10), m.half_c),
         (Signal(f"half_load_{j}", "N", 0, 1e3), m.half_a + m.half_c * square),
@@ -230,44 +232,49 @@ def _named(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX
     ]
 
 
-def _limited(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
-    """Return the thrust current within what the direct currents of its two motors leave of CURRENT."""
+def _limit_thrust(thrust: ca.SX, *direct: ca.SX) -> ca.SX:
+    """Return the thrust current limited to sqrt(CURRENT^2 - i_d^2) of both of its motors."""
     room = ca.sqrt(CURRENT**2 - ca.fmax(direct[0] ** 2, direct[1] ** 2))
     return ca.fmax(ca.fmin(thrust, room), -room)
 
 
-def shares() -> Block:
+def thrust_allocation() -> Block:
     """Return the Block that gives both motors of an axis its thrust current."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({f"i_q{j}": u[name] for j, name in enumerate(maglev_stage.QUADRATURE, 1)})
 
-    return build("shares", TIME, law, inputs=CURRENTS[4:], outputs=OUTPUTS[4:], tag="F(6)")
+    return build("thrust_allocation", TIME, law, inputs=CURRENTS[4:], outputs=OUTPUTS[4:], tag="F(6)")
 
 
-def laws(plant: Plant, restored: bool = True, wound: bool = True) -> list[Block]:
-    """Return the laws for the stage's parameters; `wound=False` leaves the anti-windup out."""
+def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
+    """Return the laws for the parameters of the stage, with or without anti-windup."""
     loops: list[Block] = []
     for a in AXES:
-        loops += [derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER), regulator_block(a, wound)]
-    return [kinematics(plant), errors(), *loops, decoupling(plant, restored), shares()]
+        loops += [
+            derivative_filter.block(f"filter_{a.name}", TIME, a.error, a.rate, FILTER),
+            regulator_block(a, anti_windup),
+        ]
+    return [kinematics(plant), errors(), *loops, decoupling(plant, corrected), thrust_allocation()]
 
 
-def controller(plant: Plant, restored: bool = True, wound: bool = True) -> stage.Controller:
+def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
-    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, restored, wound), names(OUTPUTS))
+    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, corrected, anti_windup), names(OUTPUTS))
 
 
 def phase_currents(plant: Plant) -> Block:
     """Return the commutation: 12 phase currents from the motors' direct and quadrature currents and the position.
 
-    Motors 2 and 4 lie along X, 1 and 3 along Z. Inputs are held while bad, and nothing latches here: the controller
-    that computes the currents does.
+    Motors 2 and 4 lie along X, 1 and 3 along Z. Bad inputs are held. This Block does not latch; the controller that
+    computes the currents does.
     """
     tau = ca.SX(plant.parameter("tau").value)
     along = [INTERFACE.signals[n] for n in "xz"]
-    guarded = [safety.Guarded(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)]
-    peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, rounded
+    guarded = [
+        safety.GuardedInput(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)
+    ]
+    peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, with rounding
     outputs = [
         Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
         for j in MOTORS
@@ -285,6 +292,6 @@ def phase_currents(plant: Plant) -> Block:
     held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]
     blocks = [
         safety.guard(TIME, guarded, BAD_SAMPLES),
-        build("commutation", TIME, law, inputs=held, outputs=outputs, tag="inverse Park"),
+        build("commutation", TIME, law, inputs=held, outputs=outputs, tag="phase currents, inverse Park"),
     ]
     return compose(f"{NAME}_phase", blocks, inputs=names(g.signal for g in guarded), outputs=names(outputs))

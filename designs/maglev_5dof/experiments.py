@@ -1,8 +1,8 @@
-"""The paper's experiments, F section IV, and what a user of the stage must be sure of beyond them.
+"""Experiments of the paper, F section IV, and further ones: wrong guide springs, windup, lift-off, safe output.
 
-A step comes SETTLE after the start, so that the loop is at rest on its encoders' counts by then. Metrics are on the
-true position, as the paper defines them: overshoot in parts of the step, t_s to stay within 0.1 mm or 0.1 mrad, t_enc
-to stay within 10 um or 20 urad.
+A step comes SETTLE after the start, when the loop is at rest within a count of its encoders. Metrics are those of the
+true position, as in the paper: overshoot relative to the step, t_s until it stays within 0.1 mm or 0.1 mrad, t_enc
+until it stays within 10 um or 20 urad.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -43,7 +43,7 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
-TRACKED = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
+TRACKING_LIMITS = {"y": 50e-6, "x": 2e-6, "z": 2e-6, "theta": 25e-6}  # m, rad: mean errors of the 4-DOF tracking
 STABLE = "the axis stays stable over the spring's tolerance"
 TILTED: Mapping[str, Any] = {"axis": "phi", "target": 0.5e-3, "about": STABLE, "settles": True}
 LEVEL: Mapping[str, Any] = {"about": "in the paper's configuration", "actuators": NO_ROTATION}
@@ -52,7 +52,7 @@ LOCKED: Mapping[str, Any] = {"about": "in the paper's configuration", "locked": 
 
 @dataclass(frozen=True, eq=False)
 class StepRun:
-    """A step's whole trajectory with its set-point (N,), the metrics, and the sample at which the step comes."""
+    """The trajectory of a step with its set-point (N,), the metrics, and the sample of the step."""
 
     trajectory: Trajectory
     reference: Array
@@ -73,7 +73,7 @@ def step(
 
 
 def tracking(rig: Rig, four: bool, duration_s: float = TRACK_TO) -> tuple[Trajectory, dict[str, Array]]:
-    """Run the 4-DOF tracking or the 3-DOF ellipse, from rest at the start of the set-points, returned by axis."""
+    """Run the 4-DOF tracking or the 3-DOF ellipse from rest; return it with the set-points by axis."""
     time = sample_times(duration_s, rig.period_s)
     courses = {axis: course(time) for axis, course in COURSES.items() if four or axis != "theta"}
     start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
@@ -122,7 +122,7 @@ def _overload(trajectory: Trajectory) -> dict[str, float]:
 def _step(
     rig: Rig, axis: str, target: float, limits: tuple[float, float, float], start: float = 0.0, gap: float = 0.025
 ) -> Experiment:
-    """Step under `limits` of overshoot, t_s and t_enc."""
+    """Run a step with `limits` on overshoot, t_s and t_enc."""
     run, unit = step(rig, axis, start, target, gap), UNITS[axis]
     trajectory, response = run.trajectory, run.response
     checks = [
@@ -131,14 +131,14 @@ def _step(
         Check("t_enc", response.t_enc, limits[2], "s", "true error stays within 10 um or 20 urad"),
     ]
     if unit == "m":
-        # One count, as single precision reads it: a count on 31 mm is off by up to 1 nm there.
+        # One count in single precision, which rounds 31 mm by up to 1 nm.
         names, limit = [f"y{j}" for j in control.MOTORS] if axis == "y" else [axis], RESOLUTION * (1 + 1e-4)
         measured = np.mean([trajectory.measured[name].astype(float) for name in names], axis=0)
         error = float(np.max(np.abs(measured[-1000:] - target)))
         checks.append(Check("measured error in the last second", error, limit, "m", "one encoder count"))
     if axis in "xz":
-        moved = float(np.max(np.abs(trajectory["y"][run.sample :] - trajectory["y"][run.sample])))
-        checks.append(Check("gap moves by", moved, 20e-6, "m", "during the step"))
+        excursion = float(np.max(np.abs(trajectory["y"][run.sample :] - trajectory["y"][run.sample])))
+        checks.append(Check("gap moves by", excursion, 20e-6, "m", "during the step"))
     about = f"{axis} from {start:g} to {target:g} {unit}, encoders of 10 um, one sample of delay"
     return _experiment(trajectory, about, {axis: run.reference}, _overload(trajectory), checks)
 
@@ -146,7 +146,7 @@ def _step(
 def _response(
     rig: Rig, axis: str, target: float, about: str, start: float = 0.0, settles: bool = False, **options: Any
 ) -> Experiment:
-    """Step and show the response, which `settles` into BAND for the last second."""
+    """Run a step; with `settles` the error in the last second must be within BAND."""
     run = step(rig, axis, start, target, **options)
     r, checks = run.response, [_last_second(run.trajectory, axis, target, BAND)] if settles else []
     figures = {"overshoot": r.overshoot, "t_s, s": r.t_s, "t_enc, s": r.t_enc}
@@ -156,7 +156,7 @@ def _response(
 def _tracking(rig: Rig, four: bool) -> Experiment:
     trajectory, courses = tracking(rig, four)
     errors, y = mean_errors(trajectory, courses), trajectory["y"]
-    limits = TRACKED if four else {}
+    limits = TRACKING_LIMITS if four else {}
     checks = [Check(f"mean |e_{n}|", errors[n], limit, UNITS[n], "10 to 60 s") for n, limit in limits.items()]
     beyond = float(max(control.GAP[0] - y.min(), y.max() - control.GAP[1]))
     checks.append(Check("y leaves 18 .. 31 mm by", beyond, 0.0, "m"))
@@ -168,21 +168,23 @@ def _tracking(rig: Rig, four: bool) -> Experiment:
 
 
 @cache
-def unwound(scalar: str) -> host.Controller:
+def without_anti_windup(scalar: str) -> host.Controller:
     """Return the controller without its anti-windup, compiled in a scalar type by name."""
     kind, plant = np.dtype(scalar).type, maglev_stage.plant()
-    return build.compiled(control.controller(plant, wound=False).block, kind, error=control.SURROGATE_ERROR[kind])
+    return build.compile_block(
+        control.controller(plant, anti_windup=False).block, kind, error=control.SURROGATE_ERROR[kind]
+    )
 
 
-def _windup(rig: Rig, wound: bool) -> Experiment:
+def _windup(rig: Rig, anti_windup: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
-    bare = replace(rig, controller=unwound(np.dtype(rig.controller.scalar).name))
-    about = "the stops along x are taken away, so that the overshoot shows"
+    bare = replace(rig, controller=without_anti_windup(np.dtype(rig.controller.scalar).name))
+    about = "without stops along x, so the overshoot is visible"
     without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
-    if not wound:
+    if not anti_windup:
         return without
     ratio = run.figures["overshoot"] / without.figures["overshoot"]
-    check = Check("overshoot with over overshoot without", ratio, 0.9, "1", "the anti-windup must matter here")
+    check = Check("overshoot with over overshoot without", ratio, 0.9, "1", "the anti-windup must have an effect here")
     return replace(run, checks=(check, *run.checks))
 
 
@@ -195,7 +197,7 @@ def _lift_off(rig: Rig) -> Experiment:
         Check("overshoot", float(0.025 - trajectory["y"].min()) / 0.006, 0.02, "1", "of the 6 mm"),
         _last_second(trajectory, "y", 0.025, RESOLUTION),
     )
-    return _experiment(trajectory, "caught from rest on the lower stop", {"y": reference}, {}, checks)
+    return _experiment(trajectory, "from rest on the lower stop", {"y": reference}, {}, checks)
 
 
 def _set_down(rig: Rig, gap: float) -> Experiment:
@@ -205,7 +207,7 @@ def _set_down(rig: Rig, gap: float) -> Experiment:
     trajectory = rig.run(3.0, {"y": gap}, overrides={"y1": lost})
     latched = trajectory.faults[int(np.argmax(time >= SETTLE)) + control.BAD_SAMPLES - 1 :] >> 31
     checks = (
-        Check("rises above the start by", float(gap - trajectory["y"].min()), 1e-4, "m", "no slam upwards"),
+        Check("rises above the start by", float(gap - trajectory["y"].min()), 1e-4, "m", "no motion upwards"),
         Check("distance from the 31 mm stop at the end", float(0.031 - trajectory["y"][-1]), 1e-6, "m"),
         Check("samples without the latch after 5 bad ones", float(np.count_nonzero(latched == 0)), 0.0, "1"),
     )
@@ -217,18 +219,18 @@ def _zero_current(rig: Rig) -> Experiment:
     trajectory = rig.run(0.5, actuators={}, forcing=dict.fromkeys(WIRES, 0.0))
     hit = metrics.first_exit(trajectory.time, trajectory["y"], control.GAP[0] + 1e-9, control.GAP[1])
     figures = {"time to the upper stop, s": hit, "speed there, m/s": trajectory.impacts["y"]}
-    return Experiment("", "", "the platen slams up", trajectory, ("y",), {}, figures)
+    return Experiment("", "", "the platen hits the upper stop", trajectory, ("y",), {}, figures)
 
 
 def _run(name: str, title: str, make: Make, springs: Mapping[str, float] | None = None, **options: Any) -> Run:
-    """Return an experiment, `make(rig, **options)`, with true guide springs `springs` times the assumed."""
+    """Return the experiment `make(rig, **options)` with true guide springs `springs` times the assumed ones."""
 
-    def carried_out(rig: Rig, name: str) -> Experiment:
+    def run_named(rig: Rig, name: str) -> Experiment:
         true = {spring: rig.plant.parameter(spring).value * factor for spring, factor in (springs or {}).items()}
-        made = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
-        return replace(made, name=name, title=title)
+        experiment = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
+        return replace(experiment, name=name, title=title)
 
-    return Run(name, carried_out)
+    return Run(name, run_named)
 
 
 def _gap(a: int, b: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:
@@ -260,7 +262,7 @@ ALL = (
     *(_theta(mrad, _response, "paper_", ", x and z locked", **LOCKED) for mrad in (5, 10)),
     _run("ellipse", "3-DOF ellipse (Fig. 6)", _tracking, four=False),
     _run("tracking", "4-DOF tracking (Figs. 7, 8)", _tracking, four=True),
-    *(_run(f"windup_{kind}", WINDUP.format(kind), _windup, wound=kind == "with") for kind in ("with", "without")),
+    *(_run(f"windup_{kind}", WINDUP.format(kind), _windup, anti_windup=kind == "with") for kind in ("with", "without")),
     _run("lift_off", "Lift-off from the 31 mm stop, ramp of 1 s to 25 mm", _lift_off),
     *(_run(f"set_down_{mm:g}", LOST.format(mm), _set_down, gap=mm / 1e3) for mm in (18.1, 20, 25, 30)),
     _run("zero_current", "Zero current from 25 mm, for comparison", _zero_current),

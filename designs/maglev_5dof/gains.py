@@ -1,4 +1,4 @@
-"""What gains.json says of the axes: weights, gain, poles, certificate, and the sampled-data optimum beside them."""
+"""Contents of gains.json: weights, gain, poles and certificate of each axis, and the sampled-data optimum."""
 
 from dataclasses import replace
 from typing import Any
@@ -13,16 +13,16 @@ from synth.synthesise.servo import internal_model
 
 
 def document(scalar: type[np.floating]) -> dict[str, Any]:
-    """Return each axis' gain with the weights, plant and rate it came from, its certificate, and lqrd beside it."""
+    """Return each axis' gain with its weights, plant, period and certificate, and the gain by lqrd for comparison."""
     return {axis.name: _gain(axis, scalar) for axis in control.AXES}
 
 
 def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
     model, period, Q, R = control.axis_plant(axis), control.TIME.period_s, np.diag(axis.weights), np.eye(1)
-    made, T = control.gain(axis), internal_model.leapfrog(control.FREQUENCIES, period).T
-    shipped = {c.name: c.value for c in control.regulator_block(axis).rounded(scalar).constants}
-    on_xi = np.linalg.solve(T.T, [shipped[f"k_{s}"] for s in ("sum", "p1", "q1")])
-    rounded = replace(made, K=readonly([[shipped["k_e"], shipped["k_de"], *on_xi]]))
+    published, T = control.gain(axis), internal_model.leapfrog(control.FREQUENCIES, period).T
+    constants = {c.name: c.value for c in control.regulator_block(axis).rounded(scalar).constants}
+    on_xi = np.linalg.solve(T.T, [constants[f"k_{s}"] for s in ("sum", "p1", "q1")])
+    rounded = replace(published, K=readonly([[constants["k_e"], constants["k_de"], *on_xi]]))
     sampled = lqr.lqrd(model, Q, R, period, exact=True)
     return {
         "plant": "q'' = w, xi' = Phi xi + N e, Phi and N for the frequencies below; states e, de, xi1, xi2, xi3",
@@ -33,11 +33,11 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "weight_R": 1.0,
         "published_weights": axis.name != "phi",
         "period_s": period,
-        "K": [float(v) for v in made.K[0].astype(scalar)],
-        "poles_rad_s": [digits.pole(s) for s in made.poles],
-        "certificate": digits.certificate(made.certificate),
+        "K": [float(v) for v in published.K[0].astype(scalar)],
+        "poles_rad_s": [digits.pole(s) for s in published.poles],
+        "certificate": digits.certificate(published.certificate),
         "sampled_data_optimum": {
-            "K": [digits.cut(v, 6) for v in sampled.K[0]],
-            "worst_cost_ratio_of_K": digits.cut(lqr.cost_ratio(model, rounded, Q, R, period, exact=True), 4),
+            "K": [digits.significant(v, 6) for v in sampled.K[0]],
+            "worst_cost_ratio_of_K": digits.significant(lqr.cost_ratio(model, rounded, Q, R, period, exact=True), 4),
         },
     }

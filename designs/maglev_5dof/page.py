@@ -1,4 +1,4 @@
-"""What the report of the maglev stage adds to the standard one; its prose is in report.md."""
+"""Report of the maglev stage: its additions to the standard report; the prose is in report.md."""
 
 from typing import Any
 
@@ -14,8 +14,8 @@ from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify import standard as verification
 
-LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: what runs longer is drawn over the window
-BESIDE = {  # rows of the audit that say what the paper shows of an experiment
+LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: longer runs are drawn over the window
+BESIDE = {  # rows of the audit with the paper's statements on an experiment
     **dict.fromkeys(("y_22_29", "y_29_22", "y_20_27", "y_27_20", "paper_y_22_29", "paper_y_29_22"), (("F-11", ""),)),
     **dict.fromkeys(("theta_10", "paper_theta_10"), (("F-12", ""),)),
     **dict.fromkeys(("x_30", "z_30"), (("F-13", ""),)),
@@ -26,15 +26,15 @@ BESIDE = {  # rows of the audit that say what the paper shows of an experiment
 
 def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
     """Return the report as one HTML document; arguments as `template.report`."""
-    drawn = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
-    style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), drawn, LONGEST, WINDOW)
-    opened = standard.loops(robustness.opened(verification.loops(stage)))
-    extra = template.Extra(_values(stage.plant), [opened], maglev_stage.factors, shown=style)
+    paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
+    style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), paths, LONGEST, WINDOW)
+    loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
+    extra = template.Extra(_values(stage.plant), [loop_part], maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
 def _values(plant: Plant) -> dict[str, Value]:
-    """Return what report.md asks for beyond the standard values."""
+    """Return the values named in report.md beyond the standard ones."""
     phi, theta = control.COMPENSATED.values()
     k_s, stiffness = plant.parameter("k_s_phi").value, -float(control.gain(control.AXES[3]).K[0, 0])
     margins = {"stiffness": stiffness, "stable_above": (phi * k_s - stiffness) / k_s}
@@ -43,5 +43,5 @@ def _values(plant: Plant) -> dict[str, Value]:
 
 def _path(run: Experiment) -> page.Figure:
     set_point, path = (np.array([source[n] for n in ("x", "z", "y")]) for source in (run.references, run.trajectory))
-    drawn = figures.svg(figures.path_3d(set_point, path, ("x", "z", "y")), "path-ellipse")
-    return page.Figure(drawn, "The path through space")
+    svg = figures.svg(figures.path_3d(set_point, path, ("x", "z", "y")), "path-ellipse")
+    return page.Figure(svg, "The path through space")

@@ -1,4 +1,4 @@
-"""The maglev controller, one step of 1 ms, in NumPy from F(1)-(17): the witness against which generated C is held.
+"""The maglev controller, one step of 1 ms, from F(1)-(17): NumPy reference for the generated C.
 
     motor   F_V = -a + b i_d - c (i_d^2 + i_q^2), F_H = -h i_q, with a, b, c, h > 0 functions of the gap     F(1)-(4)
     stage   M_y y'' = M_y G + sum_j F_Vj;  M_x x'' = F_H2 + F_H4;  M_z z'' = F_H1 + F_H3                     F(5)-(7)
@@ -9,7 +9,7 @@
 The controller keeps xi = T eta, where one sample is sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e.
 
 Constants come from `reference_gains` and are rounded once. `step` takes scalars or columns (n,) of n independent
-controllers; inside, those of the axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents
+controllers; internally, axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents
 in A rms.
 """
 
@@ -32,7 +32,7 @@ CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
 DIRECT = CURRENT * (1 - 1e-4)  # the limit of i_d
 BAD_SAMPLES = 5
 SLEW = 100.0 / 1000  # A in a sample
-COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the restored law cancels
+COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the corrected law compensates
 BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
 ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
@@ -95,7 +95,7 @@ class Motor:
 class Constants:
     """K (5, 5) on (e, e', eta) by axis; c and E (3,) of eta; fade, rho and h of the filter.
 
-    `restored` puts back the squares of i_d that F(11) drops.
+    `corrected` includes the squares of i_d that F(11) neglects.
     """
 
     parameters: Parameters
@@ -103,7 +103,7 @@ class Constants:
     c: float
     E: Array
     filter: tuple[float, float, float]
-    restored: bool = True
+    corrected: bool = True
 
 
 def motor(g: Array, p: Parameters) -> Motor:
@@ -125,11 +125,11 @@ def motor(g: Array, p: Parameters) -> Motor:
 
 
 @cache
-def constants(restored: bool = True) -> Constants:
-    """Return the constants; `restored=False` is F(12) as printed."""
-    model, filter = reference_gains.turning(), reference_gains.derivative_filter()
+def constants(corrected: bool = True) -> Constants:
+    """Return the constants; `corrected=False` is F(12) as printed."""
+    model, filter = reference_gains.internal_model(), reference_gains.derivative_filter()
     K = np.array([model.in_eta(reference_gains.gain(WEIGHTS[s])) for s in AXES])
-    return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, restored)
+    return Constants(Parameters(), K, float(model.c), np.array([float(v) for v in model.E]), filter, corrected)
 
 
 def rows(columns: Columns, names: Iterable[str]) -> Array:
@@ -138,7 +138,7 @@ def rows(columns: Columns, names: Iterable[str]) -> Array:
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[Array, dict[str, Array], NDArray[Any]]:
-    """Return the values to use (11, n), the guard's next state and the fault word. NaN is in no range."""
+    """Return the values to use (11, n), the guard's next state and the fault word. NaN is outside every range."""
     u = rows(inputs, LIMITS)
     with np.errstate(invalid="ignore"):
         good = ((u.T >= LOW) & (u.T <= HIGH)).T
@@ -174,7 +174,7 @@ def demand(e: Array, v: Array, eta: Array, k: Constants) -> Array:
 
 
 def model_step(e: Array, excess: Array, eta: Array, k: Constants) -> list[Array]:
-    """Return the next eta, each (5, n); an entry that would leave its bounds stays as it is. F(14), (17)."""
+    """Return the next eta, each (5, n); an entry that would leave its bounds is kept. F(14), (17)."""
     total = eta[0] + e + k.E[0] * excess
     p = eta[1] + k.c * eta[2] + k.E[1] * excess
     q = eta[2] - p + e + k.E[2] * excess
@@ -187,7 +187,7 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
     The forces f_j = b_j i_dj have a given sum f, differences f3 - f1 = d and f2 - f4 = c, and the currents obey
     i_d1 + i_d3 = i_d2 + i_d4, which is F(8): one linear equation in f1 + f3. F(12).
     """
-    p, (part_phi, part_theta) = k.parameters, COMPENSATED.values() if k.restored else (1.0, 1.0)
+    p, (part_phi, part_theta) = k.parameters, COMPENSATED.values() if k.corrected else (1.0, 1.0)
     (w_y, _, _, w_phi, w_theta), (_, _, _, phi, theta) = w, at
     f = p.M_y * (w_y - p.G) + sum(load)
     d = p.I / p.r * (w_phi + part_phi * p.k_s_phi * phi) + load[2] - load[0]
@@ -198,8 +198,8 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
     return np.array([s1 * (odd - d) / 2, s2 * (even + c) / 2, s3 * (odd + d) / 2, s4 * (even - c) / 2])
 
 
-def limited(u: Array, first: Array, second: Array) -> Array:
-    """Return thrust currents within what the direct currents of their two motors leave of CURRENT. F section III."""
+def limit_thrust(u: Array, first: Array, second: Array) -> Array:
+    """Return thrust currents limited to sqrt(CURRENT^2 - i_d^2) of both of their motors. F section III."""
     room = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
     return np.clip(u, -room, room)
 
@@ -207,16 +207,16 @@ def limited(u: Array, first: Array, second: Array) -> Array:
 def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tuple[Array, Array]:
     """Return i_d1..i_d4, u_x, u_z (6, n) and by axis (5, n) u limited less u demanded. F(12), (17), levitation first.
 
-    The attraction by i_q^2 and, where the law is `restored`, by i_d^2 is that of the currents `before`, one sample ago.
+    The attraction by i_q^2 and, for a `corrected` law, by i_d^2 is that of the currents `before`, one sample ago.
     """
     p, m = k.parameters, motor(gaps, k.parameters)
     squares = before[QUADRATURE] ** 2
-    if k.restored:
+    if k.corrected:
         squares = squares + before[:4] ** 2
     i_d = np.clip(direct_currents(w, q, m, m.a + m.c * squares, k), -DIRECT, DIRECT)
     first, second = [1, 0], [3, 2]  # motors 2 and 4 along x, 1 and 3 along z
     demanded = (-np.array([p.M_x, p.M_z]) * w[1:3].T).T / (m.h[first] + m.h[second])
-    u = limited(demanded, i_d[first], i_d[second])
+    u = limit_thrust(demanded, i_d[first], i_d[second])
     excess = np.zeros_like(w)
     excess[1:3] = u - demanded
     return np.concatenate([i_d, u]), excess
@@ -236,8 +236,8 @@ def step(
     v, filtered = rate(e, filters, ready, k)
     w = demand(e, v, eta, k)
     computed, excess = currents(w, q, values[:4], last, k)
-    moved = np.array([*filtered, *model_step(e, excess, eta, k)])
-    after |= zip(MEMORY, np.where(latched, memory, moved.reshape(memory.shape)), strict=True)
+    next_memory = np.array([*filtered, *model_step(e, excess, eta, k)])
+    after |= zip(MEMORY, np.where(latched, memory, next_memory.reshape(memory.shape)), strict=True)
     out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
     after |= zip(LAST, out, strict=True)
     return after, dict(zip(OUTPUTS, np.concatenate([out[:4], out[QUADRATURE]]), strict=True)), word

@@ -1,7 +1,7 @@
-"""Constants of the maglev controller's loops in 60 digits, apart from the toolkit: regulator, internal model, filter.
+"""Constants of the maglev controller's loops in 60 digits, without the toolkit: regulator, internal model, filter.
 
 plant    e'' = w;   xi' = Phi xi + N e + E (u limited - u),   Phi with the eigenvalues 0, +-i w0           F(13)-(15)
-gain     w = K (e, e', xi) of the least integral of z' Q z + w^2                                           F(16)
+gain     w = K (e, e', xi) that minimises the integral of z' Q z + w^2                                           F(16)
 sample   xi = T eta, where sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e                     F(17)
 """
 
@@ -40,8 +40,8 @@ def gain(weights: Sequence[float]) -> Array:
 
 
 @dataclass(frozen=True)
-class Turning:
-    """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and what E adds to eta."""
+class InternalModel:
+    """One sample of the internal model in eta = (sum, p, q), T of xi = T eta, and the anti-windup input E of eta."""
 
     c: mpmath.mpf
     T: mpmath.matrix
@@ -50,15 +50,15 @@ class Turning:
     def in_eta(self, K: Array) -> Array:
         """Return K (5,) on (e, e', eta) from K on (e, e', xi)."""
         with mpmath.workdps(60):
-            turned = mpmath.matrix([K[2:].tolist()]) * self.T
-            return np.array([K[0], K[1], *(float(turned[0, j]) for j in range(3))])
+            K_eta = mpmath.matrix([K[2:].tolist()]) * self.T
+            return np.array([K[0], K[1], *(float(K_eta[0, j]) for j in range(3))])
 
 
-def turning() -> Turning:
+def internal_model() -> InternalModel:
     """Return the internal model of one period in eta. F(14), (15), (17).
 
-    Both forms are driven by e alone, so that (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup enters p before
-    q is computed from it.
+    Both forms are driven by e alone, hence (N, Phi N, Phi^2 N) = T (B, A B, A^2 B). The anti-windup is added to p
+    before q is computed from p.
     """
     with mpmath.workdps(60):
         a, w2 = mpmath.mpf(ANTI_WINDUP), mpmath.mpf(OMEGA0) ** 2
@@ -66,13 +66,15 @@ def turning() -> Turning:
         held = mpmath.expm(mpmath.matrix(rows) / SAMPLES_PER_S)
         c = 3 - held[0, 0] - held[1, 1] - held[2, 2]  # the trace of a rotation by w T is 2 cos(w T)
         A = mpmath.matrix([[1, 0, 0], [0, 1, c], [0, -1, 1 - c]])
-        T = _driven(held[:3, :3], held[:3, 3]) * mpmath.inverse(_driven(A, mpmath.matrix([1, 0, 1])))
+        T = _controllability_matrix(held[:3, :3], held[:3, 3]) * mpmath.inverse(
+            _controllability_matrix(A, mpmath.matrix([1, 0, 1]))
+        )
         E = mpmath.lu_solve(T, held[:3, 4])
         E[2] += E[1]
-        return Turning(c, T, E)
+        return InternalModel(c, T, E)
 
 
-def _driven(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix:
+def _controllability_matrix(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix:
     columns = [B, A * B, A * A * B]
     return mpmath.matrix([[column[i] for column in columns] for i in range(3)])
 

@@ -1,8 +1,8 @@
-"""Verification of the emitted C beyond the standard: random steps about operation over the whole range of poses.
+"""Verification of the emitted C beyond the standard: random steps in operation over the whole range of poses.
 
-Most random steps leave the motors unsaturated, so that a difference is not hidden by a limit. Edge steps draw states
-anywhere in their bounds. Recorded inputs of closed loops are replayed from `init`, and 60 s of tracking in single
-precision are held against double.
+Most random steps do not saturate the motors, because a limit hides differences. Edge steps have states anywhere in
+their bounds. Recorded inputs of closed loops are replayed from `init`, and 60 s of tracking in single precision are
+compared with double.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,12 +25,13 @@ from synth.verify.sampling import Columns
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 SEED = 20_090_901
-CORNER = 0.98  # of the limit of i_d: there the room sqrt(C^2 - i_d^2) of i_q has the slope -5, further on up to -70
-NEAR = 0.003  # of a bound: internal models whose part of the demand is what a motor can do
-INSIDE = 1e-8  # m, rad: a range ends at another number in single than in double precision
+CORNER = 0.98  # of the limit of i_d: there the limit sqrt(C^2 - i_d^2) of i_q has the slope -5, closer to it up to -70
+NEAR = 0.003  # of a bound: states of the internal model whose demand a motor can meet
+INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
 FLOOR = 1.0  # A
-# A: edge steps demand up to 1e3 A of a motor, which the limit cuts. Where such demands cancel to less, the error of the
-# polynomials, up to 1e-14 of each term, counts a thousandfold: these currents are held against the limit.
+# A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
+# polynomials, up to 1e-14 of each term, is a thousand times larger relative to the sum. These currents are compared
+# relative to the limit.
 EDGE_FLOOR = control.CURRENT
 POINTWISE = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 5e-7, "theta": 5e-7}  # m, rad: single and double, ideal sensing
 MEANS = {"y": 1e-7, "x": 1e-7, "z": 1e-7, "phi": 2e-7, "theta": 2e-7}  # m, rad: mean errors, with encoders
@@ -42,20 +43,20 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     """Compare all witnesses, over the `whole` replay or over a short one."""
     by = standard.witnesses(stage)
     progress("random steps")
-    drawn = random_steps(by.block, RANDOM_STEPS)
-    compared = suite.compare("random steps", by, *drawn, FLOOR)
-    share = float(np.mean(saturated(by.of["c64"](*drawn).outputs)))
-    double, single = suite.in_single(by, *drawn)
+    samples = random_steps(by.block, RANDOM_STEPS)
+    compared = suite.compare("random steps", by, *samples, FLOOR)
+    share = float(np.mean(is_saturated(by.of["c64"](*samples).outputs)))
+    double, single = suite.in_both_precisions(by, *samples)
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)
     progress("edge steps")
-    drawn = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    edge = suite.compare("edge steps", by, *drawn, EDGE_FLOOR)
+    samples = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
+    edge = suite.compare("edge steps", by, *samples, EDGE_FLOOR)
     progress("replays of closed loops")
     rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
     compared += suite.replay(by, replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY), FLOOR)
     progress("single against double over 60 s")
-    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact(of, _unit(floor))]
+    checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact_checks(of, _unit(floor))]
     checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
     return Evidence(stage.name, (*compared, in_single, *edge), tuple(checks))
 
@@ -65,17 +66,17 @@ def _unit(floor: float) -> str:
 
 
 def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs) over the domain; the platen is near its set-points, so that few saturate.
+    """Draw n independent (states, inputs) over the domain; the platen is near its set-points, and few motors saturate.
 
     The last currents are those that hold a level platen at each motor's gap, within half an ampere. Steps with a direct
-    current near its limit but not at it, where the room of i_q falls steeply, are left to the edge steps.
+    current close below its limit, where the limit of i_q falls steeply, are left to the edge steps.
     """
     states, inputs = _in_operation(block, n + n // 4)
     outputs = reference.step(states, inputs)[1]
     size = np.abs([outputs[f"i_d{j}"] for j in control.MOTORS])
-    cornered = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
-    kept = np.flatnonzero(~cornered)[:n]
-    return {s: v[kept] for s, v in states.items()}, {s: v[kept] for s, v in inputs.items()}
+    near_limit = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
+    chosen = np.flatnonzero(~near_limit)[:n]
+    return {s: v[chosen] for s, v in states.items()}, {s: v[chosen] for s, v in inputs.items()}
 
 
 def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
@@ -97,22 +98,22 @@ def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
             states[f"regulator_{name}_{eta}"] = rng.normal(0, NEAR * bound, n)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
     for s in control.CURRENTS:
-        held = holding(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
+        held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
         last = held + rng.uniform(-0.5, 0.5, n)
         states[f"safe_output_last_{s.name}"] = np.clip(last, s.low + INSIDE, s.high - INSIDE)
     return states, inputs
 
 
-def holding(gap: NDArray[np.float64]) -> NDArray[np.float64]:
+def holding_current(gap: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the direct current in A with which a motor at a gap in m carries a quarter of the platen, F(2)."""
     p = reference.Parameters()
     m = reference.motor(gap, p)
-    missing = m.a - p.M_y * p.G / 4
-    return 2 * missing / (m.b + np.sqrt(m.b**2 - 4 * m.c * missing))
+    load = m.a - p.M_y * p.G / 4
+    return 2 * load / (m.b + np.sqrt(m.b**2 - 4 * m.c * load))
 
 
-def saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
-    """Tell for each sample whether some motor stands at its limit."""
+def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
+    """Return for each sample whether a motor is at its limit."""
     motors = [np.hypot(outputs[f"i_d{j}"], outputs[f"i_q{j}"]) for j in control.MOTORS]
     return np.max(motors, axis=0) > control.DIRECT * (1 - 1e-9)
 
@@ -120,7 +121,7 @@ def saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
 def replays(rig: Rig, replay_s: float) -> dict[str, agree.Columns]:
     """Record the 4-DOF tracking with encoders, a saturated step, and faults up to the latch.
 
-    Single samples of y2 and x_ref are bad, four in a row of x, and in the end z for ever, which latches.
+    Single samples of y2 and x_ref are bad, then four in a row of x, and finally z permanently, which latches.
     """
     time = sample_times(2.0, rig.period_s)
     masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
@@ -158,6 +159,6 @@ def vectors(rig: Rig) -> Mapping[str, Any]:
     return rig.run(time[-1] + rig.period_s, {"y": 0.031}, references, overrides={"x": bad}).measured
 
 
-def phases(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
+def commutation_inputs(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the inputs of the commutation that follows the controller."""
     return dict(outputs) | {n: inputs[n] for n in ("x", "z")}

@@ -1,10 +1,10 @@
-"""From a planar controller, its reference and experiments to everything that the command line does with a design."""
+"""Assembly of a planar design from its controller, NumPy reference, experiments, audit and report."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from designs.planar_6dof import bench, emitted, interface, loop, verification
+from designs.planar_6dof import artefacts, bench, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, planar_stage
 from synth import declared, stage
@@ -14,7 +14,7 @@ from synth.simulate.rig import Rig
 from synth.timing import Discrete
 from synth.workspace import Design
 
-QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the reference replays
+QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
 
 
 def design(
@@ -26,22 +26,22 @@ def design(
     audit: Callable[[Rig], Iterator[Row]],
     report: Callable[..., str],
 ) -> Design:
-    """Return the design; `subject` makes its controller, `gains` says what gains.json does of it.
+    """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `audit` makes the rows of the paper from the shipped loop.
+    `audit` yields the rows of the paper's audit, computed with the shipped loop.
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
-        interface.declared(name, time, lambda: subject().block),
+        interface.declare_controller(name, time, lambda: subject().block),
         planar_stage.plant(halbach.HARMONICS),
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
-        limited=tuple(verification.COUNTS),  # the last pitch of the travel is their bound
+        limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),
-        recording=emitted.recorded,
+        recording=artefacts.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
-        audit=lambda made: audit(declared.rig(made, made.scalar)),
-        bench=partial(declared.bench, own=bench.own, floor=bench.FLOOR),
+        audit=lambda shipped: audit(declared.rig(shipped, shipped.scalar)),
+        bench=partial(declared.bench, own=bench.stimuli, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
     )

@@ -1,9 +1,9 @@
-"""Steps of the planar controllers over which their machine code is measured, beside the standard ones of `stimuli`.
+"""Stimuli for measuring the planar controllers, in addition to the standard ones of `synth.verify.stimuli`.
 
-travel      through all pitches both ways and all sections, yaw to its ends, set-points far away or near
-saturated   the same with demands beyond the motors, at large and small yaws
-failures    from samples of the travel on: a Hall channel, a sensor, an axis or all wrong in one of six ways,
-            in one sample, in two in a row (again), and once channels are named
+travel      through all pitches and sections in both directions, over the whole yaw range, with small and large errors
+saturated   the same with demands beyond the current limits, at large and small yaws
+failures    from states of the travel: a Hall channel, a sensor, an axis or all channels wrong in one of six ways,
+            in one sample, in two in a row (again), and after the fault is isolated (named)
 """
 
 from collections.abc import Mapping
@@ -20,12 +20,12 @@ from synth.verify import steps
 from synth.verify.sampling import Columns
 from synth.verify.steps import Steps
 
-FLOOR = 1.0  # A, below which a difference of currents is absolute: a phase is a projection of up to 1.26 A
+FLOOR = 1.0  # A, below which differences of currents count absolutely: a phase is a projection of up to 1.26 A
 TRAVEL = 16_000  # steps
-PERIODS = {"x": 1370, "y": 1690, "phi": 913, "z": 251, "theta": 317, "psi": 173}  # samples, of the travel
-YAWS = (1.0, 0.3, 0.1, 0.03, 0.0)  # of the yaw's range: polynomials make a turned motor's current a little smaller
+PERIODS = {"x": 1370, "y": 1690, "phi": 913, "z": 251, "theta": 317, "psi": 173}  # samples of a period of the travel
+YAWS = (1.0, 0.3, 0.1, 0.03, 0.0)  # of the yaw's range: the polynomials reduce the current of a motor at a yaw a little
 SEED = 1975
-REACH = {axis: allocation.BOX[axis].high for axis in allocation.AXES}  # m, rad
+HALF_RANGE = {axis: allocation.BOX[axis].high for axis in allocation.AXES}  # m, rad
 HALL = planar_stage.HALL
 GROUPS = (
     *((name,) for name in HALL),
@@ -33,57 +33,61 @@ GROUPS = (
     *(tuple(n for n in HALL if n[3] == axis) for axis in "xy"),
     HALL,
 )
-BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, from which on two sensors disagree
+BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
 
 
-def own(controller: host.Controller) -> list[Steps]:
-    """Return the travel, with demands beyond the motors too, and what fails on it."""
+def stimuli(controller: host.Controller) -> list[Steps]:
+    """Return the travel, the saturated travel, and the failures from states of the travel."""
     rng = np.random.default_rng(SEED)
-    way = steps.recorded(controller, "travel", travel(rng))
-    far = steps.joined("saturated", [steps.recorded(controller, "", travel(rng, yaw)) for yaw in YAWS])
-    once = failures(way, rng)
-    again = Steps("failures again", steps.taken(controller, once).states, once.inputs)
-    named = Steps("failures named", steps.taken(controller, again).states, once.inputs)
-    return [way, far, once, again, named]
+    along = steps.record(controller, "travel", travel(rng))
+    saturated = steps.concatenate("saturated", [steps.record(controller, "", travel(rng, yaw)) for yaw in YAWS])
+    once = failures(along, rng)
+    again = Steps("failures again", steps.evaluate(controller, once).states, once.inputs)
+    isolated = Steps("failures named", steps.evaluate(controller, again).states, once.inputs)
+    return [along, saturated, once, again, isolated]
 
 
-def seen(pose: Mapping[str, Array]) -> Columns:
-    """Return what the sensors read without noise, V and m, at poses (N,) by axis, m and rad."""
+def sensor_values(pose: Mapping[str, Array]) -> Columns:
+    """Return the sensor values without noise, V and m, at poses (N,) by axis, m and rad."""
     columns = planar_stage.plant().output_values(pose)
     return {name: columns[name] for name in interface.SENSORS}
 
 
 def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:
-    """Return the poses (N,) of a travel, m and rad: sines from the middle that stay at their ends for some time.
+    """Return the poses (N,) of a travel, m and rad: clipped sines from the middle.
 
-    That of the yaw is `yaw` of its range.
+    The amplitude of the yaw is `yaw` times its range.
     """
     periods = {axis: n * rng.uniform(0.9, 1.1) for axis, n in PERIODS.items()}
     sines = {axis: np.sin(2 * np.pi / n * np.arange(TRAVEL)) for axis, n in periods.items()}
-    columns = {axis: REACH[axis] * np.clip(1.035 * sine, -1, 1) for axis, sine in sines.items()}
+    columns = {axis: HALF_RANGE[axis] * np.clip(1.035 * sine, -1, 1) for axis, sine in sines.items()}
     return columns | {"phi": yaw * columns["phi"]}
 
 
-def travel(rng: np.random.Generator, far: float | None = None) -> Columns:
-    """Return inputs (N,) along a travel with noise; set-points are off by any order of magnitude, half of them alike.
+def travel(rng: np.random.Generator, yaw_share: float | None = None) -> Columns:
+    """Return noisy inputs (N,) along a travel; errors have random orders of magnitude, half of them equal in all axes.
 
-    With `far`, then a part of the yaw's range, those of z, theta and psi are off by more than the motors can do, and at
-    half of the samples all are.
+    With `yaw_share`, a part of the yaw's range, the errors of z, theta and psi exceed what the motors can achieve, and
+    in half of the samples those of all axes do.
     """
-    at, noise = poses(rng, 1.0 if far is None else far), interface.INTERFACE.sensors[0].noise
-    columns = seen(at)
+    pose, noise = poses(rng, 1.0 if yaw_share is None else yaw_share), interface.INTERFACE.sensors[0].noise
+    columns = sensor_values(pose)
     for name in HALL:
         columns[name] = columns[name] + rng.normal(0, noise, TRAVEL)
-    together, sizes = rng.uniform(size=TRAVEL) < 0.5, 10.0 ** rng.uniform(-5, 1, (len(REACH), TRAVEL))
-    for (axis, high), size in zip(REACH.items(), sizes, strict=True):
-        alike = sizes[0] if far is None else 2
-        part = alike if far is not None and axis in allocation.VERTICAL else np.where(together, alike, size)
-        columns[f"{axis}_ref"] = np.clip(at[axis] + high * part * rng.choice((-1, 1), TRAVEL), -high, high)
+    all_alike, sizes = rng.uniform(size=TRAVEL) < 0.5, 10.0 ** rng.uniform(-5, 1, (len(HALF_RANGE), TRAVEL))
+    for (axis, high), size in zip(HALF_RANGE.items(), sizes, strict=True):
+        common_size = sizes[0] if yaw_share is None else 2
+        error_size = (
+            common_size
+            if yaw_share is not None and axis in allocation.VERTICAL
+            else np.where(all_alike, common_size, size)
+        )
+        columns[f"{axis}_ref"] = np.clip(pose[axis] + high * error_size * rng.choice((-1, 1), TRAVEL), -high, high)
     return columns
 
 
 def failures(sound: Steps, rng: np.random.Generator) -> Steps:
-    """Return steps in each of which the Hall voltages of one of GROUPS are wrong, all in the same way."""
+    """Return steps in each of which the Hall voltages of one of GROUPS fail in the same way."""
     inputs, n, high = sound.inputs.copy(), len(sound), sensing.VOLTAGE
     group, way, other = rng.integers(0, len(GROUPS), n), rng.choice((0, 1, 2, 3, 4, 4, 4, 5), n), rng.permutation(n)
     for name in HALL:

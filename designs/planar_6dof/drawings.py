@@ -25,7 +25,7 @@ IN_PLANE = ("x, mm", "y, mm")
 
 
 def pitch(plant: Plant) -> Figure:
-    """Draw Figs. 3 and 4: the two voltages of x over a pitch, which of them is used, and what the fit leaves."""
+    """Draw Figs. 3 and 4: the two voltages of x over a pitch, which of them is used, and the error of the fit."""
     cal = hall_calibration.of(plant)
     x = cal.pitch * np.linspace(-0.4999, 0.4999, 16 * POINTS + 1)
     v, level = sensing_maps.voltages(plant, {"x": x}), np.zeros_like(x)
@@ -46,19 +46,19 @@ def pitch(plant: Plant) -> Figure:
 
 
 def yaw_maps(plant: Plant, yaw: float = 6e-3, doubt: float = 1e-3) -> Figure:
-    """Draw over a pitch the error of the raw yaw, at a yaw that is known to `doubt`, and its noise, rad."""
-    turned, level = sensing_maps.error_map(plant, yaw, 0.0, doubt, POINTS), sensing_maps.error_map(plant, points=POINTS)
-    shown = [
-        Map(f"error of raw φ at {1e3 * yaw:g} mrad, mrad", 1e3 * turned.error["phi"]),
+    """Draw over a pitch the error of the raw yaw, for a prediction that is off by `doubt`, and its noise, rad."""
+    at_yaw, level = sensing_maps.error_map(plant, yaw, 0.0, doubt, POINTS), sensing_maps.error_map(plant, points=POINTS)
+    panels = [
+        Map(f"error of raw φ at {1e3 * yaw:g} mrad, mrad", 1e3 * at_yaw.error["phi"]),
         Map(f"noise of raw φ for {1e6 * sensing_maps.NOISE:g} µm, mrad rms", 1e3 * level.noise["phi"]),
     ]
-    return maps.signed(shown, _over_pitch(plant), IN_PLANE)
+    return maps.signed_maps(panels, _over_pitch(plant), IN_PLANE)
 
 
-def unnoticed(plant: Plant, silent: Mapping[str, NDArray[np.bool_]]) -> Figure:
-    """Draw over a pitch where the failure (n, n) of a voltage is not noticed."""
-    shown = [Map(f"{name}: {100 * v.mean():.0f} % of the places", v.astype(float)) for name, v in silent.items()]
-    return maps.maps(shown, _over_pitch(plant), (0.0, 1.0), log=False, label="1: not noticed", labels=IN_PLANE)
+def undetected_failures(plant: Plant, silent: Mapping[str, NDArray[np.bool_]]) -> Figure:
+    """Draw over a pitch where the failure (n, n) of a voltage is not detected."""
+    panels = [Map(f"{name}: {100 * v.mean():.0f} % of the places", v.astype(float)) for name, v in silent.items()]
+    return maps.maps(panels, _over_pitch(plant), (0.0, 1.0), log=False, label="1: not noticed", labels=IN_PLANE)
 
 
 def _over_pitch(plant: Plant) -> tuple[maps.Side, maps.Side]:
@@ -67,7 +67,7 @@ def _over_pitch(plant: Plant) -> tuple[maps.Side, maps.Side]:
 
 
 def before_and_after(time: Array, raw: Array, filtered: Array) -> Figure:
-    """Draw Fig. 5: a position at rest as the Hall sensors show it and behind the filter (6)-(16)."""
+    """Draw Fig. 5: a position at rest as measured and after the filter (6)-(16)."""
     rows = {"raw x": raw, "filtered x": filtered}
     return figures.time_plot(time, [Panel(n, "µm", (Curve(n, 1e6 * (v - v.mean())),)) for n, v in rows.items()])
 
@@ -82,18 +82,18 @@ def spectra(records: Mapping[str, Array], period_s: float) -> Figure:
 
 
 def circle(set_point: Sequence[Array], path: Sequence[Array]) -> Figure:
-    """Draw Fig. 9: y over x in m, and how far the path is from its radius, by the angle of the set-point."""
+    """Draw Fig. 9: y over x in m, and the radial and tangential error of the path by the angle of the set-point."""
     (x, y), (u, v) = path, set_point
-    angle, off = np.unwrap(np.arctan2(v, u)), 1e6 * ((x - u) + 1j * (y - v))
-    turned = off * np.exp(-1j * angle)  # outward, and along the path
-    grown = np.hypot(u, v) > 0.999 * np.hypot(u, v).max()
-    ways = [
+    angle, offset = np.unwrap(np.arctan2(v, u)), 1e6 * ((x - u) + 1j * (y - v))
+    error = offset * np.exp(-1j * angle)  # outward, and along the path
+    at_radius = np.hypot(u, v) > 0.999 * np.hypot(u, v).max()
+    lines = [
         Line(1e3 * u, 1e3 * v, "set-point", {"color": "#bbbbbb", "lw": 4.0}),
         Line(1e3 * x, 1e3 * y, "true path", {"color": COLOURS[0]}),
     ]
     errors = []
-    for label, values in (("outward", turned.real[grown]), ("along the path", turned.imag[grown])):
+    for label, values in (("outward", error.real[at_radius]), ("along the path", error.imag[at_radius])):
         keep = figures.decimate(values)
-        errors.append(Line(np.degrees(angle[grown][keep]), values[keep], label, {"lw": 0.7}))
-    plane = Chart(ways, "x, mm", "y, mm", options={"aspect": "equal"})
+        errors.append(Line(np.degrees(angle[at_radius][keep]), values[keep], label, {"lw": 0.7}))
+    plane = Chart(lines, "x, mm", "y, mm", options={"aspect": "equal"})
     return charts.draw([plane, Chart(errors, "angle of the set-point, °", "true error, µm")], 4.0, (1, 1.25))

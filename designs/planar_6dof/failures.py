@@ -1,13 +1,14 @@
-"""A Hall channel that sticks, drops to zero or reads NaN, at rest or in motion: noticed when, and what happens then.
+"""Hall channel failures (stuck, zero, NaN), at rest and in motion: detection, isolation, and the consequences.
 
-Each of the six channels fails by itself, FAILURE seconds after the start, with noise. An experiment is one kind of
-failure; its trajectory is that of the run in which the stage goes furthest astray before the currents are taken away.
-One from START is told channel by channel, a survey goes over PLACES and counts. From the latch on the currents may
-change by SLEW only.
+Each of the six channels fails alone, FAILURE seconds after the start, with noise. An experiment covers one kind of
+failure. Its trajectory is that of the run with the largest excursion before the currents are switched off. Experiments
+from START report each channel, a survey over PLACES reports counts. After the latch the currents may change by at most
+SLEW.
 
-Within PROMPT samples of the first residual out of bounds the channel that fails is named, alone or with others that
-could make what is seen, or the latch has come before: a platen that a failure carries away may tilt until the lasers
-are out of range. What never has such a residual is not noticed, and is told as a share.
+Within ISOLATION_LIMIT samples of the first residual out of bounds, the failed channel is isolated (named in the fault
+word), alone or with others that could cause the same residuals, or the controller has latched: a platen that a failure
+carries away may tilt until the lasers are out of range. A failure without such a residual is not detected; its share is
+reported.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +18,7 @@ from functools import cache, partial
 import numpy as np
 
 from designs.planar_6dof import interface
-from designs.planar_6dof.loop import Array, seen
+from designs.planar_6dof.loop import Array, measured_positions
 from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from synth.check import Check
@@ -31,23 +32,23 @@ from synth.simulate.scenario import Trajectory, sample_times
 Place = Mapping[str, float]
 
 FAILURE, DURATION, MOVES = 0.3, 1.3, 0.1  # s: from MOVES on the set-points move
-START = {"x": 0.009, "y": 0.005}  # m: where no channel reads zero
+START = {"x": 0.009, "y": 0.005}  # m: a place at which no channel reads zero
 REST = {"x": 0.0, "y": 0.0}  # m/s
 SPEED = {"x": 0.020, "y": 0.015}  # m/s, in motion
-PLACES = 12  # of a survey, all over a pitch, from each of which the platen moves another way
+PLACES = 12  # of a survey, spread over a pitch; the platen leaves each in another direction
 SPEEDS = (0.0, 0.02, 0.08)  # m/s, of a survey
 HALL = planar_stage.HALL
 SLEW = interface.SLEW * (1 + 1e-5)  # A/s: single precision of 1.26 A over a sample
-PROMPT = 5  # samples
-SHOWN = {"nan": np.nan, "zero": 0.0, "stuck": None}
-WORDS = {"nan": "reads NaN", "zero": "drops to zero", "stuck": "sticks"}
+ISOLATION_LIMIT = 5  # samples
+FAULT_VALUES = {"nan": np.nan, "zero": 0.0, "stuck": None}
+FAULT_TEXTS = {"nan": "reads NaN", "zero": "drops to zero", "stuck": "sticks"}
 
 
 @dataclass(frozen=True, eq=False)
 class Failed:
-    """A failure of a channel, and the samples from it to the first residual out of bounds, None if not up to the latch.
+    """A failure of a channel, and the samples from it to the first residual out of bounds, None without one.
 
-    A contradiction counts as long as no channel is named.
+    Only residuals before the latch count, and only while no channel is named.
     """
 
     failure: Failure
@@ -55,14 +56,14 @@ class Failed:
 
     @property
     def others(self) -> tuple[str, ...]:
-        """The sound Hall channels that are named up to the latch."""
+        """The sound Hall channels that are named before the latch."""
         return tuple(name for name in self.failure.others if name in HALL)
 
     @property
-    def unanswered(self) -> float:
-        """Samples from the first residual out of bounds to the channel's name or the latch, inf if there is neither.
+    def isolation_delay(self) -> float:
+        """Samples from the first residual out of bounds to the isolation of the channel or the latch, inf without both.
 
-        A latch counts where nobody is named at it: what others have been is no answer.
+        A latch does not count when only sound channels are named.
         """
         if self.contradicted is None:
             return 0.0
@@ -70,34 +71,34 @@ class Failed:
         return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
 
     @property
-    def coasting(self) -> float:
-        """How fast the platen goes on without current at the end, m/s, 0 without a latch."""
+    def coasting_speed(self) -> float:
+        """Speed of the coasting platen at the end, m/s; 0 without a latch."""
         run = self.failure.run
         return 0.0 if self.failure.latched is None else float(np.hypot(run["vx"][-1], run["vy"][-1]))
 
 
 def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place = REST) -> Failed:
-    """Run the stage with a channel that fails after FAILURE seconds and stays so, at a `speed` in m/s."""
-    gone = np.maximum(sample_times(DURATION, loop.period_s) - MOVES, 0.0)
-    courses = {f"{axis}_ref": at + speed[axis] * gone for axis, at in start.items()}
-    f = failure.fail(loop, channel, SHOWN[kind], FAILURE, DURATION, courses, start)
-    beyond = (residuals(loop, f.run) > 1) & (np.arange(len(gone)) >= f.sample)
+    """Run the stage with a channel that fails permanently after FAILURE seconds, at a `speed` in m/s."""
+    moving_s = np.maximum(sample_times(DURATION, loop.period_s) - MOVES, 0.0)
+    references = {f"{axis}_ref": at + speed[axis] * moving_s for axis, at in start.items()}
+    f = failure.fail(loop, channel, FAULT_VALUES[kind], FAILURE, DURATION, references, start)
+    beyond = (residuals(loop, f.run) > 1) & (np.arange(len(moving_s)) >= f.sample)
     return Failed(f, f.first(beyond[: len(f.words)]))
 
 
 def residuals(loop: Rig, run: Trajectory) -> Array:
-    """Return rho (N,) of `hall_sections`, 0 where the word names a channel already."""
-    shown, A = seen(loop, run), hall_calibration.of(loop.plant).amplitude
+    """Return rho (N,) of `hall_sections`, 0 once the fault word names a channel."""
+    measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
-    rho = np.sqrt(np.sum([(shown[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
+    rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
     bits = failure.bits(loop)
     return np.where(run.faults & np.bitwise_or.reduce([bits[name] for name in HALL]), 0.0, rho)
 
 
 def _by_channel(loop: Rig, name: str, kind: str, moving: bool) -> Experiment:
-    """Return what one kind of failure does, over all channels."""
+    """Return the experiment of one kind of failure over all channels."""
     runs = [fail(loop, channel, kind, START, SPEED if moving else REST) for channel in HALL]
-    title = f"A Hall channel {WORDS[kind]} {'in motion' if moving else 'at rest'}"
+    title = f"A Hall channel {FAULT_TEXTS[kind]} {'in motion' if moving else 'at rest'}"
     about = f"each of six channels by itself after {FAILURE:g} s; shown is "
     return _experiment(name, title, about, runs, _figures(runs), checks(runs, kind, moving))
 
@@ -118,8 +119,8 @@ def _figures(runs: Sequence[Failed]) -> dict[str, float]:
             f"samples until {f.sensor} is named": _or_never(f.named),
             f"samples until the latch, {f.sensor}": _or_never(f.latched),
             f"sound channels named, {f.sensor}": len(each.others),
-            f"furthest astray before the latch, {f.sensor}, um": 1e6 * f.excursion,
-            f"coasts at, {f.sensor}, mm/s": 1e3 * each.coasting,
+            f"largest excursion before the latch, {f.sensor}, um": 1e6 * f.excursion,
+            f"coasts at, {f.sensor}, mm/s": 1e3 * each.coasting_speed,
         }
     return figures
 
@@ -129,37 +130,39 @@ def _or_never(samples: int | None) -> float:
 
 
 def checks(runs: Sequence[Failed], kind: str, moving: bool) -> list[Check]:
-    """Return what holds of every failure, and that it is noticed unless it is one that sticks at rest."""
+    """Return the checks of every failure; each must be detected except a stuck channel at rest."""
     each = [f.failure for f in runs]
     early = max(int(np.count_nonzero(f.run.faults[: f.sample])) for f in each)
     rows = [
         Check("samples with a fault before the failure", float(early), 0.0, "1"),
-        _slew(runs),
+        _slew_check(runs),
         Check("current left at the end after a latch", max(f.left() for f in each), 0.0, "A"),
     ]
     if kind == "nan":
         late = max(_or_never(f.latched) for f in each)
         return [*rows, Check("samples until the latch", late, interface.BAD_SAMPLES - 1.0, "1", "every channel")]
-    rows.append(_prompt(runs))
+    rows.append(_isolation_check(runs))
     if kind == "zero" or moving:
-        unnoticed = float(sum(f.latched is None for f in each))
-        rows.append(Check("channels whose failure is not noticed", unnoticed, 0.0, "1", "in 1 s"))
+        undetected = float(sum(f.latched is None for f in each))
+        rows.append(Check("channels whose failure is not noticed", undetected, 0.0, "1", "in 1 s"))
     return rows
 
 
-def _slew(runs: Sequence[Failed]) -> Check:
+def _slew_check(runs: Sequence[Failed]) -> Check:
     fastest = max(f.failure.slew() for f in runs)
     return Check("change of a current from the latch on", fastest, SLEW, "A/s", "declared: 126")
 
 
-def _prompt(runs: Sequence[Failed]) -> Check:
-    slow = max(f.unanswered for f in runs)
-    return Check("samples from a residual out of bounds to the channel's name or the latch", slow, PROMPT, "1")
+def _isolation_check(runs: Sequence[Failed]) -> Check:
+    slowest = max(f.isolation_delay for f in runs)
+    return Check(
+        "samples from a residual out of bounds to the channel's name or the latch", slowest, ISOLATION_LIMIT, "1"
+    )
 
 
 @cache
 def places() -> tuple[tuple[Place, Place], ...]:
-    """Return PLACES starts, m, and the directions to go from each; evenly over a pitch and a turn, by Roberts."""
+    """Return PLACES starts in m with directions, a low-discrepancy sequence over a pitch and a turn (Roberts)."""
     pitch, pairs = planar_stage.plant().parameter("l").value, []
     for n in range(PLACES):
         x, y, turn = ((0.5 + n * step) % 1 for step in (0.7548776662466927, 0.5698402909980532, 0.6180339887498949))
@@ -169,37 +172,37 @@ def places() -> tuple[tuple[Place, Place], ...]:
 
 
 def survey(loop: Rig, name: str, kind: str, speeds: Sequence[float] = SPEEDS) -> Experiment:
-    """Return what one kind of failure does, over all channels, places and speeds in m/s."""
+    """Return the survey of one kind of failure over all channels, places and speeds in m/s."""
     runs = [
         fail(loop, channel, kind, start, {axis: v * part for axis, part in way.items()})
         for channel in HALL
         for start, way in places()
         for v in speeds
     ]
-    noticed = [f for f in runs if f.contradicted is not None]
-    named = [f for f in noticed if f.failure.named is not None]
-    otherwise = [f.failure for f in runs if f.contradicted is None and f.failure.latched is not None]
-    silent = [f.failure.excursion for f in runs if f.failure.latched is None]
+    detected = [f for f in runs if f.contradicted is not None]
+    isolated = [f for f in detected if f.failure.named is not None]
+    latched_otherwise = [f.failure for f in runs if f.contradicted is None and f.failure.latched is not None]
+    undetected = [f.failure.excursion for f in runs if f.failure.latched is None]
     figures = {
         "runs": float(len(runs)),
-        "with a residual out of its bound, %": 100 * len(noticed) / len(runs),
-        "latched by other means alone, %": 100 * len(otherwise) / len(runs),
-        "of those noticed, the channel is named, %": 100 * len(named) / len(noticed),
-        "of those noticed, it is named alone, %": 100 * sum(not f.others for f in named) / len(noticed),
-        "sound channels named beside it, mean": float(np.mean([len(f.others) for f in named])),
-        "furthest astray where nothing is noticed, um": 1e6 * max(silent, default=0.0),
+        "with a residual out of its bound, %": 100 * len(detected) / len(runs),
+        "latched by other means alone, %": 100 * len(latched_otherwise) / len(runs),
+        "of those detected, the channel is named, %": 100 * len(isolated) / len(detected),
+        "of those detected, it is named alone, %": 100 * sum(not f.others for f in isolated) / len(detected),
+        "sound channels named beside it, mean": float(np.mean([len(f.others) for f in isolated])),
+        "largest excursion of undetected failures, um": 1e6 * max(undetected, default=0.0),
     }
     at = ", ".join(f"{1e3 * v:g}" for v in speeds)
     about = f"each channel at {PLACES} places, at {at} mm/s; shown is "
-    title = f"A Hall channel {WORDS[kind]}, anywhere"
-    return _experiment(name, title, about, runs, figures, (_prompt(runs), _slew(runs)))
+    title = f"A Hall channel {FAULT_TEXTS[kind]}, anywhere"
+    return _experiment(name, title, about, runs, figures, (_isolation_check(runs), _slew_check(runs)))
 
 
 ALL = (
     *(
         Run(f"{kind}_{'moving' if moving else 'resting'}", partial(_by_channel, kind=kind, moving=moving))
         for moving in (False, True)
-        for kind in SHOWN
+        for kind in FAULT_VALUES
     ),
     *(Run(f"{kind}_anywhere", partial(survey, kind=kind)) for kind in ("zero", "stuck")),
 )

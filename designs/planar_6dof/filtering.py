@@ -1,4 +1,4 @@
-"""Kalman filters of the raw position: one axis at a time, three states, white jerk, steady gains.
+"""Steady-state Kalman filters of the raw positions: one per axis, three states, driven by white jerk.
 
     q_n+1 = A q_n + Gamma w_n,   y_n = C q_n + v_n      q = (position, velocity, acceleration)      (10)-(12)
 
@@ -8,18 +8,19 @@
 
     e = y - C q_predicted,   q = q_predicted + K e,   q_predicted <- A q        K = P C' (C P C' + R)^-1 (16)
 
-P is that before a sample, at rest: it solves the Riccati equation, whose recursion alternates (14) with the update
-P <- (I - K C) P. The paper prints (14) alone, under which P grows without end, K tends to 1 and nothing is filtered.
-R is read as (5e-5 m)^2, for the yaw as (5e-5 rad)^2.
+P is the steady-state covariance of the prediction. It solves the Riccati equation, whose recursion alternates (14) with
+the update P <- (I - K C) P. The paper prints (14) alone, under which P grows without bound, K tends to 1 and nothing is
+filtered. R is taken as (5e-5 m)^2, for the yaw as (5e-5 rad)^2.
 
-States are kept in units of position, (p, s, h) = (position, T velocity, T^2/2 acceleration), all predicted, so that the
-prediction needs no products:
+The states (p, s, h) = (position, T velocity, T^2/2 acceleration) are predictions in units of position. The prediction
+then needs no products:
 
     x = p + k_p e,   v = s + k_s e,   a = h + k_h e,     p <- x + (v + a),   s <- (v + a) + a,   h <- a
 
-x is the output. A filter that is not `ready`, or would leave its bounds, starts at rest where the raw position is. The
-position is that over the whole travel: single precision then differs from double by 0.04 um at most over 1e5 samples, a
-thousandth of the noise. The lead-lag controller works behind these filters; the LQG controller cannot, and has none.
+x is the output. A filter that is not `ready`, or whose states would leave their bounds, restarts at rest at the raw
+position. The position covers the whole travel: single precision then differs from double by at most 0.04 um over 1e5
+samples, a thousandth of the noise. The lead-lag controller works behind these filters; the LQG controller cannot, and
+has none.
 
 Source: Yu, Kim, section 3.2, (6)-(16).
 """
@@ -55,7 +56,7 @@ def model(axis: str, time: Discrete) -> StateSpace:
 
 @cache
 def estimator(axis: str, time: Discrete) -> kalman.Estimator:
-    """Return the filter of an axis, exact."""
+    """Return the steady-state filter of an axis, exact."""
     noise = {f"{axis}_raw": DEVIATION * DEVIATION}
     return kalman.discrete(model(axis, time), {"jerk": JERK[axis]}, noise, ("jerk",), exact=True)
 
@@ -63,7 +64,7 @@ def estimator(axis: str, time: Discrete) -> kalman.Estimator:
 def block(axis: str, time: Discrete) -> Block:
     """Return the Block ``filter_<axis>`` from ``<axis>_raw`` and ``ready`` to the filtered and the predicted axis.
 
-    The prediction is a state: it waits for no input of its sample.
+    The prediction is a state, so it does not depend on an input of the same sample.
     """
     raw, predicted, T = sensing.RAW[axis], sensing.PREDICTED[axis], time.period_s  # |x| <= max(|raw|, |p|)
     gain = estimator(axis, time).M[:, 0] * np.array([1, T, T * T / 2])
@@ -75,17 +76,17 @@ def block(axis: str, time: Discrete) -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         e = u[raw.name] - x["p"]
         now, v, a = (x[n] + k[f"k_{n}"] * e for n in "psh")
-        ahead = {"p": now + (v + a), "s": (v + a) + a, "h": a}
-        kept = u["ready"]
-        for value in ahead.values():
-            kept = ca.logic_and(kept, ca.fabs(value) <= predicted.high)
-        next = {n: ca.if_else(kept, value, u[raw.name] if n == "p" else 0) for n, value in ahead.items()}
-        return Step({axis: ca.if_else(kept, now, u[raw.name]), predicted.name: x["p"]}, next)
+        prediction = {"p": now + (v + a), "s": (v + a) + a, "h": a}
+        in_bounds = u["ready"]
+        for value in prediction.values():
+            in_bounds = ca.logic_and(in_bounds, ca.fabs(value) <= predicted.high)
+        next = {n: ca.if_else(in_bounds, value, u[raw.name] if n == "p" else 0) for n, value in prediction.items()}
+        return Step({axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}, next)
 
-    about = {"p": "predicted position", "s": "T velocity", "h": "T^2/2 acceleration"}
+    about = {"p": "predicted position", "s": "predicted velocity times T", "h": "predicted acceleration times T^2/2"}
     states = [State(replace(predicted, name=n, about=what), 0.0) for n, what in about.items()]
     inputs, outputs = [raw, sensing.READY], [replace(predicted, name=axis, about="filtered"), predicted]
-    name, tag = f"filter_{axis}", "(6)-(16)"
+    name, tag = f"filter_{axis}", "Kalman filter, (6)-(16)"
     return build(name, time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
 
 

@@ -1,10 +1,10 @@
-"""What surrounds the laws of the planar positioner: sensors, set-points, amplifiers, and what happens on a fault.
+"""Interface of the planar controllers: sensors, set-points, actuators, fault reaction, and the chain of Blocks.
 
-Hall voltages, distances, set-points -> guard -> sensing, positions, heights -> law -> safe output -> phase currents
+Hall voltages, distances, set-points -> guard -> sensing, vertical kinematics -> law -> safe output -> phase currents
 
-Noise of the Hall sensors is white and given as that of a position read from one of them: a deviation s in m is one of
-s A w in V, with the fundamental's amplitude A in V and its wave number w in 1/m. Where a voltage is 0 the harmonics
-make it 22 % flatter than that, and the raw position noisier than s.
+The noise of the Hall sensors is white and given as position noise: a standard deviation s in m is s A w in V, with the
+amplitude A in V and wave number w in 1/m of the fundamental. At the zeros of a voltage the harmonics reduce its slope
+by 22 %, so the raw position is noisier than s.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,45 +22,53 @@ from synth.plant import Plant
 from synth.signals import names
 from synth.timing import Discrete
 
-NOISE, NOISE_PRINTED = 13e-6, 5e-5  # m: a third of the peaks of +-4e-5 m in Fig. 5(a); what section 3.2 says
+NOISE, NOISE_PRINTED = 13e-6, 5e-5  # m: a third of the peaks of +-4e-5 m in Fig. 5(a); the value of section 3.2
 LASER_NOISE = 2e-7  # m, not printed
 RANGE, BITS = 20.0, 16  # V, section 4.2
 ADC = RANGE / 2**BITS
 LASER_RESOLUTION = 2 * vertical.LASER / 2**BITS  # m: the range of a distance over the converter's
 BAD_SAMPLES = 5
-SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R, for which a winding needs 2 V beside its 6.3 V
-# Relative, of polynomials, all of which are in allocation and commutation. In single precision they turn a motor's
-# current by 9 urad of its pitch at most, as 0.07 um of position would, where the raw position is wrong by 4.3 um rms.
+SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R; a winding needs 2 V for it beside R i = 6.3 V
+# Relative error of the polynomials, which only occur in allocation and commutation. In single precision it rotates a
+# motor's current by at most 9 urad of electrical angle, like 0.07 um of position. The raw position has 4.3 um rms.
 SURROGATE_ERROR: Mapping[type[np.floating], float] = {np.float32: 2e-5, np.float64: 1e-14}
 
 
 VOLTS_PER_METRE = hall_calibration.of(planar_stage.plant()).volts_per_metre  # of the fundamental where it is 0
-_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False, about="Hall sensor and axis")
-_LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE, about="laser distance")
+_HALL = partial(Sensor, resolution=ADC, noise=NOISE * VOLTS_PER_METRE, held=False)
+_LASER = partial(Sensor, resolution=LASER_RESOLUTION, noise=LASER_NOISE)
 INTERFACE = stage.interface(
     planar_stage.plant(),
     sensors=[
-        *(_HALL(name, low=-sensing.VOLTAGE, high=sensing.VOLTAGE) for name in planar_stage.HALL),
-        *(_LASER(name, low=-vertical.LASER, high=vertical.LASER) for name in planar_stage.LASERS),
+        *(
+            _HALL(name, low=-sensing.VOLTAGE, high=sensing.VOLTAGE, about=planar_stage.ABOUT[name])
+            for name in planar_stage.HALL
+        ),
+        *(
+            _LASER(name, low=-vertical.LASER, high=vertical.LASER, about=planar_stage.ABOUT[name])
+            for name in planar_stage.LASERS
+        ),
     ],
     set_points=[SetPoint(f"{a}_ref", a, s.low, s.high, about=s.about) for a, s in vertical.REFERENCES.items()],
     actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in names(planar_stage.INPUTS)],
     bad_samples=BAD_SAMPLES,
-    reason="the air bearings carry the platen, and without current nothing pushes it",
+    reason="the air bearings carry the platen, and without current no force acts on it",
     suspected=planar_stage.HALL,
 )
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
-INPUTS, OUTPUTS = stage.guarded(INTERFACE), INTERFACE.outputs
+INPUTS, OUTPUTS = stage.guarded_inputs(INTERFACE), INTERFACE.outputs
 
 
-def controller(name: str, plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
+def controller(name: str, plant: Plant, time: Discrete, sensing_blocks: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the whole controller, from six Hall voltages, three distances and six set-points to nine currents.
 
-    `sensed` go from held voltages to positions, `law` from positions and held set-points to computed currents.
+    The sensing Blocks lead from held voltages to positions, `law` from positions and held set-points to currents.
     """
-    return stage.controller(name, time, INTERFACE, [*sensed, vertical.vertical_kinematics(plant, time), *law]).block
+    return stage.controller(
+        name, time, INTERFACE, [*sensing_blocks, vertical.vertical_kinematics(plant, time), *law]
+    ).block
 
 
-def declared(name: str, time: Discrete, block: Callable[[], Block]) -> Controller:
-    """Return a controller of this interface as it is declared; its Block is made when it is first asked for."""
+def declare_controller(name: str, time: Discrete, block: Callable[[], Block]) -> Controller:
+    """Return the declaration of a controller with this interface; its Block is built on first use."""
     return Controller(name, time, INTERFACE, lambda: Composition((), (), block()))

@@ -1,11 +1,11 @@
-"""The simulated loop of the planar positioner: plant, noisy sensors and converters, a sample of delay, compiled C.
+"""Closed-loop simulation of the planar positioner: plant, noisy sensors, converters, one sample of delay, compiled C.
 
     pose ---> Hall voltages + noise ---> 16 bits over +-10 V --+
           |                                                    +--> controller ---> z^-delay ---> phase currents
           +-> distances + noise -------> 16 bits over +-10 V --+
 
-The plant's motors see the harmonics of the field, of which the allocation knows nothing. Phase currents are held over a
-sample, as if amplifiers were ideal: `models.planar_voltages` says what they need.
+The motors of the plant see the harmonics of the field, which the allocation neglects. Phase currents are held over a
+sample, as by ideal amplifiers. `models.planar_voltages` computes the voltages that they need.
 """
 
 from collections.abc import Mapping
@@ -29,18 +29,18 @@ from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
 from synth.timing import Discrete, period
 
-SUBSTEPS = 2  # of a sample: psi swings at 214 rad/s, 0.13 in half of 1.25 ms
+SUBSTEPS = 2  # of a sample: psi oscillates at 214 rad/s, 0.13 rad in half of 1.25 ms
 
 
 def of(block: Block, controller: host.Controller | None = None) -> Rig:
-    """Return the loop of a controller, as compiled here or as shipped, on motors that see the field's harmonics."""
+    """Return the closed loop of a controller, compiled here or given, on motors that see the field's harmonics."""
     plant = planar_stage.plant(halbach.HARMONICS)
-    declared = interface.declared(block.name, Discrete(period(block.time)), lambda: block)
-    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compiled(block))
+    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block)
+    return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
 
 
 def growing_circle(time: Array, radius: float, rate: float, growth: float) -> dict[str, Array]:
-    """Return set-points x, y (N,) in m around the middle at a rate in rad/s, the radius grown within `growth` s."""
+    """Return set-points x, y (N,) in m of a circle at a rate in rad/s, whose radius grows within `growth` s."""
     part = np.clip(time / growth, 0, 1)
     r = radius * part**3 * (10 - 15 * part + 6 * part**2)
     return {"x": r * np.cos(rate * time), "y": r * np.sin(rate * time)}
@@ -54,39 +54,39 @@ def simulate(
 
 
 def with_noise(rig: Rig, noise: float) -> Rig:
-    """Return a loop whose Hall sensors are noisy by a position's deviation in m."""
+    """Return the loop with another position noise of its Hall sensors, a standard deviation in m."""
     volts = noise * interface.VOLTS_PER_METRE
     sensors = rig.stage.interface.sensors
     noisy = tuple(replace(s, noise=volts) if s.name in planar_stage.HALL else s for s in sensors)
     return rig.with_interface(sensors=noisy)
 
 
-def noise_of(rig: Rig) -> float:
-    """Return the deviation of a position in m that the Hall sensors' noise is."""
+def position_noise(rig: Rig) -> float:
+    """Return the noise of the Hall sensors as a standard deviation of position in m."""
     return rig.noise * rig.stage.interface.sensors[0].noise / interface.VOLTS_PER_METRE
 
 
-def seen(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
-    """Return raw and filtered positions, ``x_raw`` and ``x``, as the controller has them in a run."""
+def measured_positions(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
+    """Return the raw and filtered positions of a run, ``x_raw`` and ``x``, as its controller computes them."""
     predicted = any(s.name.startswith("filter_") for s in rig.stage.controller.block.states)
-    return positions(trajectory, rig.period_s, predicted)
+    return positions_of_run(trajectory, rig.period_s, predicted)
 
 
-def positions(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
-    """Return `seen` of a run at a period in s by a controller whose filters predict, or which has none."""
-    columns = _compiled_view(period_s, predicted).replay(run.measured).outputs
+def positions_of_run(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
+    """Return the positions of a run at a period in s by a controller whose filters predict, or without filters."""
+    columns = _position_controller(period_s, predicted).replay(run.measured).outputs
     return {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
 
 
 @cache
-def _compiled_view(period_s: float, predicted: bool) -> host.Controller:
-    return compiled(view(Discrete(period_s), predicted))
+def _position_controller(period_s: float, predicted: bool) -> host.Controller:
+    return compile_block(position_block(Discrete(period_s), predicted))
 
 
-def view(time: Discrete, predicted: bool = True) -> Block:
-    """Return the controllers' way from voltages to raw positions and residuals, `predicted` by the filters or not.
+def position_block(time: Discrete, predicted: bool = True) -> Block:
+    """Return the Block from voltages to raw positions and residuals, `predicted` by the filters or not.
 
-    What the filters make of them is shown in either case.
+    Filtered positions are outputs in either case.
     """
     guard = safety.guard(time, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
     parts = [guard, sensing.sensing(planar_stage.plant(), time, predicted), *filtering.blocks(time)]
@@ -94,6 +94,6 @@ def view(time: Discrete, predicted: bool = True) -> Block:
     return unranged(compose("view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
-def compiled(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
-    """Return the C of a Block as shipped, compiled."""
-    return build.compiled(block, scalar, error=interface.SURROGATE_ERROR[scalar])
+def compile_block(block: Block, scalar: type[np.floating] = np.float32) -> host.Controller:
+    """Return the compiled C of a Block, emitted as in the shipped controller."""
+    return build.compile_block(block, scalar, error=interface.SURROGATE_ERROR[scalar])

@@ -1,18 +1,19 @@
-"""The loops as the hardware sees them: the whole controller, a sample of delay, the hold, and the stage at a place.
+"""Linear loops of the planar positioner: the whole controller, one sample of delay, the hold, and the stage.
 
     i_AQ .. i_CD                                              x .. psi
     ---*--->[ delay, hold, motors, stage, sampler ]-------*--->[ Hall sensors, lasers, controller ]---+
        ^                                                                                              |
        +----------------------------------------------------------------------------------------------+
 
-Controller and stage are linearised about the platen at rest. Guard, sensing, filters, law, allocation, commutation and
-safe output are in the controller as they ship, and with them the slope that the calibration of the Hall sensors has at
-this place. What goes around are the six positions and the currents of the three motors along their motion (Q) and up
-(D), which are the phases in coordinates that go along with the field:
+Controller and stage are linearised about the platen at rest at a place. The controller is the shipped one, with guard,
+sensing, filters, law, allocation, commutation and safe output, and with the local slope of the calibration of the Hall
+sensors. The signals of the loop are the six positions and the quadrature (Q) and direct (D) currents of the three
+motors, the phase currents in coordinates of the field:
 
     phases = E (i_Q, i_D),   (i_Q, i_D) = 2/3 E' phases         E'E = 3/2 I, for each motor
 
-A loop is opened at some of these signals, marked by *, the others closed: L = -(what comes back), and 1 + L is closed.
+A loop is opened at some of these signals, marked by *, with the others closed. L is minus the returned signal, so the
+closed loop has the characteristic function det(I + L).
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -37,14 +38,14 @@ from synth.verify import agree
 Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
-SETTLED = 50  # samples after which the filters have come to rest
+SETTLING_SAMPLES = 50  # samples after which the filters are in steady state
 PHASES, SENSED = names(planar_stage.INPUTS), interface.SENSORS
 MOTORS = names(allocation.CURRENTS)
 HORIZONTAL = MOTORS[:3]
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class LoopParts:
     """The stage from motor currents in A to positions in m and rad, the controller back, and the delay in samples."""
 
     plant: StateSpace
@@ -54,7 +55,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class OpenLoop:
-    """The loop of one axis, opened at its position, the `signal`, under a label, and its margins."""
+    """The loop of one axis, opened at its position `signal`, with a label and its margins."""
 
     signal: str
     label: str
@@ -62,45 +63,47 @@ class OpenLoop:
     margins: margins.Margins
 
 
-def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> Parts:
-    """Return both parts of the loop of a whole controller with the platen at rest at a place."""
+def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> LoopParts:
+    """Return plant and controller of the loop of a whole controller, with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
     stage = linearise.linearise(plant, trim.trim(plant, pose, []))
-    shown = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
-    K = loop.linearised(block, *resting(plant, block, pose))
-    return around(stage.select(AXES, PHASES), K, shown, commutation_matrix(plant, pose), delay)
+    C = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
+    K = loop.linearise_block(block, *rest_point(plant, block, pose))
+    return in_motor_coordinates(stage.select(AXES, PHASES), K, C, commutation_matrix(plant, pose), delay)
 
 
-def around(stage: StateSpace, controller: StateSpace, shown: Array, E: Array, delay: float = 1) -> Parts:
-    """Return both parts of a loop from phases and a controller of sensors, which show positions by `shown` (9, 6)."""
+def in_motor_coordinates(
+    stage: StateSpace, controller: StateSpace, measurement: Array, E: Array, delay: float = 1
+) -> LoopParts:
+    """Return a loop in motor currents and positions; `measurement` (9, 6) maps positions to sensor values."""
     K = controller.select(PHASES, SENSED)
-    B, C, D = K.B @ shown, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ shown
+    B, C, D = K.B @ measurement, 2 / 3 * E.T @ K.C, 2 / 3 * E.T @ K.D @ measurement
     motors = replace(stage, B=stage.B @ E, D=stage.D @ E, inputs=MOTORS)
-    return Parts(motors, replace(K, B=B, C=C, D=D, inputs=AXES, outputs=MOTORS), delay)
+    return LoopParts(motors, replace(K, B=B, C=C, D=D, inputs=AXES, outputs=MOTORS), delay)
 
 
-def resting(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
-    """Return states and inputs of the controller with the platen at rest at its set-points, as its sensors show it."""
-    read, view = plant.output_values(place), simulated.view(block.time)
-    measured = {name: float(read[name][0]) for name in SENSED}
-    shown = _held(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLED).outputs
-    inputs = measured | {f"{a}_ref": float(shown[a][-1]) if a in shown else place.get(a, 0.0) for a in AXES}
-    return {name: float(v[0]) for name, v in _held(block, inputs, 2).states.items()}, inputs
+def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, float], dict[str, float]]:
+    """Return states and inputs of the controller with the platen at rest at its set-points, as measured."""
+    outputs, view = plant.output_values(place), simulated.position_block(block.time)
+    measured = {name: float(outputs[name][0]) for name in SENSED}
+    positions = _hold_inputs(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLING_SAMPLES).outputs
+    inputs = measured | {f"{a}_ref": float(positions[a][-1]) if a in positions else place.get(a, 0.0) for a in AXES}
+    return {name: float(v[0]) for name, v in _hold_inputs(block, inputs, 2).states.items()}, inputs
 
 
-def _held(block: Block, inputs: Mapping[str, float], samples: int) -> agree.Stepped:
-    """Return what a Block makes of some samples of constant inputs, from init."""
+def _hold_inputs(block: Block, inputs: Mapping[str, float], samples: int) -> agree.StepResults:
+    """Return outputs and states of a Block after some samples of constant inputs, from init."""
     start, columns = {s.name: s.initial for s in block.states}, {n: np.full(samples, v) for n, v in inputs.items()}
-    return agree.recorded(agree.casadi(block), start, columns)
+    return agree.run(agree.casadi(block), start, columns)
 
 
-def opened(both: Parts, signals: Sequence[str]) -> StateSpace:
-    """Return L (p, p) from and to some of the axes and motor currents, all others closed.
+def open_loop(both: LoopParts, signals: Sequence[str]) -> StateSpace:
+    """Return L (p, p), opened at some of the axes and motor currents, with all others closed.
 
-    Raises SignalError for a signal that is neither.
+    Raises SignalError for another signal.
     """
     sensors, actuators = ({name: name for name in ends} for ends in (both.plant.outputs, both.plant.inputs))
-    return loop.opened(both.plant, both.controller, list(signals), sensors, actuators, both.delay)
+    return loop.open_loop(both.plant, both.controller, list(signals), sensors, actuators, both.delay)
 
 
 def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> list[OpenLoop]:
@@ -108,42 +111,42 @@ def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> lis
     return of_parts(parts(plant, block), axes, label)
 
 
-def of_parts(both: Parts, axes: Iterable[str], label: str) -> list[OpenLoop]:
+def of_parts(both: LoopParts, axes: Iterable[str], label: str) -> list[OpenLoop]:
     """Return the loops of some axes, all others closed."""
-    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [opened(both, [axis])]]
+    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [open_loop(both, [axis])]]
 
 
-def whole(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
+def rounded_controller(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
     """Return the controller of `interface` with its constants in single precision."""
     return interface.controller("whole", plant, time, sensed, law).rounded(np.float32)
 
 
-def exchanged(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[Block]:
-    """Return a law whose Blocks of one axis are those of another law: only its own loop is then as there."""
-    own = {b.name: b for b in other if b.name.endswith(f"_{axis}")}
-    return [own.get(b.name, b) for b in law]
+def with_axis_of(law: Sequence[Block], other: Sequence[Block], axis: str) -> list[Block]:
+    """Return a law with the Blocks of one axis taken from another law."""
+    replacement = {b.name: b for b in other if b.name.endswith(f"_{axis}")}
+    return [replacement.get(b.name, b) for b in law]
 
 
-def spread(pitch: float, places: int) -> list[Place]:
+def places_over_pitch(pitch: float, places: int) -> list[Place]:
     """Return places spread over a pitch in x and in y."""
-    within = (pitch * ((np.arange(places) + 0.5) / places - 0.5)).tolist()
-    return [{"x": within[k], "y": within[3 * k % places]} for k in range(places)]
+    offsets = (pitch * ((np.arange(places) + 0.5) / places - 0.5)).tolist()
+    return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
 
 
 def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, margins.Margins]]:
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
-    each_place = (parts(plant, block, place) for place in spread(plant.parameter("l").value, places))
-    return [{axis: margins.of_loop(opened(each, [axis])) for axis in AXES} for each in each_place]
+    each_place = (parts(plant, block, place) for place in places_over_pitch(plant.parameter("l").value, places))
+    return [{axis: margins.of_loop(open_loop(each, [axis])) for axis in AXES} for each in each_place]
 
 
-def horizontal(both: Parts) -> dict[str, StateSpace]:
-    """Return the loop of x, y and phi opened at the motors' currents along their motion, at the positions, at both."""
+def horizontal(both: LoopParts) -> dict[str, StateSpace]:
+    """Return the loop of x, y and phi opened at the quadrature currents, at the positions, and at both."""
     cuts = {"currents": HORIZONTAL, "positions": allocation.HORIZONTAL}
     cuts["both"] = (*HORIZONTAL, *allocation.HORIZONTAL)
-    return {name: opened(both, cut) for name, cut in cuts.items()}
+    return {name: open_loop(both, cut) for name, cut in cuts.items()}
 
 
 def scaled(L: StateSpace, sizes: Mapping[str, float]) -> StateSpace:
-    """Return L with some channels taken times a factor, by name, where they leave it and where they come back."""
+    """Return L with some channels scaled by a factor, by name: S L S^-1."""
     s = np.array([sizes.get(name, 1.0) for name in L.inputs])
     return replace(L, B=L.B / s, C=L.C * s[:, None], D=L.D * s[:, None] / s, units={})

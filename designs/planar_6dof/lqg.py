@@ -1,23 +1,25 @@
-"""The reduced-order LQG regulators of the planar positioner at 800 Hz, Y(26)-(49), as Blocks.
+"""Reduced-order LQG regulators of the planar positioner at 800 Hz, Y(26)-(49), as Blocks (MATLAB `lqrd`).
 
-    A model of (26) with integrators (31), states (x y phi z1 z2 z3 d f v), u = (i_AQ, i_BQ, i_CQ), K of (49) by lqrd.
+The model is (26) with the integrators of (31): states (x y phi z1 z2 z3 d f v), inputs u = (i_AQ, i_BQ, i_CQ), and K of
+(49) by lqrd. The relation
 
         f_x = k i_C,   f_y = k (i_A + i_B),   m_phi = k a (i_B - i_A),   k = 13.2547 M
 
-    makes forces of its currents, so that the allocation compensates the yaw of motor C that (26) leaves out. In these K
-    falls apart into three axes q'' = b f, in which f is then over its scale in `planar_allocation`, in A. Each knows
-    the f1 that the motors make until the next sample, that of the sample before, and estimates the rate alone, with
-    L = (1 - p) / T:
+turns the currents into forces, for which the allocation also compensates the yaw torque of motor C that (26) neglects.
+In these forces K decouples into three axes q'' = b f, with f divided by its scale in `planar_allocation`, in A. Each
+axis knows f1, the achieved demand of the sample before, which acts until the next sample. It estimates the rate alone,
+with L = (1 - p) / T:
 
         v^  = x3 + L q,                     x3+ = F x3 + G q + H f1                                        (33), (35)
-        q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           where the axis is when f acts
+        q1  = q + T v^ + b T^2/2 f1,        v1  = v^ + b T f1           predictions for the time when f acts
         w   = k1 (q - q1) - k2 v1,          f = w + k (r - q) + I            k = k1 + k3 T
-        I+  = (1 - g) I + g (made - w),     f1+ = made                       g = k3 T / k
+        I+  = (1 - g) I + g (f_a - w),      f1+ = f_a                        g = k3 T / k
 
-While made = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+. At a limit I follows what is made with a
-time constant of T/g, some 20 ms. An error beyond ERROR counts as this, and the integral fades: the axis then comes to
-k ERROR / k2, from which the motors can stop it. Until every measurement has been good once the platen counts as at rest
-where it is. The choices of prediction, p and ERROR: docs/decisions/planar_lqg.md.
+f_a is the demand that the motors achieve. While f_a = f this is I+ = I + k3 T (r - q) and f = k1 (r - q1) - k2 v1 + I+.
+At a limit I follows f_a with the time constant T/g of some 20 ms (anti-windup). An error is clipped to ERROR, and the
+integral then decays: the axis moves at k ERROR / k2, a speed from which the motors can stop it. Until every measurement
+has been good once, the platen is assumed to be at rest. The choices of prediction, p and ERROR:
+docs/decisions/planar_lqg.md.
 """
 
 from collections.abc import Callable, Sequence
@@ -58,7 +60,7 @@ MEASURED = {axis: replace(POSITIONS[axis], name=f"{axis}_raw", about="as measure
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis q'' = b d and its gains in A: d = k1 (r - q) - k2 q' + k3 sum (r - q)."""
+    """One axis q'' = b d with its gains in A: d = k1 (r - q) - k2 q' + k3 sum (r - q)."""
 
     name: str
     b: float
@@ -68,7 +70,7 @@ class Axis:
 
 
 def model(per_ampere: float = PER_AMPERE, yaw_per_ampere: float = YAW_PER_AMPERE, integrals: bool = True) -> StateSpace:
-    """Return (31), (32) with the currents as inputs, or (26), (27) without `integrals`, from what an ampere pushes."""
+    """Return (31), (32) with the currents as inputs, or (26), (27) without `integrals`."""
     A, B = np.zeros((9, 9)), np.zeros((9, 3))
     A[:3, 6:], A[3:6, :3] = np.eye(3), np.eye(3)
     B[6, 2] = B[7, 0] = B[7, 1] = per_ampere
@@ -86,7 +88,7 @@ def gain(weights: Sequence[float] = WEIGHTS) -> lqr.Gain:
     return lqr.lqrd(model(), weights, np.eye(3), TIME.period_s, exact=True)
 
 
-def demanded(plant: Plant) -> Array:
+def demand_gain(plant: Plant) -> Array:
     """Return K (3, 9) of the demands f_x, f_y in N and m_phi in N m, by the states of (31)."""
     k, a, K = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, gain().K
     return readonly([k * K[2], k * (K[0] + K[1]), k * a * (K[1] - K[0])])
@@ -95,20 +97,20 @@ def demanded(plant: Plant) -> Array:
 def axes(plant: Plant) -> tuple[Axis, ...]:
     """Return x, y and phi with their gains from positions to demands."""
     k, a, scales = PER_AMPERE * plant.parameter("M").value, plant.parameter("a").value, allocation.scales(plant)
-    pushed = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
+    acceleration = {"x": PER_AMPERE / k, "y": PER_AMPERE / k, "phi": YAW_PER_AMPERE / (k * a)}
     rows = []
-    for i, (name, row) in enumerate(zip(HORIZONTAL, -demanded(plant), strict=True)):
+    for i, (name, row) in enumerate(zip(HORIZONTAL, -demand_gain(plant), strict=True)):
         k1, k2, k3 = (row[[i, 6 + i, 3 + i]] / scales[name]).tolist()
-        rows.append(Axis(name, pushed[name] * scales[name], k1, k2, k3 * TIME.period_s))
+        rows.append(Axis(name, acceleration[name] * scales[name], k1, k2, k3 * TIME.period_s))
     return tuple(rows)
 
 
 def continuous(axis: Axis) -> StateSpace:
     """Return q'' = b f with the states q and its rate."""
-    made, rate, unit = vertical.DEMAND[axis.name], RATES[axis.name], POSITIONS[axis.name].unit
+    demand, rate, unit = vertical.DEMAND[axis.name], RATES[axis.name], POSITIONS[axis.name].unit
     A, B = np.eye(2, k=1), readonly([[0.0], [axis.b]])
-    units, states = {axis.name: unit, rate: f"{unit}/s", made.name: made.unit}, (axis.name, rate)
-    return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (made.name,), states[:1], Continuous(), units)
+    units, states = {axis.name: unit, rate: f"{unit}/s", demand.name: demand.unit}, (axis.name, rate)
+    return StateSpace(A, B, np.eye(1, 2), np.zeros((1, 1)), states, (demand.name,), states[:1], Continuous(), units)
 
 
 def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedObserver:
@@ -119,15 +121,15 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 
 
 def reduced_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis on the observer of its rate alone; x3 is kept in units of what it demands."""
+    """Return the regulator of one axis with a reduced-order observer of its rate; x3 is in units of demand."""
     observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
-    on_rate, on_force = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
-    F, G, H, L = float(observed.F[0, 0]), *(on_rate * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
+    rate_gain, achieved_gain = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
+    F, G, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
     x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
     per = per_position(axis.name)
     constants = [
-        Constant("on_force", on_force, "1", "(49): b T (k1 T / 2 + k2)"),
+        Constant("achieved_gain", achieved_gain, "1", "(49): b T (k1 T / 2 + k2)"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
         Constant("F", F, "1", "(35): A22 - L A12"),
         Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
@@ -137,12 +139,12 @@ def reduced_order(plant: Plant, axis: Axis) -> Block:
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
         seen = k["L"] * u[q.name]
         now = ca.if_else(u[READY.name], x["x3"], -seen)
-        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["force"]
-        return -(now + seen + k["on_force"] * x["force"]), {"x3": after}
+        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
+        return -(now + seen + k["achieved_gain"] * x["achieved"]), {"x3": after}
 
     unit = vertical.DEMAND[axis.name].unit
-    state = State(Signal("x3", unit, -x3, x3, "for the estimated rate less L position"), 0.0)
-    return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + on_force * f1)
+    state = State(Signal("x3", unit, -x3, x3, "estimated rate less L times the position, as a demand"), 0.0)
+    return regulator(plant, axis, estimate, [state], constants, x3 + L * q.high + achieved_gain * f1)
 
 
 Estimate = Callable[[Exprs, Exprs, Exprs], tuple[ca.SX, dict[str, ca.SX]]]
@@ -153,37 +155,41 @@ def regulator(
 ) -> Block:
     """Return the regulator of one axis for `estimate(u, x, k) -> (w, next states)`, where |w| <= `most`.
 
-    The integral and the force that acts until the next sample are added to the states.
+    The states get the integral and the achieved demand, which acts until the next sample, in addition.
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
-    wanted, driven = vertical.DEMAND[axis.name], vertical.MADE[axis.name]
+    demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
 
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
         error = u[r.name] - u[q.name]
-        integral = c["kept"] * x["integral"] + c["driven"] * (u[driven.name] - w)
+        integral = c["integral_decay"] * x["integral"] + c["integral_input"] * (u[achieved.name] - w)
         if most := ERROR.get(axis.name):
-            near = ca.fabs(error) <= most
-            error = ca.if_else(near, error, ca.if_else(error < 0, -most, most))
-            integral = ca.if_else(near, integral, c["kept"] * x["integral"])
-        demand = c["on_error"] * error + (w + x["integral"])
-        return Step({wanted.name: demand}, after | {"integral": integral, "force": u[driven.name]})
+            is_small = ca.fabs(error) <= most
+            error = ca.if_else(is_small, error, ca.if_else(error < 0, -most, most))
+            integral = ca.if_else(is_small, integral, c["integral_decay"] * x["integral"])
+        demand = c["error_gain"] * error + (w + x["integral"])
+        return Step({demand_signal.name: demand}, after | {"integral": integral, "achieved": u[achieved.name]})
 
     all_constants = [
-        Constant("on_error", k, per_position(axis.name), "(49): k1 + k3 T"),
-        Constant("kept", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
-        Constant("driven", g, "1", "(49): k3 T / (k1 + k3 T)"),
+        Constant("error_gain", k, per_position(axis.name), "(49): k1 + k3 T"),
+        Constant("integral_decay", 1 - g, "1", "(49): 1 - k3 T / (k1 + k3 T)"),
+        Constant("integral_input", g, "1", "(49): k3 T / (k1 + k3 T)"),
         *constants,
     ]
     all_states = [
         *states,
-        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
-        State(Signal("force", wanted.unit, -f1, f1, "that acts until the next sample"), 0.0),
+        State(Signal("integral", demand_signal.unit, -integral, integral, "integral of the error"), 0.0),
+        State(
+            Signal("achieved", demand_signal.unit, -f1, f1, "achieved demand, which acts until the next sample"), 0.0
+        ),
     ]
-    inputs, tag, name = [q, r, driven, READY], "(28)-(35), (49)", f"lqg_{axis.name}"
-    return build(name, TIME, law, inputs=inputs, outputs=[wanted], states=all_states, constants=all_constants, tag=tag)
+    inputs, tag, name = [q, r, achieved, READY], "reduced-order LQG, (28)-(35), (49)", f"lqg_{axis.name}"
+    return build(
+        name, TIME, law, inputs=inputs, outputs=[demand_signal], states=all_states, constants=all_constants, tag=tag
+    )
 
 
 def per_position(axis: str) -> str:
@@ -198,11 +204,11 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
     return [*(regulate(plant, axis) for axis in axes(plant)), *upright, *motors]
 
 
-def sensed(plant: Plant) -> list[Block]:
-    """Return the Blocks from Hall voltages to positions as they are measured."""
+def sensing_blocks(plant: Plant) -> list[Block]:
+    """Return the Blocks from Hall voltages to measured positions."""
     return [sensing.sensing(plant, TIME, predicted=False)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, sensed(plant), law(plant, variant, regulate))
+    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), law(plant, variant, regulate))

@@ -1,7 +1,7 @@
-"""The report of a planar design: what a design review reads, from report.md, report.toml and the computed blocks.
+"""Report of a planar design for a design review, from report.md, report.toml and computed figures and tables.
 
-Both designs share stage, sensing, filter, the pictures of experiments, failures, audit and verification; each adds its
-law and its loops.
+Both designs share the sections on stage, sensing, filter, experiments, failures, audit and verification. Each adds its
+control law and its loops.
 """
 
 import tomllib
@@ -19,7 +19,7 @@ from models import halbach, hall_calibration, planar_stage
 from models import hall_section_maps as sensing_maps
 from models import planar_allocation as allocation
 from synth.block import Block
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
@@ -42,25 +42,25 @@ ABOUT = (
 )
 SHOWN = Shown(
     {s.name: s.unit for s in (*planar_stage.STATES, *planar_stage.INPUTS, *planar_stage.OUTPUTS)},
-    latch=(0.1, 0.05),  # the platen then goes on without current
+    latch=(0.1, 0.05),  # the platen then coasts without current
     fine=5e-4,
     channels=planar_stage.HALL,
 )
-DRAWN = 41  # places over a pitch in x and in y of a picture, one where voltages are 0
-PLACES = 9  # over a pitch in x and in y, from which what sticks is moved
+MAP_POINTS = 41  # places over a pitch in x and in y of a map, one at which voltages are 0
+PLACES = 9  # over a pitch in x and in y, from which the platen moves with a stuck channel
 REST, SPECTRUM, CIRCLE, FINITE = "standstill", "step_x", "circle", "_finite"  # runs by name
-OF_RUN = "run."  # how blocks begin that belong to a run
-SETTLED = 1.0  # s of a run that are left out
-PART = (1.0, 3.0)  # s of the standstill that are drawn
+OF_RUN = "run."  # prefix of the figures of a run
+SETTLING_S = 1.0  # s at the start of a run that are left out
+WINDOW_S = (1.0, 3.0)  # s of the standstill that are drawn
 
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What a design adds to its report: its controller, a line on its law and equations as printed, and loops.
+    """Contents that a design adds to its report: controller, a line on its law, printed equations, and loops.
 
-    `whole` are sections on several loops at once. `beside` gives the rows of the audit that an experiment stands
-    beside; `filtered` tells whether the law reads filtered positions, `spectrum` whether the paper draws one; `values`
-    are what its report.md asks for; `cost` follows the cost.
+    `whole` are sections on multivariable loops. `beside` maps experiments to rows of the audit; `filtered` tells
+    whether the law uses filtered positions, `spectrum` whether the paper shows a spectrum; `values` are those named in
+    its report.md; `cost` returns tables that follow the cost.
     """
 
     block: Block
@@ -77,48 +77,52 @@ class Contents:
 
 def report(
     contents: Callable[[Plant], Contents],
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
     cost: Cost | None,
 ) -> str:
-    """Return the whole report of a design as one HTML document, with every experiment that is handed in."""
-    plant, spent = planar_stage.plant(), sections.cost(cost)
-    own, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
-    block, time = own.block.rounded(np.float32), own.block.time
-    made = {**_stage(plant, block, own.filtered), **_at_rest(runs, time, own), **_drawn(runs, time, own)}
-    values = captions.captioned(made, data["blocks"])
-    equations = (*own.equations, *map(tuple, data["equations"]["upright"]))
-    opened = standard.loops(own.loops)
+    """Return the report of a design as one HTML document, with all given experiments."""
+    plant, cost_section = planar_stage.plant(), sections.cost(cost)
+    design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
+    block, time = design.block.rounded(np.float32), design.block.time
+    computed = {
+        **_stage(plant, block, design.filtered),
+        **_at_rest(runs, time, design),
+        **_run_figures(runs, time, design),
+    }
+    values = captions.with_captions(computed, data["blocks"])
+    equations = (*design.equations, *map(tuple, data["equations"]["upright"]))
+    loop_part = standard.loops(design.loops)
     parts = (
         standard.model(plant, _forces),
         standard.law(block, (page.Equations(equations),)),
-        standard.gains(template.gains(own.block.name, files)),
-        replace(opened, sections=(*own.whole, *opened.sections)),
-        experiments(own, runs, rows, values),
+        standard.gains(template.gains(design.block.name, files)),
+        replace(loop_part, sections=(*design.whole, *loop_part.sections)),
+        experiments(design, runs, rows, values),
         standard.audit(rows),
         standard.verification(evidence, "1 A"),
-        replace(spent, blocks=(*spent.blocks, *(own.cost(runs) if cost else ()))),
+        replace(cost_section, blocks=(*cost_section.blocks, *(design.cost(runs) if cost else ()))),
         standard.files(files),
     )
     inputs = "6 Hall voltages, 3 laser distances, 6 set-points"
-    facts = (*standard.facts(time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", own.line))
-    return template.assembled(own.block.name, ABOUT, facts, parts, {**values, **own.values}, ("planar_6dof",))
+    facts = (*standard.facts(time, np.float32, inputs, "9 phase currents of 3 motors"), ("law", design.line))
+    return template.assemble(design.block.name, ABOUT, facts, parts, {**values, **design.values}, ("planar_6dof",))
 
 
 def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
-    """Return the force of each motor along its motion by name, as the physics computes it."""
+    """Return the force of each motor along its motion by name, from the equations of motion."""
     return {f"f_{motor}": f.y for motor, f in planar_stage.motor_forces(x, u, p).items()}
 
 
 def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
-    """Return figures and tables of the stage: what follows from its parameters, its sensing, loops and failures."""
+    """Return figures and tables of the stage: derived parameters, sensing, loops and failures."""
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
     filters = filtering.blocks(block.time) if filtered else []
-    silent = sensing_maps.faults(plant, block.time, DRAWN, filters)
-    failed = {"zero": silent, "stuck": sensing_maps.stuck(plant, block.time, PLACES, filters)}
-    found = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
+    silent = sensing_maps.zero_voltages(plant, block.time, MAP_POINTS, filters)
+    failed = {"zero": silent, "stuck": sensing_maps.stuck_voltages(plant, block.time, PLACES, filters)}
+    margins_by_place = loops.over_pitch(planar_stage.plant(halbach.HARMONICS), block)
     return {
         "stage.derived": [
             ("K", K, "N/A", "force of a motor per ampere, (17) with 3/(2π)"),
@@ -130,63 +134,65 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
         "sensing.pitch": drawings.pitch(plant),
         "sensing.yaw": drawings.yaw_maps(plant),
         "speed": sensing_maps.SPEED,
-        "failures.places": drawings.unnoticed(
-            plant, {name: (w.noticed < 0).reshape(DRAWN, DRAWN) for name, w in silent.items()}
+        "failures.places": drawings.undetected_failures(
+            plant, {name: (w.noticed < 0).reshape(MAP_POINTS, MAP_POINTS) for name, w in silent.items()}
         ),
         "failures.table": [(n, kind, *w.summary(n).values()) for kind, of in failed.items() for n, w in of.items()],
-        "loops.places": len(found),
+        "loops.places": len(margins_by_place),
         "loops.pitch": [
-            (SYMBOLS.get(axis, axis), *sections.margins_ranges([each[axis] for each in found]))
+            (SYMBOLS.get(axis, axis), *sections.margins_ranges([each[axis] for each in margins_by_place]))
             for axis in allocation.AXES
         ],
     }
 
 
-def _at_rest(runs: Sequence[Experiment], time: Discrete, own: Contents) -> dict[str, Made]:
-    """Return what a standstill shows of the filter, nothing where there is neither."""
-    if not own.filtered:
+def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Made]:
+    """Return the figure of the filter at a standstill; nothing for a law without filters."""
+    if not design.filtered:
         return {}
     rest = [e.trajectory for e in runs if e.name == REST]
     if not rest:
         return {"sensing.filtered": "No run at rest was handed in.", "sensing.left": np.nan}
-    part = slice(*(round(t / time.period_s) for t in PART))
-    shown = simulated.positions(rest[0], time.period_s)
-    raw, filtered = shown["x_raw"][part], shown["x"][part]
-    drawn = drawings.before_and_after(rest[0].time[part], raw, filtered)
-    return {"sensing.filtered": drawn, "sensing.left": 100 * float(np.std(filtered) / np.std(raw))}
+    window = slice(*(round(t / time.period_s) for t in WINDOW_S))
+    measured = simulated.positions_of_run(rest[0], time.period_s)
+    raw, filtered = measured["x_raw"][window], measured["x"][window]
+    figure = drawings.before_and_after(rest[0].time[window], raw, filtered)
+    return {"sensing.filtered": figure, "sensing.left": 100 * float(np.std(filtered) / np.std(raw))}
 
 
-def _drawn(runs: Sequence[Experiment], time: Discrete, own: Contents) -> dict[str, Made]:
-    """Return the paths of circles, and the spectrum of a step where the paper draws one."""
+def _run_figures(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Made]:
+    """Return the paths of circles, and the spectrum of a step where the paper shows one."""
     rest = [e.trajectory for e in runs if e.name == REST]
-    drawn: dict[str, Made] = {}
+    figures: dict[str, Made] = {}
     for e in runs:
         if e.name.removesuffix(FINITE) == CIRCLE:
-            ways = ([np.asarray(source[n]) for n in "xy"] for source in (e.references, e.trajectory))
-            drawn[f"{OF_RUN}{e.name}"] = drawings.circle(*ways)
-        if own.spectrum and e.name == SPECTRUM:
-            drawn[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, time, own.filtered)
-    return drawn
+            paths = ([np.asarray(source[n]) for n in "xy"] for source in (e.references, e.trajectory))
+            figures[f"{OF_RUN}{e.name}"] = drawings.circle(*paths)
+        if design.spectrum and e.name == SPECTRUM:
+            figures[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, time, design.filtered)
+    return figures
 
 
 def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete, filtered: bool) -> Figure:
-    records, part = {}, round(SETTLED / time.period_s)
+    records, part = {}, round(SETTLING_S / time.period_s)
     for label, run in zip(("step of x", "at rest"), (step, *rest), strict=False):
-        records[label] = simulated.positions(run, time.period_s, filtered)["x_raw"][part:]
+        records[label] = simulated.positions_of_run(run, time.period_s, filtered)["x_raw"][part:]
     return drawings.spectra(records, time.period_s)
 
 
-def experiments(own: Contents, runs: Sequence[Experiment], rows: Sequence[Row], values: Mapping[str, Value]) -> Section:
-    """Return every run with what the paper says beside it, that over a finite matrix as on the closed force law."""
-    told = beside(own.beside, rows)
-    texts = {e.name: readable(told.get(e.name.removesuffix(FINITE), "")) for e in runs}
+def experiments(
+    design: Contents, runs: Sequence[Experiment], rows: Sequence[Row], values: Mapping[str, Value]
+) -> Section:
+    """Return the section of all runs with the paper's statements; runs over the finite matrix get the same ones."""
+    quoted = beside(design.beside, rows)
+    texts = {e.name: readable(quoted.get(e.name.removesuffix(FINITE), "")) for e in runs}
     blocks = {name.removeprefix(OF_RUN): each for name, each in values.items() if name.startswith(OF_RUN)}
-    drawn = {name: (each,) for name, each in blocks.items() if isinstance(each, page.Figure)}
-    return standard.experiments([_worded(e) for e in runs], replace(SHOWN, beside=texts, drawn=drawn))
+    figures = {name: (each,) for name, each in blocks.items() if isinstance(each, page.Figure)}
+    return standard.experiments([_readable(e) for e in runs], replace(SHOWN, beside=texts, drawn=figures))
 
 
-def _worded(e: Experiment) -> Experiment:
-    """Return an experiment whose title and text are written as a reader writes them."""
+def _readable(e: Experiment) -> Experiment:
+    """Return an experiment with title and text in readable notation."""
     about = readable(e.about) + ("; drawn around the latch" if window(e, SHOWN) else "")
     first, space, rest = readable(e.title).partition(" ")
     return replace(e, title=f"{SYMBOLS.get(first, first)}{space}{rest}", about=about)

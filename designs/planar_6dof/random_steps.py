@@ -1,9 +1,9 @@
-"""Random steps of a planar controller: states and inputs near operation over the whole travel, and at every edge.
+"""Random steps of a planar controller: states and inputs in operation over the whole travel, and at the range limits.
 
-In operation the voltages and distances are those of a pose anywhere in the plant's box, predictions and counts fit them
-but for some noise, and demands are of a given size, so that most motors are within their limits and a difference is not
-hidden by one. At the edges states lie anywhere in their bounds, and inputs on the ends of their ranges, beyond them,
-and on values that are no numbers.
+In operation the voltages and distances are those of a pose anywhere in the range of the plant, and predictions and
+pitch counts agree with them except for noise. Demands have a given size: most motors are within their limits, which
+would otherwise hide differences. At the edges, states are anywhere in their bounds, and inputs are at the ends of their
+ranges, beyond them, or not finite.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,23 +26,30 @@ from synth.verify.sampling import Columns
 SEED = 20_060_711
 INSIDE = sampling.MARGIN
 UNREADY, SUSPECTED, FAILED = 0.02, 0.02, 0.1  # shares of samples
-WRONG = 0.6  # V: deviation of a voltage that fails, which contradicts the others from some 0.2 V on
-PART = 0.3  # of the size of demands: of each of what is added up to one
-ENDS, DEAD = 0.25, 0.02  # shares of inputs at a special value, and of samples in which all Hall voltages have the same
-RESTING = 0.2  # share of edge steps with a flag because of which no law is computed
-TINY = 1e-100  # V: the square of a smaller one is 0 or may be
+WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it contradicts the others
+PART = 0.3  # of the size of demands: standard deviation of each of its terms
+ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages
+RESTING = 0.2  # share of edge steps with a flag that suppresses the control law
+TINY = 1e-100  # V: the square of a smaller voltage may underflow
 LAW = ("loop_", "lqg_")  # its Blocks
-SEEING, ANYTHING = ("sensing_", "filter_"), ("sensing_doubt", "sensing_first_")  # of which any value will do
-PREDICTED, MOVED, BENT = 3e-5, 1e-5, 1e-6  # m, rad: deviations of position, T velocity, T^2/2 acceleration
+SENSING, UNCONSTRAINED = (
+    ("sensing_", "filter_"),
+    ("sensing_contradiction_left", "sensing_first_"),
+)  # prefixes of states; any value of the latter is plausible
+PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
+    3e-5,
+    1e-5,
+    1e-6,
+)  # m, rad: deviations of position, T velocity, T^2/2 acceleration
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A controller with a step of its NumPy reference, and what it is tried with.
+    """A controller with the step function of its NumPy reference and the parameters of its random steps.
 
-    `size` is that of demands, of what the motors meet. `step` is a step of x in m that they cannot meet at once, but
-    follow without losing the yaw, of which the sensors bear little. `at_rest` gives the law's states (N,) for platens
-    at rest at positions (N,), as far as they are not 0.
+    `size` is the size of demands over what the motors can meet. `step` is a step of x in m that saturates the motors
+    without an excessive yaw. `at_rest` returns the nonzero states (N,) of the law for platens at rest at positions
+    (N,).
     """
 
     block: Block
@@ -55,77 +62,84 @@ class Subject:
 def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) with the platen anywhere.
 
-    Raises SignalError when the controller remembers what this knows no values for.
+    Raises SignalError when the controller has sensing or filter states that are unknown here.
     """
     block, rng = subject.block, np.random.default_rng(seed)
     states, _ = sampling.anywhere(block, rng, n, INSIDE)
     box = {a: next(s for s in block.inputs if s.name == f"{a}_ref") for a in allocation.AXES}
     middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
-    pose = {a: sampling.inside(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
-    known = {"guard_latched": np.zeros(n), "guard_ready": _rare(rng, n, 1 - UNREADY)}
-    known |= {"sensing_named": _rare(rng, n, SUSPECTED)} | _remembered(plant, pose, rng, n)
-    known |= _law(subject, plant, pose, rng, n)
-    if strange := [s for s in states if s.startswith(SEEING) and s not in known and not s.startswith(ANYTHING)]:
-        raise SignalError(f"'{block.name}' remembers {', '.join(strange)}: say what that is where the platen is known")
-    error = {a: rng.normal(0, PART, n) * subject.size * _reach(block, plant, a) for a in allocation.AXES}
-    references = {f"{a}_ref": sampling.inside(box[a], pose[a] + error[a]) for a in allocation.AXES}
-    inputs = _failing(bench.seen(pose), rng, n) | references
-    return {s: known.get(s, drawn) for s, drawn in states.items()}, inputs
+    pose = {a: sampling.limited_to_range(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
+    known = {"guard_latched": np.zeros(n), "guard_ready": _random_flags(rng, n, 1 - UNREADY)}
+    known |= {"sensing_contradiction_confirmed": _random_flags(rng, n, SUSPECTED)} | _sensing_states(
+        plant, pose, rng, n
+    )
+    known |= _random_law_states(subject, plant, pose, rng, n)
+    if unknown := [s for s in states if s.startswith(SENSING) and s not in known and not s.startswith(UNCONSTRAINED)]:
+        listed = ", ".join(unknown)
+        raise SignalError(f"'{block.name}' has the states {listed} with no value for a known pose: add them here")
+    error = {a: rng.normal(0, PART, n) * subject.size * _saturating_error(block, plant, a) for a in allocation.AXES}
+    references = {f"{a}_ref": sampling.limited_to_range(box[a], pose[a] + error[a]) for a in allocation.AXES}
+    inputs = _with_wrong_voltage(bench.sensor_values(pose), rng, n) | references
+    return {s: known.get(s, random) for s, random in states.items()}, inputs
 
 
-def _failing(seen: Columns, rng: np.random.Generator, n: int) -> Columns:
-    """Return what is seen (N,), with one Hall voltage wrong in some samples."""
-    wrong, channel = _rare(rng, n, FAILED) * rng.normal(0, WRONG, n), rng.integers(0, len(planar_stage.HALL), n)
+def _with_wrong_voltage(columns: Columns, rng: np.random.Generator, n: int) -> Columns:
+    """Return sensor values (N,) with one wrong Hall voltage in some samples."""
+    wrong, channel = _random_flags(rng, n, FAILED) * rng.normal(0, WRONG, n), rng.integers(0, len(planar_stage.HALL), n)
     off = {name: np.where(channel == i, wrong, 0.0) for i, name in enumerate(planar_stage.HALL)}
     limit = sensing.VOLTAGE * (1 - INSIDE)
-    return seen | {name: np.clip(seen[name] + by, -limit, limit) for name, by in off.items()}
+    return columns | {name: np.clip(columns[name] + by, -limit, limit) for name, by in off.items()}
 
 
-def _remembered(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
-    """Return the states of sensing and filters for platens near rest at a pose (N,), whichever of them there are."""
-    pitch, most = plant.parameter("l").value, sensing.PITCHES
-    near = {a: pose[a] + rng.normal(0, PREDICTED, n) for a in allocation.HORIZONTAL}
-    whole = {a: pitch * np.clip(np.round(near[a] / pitch), -most, most) for a in "xy"}
+def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
+    """Return the states of sensing and filters for platens near rest at a pose (N,)."""
+    pitch, count = plant.parameter("l").value, sensing.PITCHES
+    predicted = {a: pose[a] + rng.normal(0, PREDICTED, n) for a in allocation.HORIZONTAL}
+    whole = {a: pitch * np.clip(np.round(predicted[a] / pitch), -count, count) for a in "xy"}
     columns = {f"sensing_offset_{a}": values for a, values in whole.items()}
-    columns |= {f"sensing_within_{a}": np.clip(near[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"}
-    columns["sensing_phi_raw"] = near["phi"]
+    columns |= {
+        f"sensing_within_{a}": np.clip(predicted[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"
+    }
+    columns["sensing_phi_raw"] = predicted["phi"]
     for a in allocation.HORIZONTAL:
         columns |= {
-            f"filter_{a}_p": near[a],
-            f"filter_{a}_s": rng.normal(0, MOVED, n),
-            f"filter_{a}_h": rng.normal(0, BENT, n),
+            f"filter_{a}_p": predicted[a],
+            f"filter_{a}_s": rng.normal(0, VELOCITY_STEP, n),
+            f"filter_{a}_h": rng.normal(0, ACCELERATION_STEP, n),
         }
     return columns
 
 
 def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs on ends and on no numbers.
+    """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs at range ends or not finite.
 
-    Samples are left out in which all voltages of an axis are tiny, not all 0: which of two squares that underflow is
-    the larger, none can tell.
+    Samples in which all voltages of an axis are tiny but not 0 are left out: the comparison of two squares that
+    underflow is undefined.
     """
     rng = np.random.default_rng(seed + 1)
     states, inputs = sampling.anywhere(block, rng, n + n // 20, INSIDE)
-    states |= {flag: _rare(rng, n + n // 20, RESTING) for flag in ("guard_latched", "sensing_named")}
-    dead = rng.uniform(size=n + n // 20) < DEAD
-    same = np.take(sampling.SPECIAL, rng.integers(0, len(sampling.SPECIAL), len(dead)))
+    states |= {
+        flag: _random_flags(rng, n + n // 20, RESTING) for flag in ("guard_latched", "sensing_contradiction_confirmed")
+    }
+    all_same = rng.uniform(size=n + n // 20) < DEAD
+    same = np.take(sampling.SPECIAL, rng.integers(0, len(sampling.SPECIAL), len(all_same)))
     for s in block.inputs:
         ends = sampling.edge_values(s)
-        special = rng.uniform(size=len(dead)) < ENDS
-        inputs[s.name] = np.where(special, np.take(ends, rng.integers(0, len(ends), len(dead))), inputs[s.name])
-        inputs[s.name] = np.where(dead & (s.name in planar_stage.HALL), same, inputs[s.name])
-    kept = np.flatnonzero(~(_vanishing(inputs, "V_bx") | _vanishing(inputs, "V_cy")))[:n]
+        special = rng.uniform(size=len(all_same)) < ENDS
+        inputs[s.name] = np.where(special, np.take(ends, rng.integers(0, len(ends), len(all_same))), inputs[s.name])
+        inputs[s.name] = np.where(all_same & (s.name in planar_stage.HALL), same, inputs[s.name])
+    kept = np.flatnonzero(~(_underflows(inputs, "V_bx") | _underflows(inputs, "V_cy")))[:n]
     return {s: v[kept] for s, v in states.items()}, {s: v[kept] for s, v in inputs.items()}
 
 
-def _vanishing(inputs: Mapping[str, NDArray[Any]], cosine: str) -> NDArray[np.bool_]:
+def _underflows(inputs: Mapping[str, NDArray[Any]], cosine: str) -> NDArray[np.bool_]:
     size = np.abs([inputs["V_ax"], inputs["V_ay"], inputs[cosine]])
     with np.errstate(invalid="ignore"):
         return np.asarray((size < TINY).all(axis=0) & (size > 0).any(axis=0))
 
 
-def saturated(outputs: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
-    """Tell for each sample whether a motor stands at its limit, from its phases."""
+def is_saturated(outputs: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
+    """Return for each sample whether a motor is at its limit, from its phases."""
     size = []
     for motor in planar_stage.MOTORS:
         a, b, c = (np.asarray(outputs[f"i_{motor}{phase}"]) for phase in "ABC")
@@ -133,7 +147,7 @@ def saturated(outputs: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_]:
     return np.asarray(np.max(size, axis=0) >= allocation.QUADRATURE * (1 - 1e-9))
 
 
-def of_law(block: Block) -> list[str]:
+def law_states(block: Block) -> list[str]:
     """Return the names of the states of a controller's law."""
     return [s.name for s in block.states if s.name.startswith(LAW)]
 
@@ -143,22 +157,24 @@ def axis_of(state: str) -> str:
     return next(part for part in state.split("_") if part in allocation.AXES)
 
 
-def _law(subject: Subject, plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
+def _random_law_states(
+    subject: Subject, plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int
+) -> Columns:
     most, mean = allocation.authority(plant), subject.at_rest(pose)
-    drawn = {}
-    for s in (s for s in subject.block.states if s.name in of_law(subject.block)):
+    states = {}
+    for s in (s for s in subject.block.states if s.name in law_states(subject.block)):
         value = mean.get(s.name, 0.0) + rng.normal(0, PART * subject.size * most[axis_of(s.name)], n)
-        drawn[s.name] = sampling.inside(s.signal, value)
-    return drawn
+        states[s.name] = sampling.limited_to_range(s.signal, value)
+    return states
 
 
-def _reach(block: Block, plant: Plant, axis: str) -> float:
-    """Return the error in m or rad whose demand is what the motors meet at most."""
-    direct = [c.value for c in block.constants if c.name in (f"loop_{axis}_direct", f"lqg_{axis}_on_error")]
-    if len(direct) != 1:
-        raise SignalError(f"'{block.name}' has {len(direct)} gains of the error of {axis}: one is needed to draw steps")
-    return allocation.authority(plant)[axis] / direct[0]
+def _saturating_error(block: Block, plant: Plant, axis: str) -> float:
+    """Return the error in m or rad whose demand is the largest that the motors can meet."""
+    gains = [c.value for c in block.constants if c.name in (f"loop_{axis}_gain", f"lqg_{axis}_error_gain")]
+    if len(gains) != 1:
+        raise SignalError(f"'{block.name}' has {len(gains)} gains of the error of {axis}: one is needed to draw steps")
+    return allocation.authority(plant)[axis] / gains[0]
 
 
-def _rare(rng: np.random.Generator, n: int, share: float) -> NDArray[Any]:
+def _random_flags(rng: np.random.Generator, n: int, share: float) -> NDArray[Any]:
     return np.asarray(rng.uniform(size=n) < share, dtype=float)

@@ -1,13 +1,13 @@
-"""What both controllers of the planar positioner share beside sensing, in plain NumPy, for comparison: Y(17)-(25).
+"""NumPy reference of the planar controllers' common parts except sensing: Y(17)-(25).
 
-    guard      a value out of range is replaced by the last good, a Hall voltage by 0; five bad samples in a row latch,
-               and all are bad once Hall channels are suspects
+    guard      a value out of range is replaced by the last good one, a Hall voltage by 0; five bad samples in a row
+               latch, and every sample is bad once Hall channels are suspected
     vertical   d1..d3 are the lifts z + theta r_y - psi r_x of three points; compensators by Tustin's rule
-    motors     (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz) = T^-1 w, w turned into the platen's frame; i = f / K, limited
+    motors     (f_Ay, f_By, f_Cx, f_Az, f_Bz, f_Cz) = T^-1 w, w rotated into the platen's frame; i = f / K, limited
     phases     alpha + i beta = exp(i angle) (i_Q + i i_D), phases at 0, 120, 240 degrees of it                     (17)
 
 Y is Yu and Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology".
-Written from its equations, with constants of its own. Arrays are columns: N platens advance one sample at a time.
+It is written from these equations with separate constants. Arrays are columns: N platens advance one sample at a time.
 """
 
 from collections.abc import Mapping
@@ -43,7 +43,7 @@ MEASUREMENTS = tuple(LIMITS)
 BOX = {"x": 0.11, "y": 0.10, "phi": 0.02, "z": 2e-4, "theta": 2e-3, "psi": 2e-3}
 LIMITS |= {f"{axis}_ref": high for axis, high in (BOX | {"phi": 0.008}).items()}
 PHASES = tuple(f"i_{motor}{phase}" for motor in CENTRES for phase in "ABC")
-VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the part of the gain at low frequencies that is used
+VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the factor on the gain at low frequencies
     "z": ("323252", "102.91", "776.828", "0.65"),
     "theta": ("900", "80.0413", "604.199", "0.5"),
     "psi": ("1100", "80.0413", "604.199", "0.15"),
@@ -51,7 +51,7 @@ VERTICAL = {  # (23)-(25): gain, zero, pole in rad/s, and the part of the gain a
 
 
 def force_constant() -> float:
-    """Return K in N/A: (17) with 3/pi, the distribution factor of bands of 60 degrees, and two pitches."""
+    """Return K in N/A: (17) with 3/pi, the distribution factor of bands of 60 degrees, and two pitches of winding."""
     thickness, across = 6 * AREA / PITCH, PITCH
     G = sqrt(2) * across * PITCH**2 / pi**2 * (1 - np.exp(-GAMMA * thickness)) * (1 - np.exp(-pi / 2))
     return float(0.5 * 3 / pi * 0.71 * TURNS / AREA * 2 * G * np.exp(-GAMMA * 2.3e-3))
@@ -85,92 +85,94 @@ def tustin(gain: Fraction, zeros: tuple[Fraction, Fraction], pole: Fraction, T: 
 @cache
 def vertical(axis: str, T: Fraction) -> Compensator:
     """Return the compensator of z, theta or psi at the period T in s; the pole is moved to 2/T. (23)-(25)."""
-    gain, zero, pole, part = (Fraction(v) for v in VERTICAL[axis])
-    moved = 2 / T
-    return tustin(part * gain * moved / pole, (zero, Fraction(10)), moved, T)
+    gain, zero, pole, share = (Fraction(v) for v in VERTICAL[axis])
+    new_pole = 2 / T
+    return tustin(share * gain * new_pole / pole, (zero, Fraction(10)), new_pole, T)
 
 
 @cache
 def scales() -> dict[str, float]:
-    """Return the force in N or torque in N m by which the demand of an axis, and the states that make it, are divided.
+    """Return the force in N or torque in N m by which the demand of an axis and the states behind it are divided.
 
-    They are the forces of 1 A: in motor C along x, in A and B together along y; half as much in each for phi and psi;
-    along z and about theta such that each of A and B has 1 A.
+    It is the force of 1 A in motor C along x, and in A and B together along y; for phi and psi half of it in each;
+    along z and about theta that at which A and B have 1 A each.
     """
     K, T = force_constant(), wrench()
-    shares = np.linalg.inv(T)
-    return {"x": K, "y": K} | {axis: K / abs(shares[row, AXES.index(axis)]) for axis, row in _LEADING.items()}
+    allocation_matrix = np.linalg.inv(T)
+    return {"x": K, "y": K} | {
+        axis: K / abs(allocation_matrix[row, AXES.index(axis)]) for axis, row in _LEADING.items()
+    }
 
 
-_LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A makes whole
+_LEADING = {"phi": 1, "z": 3, "theta": 3, "psi": 3}  # the force that 1 A defines
 
 
-def compensated(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
-    """Return the force or torque that an axis wants for the error e. (21)-(25)."""
-    return k.D * e + scales()[axis] * (state[f"loop_{axis}_lag"] + state[f"loop_{axis}_integral"])
+def demand(axis: str, k: Compensator, e: Array, state: Columns) -> Array:
+    """Return the force or torque that an axis demands for the error e. (21)-(25)."""
+    return k.D * e + scales()[axis] * (state[f"loop_{axis}_lead"] + state[f"loop_{axis}_integral"])
 
 
-def advanced(axis: str, k: Compensator, e: Array, made: Array, state: Columns) -> dict[str, Array]:
-    """Return the next states of a compensator, whose reset follows what is made."""
+def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array, state: Columns) -> dict[str, Array]:
+    """Return the next states of a compensator, whose integral follows the achieved demand."""
     scale = scales()[axis]
-    lag = k.p * state[f"loop_{axis}_lag"] + k.D * (k.p - k.z1) * e / scale
+    lead = k.p * state[f"loop_{axis}_lead"] + k.D * (k.p - k.z1) * e / scale
     integral = state[f"loop_{axis}_integral"]
-    return {f"loop_{axis}_lag": lag, f"loop_{axis}_integral": integral + (1 - k.z2) * (made / scale - integral)}
+    return {f"loop_{axis}_lead": lead, f"loop_{axis}_integral": integral + (1 - k.z2) * (achieved / scale - integral)}
 
 
 def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array, Array]:
     """Return the values to use, the guard's next state, the fault word, and whether every Hall voltage is good.
 
-    A value that is no number is in no range.
+    NaN is outside every range.
     """
     with np.errstate(invalid="ignore"):
         read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
         good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
     values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
-    named = np.asarray(state["sensing_named"]) > 0
+    confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
-    flags = [~good[s] for s in LIMITS] + [named & suspected[s] for s in HALL]
+    flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
-    complete = np.all([good[s] for s in HALL], axis=0) & ~named
-    every = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~named
-    left = np.where(every, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
+    all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed
+    left = np.where(all_good, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
     after["guard_left"] = np.maximum(left, 1)
     after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
-    after["guard_ready"] = np.where(every, 1, state["guard_ready"])
+    after["guard_ready"] = np.where(all_good, 1, state["guard_ready"])
     word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
     return values, after, word, complete
 
 
-def heights(v: Columns) -> dict[str, Array]:
+def vertical_kinematics(v: Columns) -> dict[str, Array]:
     """Return z, theta and psi for three distances."""
     points = np.array([[1, y, -x] for x, y in ((-LASER_ARM, -LASER_ARM), (LASER_ARM, -LASER_ARM), (0.0, LASER_ARM))])
     lifts = np.linalg.inv(points) @ np.stack([v["d1"], v["d2"], v["d3"]])
     return dict(zip(("z", "theta", "psi"), lifts, strict=True))
 
 
-def motors(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict[str, Array]]:
-    """Return (i_Q, i_D) in A by motor, and what they make of each axis, for demands in the matrix' frame. Table 3."""
+def allocate(w: Columns, phi: Array) -> tuple[dict[str, tuple[Array, Array]], dict[str, Array]]:
+    """Return (i_Q, i_D) in A by motor and the demands that they achieve, in the frame of the matrix. Table 3."""
     K, T, turn = force_constant(), wrench(), np.exp(-1j * np.clip(phi, -YAW, YAW))
     platen = (w["x"] + 1j * w["y"]) * turn
-    # C, whose torque A and B take back, leaves them up to half of what they can for the yaw.
-    left = np.maximum(QUADRATURE - np.abs(w["phi"]) / (2 * ARM * K), QUADRATURE / 2)
-    rear = np.clip(platen.real / K, -left, left)
+    # A and B compensate the torque of C, so C leaves them up to half of their limit for the yaw.
+    limit_c = np.maximum(QUADRATURE - np.abs(w["phi"]) / (2 * ARM * K), QUADRATURE / 2)
+    rear = np.clip(platen.real / K, -limit_c, limit_c)
     platen = K * rear + 1j * platen.imag
-    wanted = np.linalg.inv(T) @ np.stack([platen.real, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
-    yaw = np.clip((wanted[1] - wanted[0]) / 2, -QUADRATURE, QUADRATURE)  # of A and B comes first
-    room = QUADRATURE - np.abs(yaw)
-    half = np.clip((wanted[0] + wanted[1]) / 2, -room, room)
-    i_q = np.stack([half - yaw, half + yaw, wanted[2]])
-    i_d = np.clip(wanted[3:], -DIRECT, DIRECT)
-    made = T @ np.concatenate([i_q, i_d]) * K
-    matrix = (made[0] + 1j * made[1]) * np.conj(turn)
+    demanded = np.linalg.inv(T) @ np.stack([platen.real, platen.imag, *(w[axis] for axis in AXES[2:])]) / K
+    yaw = np.clip((demanded[1] - demanded[0]) / 2, -QUADRATURE, QUADRATURE)  # has priority in A and B
+    limit_half = QUADRATURE - np.abs(yaw)
+    half = np.clip((demanded[0] + demanded[1]) / 2, -limit_half, limit_half)
+    i_q = np.stack([half - yaw, half + yaw, demanded[2]])
+    i_d = np.clip(demanded[3:], -DIRECT, DIRECT)
+    achieved = T @ np.concatenate([i_q, i_d]) * K
+    matrix = (achieved[0] + 1j * achieved[1]) * np.conj(turn)
     currents = {motor: (i_q[j], i_d[j]) for j, motor in enumerate(CENTRES)}
-    return currents, dict(zip(AXES, (matrix.real, matrix.imag, *made[2:]), strict=True))
+    return currents, dict(zip(AXES, (matrix.real, matrix.imag, *achieved[2:]), strict=True))
 
 
 def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str, Array]:
-    """Return the phase currents of the motors at the place within a pitch, (17) inverted."""
+    """Return the phase currents of the motors for a position within a pitch, (17) inverted."""
     phi, out = np.clip(q["phi"], -YAW, YAW), {}
     front, aside = q["within_y"] - ARM * np.cos(phi), ARM * np.sin(phi)
     back = q["within_x"] - 2 * ARM * np.sin(phi)
@@ -185,23 +187,23 @@ def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str,
 def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
     names = [f"guard_last_{s}" for s in LIMITS if s not in HALL] + [f"safe_output_last_{s}" for s in PHASES]
-    names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lag")]
+    names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lead")]
     return {name: np.array(0.0) for name in (*names, "guard_latched", "guard_ready")} | {
         "guard_left": np.array(float(BAD_SAMPLES))
     }
 
 
-def concluded(
+def finish_step(
     state: Columns, after: dict[str, Array], computed: Columns, T: Fraction
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the next state, which stands still once latched but for the guard, and the phase currents.
+    """Return the next state, frozen once latched except for the guard, and the phase currents.
 
-    These are within their limit: as computed, or once latched on a slew to 0.
+    The currents are limited: as computed, or on a slew to 0 once latched.
     """
-    latched, out, reach = after["guard_latched"] > 0, {}, SLEW * float(T)
-    kept = {n: v if n.startswith("guard_") else np.where(latched, state[n], v) for n, v in after.items()}
+    latched, out, most = after["guard_latched"] > 0, {}, SLEW * float(T)
+    next_state = {n: v if n.startswith("guard_") else np.where(latched, state[n], v) for n, v in after.items()}
     for name in PHASES:
         last = state[f"safe_output_last_{name}"]
-        slewed = np.clip(0.0, last - reach, last + reach)
+        slewed = np.clip(0.0, last - most, last + most)
         out[name] = np.clip(np.where(latched, slewed, computed[name]), -LIMIT, LIMIT)
-    return kept | {f"safe_output_last_{name}": i for name, i in out.items()}, out
+    return next_state | {f"safe_output_last_{name}": i for name, i in out.items()}, out

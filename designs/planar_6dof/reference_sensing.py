@@ -1,11 +1,12 @@
-"""Hall sensing and Kalman filters of the planar positioner in plain NumPy, for comparison: Y(1)-(16).
+"""NumPy reference of the planar positioner's Hall sensing and Kalman filters: Y(1)-(16).
 
 Y is Yu and Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology".
-Written from its equations, with constants and gains of its own. Arrays are columns: N platens advance one sample at a
-time.
+It is written from these equations with separate constants and gains. Arrays are columns: N platens advance one sample
+at a time.
 
-The gains of the filters come from the spectrum of the innovation instead of a Riccati equation. Held jerk w reaches the
-position as T^3/6 (z^2 + 4 z + 1) / (z - 1)^3, so that the poles of the filter are the roots inside the unit circle of
+The gains of the filters come from the spectrum of the innovation instead of a Riccati equation. The transfer function
+from the held jerk w to the position is T^3/6 (z^2 + 4 z + 1) / (z - 1)^3. The poles of the filter are the roots inside
+the unit circle of
 
     R (z - 1)^6 - q (T^3/6)^2 z (z^2 + 4 z + 1)^2 = 0
 """
@@ -34,12 +35,12 @@ DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
 YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
-WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation, of its sum of squares; in the ratio of a pair
+WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation; regularisation of the yaw and of a ratio
 RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 AGAIN = 0.5  # of rho
 MEMORY = 4.0  # samples
-FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # what is kept of a contradiction
+FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
 
@@ -102,29 +103,33 @@ def gain(q: float, T: float) -> Array:
         roots = mpmath.polyroots([a - ratio * b for a, b in zip(sixth, square, strict=True)], 500, extraprec=500)
         p = [z for z in roots if abs(z) < 1]
         A = mpmath.matrix([[1, 1, 1], [0, 1, 2], [0, 0, 1]])
-        wanted = mpmath.eye(3)
+        characteristic = mpmath.eye(3)
         for z in p:
-            wanted = wanted * (A - z * mpmath.eye(3))
-        seen = mpmath.matrix([[1, 0, 0], [1, 1, 1], [1, 2, 4]])  # C, C A, C A^2
-        K = mpmath.lu_solve(A, wanted * mpmath.lu_solve(seen, mpmath.matrix([0, 0, 1])))
+            characteristic = characteristic * (A - z * mpmath.eye(3))
+        observability = mpmath.matrix([[1, 0, 0], [1, 1, 1], [1, 2, 4]])  # C, C A, C A^2
+        K = mpmath.lu_solve(A, characteristic * mpmath.lu_solve(observability, mpmath.matrix([0, 0, 1])))
         return np.array([float(mpmath.re(k)) for k in K])
 
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"sensing_{what}_{axis}" for what in ("offset", "within") for axis in "xy"]
-    names += ["sensing_doubt", "sensing_named", *(f"sensing_first_{name}" for name in FIRST)]
+    names += [
+        "sensing_contradiction_left",
+        "sensing_contradiction_confirmed",
+        *(f"sensing_first_{name}" for name in FIRST),
+    ]
     return {name: np.array(0.0) for name in names}
 
 
-def filters_at_rest() -> dict[str, Array]:
+def initial_filter_state() -> dict[str, Array]:
     """Return the state of the filters after init, by name."""
     return {f"filter_{axis}_{part}": np.array(0.0) for axis in DENSITY for part in "psh"}
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Voltages of one axis with the yaw turned back, V."""
+    """Voltages of one axis rotated back by the yaw, V."""
 
     s: Array
     c: Array
@@ -132,7 +137,7 @@ class Pair:
 
     @property
     def m(self) -> Array:
-        """The excess of the squares' sum over that of the field, V^2."""
+        """The sum of squares less that of the field, V^2."""
         product, q = (self.s * self.c) ** 2, self.k.power
         return self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2)
 
@@ -151,7 +156,7 @@ class Pair:
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
 
 
-def predicted(state: Columns) -> dict[str, Array]:
+def predicted_pose(state: Columns) -> dict[str, Array]:
     """Return x, y and phi as the filters predict them."""
     return {axis: state[f"filter_{axis}_p"] for axis in DENSITY}
 
@@ -161,7 +166,7 @@ def sense(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
-    `flags` say whether every voltage has been good at once, and is. Y(1)-(5), Fig. 4.
+    `flags` say whether every voltage has been good in one sample, and is good in this one. Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
@@ -174,47 +179,53 @@ def sense(
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
     rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
-    before = np.asarray(state["sensing_doubt"])
-    doubt = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
-    sure = complete & ~doubt
-    out = residuals | {"phi_raw": np.clip(phi + np.where(sure, step, 0), -YAW, YAW)}
+    before = np.asarray(state["sensing_contradiction_left"])
+    contradiction = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
+    accepted = complete & ~contradiction
+    out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -YAW, YAW)}
     after = {
-        "sensing_doubt": np.where(doubt, MEMORY, np.where(sure, np.maximum(before - 1, 0), before)),
-        "sensing_named": np.where(doubt & (before > 0), 1.0, state["sensing_named"]),
+        "sensing_contradiction_left": np.where(
+            contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
+        ),
+        "sensing_contradiction_confirmed": np.where(
+            contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
+        ),
     }
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
-        after[f"sensing_first_{name}"] = np.where(doubt & (before == 0), value, state[f"sensing_first_{name}"])
+        after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
         offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
         off = pair.place + offset - predicted[axis]
-        turn = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
-        moved = np.where(np.abs(offset + turn) <= COUNT * PITCH, offset + turn, offset)
-        out[f"{axis}_raw"] = np.where(sure, pair.place + moved, predicted[axis])
-        out[f"within_{axis}"] = np.where(sure, pair.place, within)
-        after[f"sensing_offset_{axis}"] = np.where(sure, moved, offset)
+        correction = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
+        next_offset = np.where(np.abs(offset + correction) <= COUNT * PITCH, offset + correction, offset)
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + next_offset, predicted[axis])
+        out[f"within_{axis}"] = np.where(accepted, pair.place, within)
+        after[f"sensing_offset_{axis}"] = np.where(accepted, next_offset, offset)
         after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
     return out, after
 
 
 def suspects(state: Columns, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be the wrong one, from what a contradiction first showed."""
-    seen = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
+    """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
+    first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
-    m, r = (np.abs([seen["m_x"], seen["m_y"]]), np.array([seen["r_2"], seen["r_1"]]))
-    there, beside = m > least_m, np.abs(r) > least_r
-    big = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
-    lost = (np.abs(seen["phi"]) > KNOWN) | (~big & np.all(there, axis=0))
-    turned, wrong = np.any(beside, axis=0), {}
+    m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
+    m_exceeds, r_exceeds = m > least_m, np.abs(r) > least_r
+    is_jump = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
+    is_ambiguous = (np.abs(first["phi"]) > KNOWN) | (~is_jump & np.all(m_exceeds, axis=0))
+    any_r_exceeds, wrong = np.any(r_exceeds, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
-        before = seen["s_x" if i == 0 else "s_y"]
-        mended = np.abs((before + r[i]) ** 2 - before**2)
-        wrong[s] = np.where(big, beside[i] & ((mended < small) | (m[i] >= nearly)), turned | there[i])
-        wrong[c] = np.where(big, m[i] > mended + nearly, there[i])
-        wrong[other] = np.where(big, beside[i] & (m[i] < nearly), turned)
-    return {name: one | lost for name, one in wrong.items()}
+        before = first["s_x" if i == 0 else "s_y"]
+        change = np.abs((before + r[i]) ** 2 - before**2)
+        wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
+        wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
+        wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
+    return {name: flag | is_ambiguous for name, flag in wrong.items()}
 
 
-def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[dict[str, Array], dict[str, Array]]:
+def filter_positions(
+    state: Columns, raw: Columns, ready: Array, k: Constants
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the filtered x, y, phi and the filters' next states. Y(6)-(16)."""
     out, after = {}, {}
     for axis, bound in BOUND.items():
@@ -222,11 +233,11 @@ def estimate(state: Columns, raw: Columns, ready: Array, k: Constants) -> tuple[
         predicted = [state[f"filter_{axis}_{part}"] for part in "psh"]
         p, s, h = (v + K * (measured - predicted[0]) for v, K in zip(predicted, k.gain[axis], strict=True))
         next = [p + s + h, s + 2 * h, h]
-        kept = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
-        out[axis] = np.where(kept, p, measured)
-        rests = measured, np.zeros_like(measured), np.zeros_like(measured)
-        for part, value, rest in zip("psh", next, rests, strict=True):
-            after[f"filter_{axis}_{part}"] = np.where(kept, value, rest)
+        in_bounds = (ready > 0) & np.all(np.abs(next) <= bound, axis=0)
+        out[axis] = np.where(in_bounds, p, measured)
+        at_rest = measured, np.zeros_like(measured), np.zeros_like(measured)
+        for part, value, rest in zip("psh", next, at_rest, strict=True):
+            after[f"filter_{axis}_{part}"] = np.where(in_bounds, value, rest)
     return out, after
 
 
@@ -234,6 +245,6 @@ def step(
     state: Columns, v: Columns, flags: tuple[Array, Array], k: Constants
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return all outputs and the next state of sensing and filters for one sample of held voltages."""
-    raw, after = sense(state, v, flags, predicted(state), k)
-    pose, moved = estimate(state, raw, flags[0], k)
-    return raw | pose, after | moved
+    raw, after = sense(state, v, flags, predicted_pose(state), k)
+    pose, after_filters = filter_positions(state, raw, flags[0], k)
+    return raw | pose, after | after_filters

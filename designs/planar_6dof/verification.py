@@ -1,12 +1,12 @@
 """Verification of emitted C: NumPy reference, CasADi, CasADi's own C, and the C in double and in single precision.
 
 Random steps are drawn by `random_steps`, each sample independent. Recorded inputs of closed loops, in double precision,
-are replayed from `init`: a tour over pitches and sections both ways in all six axes, a step beyond what the motors can
-do, bad samples up to the latch, and a Hall channel that sticks.
+are replayed from `init`: a tour over pitches and sections in both directions in all six axes, a step that saturates the
+motors, bad samples up to the latch, and a stuck Hall channel.
 
-Where two numbers that are compared come near each other, single precision may decide otherwise than double, such as
-whether sensors contradict each other. Of random steps those are compared that decide alike, and the share of the others
-is told. Over a long tour the path of the stage tells what single precision does.
+Near a threshold, single precision may decide differently from double, for example whether sensors contradict each
+other. Random steps are compared where both decide alike, and the share of the others is reported. The effect of single
+precision is measured by the path of the stage over a long tour.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,98 +31,101 @@ from synth.verify.evidence import Evidence
 from synth.verify.suite import Witnesses
 
 RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
-FLOOR = 1.0  # A: a phase is one projection of up to 1.26 A, and what rounding leaves is no smaller where it is
-AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough that limits hide nothing
-PASSED_OVER = 0.15  # share of random steps whose sensors contradict each other, or have done so
+FLOOR = 1.0  # A: a phase is a projection of up to 1.26 A, and its rounding error does not decrease with it
+AT_A_LIMIT = (0.02, 0.5)  # share of random steps: some, and few enough for limits not to hide differences
+REJECTED_SHARE = 0.15  # share of random steps with a present or past contradiction of the sensors
 COUNTS = {f"sensing_offset_{axis}": 0.01 for axis in "xy"}  # m: more than rounding, and less than a pitch
-LATCHED = 0.02  # share of random steps: those whose last good sample is long ago
+LATCHED = 0.02  # share of random steps: those with many bad samples in a row
 LONG = 60.0  # s
 RADIUS, RATE, GROWTH = 0.06, pi / 2, 2.0  # m, rad/s, s: six pitches in 4 s, at 0.1 m/s
 TILTS = {"phi": 5e-3, "z": 5e-5, "theta": 5e-4, "psi": 5e-4}  # m, rad
 SHORT = 1.0  # s
-# m, rad: single against double with noise but ideal converters, a hundredth of the noise of a raw x, y or phi, and half
-# of what the lasers' noise is in z, theta or psi, at most
+# m, rad: single against double with noise but ideal converters, at most 1 % of the noise of raw x, y or phi, and
+# half of the laser noise in z, theta or psi
 LARGEST = {"x": 1e-7, "y": 1e-7, "phi": 1e-6, "z": 1e-8, "theta": 1e-7, "psi": 1e-6}
-# m, rad rms: with converters, of which a count, 0.84 um or 0.1 mrad, falls otherwise now and then; a tenth of the noise
+# m, rad rms: with converters, where a count of 0.84 um or 0.1 mrad sometimes differs; a tenth of the noise
 COUNTED = {"x": 1.3e-6, "y": 1.3e-6, "phi": 3e-5}
 Compared = tuple[agree.Agreement, list[Check]]
 
 
 def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -> Evidence:
-    """Compare all witnesses; `replay_s` is how much of the tour the others replay, in s."""
+    """Compare all witnesses; they replay `replay_s` seconds of the tour."""
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     progress("random steps")
-    drawn = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
-    random = {name: witness(*drawn) for name, witness in by.of.items()}
-    single, decided = standard.in_single(by, *drawn, FLOOR, COUNTS)
-    pairs = [*compared("random steps", subject, random), (single, [*decided, *shares(drawn[0], random["c64"])])]
+    samples = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
+    random = {name: witness(*samples) for name, witness in by.of.items()}
+    single, decision_checks = standard.compare_precisions(by, *samples, FLOOR, COUNTS)
+    pairs = [
+        *compare_witnesses("random steps", subject, random),
+        (single, [*decision_checks, *share_checks(samples[0], random["c64"])]),
+    ]
     progress("edge steps")
     edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
-    pairs += compared("edge steps", subject, {name: witness(*edges) for name, witness in by.of.items()})
+    pairs += compare_witnesses("edge steps", subject, {name: witness(*edges) for name, witness in by.of.items()})
     progress("replays of closed loops")
     loop = loops.of(subject.block, by.c64)
-    for what, run in runs(loop, subject.step, replay_s).items():
-        pairs += compared(what, subject, replayed(by, run))
+    for what, run in record_runs(loop, subject.step, replay_s).items():
+        pairs += compare_witnesses(what, subject, replay(by, run))
     progress(f"single against double over {LONG:g} s")
     last = single_against_double(loop, replace(loop, controller=by.c32))
     checks = [check for _, some in pairs for check in some]
     return Evidence(subject.block.name, tuple(a for a, _ in pairs), (*checks, *last))
 
 
-def compared(what: str, subject: Subject, by: Mapping[str, agree.Stepped]) -> list[Compared]:
-    """Compare the other witnesses that are there with the C in double precision, over the same steps."""
+def compare_witnesses(what: str, subject: Subject, by: Mapping[str, agree.StepResults]) -> list[Compared]:
+    """Compare all given witnesses with the C in double precision, over the same steps."""
     pairs: list[Compared] = []
     for name in (n for n in suite.OTHERS if n in by):
         a = agree.compare(what, (name, by[name]), ("c64", by["c64"]), FLOOR, subject.block)
-        apart, law = law_apart(subject, by[name], by["c64"]), f"{what}: next states of the law of {name} and c64"
-        checks = suite.exact([a], f"max({FLOOR:g} A, |i|)")
+        apart, law = law_difference(subject, by[name], by["c64"]), f"{what}: next states of the law of {name} and c64"
+        checks = suite.exact_checks([a], f"max({FLOOR:g} A, |i|)")
         pairs.append((a, [*checks, Check(law, apart, suite.EXACT, "max(|x|, what the motors meet)")]))
     return pairs
 
 
-def replayed(by: Witnesses, run: Trajectory) -> dict[str, agree.Stepped]:
+def replay(by: Witnesses, run: Trajectory) -> dict[str, agree.StepResults]:
     """Replay a recorded run from `init` with all witnesses."""
     start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.recorded(by.of[name], start, run.measured) for name in suite.OTHERS}
-    return others | {"c64": agree.replayed(by.c64, run.measured)}
+    others = {name: agree.run(by.of[name], start, run.measured) for name in suite.OTHERS}
+    return others | {"c64": agree.replay(by.c64, run.measured)}
 
 
-def law_apart(subject: Subject, first: agree.Stepped, second: agree.Stepped) -> float:
-    """Return the worst difference of the law's next states, of max(|value|, what the motors meet of the axis).
+def law_difference(subject: Subject, first: agree.StepResults, second: agree.StepResults) -> float:
+    """Return the worst difference of the law's next states, relative to max(|value|, authority of the axis).
 
-    They are bounded by what a sensor may read, a hundred times what the motors meet: of that 1e-12 would be little.
+    Their declared bounds are a hundred times the authority, too large a reference for 1e-12.
     """
     most, worst = allocation.authority(planar_stage.plant()), []
-    for state in random_steps.of_law(subject.block):
+    for state in random_steps.law_states(subject.block):
         a, b = first.states[state], second.states[state]
         worst.append(float(np.max(np.abs(a - b) / np.maximum(np.abs(a), most[random_steps.axis_of(state)]))))
     return max(worst)
 
 
-def shares(states: Columns, c64: agree.Stepped) -> list[Check]:
-    """Return the shares of random steps at limits, and of those from which no position is taken or no law computed."""
+def share_checks(states: Columns, c64: agree.StepResults) -> list[Check]:
+    """Return the shares of random steps at limits, with a rejected position, and without a computed law."""
     least, most = AT_A_LIMIT
-    limited = float(np.mean(random_steps.saturated(c64.outputs)))
-    before, after = states["sensing_doubt"], c64.states["sensing_doubt"]
-    passed_over = float(np.mean(after != np.maximum(before - 1, 0)))  # else the memory of contradictions fades
+    limited = float(np.mean(random_steps.is_saturated(c64.outputs)))
+    before, after = states["sensing_contradiction_left"], c64.states["sensing_contradiction_left"]
+    passed_over = float(np.mean(after != np.maximum(before - 1, 0)))  # an accepted sample decrements it
     return [
         Check("share of random steps at a limit", limited, most, "1"),
         Check("share of random steps within all limits", 1 - limited, 1 - least, "1"),
-        Check("share of random steps that sensing passes over", passed_over, PASSED_OVER, "1"),
+        Check("share of random steps that sensing passes over", passed_over, REJECTED_SHARE, "1"),
         Check("share of random steps that latch", float(np.mean(c64.states["guard_latched"])), LATCHED, "1"),
     ]
 
 
 def tour(duration_s: float, time: Discrete) -> dict[str, Array]:
-    """Return set-points (N,) by axis: a circle that grows to RADIUS, yaw, lift and tilts that swing."""
+    """Return set-points (N,) by axis: a circle that grows to RADIUS, and sinusoidal yaw, lift and tilts."""
     t = sample_times(duration_s, time.period_s)
     return growing_circle(t, RADIUS, RATE, GROWTH) | {
         a: high * np.sin((k + 1.3) * t) for k, (a, high) in enumerate(TILTS.items())
     }
 
 
-def runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:
-    """Run what is replayed: the tour, a step beyond the motors, bad samples up to the latch, a sensor that sticks."""
+def record_runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:
+    """Record the replayed runs: the tour, a saturated step, bad samples up to the latch, a stuck sensor."""
     time = Discrete(loop.period_s)
     t = sample_times(SHORT, loop.period_s)
     return {
@@ -134,7 +137,7 @@ def runs(loop: Rig, step: float, replay_s: float) -> dict[str, Trajectory]:
 
 
 def bad_samples(t: Array) -> dict[str, Override]:
-    """Single bad samples of V_bx and a set-point, four in a row of d1, and in the end V_ay for ever, which latches."""
+    """Return single bad samples of V_bx and a set-point, four in a row of d1, and V_ay bad permanently at the end."""
     k = np.arange(len(t))
     row = k - int(np.argmax(t >= 0.5))
     masks = {
@@ -147,11 +150,11 @@ def bad_samples(t: Array) -> dict[str, Override]:
 
 
 def single_against_double(double: Rig, single: Rig) -> list[Check]:
-    """Compare the stage's path under both types over LONG, with noise: at its worst, and with converters its rms."""
-    wanted, about, checks = tour(LONG, Discrete(double.period_s)), f"{LONG:g} s of the tour", []
+    """Compare the paths of the stage in both precisions over LONG, with noise: maximum, and rms with converters."""
+    references, about, checks = tour(LONG, Discrete(double.period_s)), f"{LONG:g} s of the tour", []
     for quantised, limits, what, kind in ((False, LARGEST, "", ""), (True, COUNTED, ", with converters", " rms")):
         pair = (replace(loop, quantised=quantised) for loop in (double, single))
-        one, two = (simulate(loop, LONG, wanted, {}) for loop in pair)
+        one, two = (simulate(loop, LONG, references, {}) for loop in pair)
         for axis, limit in limits.items():
             off, unit = one[axis] - two[axis], "m" if axis in "xyz" else "rad"
             size = float(np.sqrt(np.mean(off**2)) if quantised else np.abs(off).max())

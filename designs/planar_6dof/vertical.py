@@ -1,21 +1,22 @@
-"""The vertical axes z, theta, psi, from three laser distances to demands of force and torques, by (23)-(25).
+"""Lead-lag control of the vertical axes z, theta, psi, from three laser distances to demands, (23)-(25).
 
-    [d1]   [1  -r   r] [z    ]       d1..d3 --->[ heights ]---> z, theta, psi ---+
+    [d1]   [1  -r   r] [z    ]       d1..d3 --->[ kinematics ]-> z, theta, psi --+
     [d2] = [1  -r  -r] [theta]                                                   v -
     [d3]   [1   r   0] [psi  ]       set-points ------------------------------->(+)--->[ K(z) ]---> d_z, d_theta, d_psi
 
     published   K (s + a) (s + 10) / ((s + b) s), as printed
-    shipped     the same zeros, the pole b at 2/T, and a part of the gain at low frequencies
+    shipped     the same zeros, the pole b at 2/T, and a reduced gain at low frequencies
 
 Both are sampled by Tustin's rule; docs/decisions/planar_leadlag.md says why.
 
-Each loop is a lead and a reset, whose zero z2 is that of s + 10. The reset is driven by what the motors make:
+Each loop is a lead filter V and an integral I, whose zero z2 is that of s + 10. The integral is driven by the demand
+d_a that the motors achieve:
 
-    d = w + I,   I+ = z2 I + (1 - z2) made,   w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
+    d = w + I,   I+ = z2 I + (1 - z2) d_a,    w = D e + V,   V+ = p V + D (p - z1) e,       e = set-point - position
 
-all over the scale of the axis in `planar_allocation`, so that d is its demand in A. While made = d this is
-d = w (z - z2) / (z - 1). At a limit I goes to what is made, no further, with the time constant of the reset: there is
-no windup, and no limit to be computed. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
+all divided by the scale of the axis in `planar_allocation`, so d is its demand in A. While d_a = d this is
+d = w (z - z2) / (z - 1). At a limit I converges to d_a with the time constant of the zero. This is anti-windup without
+a separate limit of the integral. Source: Yu, Kim, section 5.2, (19), (20), (23)-(25).
 """
 
 from collections.abc import Mapping
@@ -39,19 +40,30 @@ PUBLISHED = {
     "theta": (900.0, 80.0413, 604.199),
     "psi": (1100.0, 80.0413, 604.199),
 }
-PART = {"z": 0.65, "theta": 0.5, "psi": 0.15}  # of the published gain at low frequencies
+GAIN_SHARE = {"z": 0.65, "theta": 0.5, "psi": 0.15}  # of the published gain at low frequencies
 RESET = 10.0  # rad/s
 COMPARED = 2 * pi * 30  # rad/s, at which sampled and continuous compensators are compared
 LASER = 5e-4  # m
 DISTANCES = tuple(Signal(f"{name}_held", "m", -LASER, LASER, "laser distance") for name in planar_stage.LASERS)
-REACH = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad: of what is measured
-POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in REACH.items()}
-DEMAND, MADE = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
+MEASURED_RANGE = {"x": 0.4, "y": 0.4, "phi": 0.1, "z": LASER, "theta": 0.01, "psi": 0.01}  # m, rad
+POSITIONS = {axis: replace(BOX[axis], low=-high, high=high) for axis, high in MEASURED_RANGE.items()}
+DEMAND, ACHIEVED_DEMAND = (dict(zip(AXES, signals, strict=True)) for signals in (DEMANDS, ACHIEVED))  # of each axis
 EQUATION = {"x": "21", "y": "21", "phi": "22", "z": "23", "theta": "24", "psi": "25"}
-MARGIN = 1.01  # of states over what bounds them: rounding stays below it
-REFERENCES = {axis: replace(BOX[axis], name=f"{axis}_ref_held", about="set-point") for axis in AXES}
-# The raw yaw is one to first order: at (-16.8, 8.3) mm of a pitch 15 mrad read as 10.3, and the loop of an upright
-# platen is lost beyond 10. Near there one that is tilted by 2 mrad is lost at 8 already.
+MARGIN = 1.01  # of the states' ranges over their bounds, more than rounding
+_QUANTITY = {
+    "x": "position along X",
+    "y": "position along Y",
+    "phi": "yaw",
+    "z": "height",
+    "theta": "tilt about X",
+    "psi": "tilt about Y",
+}
+REFERENCES = {
+    axis: replace(BOX[axis], name=f"{axis}_ref_held", about=f"set-point of the {what}")
+    for axis, what in _QUANTITY.items()
+}
+# The raw yaw is exact to first order: at (-16.8, 8.3) mm of a pitch 15 mrad are measured as 10.3 mrad. There a level
+# platen loses its yaw loop beyond 10 mrad, and one tilted by 2 mrad already at 8 mrad.
 REFERENCES["phi"] = replace(REFERENCES["phi"], low=-0.008, high=0.008)
 
 
@@ -65,15 +77,15 @@ def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
         return Step({"z": (front + back) / 2, "theta": (back - front) / (2 * r), "psi": (left - right) / (2 * r)})
 
     outputs = [POSITIONS[axis] for axis in ("z", "theta", "psi")]
-    return build("heights", time, law, inputs=DISTANCES, outputs=outputs, tag="laser distances inverted")
+    return build("vertical_kinematics", time, law, inputs=DISTANCES, outputs=outputs, tag="z and tilts from distances")
 
 
 def compensator(axis: str, time: Discrete, variant: Variant = "shipped") -> lead_lag.Compensator:
     """Return the continuous compensator of z, theta or psi, from m to N or rad to N m. Source: (23)-(25)."""
     gain, zero, pole = PUBLISHED[axis]
     if variant == "shipped":
-        nearer = 2 / time.period_s
-        gain, pole = PART[axis] * gain * nearer / pole, nearer
+        new_pole = 2 / time.period_s
+        gain, pole = GAIN_SHARE[axis] * gain * new_pole / pole, new_pole
     return lead_lag.Compensator(gain, (-zero, -RESET), (-pole, 0.0))
 
 
@@ -94,35 +106,37 @@ def pole(K: lead_lag.LeadLag) -> float:
 
 
 def block(plant: Plant, axis: str, K: lead_lag.LeadLag, time: Discrete) -> Block:
-    """Return the Block of one loop, from the position, the set-point and what is made to the demand.
+    """Return the Block of one loop, from the position, the set-point and the achieved demand to the demand.
 
-    K has two zeros, the second one that of the reset, a pole and an integrator, in this order. Both states stay in
-    their ranges as long as the position does, and what is made is within `achievable_bound`.
+    K has two zeros, the second one that of the integral, a pole and an integrator, in this order. Both states stay in
+    their ranges while the position does and the achieved demand is within `achievable_bound`.
     """
-    position, reference, wanted, driven = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], MADE[axis]
+    position, reference, demand, achieved = POSITIONS[axis], REFERENCES[axis], DEMAND[axis], ACHIEVED_DEMAND[axis]
     (z1, z2), p = (float(z.real) for z in K.zeros), pole(K)
-    direct, into_lag = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
-    most = MARGIN * abs(into_lag) * (position.high + reference.high) / (1 - abs(p))
+    gain, lead_input = (v / allocation.scales(plant)[axis] for v in (K.gain, K.gain * (p - z1)))
+    most = MARGIN * abs(lead_input) * (position.high + reference.high) / (1 - abs(p))
     integral = MARGIN * allocation.achievable_bound(plant)[axis]
     states = [
-        State(Signal("integral", wanted.unit, -integral, integral, "of the error"), 0.0),
-        State(Signal("lag", wanted.unit, -most, most, "what the lead takes back"), 0.0),
+        State(Signal("integral", demand.unit, -integral, integral, "integral of the error"), 0.0),
+        State(Signal("lead", demand.unit, -most, most, "state of the lead filter"), 0.0),
     ]
-    per, tag = f"{wanted.unit}/{position.unit}", f"({EQUATION[axis]})"
+    per, tag = f"{demand.unit}/{position.unit}", f"({EQUATION[axis]})"
     constants = [
-        Constant("direct", direct, per, f"{tag}: gain of the error"),
-        Constant("into_lag", into_lag, per, f"{tag}: gain times pole less zero"),
-        *([Constant("pole", p, "1", f"{tag}: pole in z")] if p else []),
-        Constant("reset", z2, "1", f"{tag}: zero of the integrator in z"),
-        Constant("driven", 1 - z2, "1", f"{tag}: 1 less that"),
+        Constant("gain", gain, per, f"{tag}: gain on the error"),
+        Constant("lead_input", lead_input, per, f"{tag}: gain times (lead_pole - zero)"),
+        *([Constant("lead_pole", p, "1", f"{tag}: pole of the lead filter in z")] if p else []),
+        Constant("integral_decay", z2, "1", f"{tag}: zero of the integral action in z"),
+        Constant("integral_input", 1 - z2, "1", f"{tag}: 1 - integral_decay"),
     ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         error = u[reference.name] - u[position.name]
-        lag = k["into_lag"] * error + (k["pole"] * x["lag"] if p else 0)
-        integral = k["reset"] * x["integral"] + k["driven"] * u[driven.name]
-        return Step({wanted.name: k["direct"] * error + x["lag"] + x["integral"]}, {"integral": integral, "lag": lag})
+        lead = k["lead_input"] * error + (k["lead_pole"] * x["lead"] if p else 0)
+        integral = k["integral_decay"] * x["integral"] + k["integral_input"] * u[achieved.name]
+        return Step({demand.name: k["gain"] * error + x["lead"] + x["integral"]}, {"integral": integral, "lead": lead})
 
-    inputs = [position, reference, driven]
+    inputs = [position, reference, achieved]
     name = f"loop_{axis}"
-    return build(name, time, law, inputs=inputs, outputs=[wanted], states=states, constants=constants, tag=tag)
+    return build(
+        name, time, law, inputs=inputs, outputs=[demand], states=states, constants=constants, tag=f"lead-lag, {tag}"
+    )

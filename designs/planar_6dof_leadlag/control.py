@@ -4,12 +4,12 @@
                                  v -
     set-points ---------------->(+)---> six loops ---> allocation ---> commutation ---> nine phase currents
                                             ^              |
-                                            +---- made ----+
+                                            +-- achieved --+
 
 published   (21), (22) as printed
-shipped     a part of their gain; of (23)-(25) see `vertical`
+shipped     (21), (22) with reduced gains; for (23)-(25) see `vertical`
 
-Sampled by Tustin's rule. The margins behind the filters (6)-(16): docs/decisions/planar_leadlag.md.
+Compensators are sampled by Tustin's rule. Margins with the filters (6)-(16): docs/decisions/planar_leadlag.md.
 """
 
 from designs.planar_6dof import filtering, interface, vertical
@@ -25,13 +25,13 @@ NAME = "planar_6dof_leadlag"
 TIME = Discrete(1e-3)
 PUBLISHED = {"x": (1.5e4, 0.11), "y": (1.5e4, 0.11), "phi": (35.0, 0.12)}  # gain, lead in s
 LAG, RESET = 0.00088, 0.1  # s, of (21) and (22)
-PART = {"x": 0.4, "y": 0.4, "phi": 0.5}  # of the published gain
+GAIN_SHARE = {"x": 0.4, "y": 0.4, "phi": 0.5}  # of the published gain
 
 
 def compensator(axis: str, variant: Variant = "shipped") -> lead_lag.Compensator:
     """Return the continuous compensator of x, y or phi, from m to N or rad to N m. Source: (21), (22)."""
     gain, lead = PUBLISHED[axis]
-    gain *= PART[axis] if variant == "shipped" else 1
+    gain *= GAIN_SHARE[axis] if variant == "shipped" else 1
     return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1)
 
 

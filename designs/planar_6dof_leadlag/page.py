@@ -1,7 +1,7 @@
-"""What the report of the lead-lag design adds to that of the planar stage: its words, and its loops.
+"""Report of the lead-lag design: its contents beyond the common report of the planar stage.
 
-The loops are shown as shipped, as printed, and as printed but on positions that nothing filters. The paper's crossovers
-and margins are those of the third kind: (21), (22) without the filters (6)-(16).
+The loops are shown as shipped, as printed, and as printed on unfiltered positions. The crossovers and margins of the
+paper are those of the third kind: (21), (22) without the filters (6)-(16).
 """
 
 from collections.abc import Sequence
@@ -33,31 +33,33 @@ BESIDE = {
 
 
 def contents(plant: Plant) -> page.Contents:
-    """Return what is said of this design; report.md asks for the crossovers that the paper prints, in Hz."""
+    """Return the contents of this design; report.md names the printed crossovers, in Hz."""
     printed = {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}
-    block, opened = control.controller(plant), all_loops(plant)
-    return page.Contents(block, LINE, EQUATIONS, opened, BESIDE, values=printed)
+    block, open_loops = control.controller(plant), all_loops(plant)
+    return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, values=printed)
 
 
 def all_loops(plant: Plant) -> list[OpenLoop]:
-    """Return the six loops of each kind; what is printed of one axis is closed with the others as shipped."""
+    """Return the six loops of each kind; a printed loop of one axis is closed with the others as shipped."""
     shipped, printed = control.law(plant), control.law(plant, "published")
-    opened = loops.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
+    open_loops = loops.of_block(plant, whole(plant, filtering.blocks(TIME), shipped), AXES, "as shipped")
     for axis in AXES:
-        law = loops.exchanged(shipped, printed, axis)
-        opened += loops.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
+        law = loops.with_axis_of(shipped, printed, axis)
+        open_loops += loops.of_block(plant, whole(plant, filtering.blocks(TIME), law), [axis], "as printed")
         if axis in HORIZONTAL:
-            opened += loops.of_block(plant, whole(plant, unfiltered(axis), law), [axis], "as printed, unfiltered")
-    return opened
+            open_loops += loops.of_block(
+                plant, whole(plant, without_filter(axis), law), [axis], "as printed, unfiltered"
+            )
+    return open_loops
 
 
 def whole(plant: Plant, filters: Sequence[Block], law: Sequence[Block]) -> Block:
-    """Return the controller of filters and a law."""
-    return loops.whole(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
+    """Return the controller with some filters and a law."""
+    return loops.rounded_controller(plant, TIME, [sensing.sensing(plant, TIME), *filters], law)
 
 
-def unfiltered(axis: str) -> list[Block]:
-    """Return the filters, of which that of one axis passes its raw position on and predicts as before."""
+def without_filter(axis: str) -> list[Block]:
+    """Return the filters; that of one axis outputs its raw position and still predicts."""
     return [
         replace(b, output={**b.output, axis: b.symbol[f"{axis}_raw"]}) if axis in b.output else b
         for b in filtering.blocks(TIME)

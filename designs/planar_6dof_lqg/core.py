@@ -1,23 +1,24 @@
-"""The LQG in full order beside the reduced one, whose saving is counted against it: the cores, and the regulator.
+"""Full-order and reduced-order LQG compared by their instruction counts: compensator cores, and whole controllers.
 
-The cores have three errors in and three currents out, as (33) and (40) have them: no delay, no prediction.
+A core maps three errors to three currents, as in (33) and (40), without delay compensation:
 
     (x, y, phi) less set-points --->[ core ]---> (i_B + i_A)/2, (i_B - i_A)/2, i_C --->[ rows ]---> i_AQ, i_BQ, i_CQ
 
-In the half sum and the half difference of the currents of A and B, (26) is three axes, and a core is three compensators
-of one error each. Each is realised by its modes, in which it has the fewest products: the integral, and what is stable,
+In the half sum and half difference of the currents of A and B, (26) decouples into three axes, and a core is three
+compensators of one error each. Each is realised in modal form, which has the fewest products: the integral and a stable
+mode,
 
     I+ = I + r e,   p+ = lambda p + b e,    i = p + I + d e         lambda real (33), d not 0, or complex (40), d = 0:
 
-p and b are then complex, and i has the real part of p. As |Re lambda| + |Im lambda| < 1, p stays in its bounds by
-itself; the integral is limited.
+In the complex case p and b are complex, and i takes the real part of p. Since |Re lambda| + |Im lambda| < 1, p is
+bounded without a limit; the integral is limited.
 
-The regulator works on full-order Kalman filters, Y(36)-(46), of position and rate of one axis:
+The full-order regulator uses Kalman filters, Y(36)-(46), of position and rate of one axis:
 
     x^ = x- + M (q - x-),    x-+ = A x^ + B f    white acceleration of PROCESS_NOISE
 
-`spent` counts instructions of a step on an emulated Cortex-M4F. Both orders answer the same recorded inputs, those of
-the shipped controller at rest; the cores alone get small errors.
+`cost_table` counts the instructions of a step on an emulated Cortex-M4F. Both orders get the same recorded inputs,
+those of the shipped controller at rest; the cores alone get small errors.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -49,20 +50,20 @@ from synth.synthesise.observers import kalman, reduced_compensator, reduced_obse
 from synth.verify import operations
 from synth.verify.agree import Columns
 
-NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad, of a sample: (9) and (46), that of phi is not printed
-PROCESS_NOISE = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: densities of acceleration
-FASTEST = 20.0  # m/s, rad/s, of an estimate
+NOISE = {"x": 5e-5, "y": 5e-5, "phi": 1e-3}  # m, rad rms, (9) and (46); that of phi is not printed
+PROCESS_NOISE = {"x": 0.3, "y": 0.3, "phi": 3.0}  # m^2/s^3, rad^2/s^3: spectral densities of acceleration
+FASTEST = 20.0  # m/s, rad/s: bound of an estimated rate
 Order = Literal["reduced", "full"]
 ORDERS: tuple[Order, ...] = ("reduced", "full")
 STEPS, SKIPPED = 200, 100
-ERROR = 1e-6  # m, rad: of what a core is given
+ERROR = 1e-6  # m, rad: amplitude of a core's errors
 MODES = ("i_y", "i_phi", "i_x")
 TO_MODES = readonly([[0.5, 0.5, 0.0], [-0.5, 0.5, 0.0], [0.0, 0.0, 1.0]])
 FROM_MODES = readonly([[1, -1, 0], [1, 1, 0], [0, 0, 1]])
 INTEGRALS = STATES[3:6]
-PLANT = [0, 1, 2, 6, 7, 8]  # of the states of (31), those of (26)
-REACH = 2 * LIMIT  # A, of an integral
-SMALL = 1e-9  # of the largest residue: that of another axis
+PLANT = [0, 1, 2, 6, 7, 8]  # indices of the states of (26) among those of (31)
+INTEGRAL_LIMIT = 2 * LIMIT  # A
+SMALL = 1e-9  # of the largest residue: smaller ones belong to another axis
 
 
 def compensator() -> reduced_compensator.Compensator:
@@ -75,9 +76,9 @@ def compensator() -> reduced_compensator.Compensator:
 
 
 def estimator() -> kalman.Estimator:
-    """Return the full-order filter (40) of (26), pushed by white accelerations."""
+    """Return the full-order filter (40) of (26), driven by white accelerations."""
     W, V = [PROCESS_NOISE[a] for a in HORIZONTAL], [NOISE[a] ** 2 for a in HORIZONTAL]
-    return kalman.sampled(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
+    return kalman.kalmd(lqg.model(integrals=False), W, V, TIME.period_s, G=np.eye(6)[:, 3:], exact=True)
 
 
 def gain() -> Array:
@@ -110,66 +111,70 @@ def block(order: Order) -> Block:
 
 
 def _compensator(whole: StateSpace, axis: str, mode: str) -> Block:
-    """Return the compensator from one error to its current, by its modes."""
+    """Return the compensator from one error to its current, in modal form."""
     error = replace(POSITIONS[axis], about="less its set-point")
     poles, b, d = _modes(whole, axis, mode)
     stable = int(np.argmin(np.abs(poles)))
-    pole, into, sum_into = poles[stable], b[stable], float(b[np.argmax(np.abs(poles))].real)
-    size = MARGIN * (abs(into.real) + abs(into.imag)) * error.high / (1 - abs(pole.real) - abs(pole.imag))
-    kept: tuple[str, ...]
+    pole, input_gain, integral_gain = poles[stable], b[stable], float(b[np.argmax(np.abs(poles))].real)
+    size = MARGIN * (abs(input_gain.real) + abs(input_gain.imag)) * error.high / (1 - abs(pole.real) - abs(pole.imag))
+    names: tuple[str, ...]
     if pole.imag:
         A = [[pole.real, -pole.imag, 0], [pole.imag, pole.real, 0], [0, 0, 1]]
-        B, C, kept = [2 * into.real, 2 * into.imag, sum_into], [1, 0, 1], ("real", "imaginary", "integral")
+        B, C, names = (
+            [2 * input_gain.real, 2 * input_gain.imag, integral_gain],
+            [1, 0, 1],
+            ("real", "imaginary", "integral"),
+        )
     else:
-        A, B, C, kept = [[pole.real, 0], [0, 1]], [into.real, sum_into], [1, 1], ("real", "integral")
+        A, B, C, names = [[pole.real, 0], [0, 1]], [input_gain.real, integral_gain], [1, 1], ("real", "integral")
     arrays = (readonly(A), readonly([[v] for v in B]), readonly([C]), readonly([[d]]))
-    model = StateSpace(*arrays, kept, (axis,), (mode,), TIME)
-    bounds = {name: REACH if name == "integral" else 2 * size for name in kept}
-    states = [Signal(name, "A", -bounds[name], bounds[name]) for name in kept]
-    most = MARGIN * (sum(abs(c) * bounds[name] for c, name in zip(C, kept, strict=True)) + abs(d) * error.high)
-    output = Signal(mode, "A", -most, most)
+    model = StateSpace(*arrays, names, (axis,), (mode,), TIME)
+    bounds = {name: INTEGRAL_LIMIT if name == "integral" else 2 * size for name in names}
+    states = [Signal(name, "A", -bounds[name], bounds[name]) for name in names]
+    bound = MARGIN * (sum(abs(c) * bounds[name] for c, name in zip(C, names, strict=True)) + abs(d) * error.high)
+    output = Signal(mode, "A", -bound, bound)
     return linear_block.block(axis, model, inputs=[error], outputs=[output], states=states, tag="(33), (40), (49)")
 
 
 def _modes(whole: StateSpace, axis: str, mode: str) -> tuple[Array, Array, float]:
-    """Return the poles (k,) from an error to its current, those of them that matter, each one's b (k,), and d."""
+    """Return the observable poles (k,) from an error to its current, their residues b (k,), and d."""
     row, column = whole.outputs.index(mode), whole.inputs.index(axis)
     poles, V = np.linalg.eig(whole.A)
     residues = (whole.C[row] @ V) * np.linalg.solve(V, whole.B[:, column])
-    own = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
-    return poles[own], residues[own], float(whole.D[row, column])
+    observable = (np.abs(residues) > SMALL * np.abs(residues).max()) & (poles.imag >= 0)
+    return poles[observable], residues[observable], float(whole.D[row, column])
 
 
 def axis_estimator(axis: Axis) -> kalman.Estimator:
-    """Return the full-order filter of position and rate, pushed by white acceleration."""
+    """Return the full-order filter of position and rate, driven by white acceleration."""
     W, V = [PROCESS_NOISE[axis.name]], [NOISE[axis.name] ** 2]
-    return kalman.sampled(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
+    return kalman.kalmd(lqg.continuous(axis), W, V, TIME.period_s, G=[[0.0], [1.0]], exact=True)
 
 
 def full_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis on the Kalman filter of its position and rate."""
+    """Return the regulator of one axis with a Kalman filter of its position and rate."""
     kalman_filter, T, q = axis_estimator(axis), TIME.period_s, MEASURED[axis.name]
     per, force = lqg.per_position(axis.name), vertical.DEMAND[axis.name].unit.replace(" ", "/")
     constants = [
-        Constant("on_position", axis.k1, per, "(49): k1"),
-        Constant("on_rate", axis.k2, f"{per} s", "(49): k2"),
-        Constant("into_position", float(kalman_filter.M[0, 0]), "1", "(40): M"),
-        Constant("into_rate", float(kalman_filter.M[1, 0]), "1/s", "(40): M"),
+        Constant("position_gain", axis.k1, per, "(49): k1"),
+        Constant("rate_gain", axis.k2, f"{per} s", "(49): k2"),
+        Constant("M_position", float(kalman_filter.M[0, 0]), "1", "(40): M"),
+        Constant("M_rate", float(kalman_filter.M[1, 0]), "1/s", "(40): M"),
         Constant("period", T, "s", "T"),
-        Constant("moved", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
-        Constant("sped", axis.b * T, f"{q.unit}/s/{force}", "b T"),
+        Constant("B_position", axis.b * T**2 / 2, f"{q.unit}/{force}", "b T^2 / 2"),
+        Constant("B_rate", axis.b * T, f"{q.unit}/s/{force}", "b T"),
     ]
 
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
-        surprise = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
-        rate = x["rate"] + k["into_rate"] * surprise
+        innovation = ca.if_else(u[READY.name], u[q.name] - x["position"], 0)
+        rate = x["rate"] + k["M_rate"] * innovation
         before = ca.if_else(u[READY.name], x["position"], u[q.name])
-        position = before + k["into_position"] * surprise + k["period"] * rate + k["moved"] * x["force"]
-        after = {"position": position, "rate": rate + k["sped"] * x["force"]}
-        return k["on_position"] * (u[q.name] - position) - k["on_rate"] * after["rate"], after
+        position = before + k["M_position"] * innovation + k["period"] * rate + k["B_position"] * x["achieved"]
+        after = {"position": position, "rate": rate + k["B_rate"] * x["achieved"]}
+        return k["position_gain"] * (u[q.name] - position) - k["rate_gain"] * after["rate"], after
 
-    expected = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
-    states = [State(replace(s, about="expected at this sample"), 0.0) for s in expected]
+    predictions = [Signal("position", q.unit, q.low, q.high), Signal("rate", f"{q.unit}/s", -FASTEST, FASTEST)]
+    states = [State(replace(s, about="predicted for this sample"), 0.0) for s in predictions]
     most = axis.k1 * 4 * q.high + axis.k2 * (FASTEST + 2 * float(kalman_filter.M[1, 0]) * q.high)
     return lqg.regulator(plant, axis, estimate, states, constants, 1.1 * most)
 
@@ -177,8 +182,8 @@ def full_order(plant: Plant, axis: Axis) -> Block:
 REGULATORS: Mapping[Order, Regulate] = {"reduced": lqg.reduced_order, "full": full_order}
 
 
-def spent(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
-    """Return what both orders cost, by each compiler that is installed; nothing without a standstill to replay."""
+def cost_table(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
+    """Return the cost of both orders for each installed compiler; nothing without a standstill to replay."""
     rest = [e.trajectory.measured for e in experiments if e.name == REST]
     rows = [row for measured in rest[:1] for row in _rows(measured)]
     columns = ("step", "order", "states", "operations", "build", "instructions, mean", "instructions, most")
@@ -187,24 +192,24 @@ def spent(experiments: Sequence[Experiment]) -> tuple[page.Block, ...]:
 
 
 def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
-    part = slice(SKIPPED, SKIPPED + STEPS)
-    at_rest = {name: np.asarray(v)[part] for name, v in measured.items()}
-    small = {axis: ERROR * np.sin(np.arange(STEPS) + i) for i, axis in enumerate(HORIZONTAL)}
+    window = slice(SKIPPED, SKIPPED + STEPS)
+    at_rest = {name: np.asarray(v)[window] for name, v in measured.items()}
+    small_errors = {axis: ERROR * np.sin(np.arange(STEPS) + i) for i, axis in enumerate(HORIZONTAL)}
     for order in ORDERS:
-        yield from _counted("core alone, (33) and (40)", order, block(order), small)
+        yield from _count_instructions("core alone, (33) and (40)", order, block(order), small_errors)
     for order in ORDERS:
-        yield from _counted(
+        yield from _count_instructions(
             "whole controller", order, lqg.controller(planar_stage.plant(), regulate=REGULATORS[order]), at_rest
         )
 
 
-def _counted(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
+def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
     from synth.verify import meter, rivals, steps  # needs the extra `target`
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
-    recorded = steps.recorded(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
+    recorded = steps.record(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
     assert emitted.program is not None
     arithmetic = sum(operations.of_program(emitted.program).values())
     for build in meter.builds():
-        n = meter.run(rivals.emitted(emitted), recorded, build).cost.instructions
+        n = meter.run(rivals.emitted_c(emitted), recorded, build).cost.instructions
         yield what, order, len(of.states), arithmetic, build.name, float(n.mean()), int(n.max())

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from functools import cache, partial
 from typing import Any
 
-from designs.planar_6dof import assembly, emitted, lqg, vertical
+from designs.planar_6dof import artefacts, assembly, lqg, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof.random_steps import Columns, Subject
-from designs.planar_6dof_lqg import experiments, page, reference
+from designs.planar_6dof_lqg import experiments, reference
 from models import planar_stage
 from models.planar_allocation import HORIZONTAL
 from synth.block import Block
@@ -16,7 +16,7 @@ from synth.statespace import Array
 
 
 def at_rest(block: Block, pose: Mapping[str, Array]) -> Columns:
-    """Return x3 (N,) of platens at rest: it is less L times the position, as large as 50 times what the motors meet."""
+    """Return x3 (N,) of platens at rest, -L times the position: up to 50 times what the motors can meet."""
     L = {c.name: c.value for c in block.constants}
     return {f"lqg_{axis}_x3": -L[f"lqg_{axis}_L"] * pose[axis] for axis in HORIZONTAL}
 
@@ -31,10 +31,10 @@ def subject() -> Subject:
 def gains() -> dict[str, Any]:
     """Return (49) with its weights, plant, rate and certificate, the observers, and the vertical compensators.
 
-    Beside (49) stands the gain of the weights that are printed with it.
+    The gain of the weights that are printed with (49) is listed beside it.
     """
     plant = planar_stage.plant()
-    shipped, printed = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
+    gain, of_printed_weights = lqg.gain(), lqg.gain(lqg.PRINTED_WEIGHTS)
     return {
         "plant": "(31) as printed: q'' = B i in x, y and phi, with their rates d, f, v and their integrals z1, z2, z3",
         "period_s": lqg.TIME.period_s,
@@ -42,16 +42,16 @@ def gains() -> dict[str, Any]:
         "states": list(lqg.STATES),
         "weights_Q": list(lqg.WEIGHTS),
         "weight_R": 1.0,
-        "K": _rows(shipped.K),
-        "poles": [digits.pole(z) for z in shipped.poles],
-        "certificate": digits.certificate(shipped.certificate),
+        "K": _rows(gain.K),
+        "poles": [digits.pole(z) for z in gain.poles],
+        "certificate": digits.certificate(gain.certificate),
         "printed_weights": {
             "weights_Q": list(lqg.PRINTED_WEIGHTS),
-            "K": {name: [digits.cut(v, 6) for v in row] for name, row in _rows(printed.K).items()},
-            "certificate": digits.certificate(printed.certificate),
+            "K": {name: [digits.significant(v, 6) for v in row] for name, row in _rows(of_printed_weights.K).items()},
+            "certificate": digits.certificate(of_printed_weights.certificate),
         },
         "axes": {axis.name: _axis(axis) for axis in lqg.axes(plant)},
-        "compensators": emitted.compensators(vertical.loops(lqg.TIME)),
+        "compensators": artefacts.compensators(vertical.loops(lqg.TIME)),
     }
 
 
@@ -60,18 +60,25 @@ def _rows(K: Array) -> dict[str, list[float]]:
 
 
 def _axis(axis: lqg.Axis) -> dict[str, Any]:
-    """Return an axis' gains, on position, rate and the sum of errors, and its observer of the rate."""
+    """Return the gains of an axis on position, rate and the sum of errors, and its observer of the rate."""
     observer = lqg.observer(axis)
     numbers = {"F": observer.F, "G": observer.G, "H": observer.H, "L": observer.L}
     return {
-        "b": digits.cut(axis.b, 12),
-        "gains": {name: digits.cut(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
+        "b": digits.significant(axis.b, 12),
+        "gains": {name: digits.significant(getattr(axis, name), 12) for name in ("k1", "k2", "k3")},
         "observer": {
             "pole": lqg.OBSERVER_POLE[axis.name],
             "poles": [digits.pole(z) for z in observer.poles],
-            **{name: digits.cut(float(m[0, 0]), 12) for name, m in numbers.items()},
+            **{name: digits.significant(float(m[0, 0]), 12) for name, m in numbers.items()},
         },
     }
 
 
-DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, page.report)
+def report(*arguments: Any) -> str:
+    """Return the report; what draws it is imported here, since `synth emit` does not need it."""
+    from designs.planar_6dof_lqg import page
+
+    return page.report(*arguments)
+
+
+DESIGN = assembly.design(lqg.NAME, lqg.TIME, subject, gains, experiments.ALL, rows.lqg, report)

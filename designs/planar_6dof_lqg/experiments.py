@@ -1,8 +1,8 @@
 """The LQG controller's experiments, Y section 5.3: steps (Fig. 10) with the spectrum of x, noise, and failures.
 
-The paper states no rise, overshoot or settling of these steps. Its noise moves phases of motors A and B by 0.66 A rms
-from sample to sample, for which their windings take 18 to 31 V where Table 1 states 6.525 V: no limit is set to the
-voltages here, and the standstills behind amplifiers tell what becomes of y and phi.
+The paper states no rise, overshoot or settling of these steps. The sensor noise changes the phase currents of motors A
+and B by 0.66 A rms from sample to sample, for which the windings need 18 to 31 V where Table 1 states 6.525 V. The
+voltages are therefore not limited here. The standstills with amplifiers show the effect on y and phi.
 """
 
 from dataclasses import replace
@@ -25,11 +25,11 @@ LARGE = 0.06  # m
 
 
 def large_step(loop: Rig, name: str) -> Experiment:
-    """Return a step of x that takes the motors to their limit, which the paper does not make."""
+    """Return a step of x that saturates the motors; the paper does not show one."""
     experiment = shared.step_experiment(loop, shared.step(loop, "x", LARGE), name, "x by 60 mm", None)
     overshoot = Check("overshoot", experiment.figures["overshoot"], 0.05, "1", "at the motors' limits")
-    turned = float(np.abs(experiment.trajectory["phi"]).max())
-    yaw = Check("greatest yaw", turned, 5e-3, "rad", "a fifth of what the sensors tell")
+    greatest_yaw = float(np.abs(experiment.trajectory["phi"]).max())
+    yaw = Check("greatest yaw", greatest_yaw, 5e-3, "rad", "a fifth of the sensors' range")
     return replace(experiment, checks=(*experiment.checks, overshoot, yaw))
 
 

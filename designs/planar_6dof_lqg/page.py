@@ -1,4 +1,4 @@
-"""What the report of the LQG design adds to that of the planar stage."""
+"""Report of the LQG design: its contents beyond the common report of the planar stage."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -28,42 +28,48 @@ LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of s
 
 
 def contents(plant: Plant) -> page.Contents:
-    """Return what is said of this design."""
-    block, opened, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
-    values, cost = _values(plant), core.spent
-    return page.Contents(block, LINE, EQUATIONS, opened, BESIDE, whole, False, True, values, cost)
+    """Return the contents of this design."""
+    block, open_loops, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
+    values, cost = _values(plant), core.cost_table
+    return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, whole, False, True, values, cost)
 
 
 def _values(plant: Plant) -> dict[str, Value]:
-    """Return what report.md asks for."""
+    """Return the values that are named in report.md."""
     stated = lqg.PER_AMPERE * plant.parameter("M").value
     errors = {f"{axis}_error_mm": 1e3 * ERROR[axis] for axis in "xy"}
     return {**errors, "weaker": 1 - allocation.force_constant(plant) / stated}
 
 
 def _whole(plant: Plant) -> Section:
-    found = loops.horizontals(plant)
-    refused = f"The gain H of (42) is no choice. The library refuses it: {loops.refusal().replace('-1', '−1')}."
-    disks = {label: {cut: disk.of_loop(L) for cut, L in each.items()} for label, each in found.items()}
-    drawn = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")
-    shipped = Figure(drawn, "Disk margin over frequency, as shipped, by where the loop is opened.")
-    return Section("The horizontal loop as a whole", (*_singular(found), sections.disks(disks), shipped, Text(refused)))
+    open_loops = loops.horizontals(plant)
+    refusal = (
+        f"The gain H of (42) is no choice. The library refuses it: {loops.rejection_message().replace('-1', '−1')}."
+    )
+    disks = {label: {cut: disk.of_loop(L) for cut, L in each.items()} for label, each in open_loops.items()}
+    svg = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")
+    shipped = Figure(svg, "Disk margin over frequency, as shipped, by where the loop is opened.")
+    return Section(
+        "The horizontal loop as a whole", (*_singular(open_loops), sections.disks(disks), shipped, Text(refusal))
+    )
 
 
-def _singular(found: Mapping[str, Mapping[str, StateSpace]]) -> tuple[Figure, ...]:
+def _singular(open_loops: Mapping[str, Mapping[str, StateSpace]]) -> tuple[Figure, ...]:
     w = 2 * np.pi * np.geomspace(LOW, HIGH * 0.5 / TIME.period_s, POINTS)
     arm = planar_stage.plant().parameter("a").value
     places = f"x, y and φ, φ times an arm of {1e3 * arm:.4g} mm"
     cuts = {
-        ("currents", "i_AQ, i_BQ, i_CQ"): {label: each["currents"] for label, each in found.items()},
-        ("positions", places): {label: shared.scaled(each["positions"], {"phi": arm}) for label, each in found.items()},
+        ("currents", "i_AQ, i_BQ, i_CQ"): {label: each["currents"] for label, each in open_loops.items()},
+        ("positions", places): {
+            label: shared.scaled(each["positions"], {"phi": arm}) for label, each in open_loops.items()
+        },
     }
-    drawn = []
-    for (name, at), opened in cuts.items():
-        values = {label: multivariable.singular(L, w) for label, L in opened.items()}
+    plots = []
+    for (name, at), by_label in cuts.items():
+        values = {label: multivariable.singular(L, w) for label, L in by_label.items()}
         svg = figures.svg(multivariable.singular_values(values), f"singular-{name}")
-        drawn.append(Figure(svg, f"Singular values of the loop opened at {at}."))
-    return tuple(drawn)
+        plots.append(Figure(svg, f"Singular values of the loop opened at {at}."))
+    return tuple(plots)
 
 
 report = partial(page.report, contents)

@@ -1,9 +1,9 @@
-"""The reduced-order LQG controller of the planar positioner, one step of 1.25 ms, in NumPy: the witness of the C.
+"""The reduced-order LQG controller of the planar positioner, one step of 1.25 ms: NumPy reference of the C.
 
-    (26) is three axes q'' = b s in s = i_C, (i_A + i_B)/2, (i_B - i_A)/2, of which each costs R s^2, R = 1, 2, 2.
+    (26) is three axes q'' = b s with s = i_C, (i_A + i_B)/2, (i_B - i_A)/2 and the costs R s^2, R = 1, 2, 2.
     (31) adds the integral of q. s = -K (q, z, q'), by (43)-(45) with the currents held, as MATLAB's lqrd
     v^ = x3 + L q, x3+ = p x3 - L (1 - p) q + (b T - L b T^2/2) s1,    L = (1 - p)/T                              (33)
-    s  = -K (q1 - r, z1, v1) one sample ahead, where s1, that of the sample before, has moved the axis
+    s  = -K (q1 - r, z1, v1) with q1, z1, v1 predicted one sample ahead under s1, the input of the sample before
 
 Gains are solved in 60 digits and rounded once. Every function takes scalars or columns (n,) of n independent
 controllers. Lengths in m, angles in rad, currents in A.
@@ -36,7 +36,7 @@ HORIZONTAL, UPRIGHT = ("x", "y", "phi"), ("z", "theta", "psi")
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis in demands of the scale of `reference_control`: q'' = b d, d = -k (q, q', T z)."""
+    """One axis with demands in the scale of `reference_control`: q'' = b d, d = -k (q, q', T z)."""
 
     b: float
     k_q: float
@@ -49,12 +49,12 @@ class Axis:
 def axes() -> dict[str, Axis]:
     """Return the three axes with their gains in A per m, m/s, and m of each sample."""
     T, by_axis = float(PERIOD), {}
-    made = {"x": FORCE, "y": 2 * FORCE, "phi": 2 * FORCE * shared.ARM}
-    pushed = {"x": PER_AMPERE, "y": 2 * PER_AMPERE, "phi": 2 * YAW_PER_AMPERE}
+    force = {"x": FORCE, "y": 2 * FORCE, "phi": 2 * FORCE * shared.ARM}
+    acceleration = {"x": PER_AMPERE, "y": 2 * PER_AMPERE, "phi": 2 * YAW_PER_AMPERE}
     for axis, weights in WEIGHTS.items():
-        K, unit = gain(pushed[axis], weights, 1 if axis == "x" else 2), made[axis] / shared.scales()[axis]
+        K, unit = gain(acceleration[axis], weights, 1 if axis == "x" else 2), force[axis] / shared.scales()[axis]
         k_q, k_z, k_v = (unit * v for v in K)
-        by_axis[axis] = Axis(pushed[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
+        by_axis[axis] = Axis(acceleration[axis] / unit, k_q, k_v, k_z * T, float(Fraction(POLE[axis])))
     return by_axis
 
 
@@ -65,7 +65,7 @@ def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
         E = mpmath.inverse(M)
         F, G, H = A - B * E * N.T, B * E * B.T, Q - N * E * N.T
         one = mpmath.eye(3)
-        for _ in range(12):  # structure-preserving doubling: H goes to the solution as 2^-2^k
+        for _ in range(12):  # structure-preserving doubling: the error of H decreases as 2^-2^k
             W = mpmath.inverse(one + G * H)
             F, G, H = F * W * F, G + F * W * G * F.T, H + F.T * H * W * F
         K = mpmath.inverse(M + B.T * H * B) * (B.T * H * A + N.T)
@@ -89,41 +89,45 @@ def sampled(b: float, weights: tuple[float, float, float], R: float) -> tuple[mp
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "force")] + ["sensing_phi_raw"]
+    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")] + [
+        "sensing_phi_raw"
+    ]
     return shared.initial_state(UPRIGHT) | sensing.initial_state() | {name: np.array(0.0) for name in names}
 
 
-def estimated(name: str, q: Array, ready: Array, state: Columns) -> Array:
-    """Return x3 in m/s or rad/s, that of a platen at rest until every measurement has been good once. (33)."""
+def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:
+    """Return x3 in m/s or rad/s; that of a platen at rest until every measurement has been good once. (33)."""
     k = axes()[name]
-    return np.where(ready > 0, state[f"lqg_{name}_x3"] / on_rate(k), -(1 - k.p) / float(PERIOD) * q)
+    return np.where(ready > 0, state[f"lqg_{name}_x3"] / rate_gain(k), -(1 - k.p) / float(PERIOD) * q)
 
 
-def regulated(name: str, q: Array, r: Array, ready: Array, state: Columns) -> tuple[Array, Array]:
-    """Return the demand of an axis, and how far it is from what the error and the integral make. (33), (49)."""
-    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_force"]
-    v = estimated(name, q, ready, state) + (1 - k.p) / T * q
+def demand(name: str, q: Array, r: Array, ready: Array, state: Columns) -> tuple[Array, Array]:
+    """Return the demand of an axis, and its part w that does not come from error and integral. (33), (49)."""
+    k, T, f1 = axes()[name], float(PERIOD), state[f"lqg_{name}_achieved"]
+    v = observer_state(name, q, ready, state) + (1 - k.p) / T * q
     q1, v1 = q + T * v + k.b * T**2 / 2 * f1, v + k.b * T * f1
     w = -k.k_q * (q1 - q) - k.k_v * v1
     e = np.clip(r - q, -ERROR[name], ERROR[name])
     return w + (k.k_q + k.k_z) * e + state[f"lqg_{name}_integral"], w
 
 
-def on_rate(k: Axis) -> float:
-    """Return the gain of the estimated rate, in whose units x3 is kept."""
+def rate_gain(k: Axis) -> float:
+    """Return the gain on the estimated rate, by which x3 is scaled."""
     return k.k_q * float(PERIOD) + k.k_v
 
 
-def advanced(name: str, q: Array, r: Array, ready: Array, made: Array, state: Columns) -> dict[str, Array]:
-    """Return the next observer, integral and force of an axis; the integral fades while the error is large. (33)."""
-    k, T, f1, w = axes()[name], float(PERIOD), state[f"lqg_{name}_force"], regulated(name, q, r, ready, state)[1]
+def next_regulator_state(
+    name: str, q: Array, r: Array, ready: Array, achieved: Array, state: Columns
+) -> dict[str, Array]:
+    """Return the next observer, integral and force of an axis; the integral decays while the error is clipped. (33)."""
+    k, T, f1, w = axes()[name], float(PERIOD), state[f"lqg_{name}_achieved"], demand(name, q, r, ready, state)[1]
     L, g = (1 - k.p) / T, k.k_z / (k.k_q + k.k_z)
-    moved = k.p * estimated(name, q, ready, state) - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
+    observer = k.p * observer_state(name, q, ready, state) - L * (1 - k.p) * q + k.b * T * (1 - L * T / 2) * f1
     integral = state[f"lqg_{name}_integral"]
     return {
-        f"lqg_{name}_x3": on_rate(k) * moved,
-        f"lqg_{name}_integral": integral + g * (np.where(np.abs(r - q) <= ERROR[name], made - w, 0) - integral),
-        f"lqg_{name}_force": made,
+        f"lqg_{name}_x3": rate_gain(k) * observer,
+        f"lqg_{name}_integral": integral + g * (np.where(np.abs(r - q) <= ERROR[name], achieved - w, 0) - integral),
+        f"lqg_{name}_achieved": achieved,
     }
 
 
@@ -133,18 +137,18 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     ready, scales = np.asarray(state["guard_ready"]), shared.scales()
     last = {axis: state[f"sensing_within_{axis}"] + state[f"sensing_offset_{axis}"] for axis in "xy"}
     last |= {"phi": state["sensing_phi_raw"]}
-    pose, moved = sensing.sense(state, values, (ready, complete), last, sensing.constants(float(PERIOD)))
-    pose |= {"phi": pose["phi_raw"], **shared.heights(values)}
-    seen = {axis: (pose[f"{axis}_raw"], values[f"{axis}_ref"], ready) for axis in HORIZONTAL}
+    pose, after_sensing = sensing.sense(state, values, (ready, complete), last, sensing.constants(float(PERIOD)))
+    pose |= {"phi": pose["phi_raw"], **shared.vertical_kinematics(values)}
+    loop_inputs = {axis: (pose[f"{axis}_raw"], values[f"{axis}_ref"], ready) for axis in HORIZONTAL}
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
-    wanted = {axis: regulated(axis, *qr, state)[0] * scales[axis] for axis, qr in seen.items()}
-    wanted |= {axis: shared.compensated(axis, k[axis], e[axis], state) for axis in UPRIGHT}
-    currents, made = shared.motors(wanted, pose["phi"])
-    for axis, qr in seen.items():
-        after |= advanced(axis, *qr, made[axis] / scales[axis], state)
+    demand = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
+    demand |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
+    currents, achieved = shared.allocate(demand, pose["phi"])
+    for axis, qr in loop_inputs.items():
+        after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
-        after |= shared.advanced(axis, k[axis], e[axis], made[axis], state)
-    after |= moved | {"sensing_phi_raw": pose["phi_raw"]}
-    kept, out = shared.concluded(state, after, shared.phases(currents, pose), PERIOD)
-    return kept, out, word
+        after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
+    after |= after_sensing | {"sensing_phi_raw": pose["phi_raw"]}
+    next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
+    return next_state, out, word

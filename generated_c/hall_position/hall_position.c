@@ -24,9 +24,9 @@ static inline float f1_polynomial(float t)
     return 0.25f + (t * (-0.0026041644f + (t * (8.136728e-06f + (t * -1.1898613e-08f)))));
 }
 
-/* yaw_part_cosine for estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952: t = x^2, x = estimator_yaw + estimator_motion_yaw;
+/* yaw_fraction_cosine for estimator_yaw + estimator_motion_yaw in -3.2425952 .. 3.2425952: t = x^2, x = estimator_yaw + estimator_motion_yaw;
  * relative error at most 1.4e-07. */
-static inline float yaw_part_cosine_polynomial(float t)
+static inline float yaw_fraction_cosine_polynomial(float t)
 {
     return 0.99999994f + (t * (-0.031249868f + (t * (0.00016270365f + (t * -3.3090393e-07f)))));
 }
@@ -38,9 +38,9 @@ static inline float f3_polynomial(float t)
     return 0.12499999f + (t * (-0.00032551866f + (t * (2.5417654e-07f + (t * -9.166732e-11f)))));
 }
 
-/* phase_part_cosine for (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2)))))) in -8.35398197 .. 8.35398293: t = x^2, x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2))))));
+/* phase_fraction_cosine for (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2)))))) in -8.35398197 .. 8.35398293: t = x^2, x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1)) - (2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2))))));
  * relative error at most 1.7e-07. */
-static inline float phase_part_cosine_polynomial(float t)
+static inline float phase_fraction_cosine_polynomial(float t)
 {
     return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
 }
@@ -52,35 +52,35 @@ static inline float f5_polynomial(float t)
     return 0.12499999f + (t * (-0.00032551866f + (t * (2.5417654e-07f + (t * -9.166732e-11f)))));
 }
 
-/* phase_part_cosine for (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in -8.35398293 .. 8.35398197: t = x^2, x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1)));
+/* phase_fraction_cosine for (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1))) in -8.35398293 .. 8.35398197: t = x^2, x = (estimator_phase_x + estimator_motion_x) + ((2.35619449 * (1 - (0.5 * (clamp((...), -2, 2) * clamp((...), -2, 2))))) - (2.35619449 * clamp((clamp((4 * (...)), -2, 2) * (1 - (0.125 * (...)))), -1, 1)));
  * relative error at most 1.7e-07. */
-static inline float phase_part_cosine_2_polynomial(float t)
+static inline float phase_fraction_cosine_2_polynomial(float t)
 {
     return 1.0f + (t * (-0.0078124995f + (t * (1.0172464e-05f + (t * (-5.295563e-09f + (t * 1.434358e-12f)))))));
 }
 
-/* turn_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: turn_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
+/* yaw_change_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: yaw_change_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
  * relative error at most 2.1e-07. */
-static inline float turn_sine_polynomial(float t)
+static inline float yaw_change_sine_polynomial(float t)
 {
     return 0.9999999f + (t * -0.16658026f);
 }
 
-/* half_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: half_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
+/* half_yaw_change_sine for clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539) in -0.101002537 .. 0.101002537: half_yaw_change_sine / x, t = x^2, x = clamp((((((...) + (...)) * (1 / (...))) + (((...) + (...)) * (1 / (...)))) / (2.75466335 + (((...) * (...)) + ((...) * (...))))), -0.101002539, 0.101002539);
  * relative error at most 1.1e-07. */
-static inline float half_sine_polynomial(float t)
+static inline float half_yaw_change_sine_polynomial(float t)
 {
     return 0.70710677f + (t * -0.029459648f);
 }
 
-/* f9_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine)) in -0.999171257 .. 0.999171257: t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine));
+/* f9_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in -0.999171257 .. 0.999171257: t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine));
  * relative error at most 1.4e-07. */
 static inline float f9_polynomial(float t)
 {
     return 1.0f + (t * (-0.49999997f + (t * (0.041666426f + (t * (-0.0013882433f + (t * 2.409394e-05f)))))));
 }
 
-/* f10_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine)) in -0.999171257 .. 0.999171257: f10_polynomial / x, t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((2.35619449 * (...)) - (2.35619449 * (...))) * (half_sine * half_sine)) + (((-2.35619449 * (...)) - (2.35619449 * (...))) * turn_sine));
+/* f10_polynomial for clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine)) in -0.999171257 .. 0.999171257: f10_polynomial / x, t = x^2, x = clamp(((((...) + (...)) - ((...) * (...))) * (1 / (0.00992376004 + (...)))), -0.5, 0.5) - ((((...) - (...)) * (half_yaw_change_sine * half_yaw_change_sine)) + (((...) - (...)) * yaw_change_sine));
  * relative error at most 1.2e-07. */
 static inline float f10_polynomial(float t)
 {
@@ -99,7 +99,7 @@ void hall_position_init(hall_position_state_t *state)
     state->estimator_phase_x = 0.0f;
     state->estimator_phase_y = 0.0f;
     state->estimator_yaw = 0.0f;
-    state->estimator_yaw_known = 0.0f;
+    state->estimator_yaw_last_good = 0.0f;
     state->estimator_start_x = 0.0f;
     state->estimator_start_y = 0.0f;
     state->estimator_pitch_x = 0.0f;
@@ -107,21 +107,21 @@ void hall_position_init(hall_position_state_t *state)
     state->estimator_motion_x = 0.0f;
     state->estimator_motion_y = 0.0f;
     state->estimator_motion_yaw = 0.0f;
-    state->estimator_astray = 0u;
+    state->estimator_residual_faults = 0u;
     state->estimator_searching = 1u;
-    state->estimator_certain = 0u;
-    state->estimator_placed = 0u;
-    state->estimator_restarted = 0u;
+    state->estimator_ambiguity_resolved = 0u;
+    state->estimator_acquired = 0u;
+    state->estimator_lock_lost = 0u;
 }
 
 uint32_t hall_position_step(hall_position_state_t *state, const hall_position_input_t *in, hall_position_output_t *out)
 {
-    static const float estimator_field_1 = 2.24906f;            /* V; alpha sin p + beta sin 5p by powers of the sine */
-    static const float estimator_field_3 = 3.60456f;            /* V; alpha sin p + beta sin 5p by powers of the sine */
-    static const float estimator_field_5 = -2.883648f;          /* V; alpha sin p + beta sin 5p by powers of the sine */
-    static const float estimator_slope_0 = 2.24906f;            /* V; derivative of alpha sin p + beta sin 5p by powers of the sine */
-    static const float estimator_slope_2 = 10.81368f;           /* V; derivative of alpha sin p + beta sin 5p by powers of the sine */
-    static const float estimator_slope_4 = -14.41824f;          /* V; derivative of alpha sin p + beta sin 5p by powers of the sine */
+    static const float estimator_field_1 = 2.24906f;            /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_3 = 3.60456f;            /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_field_5 = -2.883648f;          /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
+    static const float estimator_slope_0 = 2.24906f;            /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_2 = 10.81368f;           /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
+    static const float estimator_slope_4 = -14.41824f;          /* V; coefficient of the field's derivative by the phase p, by powers of sin p */
 
     /* guard: range acceptance, hold, latch */
     const float V_ax = in->V_ax;
@@ -186,13 +186,13 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t1 = estimator_yaw + estimator_motion_yaw;
     const float t2 = t1 * t1;
     const float t3 = t1 * f1_polynomial(t2);
-    const float yaw_part_sine = 4.0f * t3;
-    const float yaw_part_cosine = yaw_part_cosine_polynomial(t2);
+    const float yaw_fraction_sine = 4.0f * t3;
+    const float yaw_fraction_cosine = yaw_fraction_cosine_polynomial(t2);
     const float estimator_phase_x = state->estimator_phase_x;
     const float estimator_motion_x = state->estimator_motion_x;
     const float t4 = estimator_phase_x + estimator_motion_x;
-    const float t5 = limit(4.0f * (t3 * yaw_part_cosine), 2.0f);
-    const float t6 = limit(t5 * (1.0f - (0.125f * (yaw_part_sine * yaw_part_sine))), 1.0f);
+    const float t5 = limit(4.0f * (t3 * yaw_fraction_cosine), 2.0f);
+    const float t6 = limit(t5 * (1.0f - (0.125f * (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
     const float t7 = 2.3561945f * t6;
     const float t8 = 1.0f - (0.5f * (t5 * t5));
     const float t9 = 2.3561945f * t8;
@@ -200,8 +200,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t11 = t4 + t10;
     const float t12 = t11 * t11;
     const float t13 = t11 * f3_polynomial(t12);
-    const float phase_part_sine = 8.0f * t13;
-    const float phase_part_cosine = phase_part_cosine_polynomial(t12);
+    const float phase_fraction_sine = 8.0f * t13;
+    const float phase_fraction_cosine = phase_fraction_cosine_polynomial(t12);
     const float estimator_phase_y = state->estimator_phase_y;
     const float estimator_motion_y = state->estimator_motion_y;
     const float t14 = estimator_phase_y + estimator_motion_y;
@@ -209,47 +209,47 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t16 = t14 + t15;
     const float t17 = t16 * t16;
     const float t18 = t16 * f3_polynomial(t17);
-    const float phase_part_sine_2 = 8.0f * t18;
-    const float phase_part_cosine_2 = phase_part_cosine_polynomial(t17);
+    const float phase_fraction_sine_2 = 8.0f * t18;
+    const float phase_fraction_cosine_2 = phase_fraction_cosine_polynomial(t17);
     const float t19 = t9 - t7;
     const float t20 = t4 + t19;
     const float t21 = t20 * t20;
     const float t22 = t20 * f5_polynomial(t21);
-    const float phase_part_sine_3 = 8.0f * t22;
-    const float phase_part_cosine_3 = phase_part_cosine_2_polynomial(t21);
+    const float phase_fraction_sine_3 = 8.0f * t22;
+    const float phase_fraction_cosine_3 = phase_fraction_cosine_2_polynomial(t21);
     const float t23 = t7 + t9;
     const float t24 = t14 + t23;
     const float t25 = t24 * t24;
     const float t26 = t24 * f5_polynomial(t25);
-    const float phase_part_sine_4 = 8.0f * t26;
-    const float phase_part_cosine_4 = phase_part_cosine_2_polynomial(t25);
+    const float phase_fraction_sine_4 = 8.0f * t26;
+    const float phase_fraction_cosine_4 = phase_fraction_cosine_2_polynomial(t25);
     const float t27 = (t8 * V_ax_held) - (t6 * V_ay_held);
-    const float t28 = t13 * phase_part_cosine;
-    const float t29 = limit(8.0f * (t28 * (1.0f - (0.03125f * (phase_part_sine * phase_part_sine)))), 2.0f);
+    const float t28 = t13 * phase_fraction_cosine;
+    const float t29 = limit(8.0f * (t28 * (1.0f - (0.03125f * (phase_fraction_sine * phase_fraction_sine)))), 2.0f);
     const float t30 = 8.0f * t28;
     const float t31 = limit(t29 * (1.0f - (0.125f * (t30 * t30))), 1.0f);
     const float t32 = t31 * t31;
     const float t33 = t31 * (estimator_field_1 + (t32 * (estimator_field_3 + (t32 * estimator_field_5))));
     const float t34 = t27 - t33;
     const float t35 = (t8 * V_bx_held) - (t6 * V_by_held);
-    const float t36 = t22 * phase_part_cosine_3;
-    const float t37 = limit(8.0f * (t36 * (1.0f - (0.03125f * (phase_part_sine_3 * phase_part_sine_3)))), 2.0f);
+    const float t36 = t22 * phase_fraction_cosine_3;
+    const float t37 = limit(8.0f * (t36 * (1.0f - (0.03125f * (phase_fraction_sine_3 * phase_fraction_sine_3)))), 2.0f);
     const float t38 = 8.0f * t36;
     const float t39 = limit(t37 * (1.0f - (0.125f * (t38 * t38))), 1.0f);
     const float t40 = t39 * t39;
     const float t41 = t39 * (estimator_field_1 + (t40 * (estimator_field_3 + (t40 * estimator_field_5))));
     const float t42 = t35 - t41;
     const float t43 = (t6 * V_ax_held) + (t8 * V_ay_held);
-    const float t44 = t18 * phase_part_cosine_2;
-    const float t45 = limit(8.0f * (t44 * (1.0f - (0.03125f * (phase_part_sine_2 * phase_part_sine_2)))), 2.0f);
+    const float t44 = t18 * phase_fraction_cosine_2;
+    const float t45 = limit(8.0f * (t44 * (1.0f - (0.03125f * (phase_fraction_sine_2 * phase_fraction_sine_2)))), 2.0f);
     const float t46 = 8.0f * t44;
     const float t47 = limit(t45 * (1.0f - (0.125f * (t46 * t46))), 1.0f);
     const float t48 = t47 * t47;
     const float t49 = t47 * (estimator_field_1 + (t48 * (estimator_field_3 + (t48 * estimator_field_5))));
     const float t50 = t43 - t49;
     const float t51 = (t6 * V_bx_held) + (t8 * V_by_held);
-    const float t52 = t26 * phase_part_cosine_4;
-    const float t53 = limit(8.0f * (t52 * (1.0f - (0.03125f * (phase_part_sine_4 * phase_part_sine_4)))), 2.0f);
+    const float t52 = t26 * phase_fraction_cosine_4;
+    const float t53 = limit(8.0f * (t52 * (1.0f - (0.03125f * (phase_fraction_sine_4 * phase_fraction_sine_4)))), 2.0f);
     const float t54 = 8.0f * t52;
     const float t55 = limit(t53 * (1.0f - (0.125f * (t54 * t54))), 1.0f);
     const float t56 = t55 * t55;
@@ -276,12 +276,12 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t76 = (((0.00992376f * ((t61 * t61) + (t64 * t64))) + (t65 * t65)) * t66) + (((0.00992376f * ((t69 * t69) + (t72 * t72))) + (t73 * t73)) * t74);
     const float t77 = limit(t75 / (2.7546635f + t76), 0.10100254f);
     const float t78 = t77 * t77;
-    const float turn_sine = t77 * turn_sine_polynomial(t78);
-    const float half_sine = t77 * half_sine_polynomial(t78);
-    const float t79 = half_sine * half_sine;
+    const float yaw_change_sine = t77 * yaw_change_sine_polynomial(t78);
+    const float half_yaw_change_sine = t77 * half_yaw_change_sine_polynomial(t78);
+    const float t79 = half_yaw_change_sine * half_yaw_change_sine;
     const float t80 = 1.0f - t79;
     const float t81 = limit(((t60 * t34) + (t63 * t42) - (((t60 * t61) + (t63 * t64)) * t77)) * t66, 0.5f);
-    const float t82 = (t10 * t79) + (t15 * turn_sine);
+    const float t82 = (t10 * t79) + (t15 * yaw_change_sine);
     const float t83 = t81 - t82;
     const float t84 = t83 * t83;
     const float t85 = f9_polynomial(t84);
@@ -289,8 +289,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t87 = (t31 * t85) + (t59 * t86);
     const float t88 = t87 * t87;
     const float t89 = t87 * (estimator_field_1 + (t88 * (estimator_field_3 + (t88 * estimator_field_5))));
-    const float t90 = (t27 * t80) - (t43 * turn_sine) - t89;
-    const float t91 = (t19 * t79) + (t23 * turn_sine);
+    const float t90 = (t27 * t80) - (t43 * yaw_change_sine) - t89;
+    const float t91 = (t19 * t79) + (t23 * yaw_change_sine);
     const float t92 = t81 - t91;
     const float t93 = t92 * t92;
     const float t94 = f9_polynomial(t93);
@@ -298,9 +298,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t96 = (t39 * t94) + (t62 * t95);
     const float t97 = t96 * t96;
     const float t98 = t96 * (estimator_field_1 + (t97 * (estimator_field_3 + (t97 * estimator_field_5))));
-    const float t99 = (t35 * t80) - (t51 * turn_sine) - t98;
+    const float t99 = (t35 * t80) - (t51 * yaw_change_sine) - t98;
     const float t100 = limit(((t68 * t50) + (t71 * t58) - (((t68 * t69) + (t71 * t72)) * t77)) * t74, 0.5f);
-    const float t101 = (t10 * turn_sine) - (t15 * t79);
+    const float t101 = (t10 * yaw_change_sine) - (t15 * t79);
     const float t102 = t100 + t101;
     const float t103 = t102 * t102;
     const float t104 = f9_polynomial(t103);
@@ -308,8 +308,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t106 = (t47 * t104) + (t67 * t105);
     const float t107 = t106 * t106;
     const float t108 = t106 * (estimator_field_1 + (t107 * (estimator_field_3 + (t107 * estimator_field_5))));
-    const float t109 = (t43 * t80) + (t27 * turn_sine) - t108;
-    const float t110 = (t19 * turn_sine) - (t23 * t79);
+    const float t109 = (t43 * t80) + (t27 * yaw_change_sine) - t108;
+    const float t110 = (t19 * yaw_change_sine) - (t23 * t79);
     const float t111 = t100 + t110;
     const float t112 = t111 * t111;
     const float t113 = f9_polynomial(t112);
@@ -317,7 +317,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t115 = (t55 * t113) + (t70 * t114);
     const float t116 = t115 * t115;
     const float t117 = t115 * (estimator_field_1 + (t116 * (estimator_field_3 + (t116 * estimator_field_5))));
-    const float t118 = (t51 * t80) + (t35 * turn_sine) - t117;
+    const float t118 = (t51 * t80) + (t35 * yaw_change_sine) - t117;
     const float cost_1 = (t90 * t90) + (t99 * t99) + (t109 * t109) + (t118 * t118) + (0.00992376f * ((t81 * t81) + (t100 * t100) + (277.5826f * t78)));
     const bool t119 = cost_1 <= ((1.000002f * cost_0) + 1e-08f);
     const float t120 = ((t59 * t85) - (t31 * t86)) * (estimator_slope_0 + (t88 * (estimator_slope_2 + (t88 * estimator_slope_4))));
@@ -349,14 +349,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float t141 = limit((t119) ? (t77 + ((t127 + t135 - (2.7546635f * t77)) / (2.7546635f + t136))) : (0.5f * (t77 + t137)), 0.10100254f);
     const float t142 = t141 * t141;
-    const float turn_sine_2 = t141 * turn_sine_polynomial(t142);
-    const float half_sine_2 = t141 * half_sine_polynomial(t142);
-    const float t143 = half_sine_2 * half_sine_2;
+    const float yaw_change_sine_2 = t141 * yaw_change_sine_polynomial(t142);
+    const float half_yaw_change_sine_2 = t141 * half_yaw_change_sine_polynomial(t142);
+    const float t143 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
     const float t144 = 1.0f - t143;
     const float t145 = t141 - t77;
     const float t146 = (t119) ? (t81 + (((t120 * t90) + (t122 * t99) - (0.00992376f * t81) - (t124 * t145)) * t126)) : (0.5f * (t81 + t138));
     const float t147 = limit(t146, 0.5f);
-    const float t148 = (t10 * t143) + (t15 * turn_sine_2);
+    const float t148 = (t10 * t143) + (t15 * yaw_change_sine_2);
     const float t149 = t147 - t148;
     const float t150 = t149 * t149;
     const float t151 = f9_polynomial(t150);
@@ -364,8 +364,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t153 = (t31 * t151) + (t59 * t152);
     const float t154 = t153 * t153;
     const float t155 = t153 * (estimator_field_1 + (t154 * (estimator_field_3 + (t154 * estimator_field_5))));
-    const float t156 = (t27 * t144) - (t43 * turn_sine_2) - t155;
-    const float t157 = (t19 * t143) + (t23 * turn_sine_2);
+    const float t156 = (t27 * t144) - (t43 * yaw_change_sine_2) - t155;
+    const float t157 = (t19 * t143) + (t23 * yaw_change_sine_2);
     const float t158 = t147 - t157;
     const float t159 = t158 * t158;
     const float t160 = f9_polynomial(t159);
@@ -373,10 +373,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t162 = (t39 * t160) + (t62 * t161);
     const float t163 = t162 * t162;
     const float t164 = t162 * (estimator_field_1 + (t163 * (estimator_field_3 + (t163 * estimator_field_5))));
-    const float t165 = (t35 * t144) - (t51 * turn_sine_2) - t164;
+    const float t165 = (t35 * t144) - (t51 * yaw_change_sine_2) - t164;
     const float t166 = (t119) ? (t100 + (((t128 * t109) + (t130 * t118) - (0.00992376f * t100) - (t132 * t145)) * t134)) : (0.5f * (t100 + t139));
     const float t167 = limit(t166, 0.5f);
-    const float t168 = (t10 * turn_sine_2) - (t15 * t143);
+    const float t168 = (t10 * yaw_change_sine_2) - (t15 * t143);
     const float t169 = t167 + t168;
     const float t170 = t169 * t169;
     const float t171 = f9_polynomial(t170);
@@ -384,8 +384,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t173 = (t47 * t171) + (t67 * t172);
     const float t174 = t173 * t173;
     const float t175 = t173 * (estimator_field_1 + (t174 * (estimator_field_3 + (t174 * estimator_field_5))));
-    const float t176 = (t43 * t144) + (t27 * turn_sine_2) - t175;
-    const float t177 = (t19 * turn_sine_2) - (t23 * t143);
+    const float t176 = (t43 * t144) + (t27 * yaw_change_sine_2) - t175;
+    const float t177 = (t19 * yaw_change_sine_2) - (t23 * t143);
     const float t178 = t167 + t177;
     const float t179 = t178 * t178;
     const float t180 = f9_polynomial(t179);
@@ -393,7 +393,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t182 = (t55 * t180) + (t70 * t181);
     const float t183 = t182 * t182;
     const float t184 = t182 * (estimator_field_1 + (t183 * (estimator_field_3 + (t183 * estimator_field_5))));
-    const float t185 = (t51 * t144) + (t35 * turn_sine_2) - t184;
+    const float t185 = (t51 * t144) + (t35 * yaw_change_sine_2) - t184;
     const float cost_2 = (t156 * t156) + (t165 * t165) + (t176 * t176) + (t185 * t185) + (0.00992376f * ((t147 * t147) + (t167 * t167) + (277.5826f * t142)));
     const bool t186 = cost_2 <= ((1.000002f * t140) + 1e-08f);
     const float t187 = ((t59 * t151) - (t31 * t152)) * (estimator_slope_0 + (t154 * (estimator_slope_2 + (t154 * estimator_slope_4))));
@@ -425,14 +425,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float t208 = limit((t186) ? (t141 + ((t194 + t202 - (2.7546635f * t141)) / (2.7546635f + t203))) : (0.5f * (t141 + t204)), 0.10100254f);
     const float t209 = t208 * t208;
-    const float turn_sine_3 = t208 * turn_sine_polynomial(t209);
-    const float half_sine_3 = t208 * half_sine_polynomial(t209);
-    const float t210 = half_sine_3 * half_sine_3;
+    const float yaw_change_sine_3 = t208 * yaw_change_sine_polynomial(t209);
+    const float half_yaw_change_sine_3 = t208 * half_yaw_change_sine_polynomial(t209);
+    const float t210 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
     const float t211 = 1.0f - t210;
     const float t212 = t208 - t141;
     const float t213 = (t186) ? (t147 + (((t187 * t156) + (t189 * t165) - (0.00992376f * t147) - (t191 * t212)) * t193)) : (0.5f * (t147 + t205));
     const float t214 = limit(t213, 0.5f);
-    const float t215 = (t10 * t210) + (t15 * turn_sine_3);
+    const float t215 = (t10 * t210) + (t15 * yaw_change_sine_3);
     const float t216 = t214 - t215;
     const float t217 = t216 * t216;
     const float t218 = f9_polynomial(t217);
@@ -440,8 +440,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t220 = (t31 * t218) + (t59 * t219);
     const float t221 = t220 * t220;
     const float t222 = t220 * (estimator_field_1 + (t221 * (estimator_field_3 + (t221 * estimator_field_5))));
-    const float t223 = (t27 * t211) - (t43 * turn_sine_3) - t222;
-    const float t224 = (t19 * t210) + (t23 * turn_sine_3);
+    const float t223 = (t27 * t211) - (t43 * yaw_change_sine_3) - t222;
+    const float t224 = (t19 * t210) + (t23 * yaw_change_sine_3);
     const float t225 = t214 - t224;
     const float t226 = t225 * t225;
     const float t227 = f9_polynomial(t226);
@@ -449,10 +449,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t229 = (t39 * t227) + (t62 * t228);
     const float t230 = t229 * t229;
     const float t231 = t229 * (estimator_field_1 + (t230 * (estimator_field_3 + (t230 * estimator_field_5))));
-    const float t232 = (t35 * t211) - (t51 * turn_sine_3) - t231;
+    const float t232 = (t35 * t211) - (t51 * yaw_change_sine_3) - t231;
     const float t233 = (t186) ? (t167 + (((t195 * t176) + (t197 * t185) - (0.00992376f * t167) - (t199 * t212)) * t201)) : (0.5f * (t167 + t206));
     const float t234 = limit(t233, 0.5f);
-    const float t235 = (t10 * turn_sine_3) - (t15 * t210);
+    const float t235 = (t10 * yaw_change_sine_3) - (t15 * t210);
     const float t236 = t234 + t235;
     const float t237 = t236 * t236;
     const float t238 = f9_polynomial(t237);
@@ -460,8 +460,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t240 = (t47 * t238) + (t67 * t239);
     const float t241 = t240 * t240;
     const float t242 = t240 * (estimator_field_1 + (t241 * (estimator_field_3 + (t241 * estimator_field_5))));
-    const float t243 = (t43 * t211) + (t27 * turn_sine_3) - t242;
-    const float t244 = (t19 * turn_sine_3) - (t23 * t210);
+    const float t243 = (t43 * t211) + (t27 * yaw_change_sine_3) - t242;
+    const float t244 = (t19 * yaw_change_sine_3) - (t23 * t210);
     const float t245 = t234 + t244;
     const float t246 = t245 * t245;
     const float t247 = f9_polynomial(t246);
@@ -469,7 +469,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t249 = (t55 * t247) + (t70 * t248);
     const float t250 = t249 * t249;
     const float t251 = t249 * (estimator_field_1 + (t250 * (estimator_field_3 + (t250 * estimator_field_5))));
-    const float t252 = (t51 * t211) + (t35 * turn_sine_3) - t251;
+    const float t252 = (t51 * t211) + (t35 * yaw_change_sine_3) - t251;
     const float cost_3 = (t223 * t223) + (t232 * t232) + (t243 * t243) + (t252 * t252) + (0.00992376f * ((t214 * t214) + (t234 * t234) + (277.5826f * t209)));
     const bool t253 = cost_3 <= ((1.000002f * t207) + 1e-08f);
     const float t254 = ((t59 * t218) - (t31 * t219)) * (estimator_slope_0 + (t221 * (estimator_slope_2 + (t221 * estimator_slope_4))));
@@ -501,14 +501,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     }
     const float t275 = limit((t253) ? (t208 + ((t261 + t269 - (2.7546635f * t208)) / (2.7546635f + t270))) : (0.5f * (t208 + t271)), 0.10100254f);
     const float t276 = t275 * t275;
-    const float turn_sine_4 = t275 * turn_sine_polynomial(t276);
-    const float half_sine_4 = t275 * half_sine_polynomial(t276);
-    const float t277 = half_sine_4 * half_sine_4;
+    const float yaw_change_sine_4 = t275 * yaw_change_sine_polynomial(t276);
+    const float half_yaw_change_sine_4 = t275 * half_yaw_change_sine_polynomial(t276);
+    const float t277 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
     const float t278 = 1.0f - t277;
     const float t279 = t275 - t208;
     const float t280 = (t253) ? (t214 + (((t254 * t223) + (t256 * t232) - (0.00992376f * t214) - (t258 * t279)) * t260)) : (0.5f * (t214 + t272));
     const float t281 = limit(t280, 0.5f);
-    const float t282 = (t10 * t277) + (t15 * turn_sine_4);
+    const float t282 = (t10 * t277) + (t15 * yaw_change_sine_4);
     const float t283 = t281 - t282;
     const float t284 = t283 * t283;
     const float t285 = f9_polynomial(t284);
@@ -516,8 +516,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t287 = (t31 * t285) + (t59 * t286);
     const float t288 = t287 * t287;
     const float t289 = t287 * (estimator_field_1 + (t288 * (estimator_field_3 + (t288 * estimator_field_5))));
-    const float t290 = (t27 * t278) - (t43 * turn_sine_4) - t289;
-    const float t291 = (t19 * t277) + (t23 * turn_sine_4);
+    const float t290 = (t27 * t278) - (t43 * yaw_change_sine_4) - t289;
+    const float t291 = (t19 * t277) + (t23 * yaw_change_sine_4);
     const float t292 = t281 - t291;
     const float t293 = t292 * t292;
     const float t294 = f9_polynomial(t293);
@@ -525,10 +525,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t296 = (t39 * t294) + (t62 * t295);
     const float t297 = t296 * t296;
     const float t298 = t296 * (estimator_field_1 + (t297 * (estimator_field_3 + (t297 * estimator_field_5))));
-    const float t299 = (t35 * t278) - (t51 * turn_sine_4) - t298;
+    const float t299 = (t35 * t278) - (t51 * yaw_change_sine_4) - t298;
     const float t300 = (t253) ? (t234 + (((t262 * t243) + (t264 * t252) - (0.00992376f * t234) - (t266 * t279)) * t268)) : (0.5f * (t234 + t273));
     const float t301 = limit(t300, 0.5f);
-    const float t302 = (t10 * turn_sine_4) - (t15 * t277);
+    const float t302 = (t10 * yaw_change_sine_4) - (t15 * t277);
     const float t303 = t301 + t302;
     const float t304 = t303 * t303;
     const float t305 = f9_polynomial(t304);
@@ -536,8 +536,8 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t307 = (t47 * t305) + (t67 * t306);
     const float t308 = t307 * t307;
     const float t309 = t307 * (estimator_field_1 + (t308 * (estimator_field_3 + (t308 * estimator_field_5))));
-    const float t310 = (t43 * t278) + (t27 * turn_sine_4) - t309;
-    const float t311 = (t19 * turn_sine_4) - (t23 * t277);
+    const float t310 = (t43 * t278) + (t27 * yaw_change_sine_4) - t309;
+    const float t311 = (t19 * yaw_change_sine_4) - (t23 * t277);
     const float t312 = t301 + t311;
     const float t313 = t312 * t312;
     const float t314 = f9_polynomial(t313);
@@ -545,11 +545,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float t316 = (t55 * t314) + (t70 * t315);
     const float t317 = t316 * t316;
     const float t318 = t316 * (estimator_field_1 + (t317 * (estimator_field_3 + (t317 * estimator_field_5))));
-    const float t319 = (t51 * t278) + (t35 * turn_sine_4) - t318;
+    const float t319 = (t51 * t278) + (t35 * yaw_change_sine_4) - t318;
     const float t320 = (t290 * t290) + (t299 * t299) + (t310 * t310) + (t319 * t319);
     const float t321 = (t281 * t281) + (t301 * t301);
     const float cost_4 = t320 + (0.00992376f * (t321 + (277.5826f * t276)));
-    const uint32_t estimator_certain = state->estimator_certain;
+    const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const bool t322 = 0.0009069143f < (t321 + (11.103305f * t276));
     const uint32_t estimator_searching = state->estimator_searching;
     const bool t323 = cost_4 <= ((1.000002f * t274) + 1e-08f);
@@ -595,9 +595,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             t347 = t273;
         }
     }
-    const float estimator_yaw_known = state->estimator_yaw_known;
-    const bool t350 = fabsf(t1 + t345 - estimator_yaw_known) <= 0.08726646f;
-    const bool t351 = (0.01f < t320) || ((estimator_certain != 0u) ? t322 : ((estimator_searching != 0u) && !t350));
+    const float estimator_yaw_last_good = state->estimator_yaw_last_good;
+    const bool t350 = fabsf(t1 + t345 - estimator_yaw_last_good) <= 0.08726646f;
+    const bool t351 = (0.01f < t320) || ((estimator_ambiguity_resolved != 0u) ? t322 : ((estimator_searching != 0u) && !t350));
     const bool t352 = !(estimator_searching != 0u);
     float t353 = 0.0f;
     float t354 = 0.0f;
@@ -682,11 +682,11 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool t380 = (1.0f != 0.0f) && (fabsf(t364) <= 8.0f) && (fabsf(t370) <= 8.0f);
     const float t381 = fabsf(yaw);
     const bool t382 = t380 && (t381 <= 0.04363323f);
-    const bool t383 = (t379 && t350 && t352 && (t378 <= 0.403073f) && complete && t382) || ((estimator_certain != 0u) && !damped);
-    const uint32_t estimator_restarted = state->estimator_restarted;
-    const bool valid = t379 && t383 && !(estimator_restarted != 0u) && t382 && complete;
-    const uint32_t estimator_astray = state->estimator_astray;
-    const bool t384 = 4u <= estimator_astray;
+    const bool t383 = (t379 && t350 && t352 && (t378 <= 0.403073f) && complete && t382) || ((estimator_ambiguity_resolved != 0u) && !damped);
+    const uint32_t estimator_lock_lost = state->estimator_lock_lost;
+    const bool valid = t379 && t383 && !(estimator_lock_lost != 0u) && t382 && complete;
+    const uint32_t estimator_residual_faults = state->estimator_residual_faults;
+    const bool t384 = 4u <= estimator_residual_faults;
     const bool t385 = t351 && t384;
     const bool t386 = !t351;
     if (t385) {
@@ -710,9 +710,9 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
             state->estimator_phase_y = t389;
             state->estimator_start_y = t389;
         }
-        state->estimator_yaw = estimator_yaw_known;
+        state->estimator_yaw = estimator_yaw_last_good;
         state->estimator_searching = 1u;
-        state->estimator_certain = 0u;
+        state->estimator_ambiguity_resolved = 0u;
     } else {
         state->estimator_phase_x = t362;
         state->estimator_phase_y = t368;
@@ -720,10 +720,10 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         if (converged && t386) {
             state->estimator_searching = 0u;
         }
-        state->estimator_certain = flag(t383);
+        state->estimator_ambiguity_resolved = flag(t383);
     }
     if (t383 && t386) {
-        state->estimator_yaw_known = yaw;
+        state->estimator_yaw_last_good = yaw;
     }
     const float estimator_pitch_x_next = limit(t364, 8.0f);
     state->estimator_pitch_x = estimator_pitch_x_next;
@@ -743,15 +743,15 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_motion_y = estimator_motion_y_next;
     const float estimator_motion_yaw_next = limit(t393, 0.10100254f);
     state->estimator_motion_yaw = estimator_motion_yaw_next;
-    const uint32_t estimator_astray_next = (t351) ? ((t384) ? 0u : (estimator_astray + 1u)) : 0u;
-    state->estimator_astray = estimator_astray_next;
-    const uint32_t estimator_placed = state->estimator_placed;
-    const bool estimator_placed_next = t383 || (estimator_placed != 0u);
-    state->estimator_placed = flag(estimator_placed_next);
-    const bool estimator_restarted_next = (estimator_restarted != 0u) || ((estimator_placed != 0u) && (t385 || !t380 || (((t383) ? 0.04363323f : 0.08726646f) < t381)));
-    state->estimator_restarted = flag(estimator_restarted_next);
+    const uint32_t estimator_residual_faults_next = (t351) ? ((t384) ? 0u : (estimator_residual_faults + 1u)) : 0u;
+    state->estimator_residual_faults = estimator_residual_faults_next;
+    const uint32_t estimator_acquired = state->estimator_acquired;
+    const bool estimator_acquired_next = t383 || (estimator_acquired != 0u);
+    state->estimator_acquired = flag(estimator_acquired_next);
+    const bool estimator_lock_lost_next = (estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (t385 || !t380 || (((t383) ? 0.04363323f : 0.08726646f) < t381)));
+    state->estimator_lock_lost = flag(estimator_lock_lost_next);
     out->valid = valid ? 1.0f : 0.0f;
-    out->restarted = (float)estimator_restarted;
+    out->lock_lost = (float)estimator_lock_lost;
 
     return faults;
 }

@@ -5,27 +5,27 @@
 #include <stdint.h>
 
 typedef struct {
-    float V_ax;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_ay;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_bx;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_by;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_cx;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_cy;                         /* V, -5 .. 5: Hall sensor and axis */
+    float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
+    float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
+    float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
+    float V_by;                         /* V, -5 .. 5: Hall sensor b, axis y */
+    float V_cx;                         /* V, -5 .. 5: Hall sensor c, axis x */
+    float V_cy;                         /* V, -5 .. 5: Hall sensor c, axis y */
 } hall_position_three_input_t;
 
 typedef struct {
-    float X;                            /* m, -0.518092 .. 0.518092: of the body's origin over the matrix */
-    float Y;                            /* m, -0.518092 .. 0.518092: of the body's origin over the matrix */
-    float yaw;                          /* rad, -3.14159 .. 3.14159: of the body over the matrix */
-    float deviation_X;                  /* m, 0 .. 10000: standard deviation by the noise of the voltages */
-    float deviation_Y;                  /* m, 0 .. 10000: standard deviation by the noise of the voltages */
-    float deviation_yaw;                /* rad, 0 .. 1: standard deviation by the noise of the voltages */
-    float residual;                     /* V, 0 .. 1000: root mean square by degrees of freedom */
-    float converged;                    /* 1, 0 .. 1: the last correction is small, and none has raised the cost */
-    float damped;                       /* 1, 0 .. 1: the voltages do not tell all of the position */
-    float valid;                        /* 1, 0 .. 1: converged, place certain and never lost, not damped, astray or sudden, inputs accepted */
-    float restarted;                    /* 1, 0 .. 1: its place has been lost, or left what is declared: pitches are not known, and nothing is valid until init */
-    float without;                      /* 1, 0 .. 3: number of the sensor that is left out */
+    float X;                            /* m, -0.518092 .. 0.518092: position of the body's origin along X of the magnet matrix */
+    float Y;                            /* m, -0.518092 .. 0.518092: position of the body's origin along Y of the magnet matrix */
+    float yaw;                          /* rad, -3.14159 .. 3.14159: yaw of the body relative to the magnet matrix */
+    float deviation_X;                  /* m, 0 .. 10000: standard deviation of X from the voltages' noise */
+    float deviation_Y;                  /* m, 0 .. 10000: standard deviation of Y from the voltages' noise */
+    float deviation_yaw;                /* rad, 0 .. 1: standard deviation of yaw from the voltages' noise */
+    float residual;                     /* V, 0 .. 1000: rms of the voltage residuals, by degrees of freedom */
+    float converged;                    /* 1, 0 .. 1: the last correction is small, and no correction raised the cost */
+    float damped;                       /* 1, 0 .. 1: the voltages alone do not determine the pose: the prior decides a part of it */
+    float valid;                        /* 1, 0 .. 1: converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, inputs accepted */
+    float lock_lost;                    /* 1, 0 .. 1: position lock lost, or pitches or yaw out of range: nothing is valid until init */
+    float excluded_sensor;              /* 1, 0 .. 3: number of the sensor excluded as failed, 0 for none */
 } hall_position_three_output_t;
 
 typedef struct {
@@ -38,23 +38,23 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float estimator_phase_x;            /* rad, -3.14159 .. 3.14159: of the sensors' centre in its pitch */
-    float estimator_phase_y;            /* rad, -3.14159 .. 3.14159: of the sensors' centre in its pitch */
-    float estimator_yaw;                /* rad, -3.14159 .. 3.14159: of the last sample */
-    float estimator_yaw_known;          /* rad, -3.14159 .. 3.14159: of the last sample whose place was certain */
-    float estimator_start_x;            /* rad, -3.14159 .. 3.14159: phase with which the last search began */
-    float estimator_start_y;            /* rad, -3.14159 .. 3.14159: phase with which the last search began */
-    float estimator_pitch_x;            /* 1, -8 .. 8: whole pitches to the one of the sensors' centre */
-    float estimator_pitch_y;            /* 1, -8 .. 8: whole pitches to the one of the sensors' centre */
-    float estimator_motion_x;           /* rad, -0.5 .. 0.5: of the phase, expected in a sample */
-    float estimator_motion_y;           /* rad, -0.5 .. 0.5: of the phase, expected in a sample */
-    float estimator_motion_yaw;         /* rad, -0.140221 .. 0.140221: expected in a sample */
-    uint32_t estimator_astray;          /* 1, 0 .. 5: samples in a row with large residuals */
-    uint32_t estimator_searching;       /* 1, 0 .. 1: its place is not known */
-    uint32_t estimator_certain;         /* 1, 0 .. 1: no other place has the same voltages */
-    uint32_t estimator_placed;          /* 1, 0 .. 1: its place has been certain */
-    uint32_t estimator_restarted;       /* 1, 0 .. 1: it has looked for its place again */
-    uint32_t estimator_without;         /* 1, 0 .. 3: number of the sensor that is left out */
+    float estimator_phase_x;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along x, within its pitch */
+    float estimator_phase_y;            /* rad, -3.14159 .. 3.14159: phase of the sensors' centre along y, within its pitch */
+    float estimator_yaw;                /* rad, -3.14159 .. 3.14159: yaw of the last sample */
+    float estimator_yaw_last_good;      /* rad, -3.14159 .. 3.14159: yaw of the last sample with the ambiguity resolved */
+    float estimator_start_x;            /* rad, -3.14159 .. 3.14159: phase along x at which the last search started */
+    float estimator_start_y;            /* rad, -3.14159 .. 3.14159: phase along y at which the last search started */
+    float estimator_pitch_x;            /* 1, -8 .. 8: number of whole pitches along x, from the middle one */
+    float estimator_pitch_y;            /* 1, -8 .. 8: number of whole pitches along y, from the middle one */
+    float estimator_motion_x;           /* rad, -0.5 .. 0.5: predicted change of phase per sample */
+    float estimator_motion_y;           /* rad, -0.5 .. 0.5: predicted change of phase per sample */
+    float estimator_motion_yaw;         /* rad, -0.140221 .. 0.140221: predicted change of yaw per sample */
+    uint32_t estimator_residual_faults; /* 1, 0 .. 5: consecutive samples with a residual fault */
+    uint32_t estimator_searching;       /* 1, 0 .. 1: position lock is being searched */
+    uint32_t estimator_ambiguity_resolved;/* 1, 0 .. 1: no other position has the same voltages */
+    uint32_t estimator_acquired;        /* 1, 0 .. 1: position lock has been acquired since init */
+    uint32_t estimator_lock_lost;       /* 1, 0 .. 1: position lock has been lost since it was acquired */
+    uint32_t estimator_excluded_sensor; /* 1, 0 .. 3: number of the sensor excluded as failed, 0 for none */
 } hall_position_three_state_t;
 
 /* The layout is the same on every target. */

@@ -32,30 +32,30 @@ static inline float theta_polynomial(float t)
     return 1.2594458f + (t * 0.33307245f);
 }
 
-/* thrust_1 for 1.53083199e-06 / (y1_held + 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05: t = 1.53083199e-06 / (y1_held + 0.00923333333) - 4.19616699e-05;
+/* thrust_per_ampere_1 for 1.53083199e-06 / (y1_held + 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05: t = 1.53083199e-06 / (y1_held + 0.00923333333) - 4.19616699e-05;
  * relative error at most 1.7e-07. */
-static inline float thrust_1_polynomial(float t)
+static inline float thrust_per_ampere_1_polynomial(float t)
 {
     return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f + (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
 }
 
-/* pull_1 for 1.53083199e-06 / (y1_held + 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05: t = 1.53083199e-06 / (y1_held + 0.00923333333) - 4.19616699e-05;
+/* half_a_over_h2_1 for 1.53083199e-06 / (y1_held + 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05: t = 1.53083199e-06 / (y1_held + 0.00923333333) - 4.19616699e-05;
  * relative error at most 2.8e-07. */
-static inline float pull_1_polynomial(float t)
+static inline float half_a_over_h2_1_polynomial(float t)
 {
     return 0.082106546f + (t * (372.6345f + (t * (2.9113838e+06f + (t * (2.5398596e+10f + (t * 2.6154908e+14f)))))));
 }
 
-/* thrust_2 for 1.53083199e-06 / (y2_held + 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05: t = (1.53083199e-06 / (y2_held + 0.00923333333) - 3.43322754e-05) * 16384;
+/* thrust_per_ampere_2 for 1.53083199e-06 / (y2_held + 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05: t = (1.53083199e-06 / (y2_held + 0.00923333333) - 3.43322754e-05) * 16384;
  * relative error at most 2.9e-07. */
-static inline float thrust_2_polynomial(float t)
+static inline float thrust_per_ampere_2_polynomial(float t)
 {
     return 7.0962987f + (t * (30.470612f + (t * (12.132695f + (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
 }
 
-/* pull_2 for 1.53083199e-06 / (y2_held + 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05: t = (1.53083199e-06 / (y2_held + 0.00923333333) - 3.43322754e-05) * 16384;
+/* half_a_over_h2_2 for 1.53083199e-06 / (y2_held + 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05: t = (1.53083199e-06 / (y2_held + 0.00923333333) - 3.43322754e-05) * 16384;
  * relative error at most 3.3e-07. */
-static inline float pull_2_polynomial(float t)
+static inline float half_a_over_h2_2_polynomial(float t)
 {
     return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
@@ -308,14 +308,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* kinematics: F(5) inverted */
+        /* kinematics: pose from the gaps, F(5) */
         const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
         const float t7 = y3_held - y1_held;
         const float phi = t7 * phi_polynomial(t7 * t7);
         const float t8 = y2_held - y4_held;
         const float theta = t8 * theta_polynomial(t8 * t8);
 
-        /* errors: F(14) e */
+        /* errors: tracking errors, F(14) */
         const float e_y = y - y_ref_held;
         const float filter_y_q_prev = state->filter_y_q_prev;
         state->filter_y_q_prev = e_y;
@@ -455,47 +455,47 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->regulator_theta_q1 = regulator_theta_q1_next;
         }
 
-        /* decoupling: F(8), F(12), limits */
+        /* decoupling: direct and thrust currents, F(8), F(12) */
         const float t19 = 1.530832e-06f / (y1_held + 0.009233333f);
         const float t20 = t19 - 4.196167e-05f;
-        const float thrust_1 = thrust_1_polynomial(t20);
-        const float pull_1 = pull_1_polynomial(t20);
-        const float t21 = thrust_1 * thrust_1;
-        const float half_a_1 = t21 * pull_1;
+        const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(t20);
+        const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(t20);
+        const float t21 = thrust_per_ampere_1 * thrust_per_ampere_1;
+        const float half_a_1 = t21 * half_a_over_h2_1;
         const float half_c_1 = t21 * (0.0007232277f + t19);
         const float t22 = safe_output_last_u_z * safe_output_last_u_z;
         const float half_load_1 = half_a_1 + (half_c_1 * (t22 + (safe_output_last_i_d1 * safe_output_last_i_d1)));
         const float inverse_b_1 = 1.0f / sqrtf(t21 + (16.0f * (half_a_1 * half_c_1)));
         const float t23 = 1.530832e-06f / (y2_held + 0.009233333f);
         const float t24 = 16384.0f * (t23 - 3.4332275e-05f);
-        const float thrust_2 = thrust_2_polynomial(t24);
-        const float pull_2 = pull_2_polynomial(t24);
-        const float t25 = thrust_2 * thrust_2;
-        const float half_a_2 = t25 * pull_2;
+        const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(t24);
+        const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(t24);
+        const float t25 = thrust_per_ampere_2 * thrust_per_ampere_2;
+        const float half_a_2 = t25 * half_a_over_h2_2;
         const float half_c_2 = t25 * (0.0007232277f + t23);
         const float t26 = safe_output_last_u_x * safe_output_last_u_x;
         const float half_load_2 = half_a_2 + (half_c_2 * (t26 + (safe_output_last_i_d2 * safe_output_last_i_d2)));
         const float inverse_b_2 = 1.0f / sqrtf(t25 + (16.0f * (half_a_2 * half_c_2)));
         const float t27 = 1.530832e-06f / (y3_held + 0.009233333f);
         const float t28 = t27 - 4.196167e-05f;
-        const float thrust_3 = thrust_1_polynomial(t28);
-        const float pull_3 = pull_1_polynomial(t28);
-        const float t29 = thrust_3 * thrust_3;
-        const float half_a_3 = t29 * pull_3;
+        const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(t28);
+        const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(t28);
+        const float t29 = thrust_per_ampere_3 * thrust_per_ampere_3;
+        const float half_a_3 = t29 * half_a_over_h2_3;
         const float half_c_3 = t29 * (0.0007232277f + t27);
         const float half_load_3 = half_a_3 + (half_c_3 * (t22 + (safe_output_last_i_d3 * safe_output_last_i_d3)));
         const float inverse_b_3 = 1.0f / sqrtf(t29 + (16.0f * (half_a_3 * half_c_3)));
         const float t30 = 1.530832e-06f / (y4_held + 0.009233333f);
         const float t31 = 16384.0f * (t30 - 3.4332275e-05f);
-        const float thrust_4 = thrust_2_polynomial(t31);
-        const float pull_4 = pull_2_polynomial(t31);
-        const float t32 = thrust_4 * thrust_4;
-        const float half_a_4 = t32 * pull_4;
+        const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(t31);
+        const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(t31);
+        const float t32 = thrust_per_ampere_4 * thrust_per_ampere_4;
+        const float half_a_4 = t32 * half_a_over_h2_4;
         const float half_c_4 = t32 * (0.0007232277f + t30);
         const float half_load_4 = half_a_4 + (half_c_4 * (t26 + (safe_output_last_i_d4 * safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(t32 + (16.0f * (half_a_4 * half_c_4)));
-        const float u_x_demand = -10.6f * w_x / (thrust_2 + thrust_4);
-        const float u_z_demand = -8.6f * w_z / (thrust_1 + thrust_3);
+        const float u_x_demand = -10.6f * w_x / (thrust_per_ampere_2 + thrust_per_ampere_4);
+        const float u_z_demand = -8.6f * w_z / (thrust_per_ampere_1 + thrust_per_ampere_3);
         const float t33 = inverse_b_2 + inverse_b_4;
         const float t34 = (3.45f * (w_y - 9.81f)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
         const float t35 = (0.66347605f * (w_theta + (2850.0f * theta))) + (half_load_2 - half_load_4);
@@ -538,7 +538,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->regulator_x_q1 = regulator_x_q1_next;
         }
 
-        /* decoupling: F(8), F(12), limits */
+        /* decoupling: direct and thrust currents, F(8), F(12) */
         const float excess_z = u_z_computed - u_z_demand;
 
         /* regulator_z: F(14)-(17) */

@@ -107,7 +107,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         faults |= 0x00000200u;
     }
 
-    /* commutation: inverse Park */
+    /* commutation: phase currents, inverse Park */
     const float t1 = (54.971f * z_held) + 1.5707964f;
     const float t2 = cosf(t1);
     const float t3 = sinf(t1);

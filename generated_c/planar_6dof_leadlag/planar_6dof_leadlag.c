@@ -32,9 +32,9 @@ static inline float f2_polynomial(float t)
     return 0.99999994f + (t * -0.16661468f);
 }
 
-/* quarter_sine_back for distance_back in -0.0272707082 .. 0.0272707082: quarter_sine_back / x, t = x^2, x = distance_back;
+/* quarter_sine_rear for distance_rear in -0.0272707082 .. 0.0272707082: quarter_sine_rear / x, t = x^2, x = distance_rear;
  * relative error at most 2.5e-06. */
-static inline float quarter_sine_back_polynomial(float t)
+static inline float quarter_sine_rear_polynomial(float t)
 {
     return 30.921116f + (t * (-4925.7046f + (t * 229584.3f)));
 }
@@ -74,8 +74,8 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     state->guard_left = 5u;
     state->guard_latched = 0u;
     state->guard_ready = 0u;
-    state->sensing_doubt = 0u;
-    state->sensing_named = 0u;
+    state->sensing_contradiction_left = 0u;
+    state->sensing_contradiction_confirmed = 0u;
     state->sensing_first_m_x = 0.0f;
     state->sensing_first_m_y = 0.0f;
     state->sensing_first_r_1 = 0.0f;
@@ -97,17 +97,17 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     state->filter_phi_s = 0.0f;
     state->filter_phi_h = 0.0f;
     state->loop_x_integral = 0.0f;
-    state->loop_x_lag = 0.0f;
+    state->loop_x_lead = 0.0f;
     state->loop_y_integral = 0.0f;
-    state->loop_y_lag = 0.0f;
+    state->loop_y_lead = 0.0f;
     state->loop_phi_integral = 0.0f;
-    state->loop_phi_lag = 0.0f;
+    state->loop_phi_lead = 0.0f;
     state->loop_z_integral = 0.0f;
-    state->loop_z_lag = 0.0f;
+    state->loop_z_lead = 0.0f;
     state->loop_theta_integral = 0.0f;
-    state->loop_theta_lag = 0.0f;
+    state->loop_theta_lead = 0.0f;
     state->loop_psi_integral = 0.0f;
-    state->loop_psi_lag = 0.0f;
+    state->loop_psi_lead = 0.0f;
     state->safe_output_last_i_AA = 0.0f;
     state->safe_output_last_i_AB = 0.0f;
     state->safe_output_last_i_AC = 0.0f;
@@ -127,16 +127,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
-    static const float sensing_position_1 = 0.009938624f;       /* m; position in the calculated field */
-    static const float sensing_position_3 = -0.0075761457f;     /* m; position in the calculated field */
-    static const float sensing_position_5 = 0.0061684945f;      /* m; position in the calculated field */
-    static const float sensing_position_7 = -0.0021809724f;     /* m; position in the calculated field */
-    static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; slope in the calculated field */
-    static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; slope in the calculated field */
-    static const float sensing_power_0 = 7.7654033f;            /* V^2; power in the calculated field */
-    static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; power in the calculated field */
-    static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; power in the calculated field */
-    static const float sensing_third = 0.02322072f;             /* 1/V^2; 2 W / A^2 */
+    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
+    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
+    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
+    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
+    static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; fit of the slope in the calculated field */
+    static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; fit of the slope in the calculated field */
+    static const float sensing_power_0 = 7.7654033f;            /* V^2; fit of the power in the calculated field */
+    static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
+    static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
+    static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
     static const float filter_x_k_p = 0.110377386f;             /* 1; (16), steady: gain on the position, in units of position */
     static const float filter_x_k_s = 0.006452916f;             /* 1; (16), steady: gain on the velocity, in units of position */
     static const float filter_x_k_h = 9.431981e-05f;            /* 1; (16), steady: gain on the acceleration, in units of position */
@@ -146,35 +146,35 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float filter_phi_k_p = 0.30911008f;            /* 1; (16), steady: gain on the position, in units of position */
     static const float filter_phi_k_s = 0.05698819f;            /* 1; (16), steady: gain on the velocity, in units of position */
     static const float filter_phi_k_h = 0.0026284785f;          /* 1; (16), steady: gain on the acceleration, in units of position */
-    static const float loop_x_direct = 2515.072f;               /* A/m; (21): gain of the error */
-    static const float loop_x_into_lag = -1799.755f;            /* A/m; (21): gain times pole less zero */
-    static const float loop_x_pole = 0.2753623f;                /* 1; (21): pole in z */
-    static const float loop_x_reset = 0.9900498f;               /* 1; (21): zero of the integrator in z */
-    static const float loop_x_driven = 0.0099502485f;           /* 1; (21): 1 less that */
-    static const float loop_y_direct = 2515.072f;               /* A/m; (21): gain of the error */
-    static const float loop_y_into_lag = -1799.755f;            /* A/m; (21): gain times pole less zero */
-    static const float loop_y_pole = 0.2753623f;                /* 1; (21): pole in z */
-    static const float loop_y_reset = 0.9900498f;               /* 1; (21): zero of the integrator in z */
-    static const float loop_y_driven = 0.0099502485f;           /* 1; (21): 1 less that */
-    static const float loop_phi_direct = 312.6659f;             /* A/rad; (22): gain of the error */
-    static const float loop_phi_into_lag = -223.97475f;         /* A/rad; (22): gain times pole less zero */
-    static const float loop_phi_pole = 0.2753623f;              /* 1; (22): pole in z */
-    static const float loop_phi_reset = 0.9900498f;             /* 1; (22): zero of the integrator in z */
-    static const float loop_phi_driven = 0.0099502485f;         /* 1; (22): 1 less that */
-    static const float loop_z_direct = 4962.6665f;              /* A/m; (23): gain of the error */
-    static const float loop_z_into_lag = -4476.951f;            /* A/m; (23): gain times pole less zero */
-    static const float loop_z_reset = 0.9900498f;               /* 1; (23): zero of the integrator in z */
-    static const float loop_theta_direct = 528.30865f;          /* A/rad; (24): gain of the error */
-    static const float loop_theta_into_lag = -487.64932f;       /* A/rad; (24): gain times pole less zero */
-    static const float loop_theta_reset = 0.9900498f;           /* 1; (24): zero of the integrator in z */
-    static const float loop_theta_driven = 0.0099502485f;       /* 1; (24): 1 less that */
-    static const float loop_psi_direct = 581.13947f;            /* A/rad; (25): gain of the error */
-    static const float loop_psi_into_lag = -536.41425f;         /* A/rad; (25): gain times pole less zero */
-    static const float loop_psi_reset = 0.9900498f;             /* 1; (25): zero of the integrator in z */
-    static const float allocation_part = 0.33333334f;           /* 1; Table 3: c/(2 (b + c)) */
-    static const float allocation_front_part = 0.16666667f;     /* 1; Table 3: b/(2 (b + c)) */
-    static const float loop_z_driven_x_allocation_part = 0.0033167496f;/* 1 1; (23): 1 less that; times allocation_part */
-    static const float loop_psi_driven_x_allocation_half = 0.0049751243f;/* 1 1; (25): 1 less that; times allocation_half */
+    static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
+    static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
+    static const float loop_x_lead_pole = 0.2753623f;           /* 1; (21): pole of the lead filter in z */
+    static const float loop_x_integral_decay = 0.9900498f;      /* 1; (21): zero of the integral action in z */
+    static const float loop_x_integral_input = 0.0099502485f;   /* 1; (21): 1 - integral_decay */
+    static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
+    static const float loop_y_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
+    static const float loop_y_lead_pole = 0.2753623f;           /* 1; (21): pole of the lead filter in z */
+    static const float loop_y_integral_decay = 0.9900498f;      /* 1; (21): zero of the integral action in z */
+    static const float loop_y_integral_input = 0.0099502485f;   /* 1; (21): 1 - integral_decay */
+    static const float loop_phi_gain = 312.6659f;               /* A/rad; (22): gain on the error */
+    static const float loop_phi_lead_input = -223.97475f;       /* A/rad; (22): gain times (lead_pole - zero) */
+    static const float loop_phi_lead_pole = 0.2753623f;         /* 1; (22): pole of the lead filter in z */
+    static const float loop_phi_integral_decay = 0.9900498f;    /* 1; (22): zero of the integral action in z */
+    static const float loop_phi_integral_input = 0.0099502485f; /* 1; (22): 1 - integral_decay */
+    static const float loop_z_gain = 4962.6665f;                /* A/m; (23): gain on the error */
+    static const float loop_z_lead_input = -4476.951f;          /* A/m; (23): gain times (lead_pole - zero) */
+    static const float loop_z_integral_decay = 0.9900498f;      /* 1; (23): zero of the integral action in z */
+    static const float loop_theta_gain = 528.30865f;            /* A/rad; (24): gain on the error */
+    static const float loop_theta_lead_input = -487.64932f;     /* A/rad; (24): gain times (lead_pole - zero) */
+    static const float loop_theta_integral_decay = 0.9900498f;  /* 1; (24): zero of the integral action in z */
+    static const float loop_theta_integral_input = 0.0099502485f;/* 1; (24): 1 - integral_decay */
+    static const float loop_psi_gain = 581.13947f;              /* A/rad; (25): gain on the error */
+    static const float loop_psi_lead_input = -536.41425f;       /* A/rad; (25): gain times (lead_pole - zero) */
+    static const float loop_psi_integral_decay = 0.9900498f;    /* 1; (25): zero of the integral action in z */
+    static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
+    static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
+    static const float loop_z_integral_input_x_allocation_rear_share = 0.0033167496f;/* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
+    static const float loop_psi_integral_input_x_allocation_half = 0.0049751243f;/* 1 1; (25): 1 - integral_decay; times allocation_half */
 
     /* guard: range acceptance, hold, latch */
     const float V_ax = in->V_ax;
@@ -298,14 +298,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         t2 |= 0x00004000u;
     }
 
-    /* sensing: (1)-(5) */
-    const uint32_t sensing_named = state->sensing_named;
+    /* sensing: position and yaw, (1)-(5) */
+    const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
     uint32_t faults = t2;
-    if (sensing_named != 0u) {
-        /* sensing: (1)-(5) */
+    if (sensing_contradiction_confirmed != 0u) {
+        /* sensing: position and yaw, (1)-(5) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
@@ -434,13 +434,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* filter_phi: (6)-(16) */
+        /* filter_phi: Kalman filter, (6)-(16) */
         const float filter_phi_p = state->filter_phi_p;
 
-        /* filter_x: (6)-(16) */
+        /* filter_x: Kalman filter, (6)-(16) */
         const float filter_x_p = state->filter_x_p;
 
-        /* sensing: (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) */
         const float t34 = filter_phi_p * V_ay_held;
         const float t35 = t34 - V_bx_held;
         const float sensing_first_s_x_next = V_ax_held - t34;
@@ -461,11 +461,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float t46 = sensing_first_s_y_next * t37;
         const float t47 = t46 * t46;
         const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
-        const uint32_t sensing_doubt = state->sensing_doubt;
+        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool t48 = false;
         if ((guard_ready != 0u) && complete) {
             const float t49 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-            t48 = (0.013780796f < t49) && ((sensing_doubt != 0u) || (0.055123184f < t49));
+            t48 = (0.013780796f < t49) && ((sensing_contradiction_left != 0u) || (0.055123184f < t49));
         }
         const bool t50 = !t48 && complete;
         const float filter_y_p = state->filter_y_p;
@@ -556,7 +556,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
             const float t66 = (sensing_first_s_x_next * (sensing_first_s_y_next + t37)) + (sensing_first_s_y_next * (sensing_first_s_x_next - t35));
-            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_third * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_third * (t66 * t66))) + 0.08612997f);
+            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_amplitude_weight * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_amplitude_weight * (t66 * t66))) + 0.08612997f);
             t51 = t67;
         } else {
             within_x = state->sensing_within_x;
@@ -564,16 +564,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const float phi_raw = limit(filter_phi_p + t51, 0.025f);
         if (t48) {
-            state->sensing_doubt = 4u;
+            state->sensing_contradiction_left = 4u;
         } else {
-            if (t50 && (sensing_doubt != 0u)) {
-                state->sensing_doubt = sensing_doubt - 1u;
+            if (t50 && (sensing_contradiction_left != 0u)) {
+                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
             }
         }
-        if (t48 && (sensing_doubt != 0u)) {
-            state->sensing_named = 1u;
+        if (t48 && (sensing_contradiction_left != 0u)) {
+            state->sensing_contradiction_confirmed = 1u;
         }
-        if (t48 && !(sensing_doubt != 0u)) {
+        if (t48 && !(sensing_contradiction_left != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;
@@ -583,7 +583,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->sensing_first_phi = filter_phi_p;
         }
 
-        /* filter_x: (6)-(16) */
+        /* filter_x: Kalman filter, (6)-(16) */
         const float t68 = x_raw - filter_x_p;
         const float t69 = filter_x_p + (filter_x_k_p * t68);
         const float filter_x_s = state->filter_x_s;
@@ -604,7 +604,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->filter_x_h = 0.0f;
         }
 
-        /* filter_y: (6)-(16) */
+        /* filter_y: Kalman filter, (6)-(16) */
         const float t74 = y_raw - filter_y_p;
         const float t75 = filter_y_p + (filter_y_k_p * t74);
         const float filter_y_s = state->filter_y_s;
@@ -625,7 +625,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->filter_y_h = 0.0f;
         }
 
-        /* filter_phi: (6)-(16) */
+        /* filter_phi: Kalman filter, (6)-(16) */
         const float t80 = phi_raw - filter_phi_p;
         const float t81 = filter_phi_p + (filter_phi_k_p * t80);
         const float filter_phi_s = state->filter_phi_s;
@@ -646,61 +646,61 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->filter_phi_h = 0.0f;
         }
 
-        /* heights: laser distances inverted */
+        /* vertical_kinematics: z and tilts from distances */
         const float t86 = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (t86 + d3_held);
         const float theta = 8.333333f * (d3_held - t86);
         const float psi = 8.333333f * (d1_held - d2_held);
 
-        /* loop_x: (21) */
+        /* loop_x: lead-lag, (21) */
         const float t87 = x_ref_held - x;
-        const float loop_x_lag = state->loop_x_lag;
+        const float loop_x_lead = state->loop_x_lead;
         const float loop_x_integral = state->loop_x_integral;
-        const float d_x = (loop_x_direct * t87) + loop_x_lag + loop_x_integral;
-        const float loop_x_lag_next = (loop_x_into_lag * t87) + (loop_x_pole * loop_x_lag);
-        state->loop_x_lag = loop_x_lag_next;
+        const float d_x = (loop_x_gain * t87) + loop_x_lead + loop_x_integral;
+        const float loop_x_lead_next = (loop_x_lead_input * t87) + (loop_x_lead_pole * loop_x_lead);
+        state->loop_x_lead = loop_x_lead_next;
 
-        /* loop_y: (21) */
+        /* loop_y: lead-lag, (21) */
         const float t88 = y_ref_held - y;
-        const float loop_y_lag = state->loop_y_lag;
+        const float loop_y_lead = state->loop_y_lead;
         const float loop_y_integral = state->loop_y_integral;
-        const float d_y = (loop_y_direct * t88) + loop_y_lag + loop_y_integral;
-        const float loop_y_lag_next = (loop_y_into_lag * t88) + (loop_y_pole * loop_y_lag);
-        state->loop_y_lag = loop_y_lag_next;
+        const float d_y = (loop_y_gain * t88) + loop_y_lead + loop_y_integral;
+        const float loop_y_lead_next = (loop_y_lead_input * t88) + (loop_y_lead_pole * loop_y_lead);
+        state->loop_y_lead = loop_y_lead_next;
 
-        /* loop_phi: (22) */
+        /* loop_phi: lead-lag, (22) */
         const float t89 = phi_ref_held - phi;
-        const float loop_phi_lag = state->loop_phi_lag;
+        const float loop_phi_lead = state->loop_phi_lead;
         const float loop_phi_integral = state->loop_phi_integral;
-        const float d_phi = (loop_phi_direct * t89) + loop_phi_lag + loop_phi_integral;
-        const float loop_phi_lag_next = (loop_phi_into_lag * t89) + (loop_phi_pole * loop_phi_lag);
-        state->loop_phi_lag = loop_phi_lag_next;
+        const float d_phi = (loop_phi_gain * t89) + loop_phi_lead + loop_phi_integral;
+        const float loop_phi_lead_next = (loop_phi_lead_input * t89) + (loop_phi_lead_pole * loop_phi_lead);
+        state->loop_phi_lead = loop_phi_lead_next;
 
-        /* loop_z: (23) */
+        /* loop_z: lead-lag, (23) */
         const float t90 = z_ref_held - z;
-        const float loop_z_lag = state->loop_z_lag;
+        const float loop_z_lead = state->loop_z_lead;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t90) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t90;
-        state->loop_z_lag = loop_z_lag_next;
+        const float d_z = (loop_z_gain * t90) + loop_z_lead + loop_z_integral;
+        const float loop_z_lead_next = loop_z_lead_input * t90;
+        state->loop_z_lead = loop_z_lead_next;
 
-        /* loop_theta: (24) */
+        /* loop_theta: lead-lag, (24) */
         const float t91 = theta_ref_held - theta;
-        const float loop_theta_lag = state->loop_theta_lag;
+        const float loop_theta_lead = state->loop_theta_lead;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t91) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t91;
-        state->loop_theta_lag = loop_theta_lag_next;
+        const float d_theta = (loop_theta_gain * t91) + loop_theta_lead + loop_theta_integral;
+        const float loop_theta_lead_next = loop_theta_lead_input * t91;
+        state->loop_theta_lead = loop_theta_lead_next;
 
-        /* loop_psi: (25) */
+        /* loop_psi: lead-lag, (25) */
         const float t92 = psi_ref_held - psi;
-        const float loop_psi_lag = state->loop_psi_lag;
+        const float loop_psi_lead = state->loop_psi_lead;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t92) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t92;
-        state->loop_psi_lag = loop_psi_lag_next;
+        const float d_psi = (loop_psi_gain * t92) + loop_psi_lead + loop_psi_integral;
+        const float loop_psi_lead_next = loop_psi_lead_input * t92;
+        state->loop_psi_lead = loop_psi_lead_next;
 
-        /* allocation: Table 3, (17), limits */
+        /* allocation: motor currents, Table 3, (17) */
         const float t93 = phi * phi;
         const float t94 = f1_polynomial(t93);
         const float t95 = phi * f2_polynomial(t93);
@@ -713,49 +713,49 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AD = limit(t98 + d_psi, 0.54913455f);
         const float i_BD = limit(t98 - d_psi, 0.54913455f);
 
-        /* loop_psi: (25) */
-        const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
+        /* loop_psi: lead-lag, (25) */
+        const float loop_psi_integral_next = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
-        /* allocation: Table 3, (17), limits */
+        /* allocation: motor currents, Table 3, (17) */
         const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
 
-        /* loop_z: (23) */
+        /* loop_z: lead-lag, (23) */
         const float t99 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t99 + i_CD));
+        const float loop_z_integral_next = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (t99 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_x = (t94 * i_CQ) - (2.0f * (t95 * t97));
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_x = (t94 * i_CQ) - (2.0f * (t95 * t97));
 
-        /* loop_x: (21) */
-        const float loop_x_integral_next = (loop_x_reset * loop_x_integral) + (loop_x_driven * made_x);
+        /* loop_x: lead-lag, (21) */
+        const float loop_x_integral_next = (loop_x_integral_decay * loop_x_integral) + (loop_x_integral_input * achieved_x);
         state->loop_x_integral = loop_x_integral_next;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_y = (t95 * i_CQ) + (2.0f * (t94 * t97));
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_y = (t95 * i_CQ) + (2.0f * (t94 * t97));
 
-        /* loop_y: (21) */
-        const float loop_y_integral_next = (loop_y_reset * loop_y_integral) + (loop_y_driven * made_y);
+        /* loop_y: lead-lag, (21) */
+        const float loop_y_integral_next = (loop_y_integral_decay * loop_y_integral) + (loop_y_integral_input * achieved_y);
         state->loop_y_integral = loop_y_integral_next;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_phi = t96 - i_CQ;
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_phi = t96 - i_CQ;
 
-        /* loop_phi: (22) */
-        const float loop_phi_integral_next = (loop_phi_reset * loop_phi_integral) + (loop_phi_driven * made_phi);
+        /* loop_phi: lead-lag, (22) */
+        const float loop_phi_integral_next = (loop_phi_integral_decay * loop_phi_integral) + (loop_phi_integral_input * achieved_phi);
         state->loop_phi_integral = loop_phi_integral_next;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t99);
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * t99);
 
-        /* loop_theta: (24) */
-        const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
+        /* loop_theta: lead-lag, (24) */
+        const float loop_theta_integral_next = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
-        /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t95);
-        const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
+        /* commutation: phase currents, (17) inverted */
+        const float distance_rear = within_x - (0.025584769f * t95);
+        const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((0.012792384f * t94) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
         const float t100 = quarter_sine_front * quarter_sine_front;
@@ -800,8 +800,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t118 = quarter_sine_back * quarter_sine_back;
-        const float t119 = quarter_sine_back * sqrtf(1.0f - t118);
+        const float t118 = quarter_sine_rear * quarter_sine_rear;
+        const float t119 = quarter_sine_rear * sqrtf(1.0f - t118);
         const float t120 = 1.0f - (8.0f * (t119 * t119));
         const float t121 = t119 * (4.0f - (8.0f * t118));
         const float i_CA_computed = (t120 * i_CQ) - (t121 * i_CD);

@@ -32,9 +32,9 @@ static inline float f2_polynomial(float t)
     return 1.0f + (t * -0.16666232f);
 }
 
-/* quarter_sine_back for distance_back in -0.0260395538 .. 0.0260395538: quarter_sine_back / x, t = x^2, x = distance_back;
+/* quarter_sine_rear for distance_rear in -0.0260395538 .. 0.0260395538: quarter_sine_rear / x, t = x^2, x = distance_rear;
  * relative error at most 1.9e-06. */
-static inline float quarter_sine_back_polynomial(float t)
+static inline float quarter_sine_rear_polynomial(float t)
 {
     return 30.921135f + (t * (-4925.9985f + (t * 230119.58f)));
 }
@@ -74,8 +74,8 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     state->guard_left = 5u;
     state->guard_latched = 0u;
     state->guard_ready = 0u;
-    state->sensing_doubt = 0u;
-    state->sensing_named = 0u;
+    state->sensing_contradiction_left = 0u;
+    state->sensing_contradiction_confirmed = 0u;
     state->sensing_first_m_x = 0.0f;
     state->sensing_first_m_y = 0.0f;
     state->sensing_first_r_1 = 0.0f;
@@ -90,19 +90,19 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     state->sensing_phi_raw = 0.0f;
     state->lqg_x_x3 = 0.0f;
     state->lqg_x_integral = 0.0f;
-    state->lqg_x_force = 0.0f;
+    state->lqg_x_achieved = 0.0f;
     state->lqg_y_x3 = 0.0f;
     state->lqg_y_integral = 0.0f;
-    state->lqg_y_force = 0.0f;
+    state->lqg_y_achieved = 0.0f;
     state->lqg_phi_x3 = 0.0f;
     state->lqg_phi_integral = 0.0f;
-    state->lqg_phi_force = 0.0f;
+    state->lqg_phi_achieved = 0.0f;
     state->loop_z_integral = 0.0f;
-    state->loop_z_lag = 0.0f;
+    state->loop_z_lead = 0.0f;
     state->loop_theta_integral = 0.0f;
-    state->loop_theta_lag = 0.0f;
+    state->loop_theta_lead = 0.0f;
     state->loop_psi_integral = 0.0f;
-    state->loop_psi_lag = 0.0f;
+    state->loop_psi_lead = 0.0f;
     state->safe_output_last_i_AA = 0.0f;
     state->safe_output_last_i_AB = 0.0f;
     state->safe_output_last_i_AC = 0.0f;
@@ -122,54 +122,54 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float guard_refused_V_by = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cx = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_cy = 0.0f;               /* V; in place of a refused value */
-    static const float sensing_position_1 = 0.009938624f;       /* m; position in the calculated field */
-    static const float sensing_position_3 = -0.0075761457f;     /* m; position in the calculated field */
-    static const float sensing_position_5 = 0.0061684945f;      /* m; position in the calculated field */
-    static const float sensing_position_7 = -0.0021809724f;     /* m; position in the calculated field */
-    static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; slope in the calculated field */
-    static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; slope in the calculated field */
-    static const float sensing_power_0 = 7.7654033f;            /* V^2; power in the calculated field */
-    static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; power in the calculated field */
-    static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; power in the calculated field */
-    static const float sensing_third = 0.02322072f;             /* 1/V^2; 2 W / A^2 */
-    static const float lqg_x_on_error = 1955.8091f;             /* A/m; (49): k1 + k3 T */
-    static const float lqg_x_kept = 0.9430741f;                 /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-    static const float lqg_x_driven = 0.056925878f;             /* 1; (49): k3 T / (k1 + k3 T) */
-    static const float lqg_x_on_force = 0.319009f;              /* 1; (49): b T (k1 T / 2 + k2) */
+    static const float sensing_position_1 = 0.009938624f;       /* m; fit of the position in the calculated field */
+    static const float sensing_position_3 = -0.0075761457f;     /* m; fit of the position in the calculated field */
+    static const float sensing_position_5 = 0.0061684945f;      /* m; fit of the position in the calculated field */
+    static const float sensing_position_7 = -0.0021809724f;     /* m; fit of the position in the calculated field */
+    static const float sensing_slope_0 = 0.49650046f;           /* 1/V^2; fit of the slope in the calculated field */
+    static const float sensing_slope_1 = 0.15281738f;           /* 1/V^4; fit of the slope in the calculated field */
+    static const float sensing_power_0 = 7.7654033f;            /* V^2; fit of the power in the calculated field */
+    static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
+    static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
+    static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
+    static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
+    static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+    static const float lqg_x_integral_input = 0.056925878f;     /* 1; (49): k3 T / (k1 + k3 T) */
+    static const float lqg_x_achieved_gain = 0.319009f;         /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_x_L = 5126.1787f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_x_F = 0.7f;                          /* 1; (35): A22 - L A12 */
     static const float lqg_x_G = -1537.8536f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_x_H = 0.28662756f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
-    static const float lqg_y_on_error = 1117.0514f;             /* A/m; (49): k1 + k3 T */
-    static const float lqg_y_kept = 0.953085f;                  /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-    static const float lqg_y_driven = 0.046914965f;             /* 1; (49): k3 T / (k1 + k3 T) */
-    static const float lqg_y_on_force = 0.22358753f;            /* 1; (49): b T (k1 T / 2 + k2) */
+    static const float lqg_y_error_gain = 1117.0514f;           /* A/m; (49): k1 + k3 T */
+    static const float lqg_y_integral_decay = 0.953085f;        /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+    static const float lqg_y_integral_input = 0.046914965f;     /* 1; (49): k3 T / (k1 + k3 T) */
+    static const float lqg_y_achieved_gain = 0.22358753f;       /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_y_L = 3558.6274f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_y_F = 0.7f;                          /* 1; (35): A22 - L A12 */
     static const float lqg_y_G = -1067.5883f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_y_H = 0.19897877f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
-    static const float lqg_phi_on_error = 550.31274f;           /* A/rad; (49): k1 + k3 T */
-    static const float lqg_phi_kept = 0.9013263f;               /* 1; (49): 1 - k3 T / (k1 + k3 T) */
-    static const float lqg_phi_driven = 0.098673716f;           /* 1; (49): k3 T / (k1 + k3 T) */
-    static const float lqg_phi_on_force = 0.87617064f;          /* 1; (49): b T (k1 T / 2 + k2) */
+    static const float lqg_phi_error_gain = 550.31274f;         /* A/rad; (49): k1 + k3 T */
+    static const float lqg_phi_integral_decay = 0.9013263f;     /* 1; (49): 1 - k3 T / (k1 + k3 T) */
+    static const float lqg_phi_integral_input = 0.098673716f;   /* 1; (49): k3 T / (k1 + k3 T) */
+    static const float lqg_phi_achieved_gain = 0.87617064f;     /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_phi_L = 275.96594f;                  /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_phi_F = 0.9f;                        /* 1; (35): A22 - L A12 */
     static const float lqg_phi_G = -27.596594f;                 /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_phi_H = 0.9145512f;                  /* 1; (33): (k1 T + k2) (B2 - L B1) */
-    static const float loop_z_direct = 4023.7034f;              /* A/m; (23): gain of the error */
-    static const float loop_z_into_lag = -3537.3835f;           /* A/m; (23): gain times pole less zero */
-    static const float loop_z_reset = 0.9875776f;               /* 1; (23): zero of the integrator in z */
-    static const float loop_theta_direct = 427.24356f;          /* A/rad; (24): gain of the error */
-    static const float loop_theta_into_lag = -386.5337f;        /* A/rad; (24): gain times pole less zero */
-    static const float loop_theta_reset = 0.9875776f;           /* 1; (24): zero of the integrator in z */
-    static const float loop_theta_driven = 0.0124223605f;       /* 1; (24): 1 less that */
-    static const float loop_psi_direct = 469.96793f;            /* A/rad; (25): gain of the error */
-    static const float loop_psi_into_lag = -425.18707f;         /* A/rad; (25): gain times pole less zero */
-    static const float loop_psi_reset = 0.9875776f;             /* 1; (25): zero of the integrator in z */
-    static const float allocation_part = 0.33333334f;           /* 1; Table 3: c/(2 (b + c)) */
-    static const float allocation_front_part = 0.16666667f;     /* 1; Table 3: b/(2 (b + c)) */
-    static const float loop_z_driven_x_allocation_part = 0.004140787f;/* 1 1; (23): 1 less that; times allocation_part */
-    static const float loop_psi_driven_x_allocation_half = 0.0062111802f;/* 1 1; (25): 1 less that; times allocation_half */
+    static const float loop_z_gain = 4023.7034f;                /* A/m; (23): gain on the error */
+    static const float loop_z_lead_input = -3537.3835f;         /* A/m; (23): gain times (lead_pole - zero) */
+    static const float loop_z_integral_decay = 0.9875776f;      /* 1; (23): zero of the integral action in z */
+    static const float loop_theta_gain = 427.24356f;            /* A/rad; (24): gain on the error */
+    static const float loop_theta_lead_input = -386.5337f;      /* A/rad; (24): gain times (lead_pole - zero) */
+    static const float loop_theta_integral_decay = 0.9875776f;  /* 1; (24): zero of the integral action in z */
+    static const float loop_theta_integral_input = 0.0124223605f;/* 1; (24): 1 - integral_decay */
+    static const float loop_psi_gain = 469.96793f;              /* A/rad; (25): gain on the error */
+    static const float loop_psi_lead_input = -425.18707f;       /* A/rad; (25): gain times (lead_pole - zero) */
+    static const float loop_psi_integral_decay = 0.9875776f;    /* 1; (25): zero of the integral action in z */
+    static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
+    static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
+    static const float loop_z_integral_input_x_allocation_rear_share = 0.004140787f;/* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
+    static const float loop_psi_integral_input_x_allocation_half = 0.0062111802f;/* 1 1; (25): 1 - integral_decay; times allocation_half */
 
     /* guard: range acceptance, hold, latch */
     const float V_ax = in->V_ax;
@@ -293,14 +293,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         t2 |= 0x00004000u;
     }
 
-    /* sensing: (1)-(5) */
-    const uint32_t sensing_named = state->sensing_named;
+    /* sensing: position and yaw, (1)-(5) */
+    const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
     uint32_t faults = t2;
-    if (sensing_named != 0u) {
-        /* sensing: (1)-(5) */
+    if (sensing_contradiction_confirmed != 0u) {
+        /* sensing: position and yaw, (1)-(5) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
@@ -429,7 +429,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* sensing: (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) */
         const float sensing_phi_raw = state->sensing_phi_raw;
         const float t34 = sensing_phi_raw * V_ay_held;
         const float t35 = t34 - V_bx_held;
@@ -451,11 +451,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float t46 = sensing_first_s_y_next * t37;
         const float t47 = t46 * t46;
         const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
-        const uint32_t sensing_doubt = state->sensing_doubt;
+        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool t48 = false;
         if ((guard_ready != 0u) && complete) {
             const float t49 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-            t48 = (0.013780796f < t49) && ((sensing_doubt != 0u) || (0.055123184f < t49));
+            t48 = (0.013780796f < t49) && ((sensing_contradiction_left != 0u) || (0.055123184f < t49));
         }
         const bool t50 = !t48 && complete;
         const float sensing_within_x = state->sensing_within_x;
@@ -547,7 +547,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
             const float t66 = (sensing_first_s_x_next * (sensing_first_s_y_next + t37)) + (sensing_first_s_y_next * (sensing_first_s_x_next - t35));
-            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_third * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_third * (t66 * t66))) + 0.08612997f);
+            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_amplitude_weight * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_amplitude_weight * (t66 * t66))) + 0.08612997f);
             t51 = t67;
         } else {
             x_raw = sensing_within_x + sensing_offset_x;
@@ -555,16 +555,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const float phi_raw = limit(sensing_phi_raw + t51, 0.025f);
         if (t48) {
-            state->sensing_doubt = 4u;
+            state->sensing_contradiction_left = 4u;
         } else {
-            if (t50 && (sensing_doubt != 0u)) {
-                state->sensing_doubt = sensing_doubt - 1u;
+            if (t50 && (sensing_contradiction_left != 0u)) {
+                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
             }
         }
-        if (t48 && (sensing_doubt != 0u)) {
-            state->sensing_named = 1u;
+        if (t48 && (sensing_contradiction_left != 0u)) {
+            state->sensing_contradiction_confirmed = 1u;
         }
-        if (t48 && !(sensing_doubt != 0u)) {
+        if (t48 && !(sensing_contradiction_left != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;
@@ -575,13 +575,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         state->sensing_phi_raw = phi_raw;
 
-        /* heights: laser distances inverted */
+        /* vertical_kinematics: z and tilts from distances */
         const float t68 = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (t68 + d3_held);
         const float theta = 8.333333f * (d3_held - t68);
         const float psi = 8.333333f * (d1_held - d2_held);
 
-        /* lqg_x: (28)-(35), (49) */
+        /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float t69 = x_ref_held - x_raw;
         const bool t70 = fabsf(t69) <= 0.0015f;
         const float lqg_x_integral = state->lqg_x_integral;
@@ -600,55 +600,55 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             t75 = -t72;
             t76 = -t73;
         }
-        const float lqg_x_force = state->lqg_x_force;
-        const float t77 = t74 + t71 + (lqg_x_on_force * lqg_x_force);
-        const float d_x = (lqg_x_on_error * ((t70) ? t69 : ((t69 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t77);
-        const float lqg_x_x3_next = (lqg_x_F * t74) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_force);
+        const float lqg_x_achieved = state->lqg_x_achieved;
+        const float t77 = t74 + t71 + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float d_x = (lqg_x_error_gain * ((t70) ? t69 : ((t69 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t77);
+        const float lqg_x_x3_next = (lqg_x_F * t74) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
         state->lqg_x_x3 = lqg_x_x3_next;
 
-        /* lqg_y: (28)-(35), (49) */
+        /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float t78 = y_ref_held - y_raw;
         const bool t79 = fabsf(t78) <= 0.004f;
         const float lqg_y_integral = state->lqg_y_integral;
-        const float lqg_y_force = state->lqg_y_force;
-        const float t80 = t75 + t72 + (lqg_y_on_force * lqg_y_force);
-        const float d_y = (lqg_y_on_error * ((t79) ? t78 : ((t78 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t80);
-        const float lqg_y_x3_next = (lqg_y_F * t75) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_force);
+        const float lqg_y_achieved = state->lqg_y_achieved;
+        const float t80 = t75 + t72 + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float d_y = (lqg_y_error_gain * ((t79) ? t78 : ((t78 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t80);
+        const float lqg_y_x3_next = (lqg_y_F * t75) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
         state->lqg_y_x3 = lqg_y_x3_next;
 
-        /* lqg_phi: (28)-(35), (49) */
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
         const float lqg_phi_integral = state->lqg_phi_integral;
-        const float lqg_phi_force = state->lqg_phi_force;
-        const float t81 = t76 + t73 + (lqg_phi_on_force * lqg_phi_force);
-        const float d_phi = (lqg_phi_on_error * (phi_ref_held - phi_raw)) + (lqg_phi_integral - t81);
-        const float lqg_phi_x3_next = (lqg_phi_F * t76) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_force);
+        const float lqg_phi_achieved = state->lqg_phi_achieved;
+        const float t81 = t76 + t73 + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - t81);
+        const float lqg_phi_x3_next = (lqg_phi_F * t76) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
         state->lqg_phi_x3 = lqg_phi_x3_next;
 
-        /* loop_z: (23) */
+        /* loop_z: lead-lag, (23) */
         const float t82 = z_ref_held - z;
-        const float loop_z_lag = state->loop_z_lag;
+        const float loop_z_lead = state->loop_z_lead;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_direct * t82) + loop_z_lag + loop_z_integral;
-        const float loop_z_lag_next = loop_z_into_lag * t82;
-        state->loop_z_lag = loop_z_lag_next;
+        const float d_z = (loop_z_gain * t82) + loop_z_lead + loop_z_integral;
+        const float loop_z_lead_next = loop_z_lead_input * t82;
+        state->loop_z_lead = loop_z_lead_next;
 
-        /* loop_theta: (24) */
+        /* loop_theta: lead-lag, (24) */
         const float t83 = theta_ref_held - theta;
-        const float loop_theta_lag = state->loop_theta_lag;
+        const float loop_theta_lead = state->loop_theta_lead;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_direct * t83) + loop_theta_lag + loop_theta_integral;
-        const float loop_theta_lag_next = loop_theta_into_lag * t83;
-        state->loop_theta_lag = loop_theta_lag_next;
+        const float d_theta = (loop_theta_gain * t83) + loop_theta_lead + loop_theta_integral;
+        const float loop_theta_lead_next = loop_theta_lead_input * t83;
+        state->loop_theta_lead = loop_theta_lead_next;
 
-        /* loop_psi: (25) */
+        /* loop_psi: lead-lag, (25) */
         const float t84 = psi_ref_held - psi;
-        const float loop_psi_lag = state->loop_psi_lag;
+        const float loop_psi_lead = state->loop_psi_lead;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_direct * t84) + loop_psi_lag + loop_psi_integral;
-        const float loop_psi_lag_next = loop_psi_into_lag * t84;
-        state->loop_psi_lag = loop_psi_lag_next;
+        const float d_psi = (loop_psi_gain * t84) + loop_psi_lead + loop_psi_integral;
+        const float loop_psi_lead_next = loop_psi_lead_input * t84;
+        state->loop_psi_lead = loop_psi_lead_next;
 
-        /* allocation: Table 3, (17), limits */
+        /* allocation: motor currents, Table 3, (17) */
         const float t85 = phi_raw * phi_raw;
         const float t86 = f1_polynomial(t85);
         const float t87 = phi_raw * f2_polynomial(t85);
@@ -661,54 +661,54 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_AD = limit(t90 + d_psi, 0.54913455f);
         const float i_BD = limit(t90 - d_psi, 0.54913455f);
 
-        /* loop_psi: (25) */
-        const float loop_psi_integral_next = (loop_psi_reset * loop_psi_integral) + (loop_psi_driven_x_allocation_half * (i_AD - i_BD));
+        /* loop_psi: lead-lag, (25) */
+        const float loop_psi_integral_next = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = loop_psi_integral_next;
 
-        /* allocation: Table 3, (17), limits */
+        /* allocation: motor currents, Table 3, (17) */
         const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
 
-        /* loop_z: (23) */
+        /* loop_z: lead-lag, (23) */
         const float t91 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_reset * loop_z_integral) + (loop_z_driven_x_allocation_part * (t91 + i_CD));
+        const float loop_z_integral_next = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (t91 + i_CD));
         state->loop_z_integral = loop_z_integral_next;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_x = (t86 * i_CQ) - (2.0f * (t87 * t89));
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_x = (t86 * i_CQ) - (2.0f * (t87 * t89));
 
-        /* lqg_x: (28)-(35), (49) */
-        const float t92 = lqg_x_kept * lqg_x_integral;
-        const float lqg_x_integral_next = (t70) ? (t92 + (lqg_x_driven * (made_x + t77))) : t92;
+        /* lqg_x: reduced-order LQG, (28)-(35), (49) */
+        const float t92 = lqg_x_integral_decay * lqg_x_integral;
+        const float lqg_x_integral_next = (t70) ? (t92 + (lqg_x_integral_input * (achieved_x + t77))) : t92;
         state->lqg_x_integral = lqg_x_integral_next;
-        state->lqg_x_force = made_x;
+        state->lqg_x_achieved = achieved_x;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_y = (t87 * i_CQ) + (2.0f * (t86 * t89));
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_y = (t87 * i_CQ) + (2.0f * (t86 * t89));
 
-        /* lqg_y: (28)-(35), (49) */
-        const float t93 = lqg_y_kept * lqg_y_integral;
-        const float lqg_y_integral_next = (t79) ? (t93 + (lqg_y_driven * (made_y + t80))) : t93;
+        /* lqg_y: reduced-order LQG, (28)-(35), (49) */
+        const float t93 = lqg_y_integral_decay * lqg_y_integral;
+        const float lqg_y_integral_next = (t79) ? (t93 + (lqg_y_integral_input * (achieved_y + t80))) : t93;
         state->lqg_y_integral = lqg_y_integral_next;
-        state->lqg_y_force = made_y;
+        state->lqg_y_achieved = achieved_y;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_phi = t88 - i_CQ;
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_phi = t88 - i_CQ;
 
-        /* lqg_phi: (28)-(35), (49) */
-        const float lqg_phi_integral_next = (lqg_phi_kept * lqg_phi_integral) + (lqg_phi_driven * (made_phi + t81));
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
+        const float lqg_phi_integral_next = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + t81));
         state->lqg_phi_integral = lqg_phi_integral_next;
-        state->lqg_phi_force = made_phi;
+        state->lqg_phi_achieved = achieved_phi;
 
-        /* allocation: Table 3, (17), limits */
-        const float made_theta = (allocation_part * i_CD) - (allocation_front_part * t91);
+        /* allocation: motor currents, Table 3, (17) */
+        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * t91);
 
-        /* loop_theta: (24) */
-        const float loop_theta_integral_next = (loop_theta_reset * loop_theta_integral) + (loop_theta_driven * made_theta);
+        /* loop_theta: lead-lag, (24) */
+        const float loop_theta_integral_next = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
         state->loop_theta_integral = loop_theta_integral_next;
 
-        /* commutation: (17) inverted */
-        const float distance_back = within_x - (0.025584769f * t87);
-        const float quarter_sine_back = distance_back * quarter_sine_back_polynomial(distance_back * distance_back);
+        /* commutation: phase currents, (17) inverted */
+        const float distance_rear = within_x - (0.025584769f * t87);
+        const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((0.012792384f * t86) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
         const float t94 = quarter_sine_front * quarter_sine_front;
@@ -753,8 +753,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t112 = quarter_sine_back * quarter_sine_back;
-        const float t113 = quarter_sine_back * sqrtf(1.0f - t112);
+        const float t112 = quarter_sine_rear * quarter_sine_rear;
+        const float t113 = quarter_sine_rear * sqrtf(1.0f - t112);
         const float t114 = 1.0f - (8.0f * (t113 * t113));
         const float t115 = t113 * (4.0f - (8.0f * t112));
         const float i_CA_computed = (t114 * i_CQ) - (t115 * i_CD);

@@ -5,21 +5,21 @@
 #include <stdint.h>
 
 typedef struct {
-    float V_ax;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_ay;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_bx;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_by;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_cx;                         /* V, -5 .. 5: Hall sensor and axis */
-    float V_cy;                         /* V, -5 .. 5: Hall sensor and axis */
-    float d1;                           /* m, -0.0005 .. 0.0005: laser distance */
-    float d2;                           /* m, -0.0005 .. 0.0005: laser distance */
-    float d3;                           /* m, -0.0005 .. 0.0005: laser distance */
-    float x_ref;                        /* m, -0.11 .. 0.11: set-point */
-    float y_ref;                        /* m, -0.1 .. 0.1: set-point */
-    float phi_ref;                      /* rad, -0.008 .. 0.008: set-point */
-    float z_ref;                        /* m, -0.0002 .. 0.0002: set-point */
-    float theta_ref;                    /* rad, -0.002 .. 0.002: set-point */
-    float psi_ref;                      /* rad, -0.002 .. 0.002: set-point */
+    float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
+    float V_ay;                         /* V, -5 .. 5: voltage of Hall sensor A along y */
+    float V_bx;                         /* V, -5 .. 5: voltage of Hall sensor B along x */
+    float V_by;                         /* V, -5 .. 5: voltage of Hall sensor B along y */
+    float V_cx;                         /* V, -5 .. 5: voltage of Hall sensor C along x */
+    float V_cy;                         /* V, -5 .. 5: voltage of Hall sensor C along y */
+    float d1;                           /* m, -0.0005 .. 0.0005: laser distance at the front left, up from nominal */
+    float d2;                           /* m, -0.0005 .. 0.0005: laser distance at the front right, up from nominal */
+    float d3;                           /* m, -0.0005 .. 0.0005: laser distance at the rear, up from nominal */
+    float x_ref;                        /* m, -0.11 .. 0.11: set-point of the position along X */
+    float y_ref;                        /* m, -0.1 .. 0.1: set-point of the position along Y */
+    float phi_ref;                      /* rad, -0.008 .. 0.008: set-point of the yaw */
+    float z_ref;                        /* m, -0.0002 .. 0.0002: set-point of the height */
+    float theta_ref;                    /* rad, -0.002 .. 0.002: set-point of the tilt about X */
+    float psi_ref;                      /* rad, -0.002 .. 0.002: set-point of the tilt about Y */
 } planar_6dof_lqg_input_t;
 
 typedef struct {
@@ -47,35 +47,35 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    uint32_t sensing_doubt;             /* 1, 0 .. 4: samples for which a contradiction is still remembered */
-    uint32_t sensing_named;             /* 1, 0 .. 1: a contradiction is confirmed */
-    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of a pair, less that of the field, as a contradiction first shows it */
-    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of a pair, less that of the field, as a contradiction first shows it */
-    float sensing_first_r_1;            /* V, -50 .. 50: difference of two sensors, less that of the predicted yaw, as a contradiction first shows it */
-    float sensing_first_r_2;            /* V, -50 .. 50: difference of two sensors, less that of the predicted yaw, as a contradiction first shows it */
-    float sensing_first_s_x;            /* V, -10 .. 10: voltage, as a contradiction first shows it */
-    float sensing_first_s_y;            /* V, -10 .. 10: voltage, as a contradiction first shows it */
-    float sensing_first_phi;            /* rad, -0.05 .. 0.05: yaw, as a contradiction first shows it */
-    float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
-    float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle */
-    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
-    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position from the middle of its pitch */
-    float sensing_phi_raw;              /* rad, -0.025 .. 0.025: of the sample before */
-    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: for the estimated rate less L position */
-    float lqg_x_integral;               /* A, -4166 .. 4166: of the error */
-    float lqg_x_force;                  /* A, -1.449 .. 1.449: that acts until the next sample */
-    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: for the estimated rate less L position */
-    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: of the error */
-    float lqg_y_force;                  /* A, -2.6145 .. 2.6145: that acts until the next sample */
-    float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: for the estimated rate less L position */
-    float lqg_phi_integral;             /* A, -84.309 .. 84.309: of the error */
-    float lqg_phi_force;                /* A, -2.52 .. 2.52: that acts until the next sample */
-    float loop_z_integral;              /* A, -1.2726 .. 1.2726: of the error */
-    float loop_z_lag;                   /* A, -2.50093 .. 2.50093: what the lead takes back */
-    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: of the error */
-    float loop_theta_lag;               /* A, -4.68479 .. 4.68479: what the lead takes back */
-    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: of the error */
-    float loop_psi_lag;                 /* A, -5.15327 .. 5.15327: what the lead takes back */
+    uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
+    uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
+    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float sensing_first_r_1;            /* V, -50 .. 50: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_2;            /* V, -50 .. 50: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
+    float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
+    float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
+    float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
+    float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
+    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
+    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
+    float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
+    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
+    float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
+    float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
+    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
+    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: integral of the error */
+    float lqg_y_achieved;               /* A, -2.6145 .. 2.6145: achieved demand, which acts until the next sample */
+    float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
+    float lqg_phi_integral;             /* A, -84.309 .. 84.309: integral of the error */
+    float lqg_phi_achieved;             /* A, -2.52 .. 2.52: achieved demand, which acts until the next sample */
+    float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
+    float loop_z_lead;                  /* A, -2.50093 .. 2.50093: state of the lead filter */
+    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: integral of the error */
+    float loop_theta_lead;              /* A, -4.68479 .. 4.68479: state of the lead filter */
+    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
+    float loop_psi_lead;                /* A, -5.15327 .. 5.15327: state of the lead filter */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */

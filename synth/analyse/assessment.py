@@ -1,8 +1,9 @@
-"""A loop assessed for its margins: its crossings, and two ways to judge them that do not use the crossings.
+"""Assessment of a loop for its margins: its crossings, and two independent checks of them.
 
-The closed loop's unstable poles are counted when the loop is multiplied by any complex factor, and a bound tells what
-rounding of the numbers given may change. A rational loop is a ratio of polynomials, a delayed one a sum of logarithms,
-both without rounding; a loop of many states is traced in double precision.
+The first check counts the unstable poles of the closed loop after the loop is multiplied by a complex factor. The
+second bounds the change that rounding of the loop's coefficients can cause. A rational loop is a ratio of polynomials
+and a delayed loop is a sum of logarithms; both are computed without rounding. A loop of many states is traced in
+double precision.
 """
 
 from collections.abc import Callable
@@ -21,10 +22,10 @@ from synth.timing import Continuous
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
-    """The crossings of a loop, whether it is stable, and how to judge them.
+    """The crossings of a loop, whether it is stable, and the two checks of the crossings.
 
-    `is_whole` says that no limit of frequencies left a crossing out. `count_unstable` takes a factor on the loop,
-    `perturbation` a frequency in rad/s.
+    `is_whole` is true if no limit of frequency excludes a crossing. `count_unstable` takes a factor on the loop,
+    `perturbation` takes a frequency in rad/s.
     """
 
     crossings: Crossings
@@ -35,7 +36,7 @@ class Assessment:
 
 
 def of_rational(system: System, low: float | None, high: float | None) -> Assessment:
-    """Return the assessment of a scalar System from the polynomials that its numbers make."""
+    """Return the assessment of a scalar System from its numerator and denominator polynomials."""
     loop = rational.of_system(system)
     if loop.model.D[0, 0] == -1:
         raise ModelError(transfer.ILL_POSED)
@@ -78,7 +79,7 @@ def of_traced(loop: StateSpace | Delayed, low: float | None, high: float | None)
     def count_unstable(factor: complex) -> float:
         if isinstance(loop, Delayed):
             return nyquist.count_unstable(loop, factor, high)
-        return int(transfer.lasting(transfer.closed_poles(loop, factor), loop.time).sum())
+        return int(transfer.not_decaying(transfer.closed_loop_poles(loop, factor), loop.time).sum())
 
     return Assessment(
         traced_crossings.of_curve(transfer.trace(loop, low, high)),

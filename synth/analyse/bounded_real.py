@@ -1,4 +1,4 @@
-"""The bounded-real lemma: a matrix X that proves a bound of a model's response at all frequencies, and its stability.
+"""Bounded-real lemma: a matrix X that proves stability and a bound of the frequency response at all frequencies.
 
     continuous   H = - [ A'X + X A + C'C    X B + C'D      ]
                        [ B'X + D'C          D'D - g^2 I    ]
@@ -6,18 +6,18 @@
     sampled      H = - [ A'X A - X + C'C    A'X B + C'D            ]
                        [ B'X A + D'C        B'X B + D'D - g^2 I    ]
 
-With X > 0 and H > 0 all modes decay and sigma_max(M) < g on the whole axis or circle (Zhou, Doyle, Glover 1996,
-corollary 13.24 and theorem 21.12): x'Xx is an energy that falls by more than |y|^2 - g^2 |u|^2. `is_proof` decides both
-in floating point without a doubt: H is computed with a bound of its rounding, and a Cholesky factorisation that ends
-proves that the matrix is positive definite when its diagonal has been lowered by what rounding can do (Rump 2006).
+If X > 0 and H > 0, all modes decay and sigma_max(M) < g on the whole axis or circle (Zhou, Doyle, Glover 1996,
+corollary 13.24 and theorem 21.12): x'Xx is a storage function for the supply rate g^2 |u|^2 - |y|^2. `is_proof` decides
+both rigorously in floating point. It computes H with a bound of its rounding errors, subtracts a bound of the errors of
+the Cholesky factorisation from the diagonal, and factorises: success proves positive definiteness (Rump 2006).
 
-`solve` gets X from the eigenvectors of the stable half of the Hamiltonian (Boyd, Balakrishnan, Kabamba 1989)
+`solve` computes X from the stable eigenvectors of the Hamiltonian (Boyd, Balakrishnan, Kabamba 1989)
 
     [  F   G  ]       F = A + B R^-1 D'C,     G = B R^-1 B',     Q = C'(I + D R^-1 D')C + W,     R = g^2 I - D'D
     [ -Q  -F' ]
 
-so that H has the Schur complement W > 0. The Hamiltonian has the eigenvalue i w where g is a singular value of the
-response M(i w), with W = 0. X is that of the sampled model, too, when A, B, C, D are warped as by `schur_response`.
+The Schur complement of H is then W > 0. With W = 0 the Hamiltonian has the eigenvalue i w where g is a singular value
+of the response M(i w). The bilinear transformation of `schur_response` keeps X, so X also serves a sampled model.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ EPS = float(np.finfo(float).eps)  # twice the largest error of a rounding
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """X (n, n), None where there is no basis of the stable half, and the `eigenvalues` (2 n,) of the Hamiltonian."""
+    """X (n, n), None if the stable eigenvectors give no basis, and the `eigenvalues` (2 n,) of the Hamiltonian."""
 
     X: Array | None
     eigenvalues: Complex
@@ -50,7 +50,7 @@ def hamiltonian(model: Matrices, level: float, weights: Array | float = 0.0) -> 
 
 
 def solve(model: Matrices, level: float, weights: Array) -> Solution:
-    """Return X for a continuous model, a level g and W = diag(weights) > 0; it proves nothing before `is_proof`."""
+    """Return X for a continuous model, a level g and W = diag(weights) > 0; `is_proof` must confirm it."""
     n = len(model[0])
     if not n:
         return Solution(np.zeros((0, 0)), np.zeros(0, dtype=np.complex128))
@@ -64,7 +64,7 @@ def solve(model: Matrices, level: float, weights: Array) -> Solution:
 
 
 def is_proof(X: Array, model: Matrices, level: float, continuous: bool) -> bool:
-    """Tell whether X (n, n), symmetric, proves that A, B, C, D decay and stay below the level, whatever was rounded."""
+    """Tell whether a symmetric X (n, n) proves, despite rounding, that A, B, C, D is stable and below the level."""
     with np.errstate(all="ignore"):
         H, error = _inequality(X, model, level, continuous)
         return is_positive_definite(X, np.zeros_like(X)) and is_positive_definite(H, error)
@@ -75,7 +75,7 @@ def is_positive_definite(H: Array, error: Array) -> bool:
     diagonal, n = np.diagonal(H), len(H)
     if not (np.isfinite(H).all() and np.isfinite(error).all() and (diagonal > 0).all()):
         return False
-    scale = 2.0 ** -np.round(np.log2(diagonal) / 2)  # by powers of two, so that nothing is rounded
+    scale = 2.0 ** -np.round(np.log2(diagonal) / 2)  # powers of two: nothing is rounded
     H, error = scale[:, None] * H * scale, scale[:, None] * error * scale
     lowered = 2 * (n + 3) * EPS * np.trace(H) + float(error.sum(axis=1).max(initial=0.0)) * (1 + n * EPS)
     try:
@@ -93,18 +93,18 @@ def _inequality(X: Array, model: Matrices, level: float, continuous: bool) -> tu
     XJ, products = twofold.product(X, J), twofold.product(Y.T, Y) - twofold.product(level * one, level * one.T)
     size = _largest(X, J)
     if continuous:
-        upper = twofold.Twofold(_embedded(XJ.high, m), _embedded(XJ.low, m))
-        change, size = upper + upper.T, _embedded(size, m) + _embedded(size, m).T
+        upper = twofold.Twofold(_pad_rows(XJ.high, m), _pad_rows(XJ.low, m))
+        change, size = upper + upper.T, _pad_rows(size, m) + _pad_rows(size, m).T
     else:
-        change = twofold.product(J.T, XJ) - _embedded(_embedded(X, m).T, m)
+        change = twofold.product(J.T, XJ) - _pad_rows(_pad_rows(X, m).T, m)
         size = 2 * n * np.outer(np.abs(J).max(axis=0, initial=0.0), size.max(axis=0, initial=0.0))
     H = -(change + products).rounded()
     size = size + _largest(Y.T, Y) + level**2 * (one @ one.T)
     terms = max(n, len(Y))
-    return (H + H.T) / 2, 2 * EPS * np.abs(H) + 16 * (terms + 4) * EPS * twofold.lost(terms) * size
+    return (H + H.T) / 2, 2 * EPS * np.abs(H) + 16 * (terms + 4) * EPS * twofold.relative_rounding(terms) * size
 
 
-def _embedded(M: Array, rows: int) -> Array:
+def _pad_rows(M: Array, rows: int) -> Array:
     return np.vstack([M, np.zeros((rows, M.shape[1]))])
 
 

@@ -1,4 +1,4 @@
-"""The box of a model's signals: points scattered in it, and how a point of it is told.
+"""Box of a model's signals, low <= x <= high: random points in it, grids, and points as text.
 
 Points are columns (d, k), in the order of the signals and in their units. They are the same on every machine.
 """
@@ -13,14 +13,14 @@ from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array, readonly
 
-PRINTED = 1e-6  # of a half range: what is less prints as 0
+PRINTED = 1e-6  # of a half range: a smaller value prints as 0
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
     """Symbols (d,) of `signals`, and symbols of `constants` (q,) with their `values`.
 
-    Constants stay symbols so that CasADi does not fold them: 0.1 + 0.2 - 0.3, once folded, is a small number like any.
+    Constants stay symbols so that CasADi does not fold them: once folded, 0.1 + 0.2 - 0.3 looks like any small number.
     """
 
     symbols: ca.SX
@@ -29,7 +29,7 @@ class Box:
     values: Array = field(default_factory=lambda: readonly([]))
 
     def with_values(self, exprs: ca.SX) -> ca.SX:
-        """Return the expressions with the constants' values put in."""
+        """Return the expressions with the values of the constants substituted."""
         return ca.substitute(exprs, self.constants, ca.SX(ca.DM(self.values.tolist())))
 
     def evaluated(self, exprs: ca.SX, points: Array) -> Array:
@@ -38,13 +38,13 @@ class Box:
         Raises ModelError where one is not finite.
         """
         function = ca.Function("e", [self.symbols, self.constants], [ca.densify(ca.vec(exprs))])
-        found = np.asarray(function(points, self.values)).reshape(exprs.size2(), exprs.size1(), -1).transpose(1, 0, 2)
-        require_finite("the model or a derivative of it", found, self.signals, points)
-        return found
+        values = np.asarray(function(points, self.values)).reshape(exprs.size2(), exprs.size1(), -1).transpose(1, 0, 2)
+        require_finite("the model or a derivative of it", values, self.signals, points)
+        return values
 
 
 def scatter(box: Sequence[Signal], count: int, seed: int) -> Array:
-    """Return `count` points spread evenly at random over the inside of the box, as (d, count)."""
+    """Return `count` points, uniform at random inside the box, as (d, count)."""
     unit = np.random.default_rng(seed).uniform(size=(len(box), count))
     return within(box, unit)
 
@@ -56,7 +56,7 @@ def within(box: Sequence[Signal], unit: Array) -> Array:
 
 
 def grid(d: int, count: int) -> Array:
-    """Return coordinates (d, k) from 0 to 1 on a grid of `count` points along each, the vertices among them."""
+    """Return coordinates (d, k) from 0 to 1 on a grid of `count` points along each axis, vertices included."""
     axes = np.meshgrid(*[np.linspace(0.0, 1.0, count)] * d, indexing="ij")
     return np.array([a.ravel() for a in axes]).reshape(d, -1) if d else np.zeros((0, 1))
 
@@ -71,8 +71,8 @@ def centre(box: Sequence[Signal]) -> Array:
     return np.array([(s.high + s.low) / 2 for s in box])
 
 
-def entering(expr: ca.SX, symbols: ca.SX, box: Sequence[Signal]) -> list[int]:
-    """Return the places of the signals whose `symbols` (d,) occur in an expression."""
+def signal_indices(expr: ca.SX, symbols: ca.SX, box: Sequence[Signal]) -> list[int]:
+    """Return the indices of the signals whose `symbols` (d,) occur in an expression."""
     occurs = {s.element_hash() for s in ca.symvar(expr)}
     return [k for k in range(len(box)) if symbols[k].element_hash() in occurs]
 
@@ -84,7 +84,7 @@ def where(box: Sequence[Signal], point: Array) -> str:
 
 
 def require_finite(what: str, values: Array, box: Sequence[Signal], points: Array) -> None:
-    """Raise ModelError, saying where, when an entry of `values` (..., k) at `points` (d, k) is not finite."""
+    """Raise ModelError with the point if an entry of `values` (..., k) at `points` (d, k) is not finite."""
     bad = np.flatnonzero(~np.isfinite(values.reshape(-1, points.shape[1])).all(axis=0))
     if len(bad):
         raise ModelError(

@@ -1,6 +1,6 @@
 """Newton's method for a local maximum of the largest singular value of a matrix M(w) with known derivatives.
 
-    sigma' = Re u^H M' v,     sigma'' = Re u^H M'' v + what M' couples to the other singular vectors
+    sigma' = Re u^H M' v,     sigma'' = Re u^H M'' v + the coupling through M' to the other singular vectors
 
 where u, v are the singular vectors at w.
 """
@@ -15,12 +15,12 @@ Derivatives = Callable[[float], tuple[Complex, Complex, Complex]]
 
 STEPS = 8
 TINY = 1e-300
-NEAR = 1e-5  # relative: the step after one that gains less gains about its square, and is left out
-CONVERGED = 1e-9  # relative: a step that gains less is left out
+NEAR = 1e-5  # relative gain below which no further step follows: that would gain about its square
+CONVERGED = 1e-9  # relative gain below which the climb ends
 
 
-def climb(derivatives: Derivatives, w: float) -> tuple[float, float]:
-    """Return the value and the place of the local maximum near w, from what returns M, M', M'' (p, m) at a place."""
+def local_maximum(derivatives: Derivatives, w: float) -> tuple[float, float]:
+    """Return the local maximum of sigma_max near w and its location; `derivatives(w)` returns M, M', M'' (p, m)."""
     value, step, gain = _newton(derivatives, w)
     for _ in range(STEPS):
         if not gain > CONVERGED * value:
@@ -37,7 +37,7 @@ def climb(derivatives: Derivatives, w: float) -> tuple[float, float]:
 
 
 def _newton(derivatives: Derivatives, w: float) -> tuple[float, float, float]:
-    """Return sigma_max at w, the step to where its maximum is expected, at most w / 2, and the gain that is there."""
+    """Return sigma_max at w, the step to its predicted maximum, at most w / 2, and the predicted gain."""
     M, first, second = derivatives(w)
     U, sigma, Vh = np.linalg.svd(M)
     first = U.conj().T @ first @ Vh.conj().T
@@ -50,13 +50,13 @@ def _newton(derivatives: Derivatives, w: float) -> tuple[float, float, float]:
 
 
 def _coupling(first: Complex, sigma: Array) -> float:
-    """Return what M' adds to the second derivative of sigma_1, with `first` = U^H M' V (p, m).
+    """Return the contribution of M' to the second derivative of sigma_1, with `first` = U^H M' V (p, m).
 
-    It is that of the eigenvalue sigma_1 of [[0, M], [M^H, 0]], whose others are -sigma_1, each +-sigma_j, and zeros.
+    sigma_1 is an eigenvalue of [[0, M], [M^H, 0]]; the others are -sigma_1, each +-sigma_j, and zeros.
     """
     top, k = max(float(sigma[0]), TINY), len(sigma)
     a, b = first[1:k, 0], first[0, 1:k].conj()
-    apart = np.maximum(top - sigma[1:], 1e-3 * top)
-    pairs = np.abs(a + b) ** 2 / apart + np.abs(a - b) ** 2 / (top + sigma[1:])
+    gaps = np.maximum(top - sigma[1:], 1e-3 * top)
+    pairs = np.abs(a + b) ** 2 / gaps + np.abs(a - b) ** 2 / (top + sigma[1:])
     others = (np.abs(first[k:, 0]) ** 2).sum() + (np.abs(first[0, k:]) ** 2).sum()
     return float((first[0, 0].imag ** 2 + others) / top + pairs.sum() / 2)

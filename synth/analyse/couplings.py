@@ -1,8 +1,8 @@
-"""How strongly inputs move and outputs show each mode of a linear model.
+"""Modal controllability and observability: Popov-Belevitch-Hautus (PBH) measures of each mode of a linear model.
 
-The measure of Popov, Belevitch and Hautus for an eigenvalue s is the least singular value of [A - s I, B], or of
-[A - s I; C], in scaled units (`staircase.scaled`) with columns of B and rows of C of length 1: 0 out of reach or sight,
-1 at best. Of one input alone it is 0, too, where two modes have one eigenvalue.
+The measure of an eigenvalue s is the least singular value of [A - s I, B], or of [A - s I; C], in scaled units
+(`staircase.scaled`) with columns of B and rows of C of length 1. It is 0 for an uncontrollable or unobservable mode and
+1 at best. The measure of one input alone is also 0 if two modes have the same eigenvalue.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,87 +17,88 @@ from synth.analyse import staircase, structure
 from synth.statespace import Array, Complex, System, of
 from synth.timing import Time
 
-CHUNK = 16  # modes that are taken together
+CHUNK = 16  # modes in one batch
 SMALL = 60  # states up to which a singular value decomposition is quicker than inverse iteration
-BLOCK, STEPS, SETTLED = 4, 60, 1e-4  # vectors, steps at most, and the relative change at which inverse iteration stops
+BLOCK, STEPS, CONVERGED = 4, 60, 1e-4  # of inverse iteration: vectors, most steps, and the relative change at its end
 HUGE = 1e150  # its square is still a double
-WEAK = 1e-3  # a mode whose measure is less counts as weakly reached or seen
+WEAK = 1e-3  # a mode with a smaller measure counts as weakly controllable or observable
 
 Measures = tuple[float, dict[str, float]]
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """A mode with its measures: `reach` by all inputs, `sight` by all outputs, and by each alone."""
+    """A mode with its measures, for all signals and for each: `controllability` and `observability`."""
 
     value: complex
     states: structure.Direction
-    reach: float
-    sight: float
+    controllability: float
+    observability: float
     by_input: Mapping[str, float]
     by_output: Mapping[str, float]
 
 
 @show.result
 class Couplings:
-    """The couplings of each mode, the slowest first."""
+    """The PBH measures of each mode, the slowest first."""
 
     modes: tuple[Coupling, ...]
     time: Time
 
     @property
-    def weakly_reached(self) -> tuple[Coupling, ...]:
-        """The modes whose `reach` is below WEAK."""
-        return tuple(m for m in self.modes if m.reach < WEAK)
+    def weakly_controllable(self) -> tuple[Coupling, ...]:
+        """The modes with a controllability measure below WEAK."""
+        return tuple(m for m in self.modes if m.controllability < WEAK)
 
     @property
-    def weakly_seen(self) -> tuple[Coupling, ...]:
-        """The modes whose `sight` is below WEAK."""
-        return tuple(m for m in self.modes if m.sight < WEAK)
+    def weakly_observable(self) -> tuple[Coupling, ...]:
+        """The modes with an observability measure below WEAK."""
+        return tuple(m for m in self.modes if m.observability < WEAK)
 
     def sheet(self) -> show.Sheet:
-        """Return one line for each mode or pair, and sentences on those that are weakly coupled."""
+        """Return one row for each mode or pair, and a line for each weakly coupled one."""
         lines = [
-            f"Weakly {how}: mode {structure.pair(m.value)} in {structure.spelled(m.states)}."
-            for how, modes in (("reached", self.weakly_reached), ("seen", self.weakly_seen))
+            f"Weakly {how}: mode {structure.pair(m.value)} in {structure.direction_text(m.states)}."
+            for how, modes in (("controllable", self.weakly_controllable), ("observable", self.weakly_observable))
             for m in modes
             if m.value.imag >= 0
         ]
         rows = tuple(
             (
                 structure.pair(m.value),
-                f"{m.reach:.2g}",
-                f"{m.sight:.2g}",
+                f"{m.controllability:.2g}",
+                f"{m.observability:.2g}",
                 max(m.by_input, key=m.by_input.__getitem__, default=""),
                 max(m.by_output, key=m.by_output.__getitem__, default=""),
-                structure.spelled(m.states),
+                structure.direction_text(m.states),
             )
             for m in self.modes
             if m.value.imag >= 0
         )
-        columns = ("mode", "reach", "sight", "best input", "best output", "states")
-        return show.Sheet(f"Couplings of the modes in {self.time}", tuple(lines), (show.Table(columns, rows),))
+        columns = ("mode", "controllability", "observability", "best input", "best output", "states")
+        title = f"Modal controllability and observability in {self.time}"
+        return show.Sheet(title, tuple(lines), (show.Table(columns, rows),))
 
 
 @arguments.checked
-def couplings(system: System) -> Couplings:
-    """Return how strongly inputs move and outputs show each mode of a System; raise SignalError as `statespace.of`."""
+def modal_measures(system: System) -> Couplings:
+    """Return the PBH measures of each mode of a System; raise SignalError as `statespace.of`."""
     model = of(system)
-    part = staircase.of_model(model)
+    scaled = staircase.of_model(model)
     roots = structure.poles(model).roots
-    values = np.unique([complex(r.value.real, abs(r.value.imag)) / part.rate for r in roots])  # one of each pair
-    reach = _measures(part.A, part.B, model.inputs, values)
-    sight = _measures(part.A.T, part.C.T, model.outputs, values)
-    found = []
+    values = np.unique([complex(r.value.real, abs(r.value.imag)) / scaled.rate for r in roots])  # one of each pair
+    controllability = _measures(scaled.A, scaled.B, model.inputs, values)
+    observability = _measures(scaled.A.T, scaled.C.T, model.outputs, values)
+    modes = []
     for root in roots:
-        s = complex(root.value.real, abs(root.value.imag)) / part.rate
-        (by_all, by_input), (to_all, by_output) = reach[s], sight[s]
-        found.append(Coupling(root.value, root.states, by_all, to_all, by_input, by_output))
-    return Couplings(tuple(found), model.time)
+        s = complex(root.value.real, abs(root.value.imag)) / scaled.rate
+        (by_all, by_input), (to_all, by_output) = controllability[s], observability[s]
+        modes.append(Coupling(root.value, root.states, by_all, to_all, by_input, by_output))
+    return Couplings(tuple(modes), model.time)
 
 
 def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict[complex, Measures]:
-    """Return for each s the least singular value of [A - s I, B], for all columns of B, made of length 1, and for each.
+    """Return for each s the least singular value of [A - s I, B] with unit columns of B, for all and for each.
 
     One Schur form A' = V T V^H serves all: the singular values are those of [T - s* I; B' V].
     """
@@ -106,21 +107,21 @@ def _measures(A: Array, B: Array, names: Sequence[str], values: Complex) -> dict
     size = np.linalg.norm(B, axis=0)
     T, V = scipy.linalg.schur(A.T.astype(np.complex128), output="complex")
     rows = (B / np.where(size > 0, size, 1.0)).T @ V
-    found = {}
-    for some in np.array_split(values, -(-len(values) // CHUNK)):
-        shifted = T - some.conj()[:, None, None] * np.eye(len(T))
-        whole, alone = shifted, np.zeros((len(names), len(some)))
+    measures = {}
+    for batch in np.array_split(values, -(-len(values) // CHUNK)):
+        shifted = T - batch.conj()[:, None, None] * np.eye(len(T))
+        with_all, by_signal = shifted, np.zeros((len(names), len(batch)))
         for j in np.flatnonzero(size):
-            one = _with_row(shifted, rows[j])
-            alone[j] = [_least(R) for R in one]
-            whole = one if whole is shifted else _with_row(whole, rows[j])
-        every = alone.sum(axis=0) if np.count_nonzero(size) < 2 else [_least(R) for R in whole]
-        for s, most, each in zip(some, every, alone.T, strict=True):
-            found[complex(s)] = (float(most), {name: float(v) for name, v in zip(names, each, strict=True)})
-    return found
+            with_one = _append_row(shifted, rows[j])
+            by_signal[j] = [_least_singular_value(R) for R in with_one]
+            with_all = with_one if with_all is shifted else _append_row(with_all, rows[j])
+        of_all = by_signal.sum(axis=0) if np.count_nonzero(size) < 2 else [_least_singular_value(R) for R in with_all]
+        for s, measure, by_each in zip(batch, of_all, by_signal.T, strict=True):
+            measures[complex(s)] = (float(measure), {name: float(v) for name, v in zip(names, by_each, strict=True)})
+    return measures
 
 
-def _with_row(T: Complex, row: Complex) -> Complex:
+def _append_row(T: Complex, row: Complex) -> Complex:
     """Return the triangular factors (k, n, n) of matrices T (k, n, n), upper triangular, with one `row` (n,) below."""
     R, r = T.copy(), np.tile(row, (len(T), 1))
     for j in range(len(row)):
@@ -132,13 +133,13 @@ def _with_row(T: Complex, row: Complex) -> Complex:
     return R
 
 
-def _least(R: Complex) -> float:
-    if len(R) > SMALL and np.isfinite(found := _iterated(R)):
-        return found
+def _least_singular_value(R: Complex) -> float:
+    if len(R) > SMALL and np.isfinite(sigma := _inverse_iteration(R)):
+        return sigma
     return float(np.linalg.svd(R, compute_uv=False)[-1])
 
 
-def _iterated(R: Complex) -> float:
+def _inverse_iteration(R: Complex) -> float:
     """Return the least singular value by inverse iteration on a block of vectors; NaN where the inverse overflows."""
     diagonal = np.diag(R)
     tiny = np.finfo(float).eps ** 2 * np.abs(R).max()
@@ -152,7 +153,7 @@ def _iterated(R: Complex) -> float:
         if not np.abs(Z).max() < HUGE:
             return np.nan
         last, sigma = sigma, 1.0 / float(np.linalg.norm(Z, 2))
-        if last - sigma <= SETTLED * sigma:
+        if last - sigma <= CONVERGED * sigma:
             return sigma
         X = np.linalg.qr(Z)[0]
     return np.nan

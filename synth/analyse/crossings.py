@@ -1,15 +1,15 @@
-"""Where a rational loop crosses |L| = 1 and L < 0, and where it comes nearest to -1, as zeros of polynomials.
+"""Gain and phase crossings and least distance to -1 of a rational loop, as zeros of polynomials.
 
 With L = N / D on the axis s = i v, u = v^2 and N conj(D) = R(u) + i v F(u),
 
     |L| = 1            |N|^2 - |D|^2 = 0
-    L real             F = 0, where R < 0 it is negative
+    L real             F = 0; L < 0 where R < 0 as well
     |1 + L| least      d/du (|N + D|^2 / |D|^2) = 0, or at an end
 
-Each is a polynomial in u with integer coefficients. All its positive zeros are isolated, so that no crossing is missed
-however close it lies to another or to an end, and a value at a zero is enclosed by a ball. The least |1 + L| of
-an order above SMALL is found by branch and bound (`zpk.least_distance`). Where |L| = 1 or F = 0 at
-all frequencies, the crossings returned are the worst of them.
+Each is a polynomial in u with integer coefficients. All its positive zeros are isolated, so no crossing is missed,
+however close it lies to another or to an end. The value of L at a zero is enclosed by a ball. For an order above SMALL,
+branch and bound gives the least |1 + L| (`zpk.least_distance`). If |L| = 1 or F = 0 at all frequencies, only the worst
+crossings are returned.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,14 +25,14 @@ from synth.errors import ModelError
 from synth.timing import Continuous
 
 RESOLVED = 53  # bits of a value, at least
-NOTHING = 2.0**-200  # a value below it is 0
-SMALL = 12  # order up to which the least |1 + L| is found by the zeros of a polynomial of twice that degree
-POINTS = 2000  # on which the worst of a stretch with |L| = 1 is sought
+NOTHING = 2.0**-200  # a smaller value counts as 0
+SMALL = 12  # order up to which the zeros of a polynomial of twice that degree give the least |1 + L|
+POINTS = 2000  # of the grid on which an all-pass is searched for its worst crossing
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """L at `frequency` rad/s."""
+    """The value of L at `frequency` rad/s."""
 
     frequency: float
     L: complex
@@ -40,9 +40,9 @@ class Crossing:
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """Crossings of |L| = 1 and of L < 0 by rising frequency, and the peak of |1/(1 + L)|.
+    """Crossings of |L| = 1 and of L < 0 in order of frequency, and the peak of |S| = |1/(1 + L)|.
 
-    `ends` maps the frequencies 0 and pi/T or inf to L, where it is finite there.
+    `ends` maps the frequencies 0 and pi/T or inf to L, if L is finite there.
     """
 
     gain_crossings: tuple[Crossing, ...]
@@ -53,9 +53,9 @@ class Crossings:
 
 
 def of_rational(loop: Rational, low: float, high: float) -> Crossings:
-    """Return the crossings of a loop between two frequencies in rad/s; `ends` are given whatever the limits.
+    """Return the crossings of a loop between two frequencies in rad/s, and its `ends` regardless of these limits.
 
-    Raises ModelError where a value is not resolved by `rational.MOST_BITS` bits.
+    Raises ModelError if `rational.MOST_BITS` bits do not resolve a value.
     """
     N, D = loop.reduced
     at_ends = ends(loop)
@@ -68,7 +68,7 @@ def of_rational(loop: Rational, low: float, high: float) -> Crossings:
 
 
 def ends(loop: Rational) -> dict[float, float]:
-    """Return L at w = 0 and at Nyquist or infinity, where it has no pole there."""
+    """Return L at w = 0 and at Nyquist or infinity, unless it has a pole there."""
     N, D = loop.reduced
     order = max(N.degree(), D.degree())
     last = np.inf if isinstance(loop.time, Continuous) else np.pi / loop.time.period_s
@@ -93,16 +93,16 @@ def _phase_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cros
     magnitude = squared_magnitude(D)
     poles_and_zeros = squared_magnitude(N) * magnitude
     if F.degree() >= 0:
-        candidates = _values_at_zeros(loop, N, D, _without(F, poles_and_zeros))
-    else:  # L is real at all frequencies: |L| is nearest to 1 where it is 1 or stationary
+        candidates = _values_at_zeros(loop, N, D, _without_common_zeros(F, poles_and_zeros))
+    else:  # L is real at all frequencies: |L| is closest to 1 where it is 1 or stationary
         stationary = R.derivative() * magnitude - R * magnitude.derivative()
         unit = squared_magnitude(N) - magnitude
-        candidates = _values_at_zeros(loop, N, D, _without(stationary * unit, poles_and_zeros))
+        candidates = _values_at_zeros(loop, N, D, _without_common_zeros(stationary * unit, poles_and_zeros))
     return tuple(c for c in candidates if c.L.real < 0)
 
 
-def _without(P: Polynomial, factor: Polynomial) -> Polynomial:
-    """Return P without the zeros that it has in common with a factor: there L is 0 or has a pole."""
+def _without_common_zeros(P: Polynomial, factor: Polynomial) -> Polynomial:
+    """Return P without the zeros that it shares with `factor`: L is 0 or has a pole there."""
     common = P.gcd(factor)
     while common.degree() > 0 and not P.is_zero():
         P = P // common
@@ -111,25 +111,25 @@ def _without(P: Polynomial, factor: Polynomial) -> Polynomial:
 
 
 def _least_distance(loop: Rational, ends: Mapping[float, float], low: float, high: float) -> tuple[float, float]:
-    """Return the least |1 + L| and where it is."""
+    """Return the least |1 + L| and its frequency."""
     N, D = loop.reduced
     candidates = [(abs(1 + v), w) for w, v in ends.items()]
     if D.degree() <= SMALL:
         P, Q = squared_magnitude(N + D), squared_magnitude(D)
-        stationary = _values_at_zeros(loop, N, D, _without(P.derivative() * Q - P * Q.derivative(), Q))
-        inside = [c for c in stationary if low <= c.frequency <= high] + _limits(loop, N, D, low, high)
+        stationary = _values_at_zeros(loop, N, D, _without_common_zeros(P.derivative() * Q - P * Q.derivative(), Q))
+        inside = [c for c in stationary if low <= c.frequency <= high] + _crossings_at_limits(loop, N, D, low, high)
         return min(candidates + [(abs(1 + c.L), c.frequency) for c in inside])
     L = zpk.of_rational(loop)
-    slowest = float(np.abs(loop.closed[loop.closed != 0]).min(initial=np.inf))
+    slowest = float(np.abs(loop.closed_loop_poles[loop.closed_loop_poles != 0]).min(initial=np.inf))
     start = loop.axis_point(low) if low else min(zpk.lowest_frequency(L), zpk.BELOW * slowest)
-    grid = zpk.frequency_grid(L, start, loop.closed)
+    grid = zpk.frequency_grid(L, start, loop.closed_loop_poles)
     top = loop.axis_point(high) if np.isfinite(high) else float(grid[-1])
     distance, v = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=False))
     return min([*candidates, (distance, loop.frequency(v))])
 
 
-def _limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
-    """Return L at limits other than 0 and infinity where it has no pole."""
+def _crossings_at_limits(loop: Rational, N: Polynomial, D: Polynomial, low: float, high: float) -> list[Crossing]:
+    """Return L at the limits other than 0 and infinity, unless it has a pole there."""
     limits = [w for w in (low, high) if 0 < loop.axis_point(w) < np.inf]
     with precise.precision(4 * rational.BITS):
         at = [_value(N, D, flint.arb(loop.axis_point(w)) ** 2) for w in limits]
@@ -148,8 +148,7 @@ def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial
                 return tuple(Crossing(w, complex(v)) for w, v in zip(frequencies, values, strict=True))
         bits *= 4
     raise ModelError(
-        f"a crossing of the loop is not resolved by {rational.MOST_BITS} bits: leave out modes that the loop hardly "
-        "shows"
+        f"{rational.MOST_BITS} bits do not resolve a crossing of the loop: leave out modes that the loop hardly shows"
     )
 
 
@@ -166,7 +165,7 @@ def _value(N: Polynomial, D: Polynomial, u: flint.arb) -> flint.acb:
 
 
 def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Crossing, ...]:
-    """Return where a loop with |L| = 1 at all frequencies has the least phase and the least delay margin."""
+    """Return the crossings with the least phase margin and the least delay margin of an all-pass, |L| = 1."""
     sizes = np.abs(rational.zeros(D))
     at_ends = [Crossing(w, complex(v)) for w, v in ends(loop).items() if w < np.inf]
     at_minus_one = (*_phase_crossings(loop, N, D), *(c for c in at_ends if c.L == -1))
@@ -185,12 +184,12 @@ def _worst_of_all_pass(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cr
     worst = at_minus_one or (at(_minimiser(lambda f: abs(angle(f)), w)),)
     if any(c.frequency for c in at_minus_one):
         return worst
-    late = [at(_minimiser(lambda f: (angle(f) % (2 * np.pi)) / f, w)), *(c for c in at_ends if c.frequency)]
-    return (*worst, min(late, key=lambda c: (float(np.angle(-c.L)) % (2 * np.pi)) / c.frequency))
+    by_delay = [at(_minimiser(lambda f: (angle(f) % (2 * np.pi)) / f, w)), *(c for c in at_ends if c.frequency)]
+    return (*worst, min(by_delay, key=lambda c: (float(np.angle(-c.L)) % (2 * np.pi)) / c.frequency))
 
 
 def _minimiser(f: Callable[[float], float], w: np.ndarray) -> float:
-    """Return where f is least, near the least of its values on w (k,)."""
+    """Return the minimiser of f near the least of its values on w (k,)."""
     k = int(np.argmin([f(float(v)) for v in w]))
     bounds = (w[max(k - 1, 0)], w[min(k + 1, len(w) - 1)])
     minimum = minimize_scalar(f, bounds=bounds, method="bounded", options={"xatol": 1e-12 * w[k]})

@@ -1,8 +1,9 @@
-"""Where a loop with an exact delay and hold crosses |L| = 1 and L < 0, and where it comes nearest to -1.
+"""Gain and phase crossings and least distance to -1 of a loop with an exact delay and hold.
 
-log L is a sum of terms whose slopes have bounds over an interval of frequencies (`zpk`). So an interval holds no
-crossing where the mean value theorem excludes it; one over which log |L| or arg L is monotone holds as many as its ends
-show; any other is halved, down to NARROW of its frequency, and one that is still undecided then counts as a crossing.
+log L is a sum of terms whose slopes have bounds over an interval of frequencies (`zpk`). The mean value theorem
+excludes crossings from some intervals. If log |L| or arg L is monotone over an interval, the values at its ends give
+the number of crossings. Any other interval is halved, down to NARROW of its frequency; if still undecided, it counts as
+a crossing.
 """
 
 from collections.abc import Callable
@@ -23,18 +24,19 @@ Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 
 ROUNDING = 1e-12  # of log |L| and arg L: a zero this near to the end of an interval may lie on it
 MOST_INTERVALS = 500_000
-QUIET = 1e-5  # of |L| at infinity: a loop that stays this near above it is followed no further
+QUIET = 1e-5  # of |L| at infinity: the search ends where |L| stays this close above it
 
 
 def of_delayed(loop: Delayed, model: Rational, low: float | None, high: float | None) -> Crossings:
     """Return the crossings of a loop, whose rational factor is `model`, between two frequencies in rad/s.
 
-    Left out, `low` lies where the loop is its asymptote, and `high` so far up that no later crossing decides a margin.
+    By default, `low` lies where the loop has reached its asymptote, and `high` lies above all crossings that can decide
+    a margin.
 
-    Raises ModelError when the delay is too long for the loop to be followed.
+    Raises ModelError if the delay is too long to trace the loop.
     """
     last = 0.0 if loop.hold_s else abs(crossings.ends(model)[np.inf])
-    ends = {w: v for w, v in crossings.ends(model).items() if w == 0} | {np.inf: -last}  # there it circles for ever
+    ends = {w: v for w, v in crossings.ends(model).items() if w == 0} | {np.inf: -last}  # L circles there
     if model.N.is_zero():
         return Crossings((), (), ends, 1.0, 0.0)
     L = zero_pole_gain(loop, model)
@@ -46,10 +48,10 @@ def of_delayed(loop: Delayed, model: Rational, low: float | None, high: float | 
         return float(grid[min(above[-1] + 1, len(grid) - 1)]) if above.size else float(grid[0])
 
     phase, top = _phase_crossings(L, grid, last_above, last, high)
-    if crossings.is_all_pass(model) and not L.hold_s:  # |L| = 1 all along: what matters is where L = -1
+    if crossings.is_all_pass(model) and not L.hold_s:  # |L| = 1 everywhere: only L = -1 matters
         gain = phase
     else:
-        rates = grid if L.hold_s else zpk.frequency_grid(replace(L, delay_s=0.0), float(grid[0]))  # no delay moves |L|
+        rates = grid if L.hold_s else zpk.frequency_grid(replace(L, delay_s=0.0), float(grid[0]))  # |L| has no delay
         gain = _gain_crossings(L, rates, high or (last_above(0.5) if L.hold_s else float(rates[-1])))
     nearest = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=True))
     distance, frequency = min([nearest, *((abs(1 + v), w) for w, v in ends.items())])
@@ -65,22 +67,22 @@ def zero_pole_gain(loop: Delayed, model: Rational) -> ZeroPoleGain:
 
 
 def _gain_crossings(L: ZeroPoleGain, grid: Array, top: float) -> list[float]:
-    """Return where |L| = 1, which no delay changes; the hold's zeros part the axis."""
+    """Return the frequencies of |L| = 1, which do not depend on a delay; the zeros of the hold divide the axis."""
     if L.hold_s:
         transfer.check_turns(L.delay_s, top)
-    return _zeros(L.log_gain, _size_bounds(L), zpk.interval_ends(L, grid, top, turning=bool(L.hold_s)), np.inf)
+    return _zeros(L.log_gain, _log_gain_bounds(L), zpk.interval_ends(L, grid, top, turning=bool(L.hold_s)), np.inf)
 
 
 def _envelope(L: ZeroPoleGain, w: Array) -> Array:
-    """Return |L| with what the hold's lobes stay below in their place."""
-    held = np.minimum(1.0, 2 / np.maximum(w * L.hold_s, 1e-300))
-    return np.asarray(np.exp(np.minimum(replace(L, hold_s=0.0).log_gain(w), 700.0)) * held)
+    """Return |L| with the envelope of the hold's lobes in place of the lobes."""
+    hold = np.minimum(1.0, 2 / np.maximum(w * L.hold_s, 1e-300))
+    return np.asarray(np.exp(np.minimum(replace(L, hold_s=0.0).log_gain(w), 700.0)) * hold)
 
 
 def _phase_crossings(
     L: ZeroPoleGain, grid: Array, last_above: Callable[[float], float], last: float, high: float | None
 ) -> tuple[list[float], float]:
-    """Return where L < 0 up to the returned frequency, above which |L| stays below its largest value there under 1."""
+    """Return the frequencies of L < 0 and their upper limit; above it |L| stays below its largest value < 1 at them."""
     top = high or max(last_above(last + transfer.QUIET), 4 * np.pi / L.delay_s)
     while True:
         transfer.check_turns(L.delay_s, top)
@@ -93,7 +95,7 @@ def _phase_crossings(
         top = further
 
 
-def _size_bounds(L: ZeroPoleGain) -> Bounds:
+def _log_gain_bounds(L: ZeroPoleGain) -> Bounds:
     def bounds(a: Array, b: Array) -> tuple[Array, Array, Array, Array]:
         slope, range_ = L.log_gain_slope(a, b), L.log_gain_bounds(a, b)
         low, high = _mean_value(L.log_gain((a + b) / 2), (b - a) / 2, *slope)
@@ -116,33 +118,33 @@ def _mean_value(middle: Array, half: Array, low: Array, high: Array) -> tuple[Ar
 
 
 def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: float) -> list[float]:
-    """Return where f is a multiple of `period`, or 0 where that is inf, between the nodes."""
+    """Return the zeros of f modulo `period`, or of f itself if the period is inf, between the nodes."""
     a, b = nodes[:-1], nodes[1:]
     zeros: list[float] = []
     while a.size:
         if len(a) > MOST_INTERVALS:
             raise ModelError(
-                "the loop stays so near to |L| = 1 or to the negative axis that its crossings cannot be told apart in "
+                "the loop stays so close to |L| = 1 or to the negative axis that its crossings cannot be separated in "
                 "double precision: change its gain a little"
             )
         low, high, slope_low, slope_high = bounds(a, b)
         low, high = low - ROUNDING * (1 + np.abs(low)), high + ROUNDING * (1 + np.abs(high))
-        maybe = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
+        may_cross = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
         monotone = (slope_low > 0) | (slope_high < 0)
         narrow = b - a <= NARROW * b
-        for x, y in zip(a[maybe & monotone], b[maybe & monotone], strict=True):
-            zeros += _bracketed(f, float(x), float(y), period)
-        zeros += [float(v) for v in ((a + b) / 2)[maybe & narrow & ~monotone]]
-        a, b = a[maybe & ~monotone & ~narrow], b[maybe & ~monotone & ~narrow]
+        for x, y in zip(a[may_cross & monotone], b[may_cross & monotone], strict=True):
+            zeros += _zeros_of_monotone(f, float(x), float(y), period)
+        zeros += [float(v) for v in ((a + b) / 2)[may_cross & narrow & ~monotone]]
+        a, b = a[may_cross & ~monotone & ~narrow], b[may_cross & ~monotone & ~narrow]
         middle = (a + b) / 2
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
     return _distinct(sorted(zeros))
 
 
-def _bracketed(f: Callable[[Array], Array], a: float, b: float, period: float) -> list[float]:
-    """Return where a function that is monotone between a and b is a multiple of `period`.
+def _zeros_of_monotone(f: Callable[[Array], Array], a: float, b: float, period: float) -> list[float]:
+    """Return the zeros modulo `period` of a function that is monotone between a and b.
 
-    Both ends are taken just inside, for f may jump there; a zero on an end shows as one within ROUNDING beside it.
+    The ends are moved just inside, because f may jump there; a zero on an end then shows within ROUNDING of it.
     """
     a, b = a * (1 + 4e-16), b * (1 - 4e-16)
     at_a, at_b = map(float, f(np.array([a, b])))
@@ -153,12 +155,12 @@ def _bracketed(f: Callable[[Array], Array], a: float, b: float, period: float) -
 
 
 def _root(f: Callable[[Array], Array], a: float, b: float, at_a: float, at_b: float, level: float) -> float:
-    """Return where f is at a level between a and b, at the nearer end where it is hardly beyond."""
+    """Return the point between a and b with f = level, or the closer end if the level lies just beyond it."""
     if at_a * at_b >= 0:
         return a if abs(at_a) <= abs(at_b) else b
     return float(brentq(lambda w: float(f(np.array([w]))[0] - level), a, b, xtol=1e-300, rtol=1e-14))
 
 
 def _distinct(w: list[float]) -> list[float]:
-    """Return rising frequencies without those that the same crossing gave twice."""
+    """Return sorted frequencies without duplicates of one crossing."""
     return [v for k, v in enumerate(w) if k == 0 or v - w[k - 1] > 4 * NARROW * v]

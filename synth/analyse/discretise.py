@@ -1,4 +1,4 @@
-"""Sampling without approximation, period T.
+"""Exact discretisation with period T (MATLAB `c2d`, python-control `sample_system`), and Gramians over a period.
 
 Zero-order hold (u constant between samples):   x+ = F x + G u,        F = exp(A T), G = int_0^T exp(A s) ds B
 First-order hold (u linear between samples):    x+ = F x + G u + H (u+ - u),
@@ -6,12 +6,12 @@ First-order hold (u linear between samples):    x+ = F x + G u + H (u+ - u),
 
 Each comes from one exponential of a block matrix (Van Loan 1978), computed in ball arithmetic and rounded once.
 
-What a quadratic form gathers over a period, with a cost x'Wx of x' = F x, or a noise of density V (F', V for F, W):
+The integral of a cost x'Wx over a period of x' = F x, or the covariance of noise of density V (F', V for F, W):
 
     M = exp(F T),   W(T) = int_0^T exp(F t)' W exp(F t) dt,   W(2 t) = W(t) + M(t)' W(t) M(t),   M(2 t) = M(t)^2
 
-In double precision both start as Taylor series at t with 2 |F| t <= 1 and are doubled until t = T. Nothing is
-subtracted there, so that no digits are lost where exp(-F t) and exp(F t) are of unlike size, as in a block exponential.
+In double precision both start as Taylor series at t with 2 |F| t <= 1 and are doubled until t = T. This subtracts
+nothing. A block exponential loses digits if exp(-F t) and exp(F t) differ in size; doubling does not.
 """
 
 from dataclasses import dataclass, replace
@@ -28,14 +28,14 @@ from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous, Discrete
 
 MOST_STATES = 10_000  # of a delayed model, whose A then takes 800 MB
-TERMS = 19  # 2 |F| t <= 1: the first term that is left out is below 1 / 20! = 4e-19 of the sum
-LOOKS = (7, 12)  # terms after which to look whether more are needed
-LAST = 2.0**-60  # of each entry of the sum: a term this small, the next being smaller, is the last that is added
-LINK = 2.0**-40  # of the largest balanced entry: what stands for zeros when rows or columns of zeros are scaled
+TERMS = 19  # 2 |F| t <= 1: the first omitted term is below 1 / 20! = 4e-19 of the sum
+LOOKS = (7, 12)  # terms after which convergence is tested
+LAST = 2.0**-60  # of each entry of the sum: a term this small is the last, because the next is smaller
+LINK = 2.0**-40  # of the largest balanced entry: replaces zeros when rows or columns of zeros are scaled
 
 
 @dataclass(frozen=True, eq=False)
-class Ramp:
+class FirstOrderHold:
     """x+ = F x + G u + H (u+ - u): F (n, n), G (n, m), H (n, m)."""
 
     F: Array
@@ -55,11 +55,11 @@ class Propagation:
 def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) -> Propagation:
     """Return exp(F T) and the integral of exp(F t)' W exp(F t) over a period; F (n, n), W (n, n) symmetric.
 
-    The integral has W's unit times s. In double precision its error is some 1e-15 of its size where W is positive
+    The integral has W's unit times s. In double precision its error is about 1e-15 of its size if W is positive
     semidefinite; `exact` computes both in ball arithmetic and rounds each entry once.
 
     Raises SignalError for shapes that do not fit, entries that are not finite or an asymmetric W; TimingError when the
-    period is not positive; ModelError when a mode grows beyond what a double holds, or as `precise.resolved`.
+    period is not positive; ModelError when a mode overflows double precision, or as `precise.correctly_rounded`.
     """
     F, W = _square("F", F), _square("W", W)
     if F.shape != W.shape:
@@ -68,20 +68,20 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
         i, j = np.argwhere(W != W.T)[0]
         raise SignalError(f"W is not symmetric: [{i}, {j}] is {W[i, j]}, [{j}, {i}] is {W[j, i]}; give (W + W') / 2")
     T = _period(period_s).period_s
-    M, W = _van_loan(F, W, T) if exact else _doubled(F, W, T)
+    M, W = _van_loan(F, W, T) if exact else _by_doubling(F, W, T)
     return Propagation(readonly(M), readonly(W))
 
 
 @arguments.checked
 def zero_order_hold(system: System, period_s: float) -> StateSpace:
-    """Return the model sampled with its inputs held over each period; names and units stay.
+    """Return the zero-order-hold equivalent of the model, with the same names and units.
 
     Raises TimingError when the model is sampled already or the period is not positive; ModelError as
-    `precise.resolved`.
+    `precise.correctly_rounded`.
     """
     model = of(system)
     if not isinstance(model.time, Continuous):
-        raise TimingError(f"a model in {model.time} was given to be sampled: give the continuous model")
+        raise TimingError(f"a model in {model.time} cannot be sampled again: give the continuous model")
     time = _period(period_s)
     n, m = model.B.shape
     E = _exponential(np.block([[model.A, model.B], [np.zeros((m, n + m))]]), time.period_s)
@@ -89,11 +89,11 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
 
 
 @arguments.checked
-def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
-    """Return the exact response over one period to an input that is linear in between; A (n, n), B (n, m).
+def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> FirstOrderHold:
+    """Return the exact response over one period to an input that is linear between samples; A (n, n), B (n, m).
 
     Raises SignalError for shapes that do not fit or entries that are not finite; TimingError when the period is not
-    positive; ModelError as `precise.resolved`.
+    positive; ModelError as `precise.correctly_rounded`.
     """
     A, B, T = _square("A", A), arguments.matrix("B", B), _period(period_s).period_s
     if len(B) != len(A) or not np.isfinite(B).all():
@@ -102,7 +102,7 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> Ramp:
     M = np.zeros((n + 2 * m, n + 2 * m))
     M[:n, :n], M[:n, n : n + m], M[n : n + m, n + m :] = A, B, np.eye(m)
     E = _exponential(M, T, columns_over_T=m)
-    return Ramp(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
+    return FirstOrderHold(*(readonly(E[:n, part]) for part in (slice(n), slice(n, n + m), slice(n + m, None))))
 
 
 @arguments.checked
@@ -116,20 +116,20 @@ def with_delay(system: System, samples: int = 1) -> StateSpace:
     model = of(system)
     if isinstance(model.time, Continuous) or samples < 0:
         raise TimingError(f"a delay of {samples} samples in {model.time}: sample the model and delay it by 0 or more")
-    (n, m), late = model.B.shape, samples * len(model.inputs)
-    if n + late > MOST_STATES:
-        raise TimingError(f"a delay of {samples} samples makes {n + late} states of {n}: take at most {MOST_STATES}")
-    if not late:
+    (n, m), added = model.B.shape, samples * len(model.inputs)
+    if n + added > MOST_STATES:
+        raise TimingError(f"a delay of {samples} samples makes {n + added} states of {n}: take at most {MOST_STATES}")
+    if not added:
         return model
-    A = np.block([[model.A, model.B, np.zeros((n, late - m))], [np.zeros((late, n)), np.eye(late, k=m)]])
-    B = np.vstack([np.zeros((n + late - m, m)), np.eye(m)])
-    C, D = np.hstack([model.C, model.D, np.zeros((len(model.C), late - m))]), np.zeros_like(model.D)
+    A = np.block([[model.A, model.B, np.zeros((n, added - m))], [np.zeros((added, n)), np.eye(added, k=m)]])
+    B = np.vstack([np.zeros((n + added - m, m)), np.eye(m)])
+    C, D = np.hstack([model.C, model.D, np.zeros((len(model.C), added - m))]), np.zeros_like(model.D)
     names = [(f"{name}_late{k + 1}", name) for k in range(samples) for name in model.inputs]
     units = {**model.units, **{new: model.units[name] for new, name in names if name in model.units}}
     return replace(model, A=A, B=B, C=C, D=D, states=(*model.states, *(new for new, _ in names)), units=units)
 
 
-def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
+def _by_doubling(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
     """Return M and W(T) in double precision, from balanced F: x = D z with powers of 2 in the diagonal D."""
     D = balancing(F)
     Ft, W = F * D / D[:, None] * period_s, W * D * D[:, None] * period_s
@@ -142,14 +142,14 @@ def _doubled(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
         for _ in range(doublings):
             W = W + M.T @ W @ M
             W = (W + W.T) / 2
-            # What slow modes change beside fast ones stands in E = M - I alone; once all have decayed, in M.
+            # E = M - I keeps the digits of slow modes beside fast ones; M does once all modes have decayed.
             decayed = decayed or float(np.abs(M).sum(axis=1).max()) < 0.5
             E = E if decayed else 2 * E + E @ E
             M = M @ M if decayed else one + E
         M, W = M * D[:, None] / D, W / D / D[:, None]
     if not (np.isfinite(M).all() and np.isfinite(W).all()):
         raise ModelError(
-            f"a mode grows beyond what a double holds within {period_s:g} s: take a shorter period or leave that mode "
+            f"a mode overflows double precision within {period_s:g} s: take a shorter period or leave that mode "
             "out of the model"
         )
     return M, W
@@ -169,9 +169,9 @@ def _series(Ft: Array, Wt: Array) -> tuple[Array, Array]:
 
 
 def balancing(M: Array) -> Array:
-    """Return powers of 2 (n,), D, that bring rows and columns of D^-1 M D to like size; M (n, n).
+    """Return powers of 2 (n,), D, that give rows and columns of D^-1 M D similar sizes; M (n, n).
 
-    A row or column of zeros can be scaled at will: it is, in the end, by a link of small size to all others.
+    A row or column of zeros leaves its scale undetermined: a small entry LINK then links it to all others.
     """
     if not len(M):
         return np.ones(0)
@@ -192,8 +192,8 @@ def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
         G = flint.arb_mat([[E[i, n + j] for j in range(n)] for i in range(n)])
         return M.transpose() * G
 
-    gathered = precise.resolved(compute, f"the integral over {period_s:g} s")
-    return _exponential(F, period_s), (gathered + gathered.T) / 2
+    integral = precise.correctly_rounded(compute, f"the integral over {period_s:g} s")
+    return _exponential(F, period_s), (integral + integral.T) / 2
 
 
 def _period(period_s: float) -> Discrete:
@@ -209,13 +209,13 @@ def _square(name: str, values: ArrayLike) -> Array:
 
 def _exponential(M: Array, period_s: float, columns_over_T: int = 0) -> Array:
     """Return exp(M T), its last columns divided by T, each entry rounded once."""
-    divided = len(M) - columns_over_T
+    first = len(M) - columns_over_T
 
     def compute() -> flint.arb_mat:
         T = flint.arb(period_s)
         scale = flint.arb_mat(np.eye(len(M)).tolist())
-        for j in range(divided, len(M)):
+        for j in range(first, len(M)):
             scale[j, j] = 1 / T
         return (precise.matrix(M) * T).exp() * scale
 
-    return precise.resolved(compute, f"the exponential over {period_s:g} s")
+    return precise.correctly_rounded(compute, f"the exponential over {period_s:g} s")

@@ -1,4 +1,4 @@
-"""Matrices in units of their own: rows and columns of like size, so that a rank does not hang on anybody's units."""
+"""Matrix equilibration: rows and columns scaled to similar size, which makes a rank independent of units."""
 
 from typing import TypeVar
 
@@ -13,7 +13,7 @@ PASSES = 5
 
 
 def equilibrated(M: Matrix) -> tuple[Matrix, Array, Array]:
-    """Return diag(r) M diag(c) with rows and columns of like size, r and c; the rank is that of M in any units."""
+    """Return diag(r) M diag(c) with rows and columns of similar size, r and c."""
     r, c = np.ones(len(M)), np.ones(M.shape[1])
     for _ in range(PASSES):
         for axis, factor in ((1, r), (0, c)):
@@ -23,5 +23,5 @@ def equilibrated(M: Matrix) -> tuple[Matrix, Array, Array]:
 
 
 def is_singular(M: Matrix) -> bool:
-    """Tell whether a square M has no inverse within rounding, whatever its units; one without rows has."""
+    """Tell whether a square M is singular within rounding, in any units; an empty M is not."""
     return bool(M.size and np.linalg.cond(equilibrated(M)[0]) > 1 / np.finfo(float).eps)

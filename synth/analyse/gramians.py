@@ -1,14 +1,14 @@
-"""How strongly inputs reach the states of a linear model and how well outputs show them.
+"""Controllability and observability Gramians, Hankel singular values (MATLAB `gram`, `hsvd`).
 
-Energy. With Phi(t) = exp(A t), or A^t in discrete time (sums for integrals),
+With Phi(t) = exp(A t), or A^t in discrete time (sums for integrals),
 
-    Wc = int Phi B B' Phi' dt      x' Wc^-1 x: least input energy int u'u dt that takes 0 to x
-    Wo = int Phi' C' C Phi dt      x' Wo x: output energy int y'y dt that x gives
-    Hankel singular values         sqrt of the eigenvalues of Wc Wo, which no change of states alters
+    Wc = int Phi B B' Phi' dt      x' Wc^-1 x: least input energy int u'u dt from 0 to x
+    Wo = int Phi' C' C Phi dt      x' Wo x: output energy int y'y dt from x(0) = x
+    Hankel singular values         sqrt of the eigenvalues of Wc Wo, the same in all coordinates
 
-An unstable part has integrals backward in time: A = T diag(As, Au) T^-1 with Au in place of -Au, or of its inverse.
-Modes on the border have none; `over` integrates to a horizon instead. An input's share is its part of
-trace(Wc Wo) = sum of squared Hankel values; shares compare inputs in the units that they have.
+The unstable part of A = T diag(As, Au) T^-1 is integrated backward in time: with -Au, or the inverse of Au. A mode on
+the stability boundary has no such integral; `over` integrates to a horizon instead. The share of an input is its part
+of trace(Wc Wo) = sum of squared Hankel values. Shares depend on the units of the inputs.
 """
 
 import warnings
@@ -25,17 +25,17 @@ from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
 
-BORDER = 1e12  # Gramians of noise as large as each row of scaled A that exceed this come of a mode on the border
+BORDER = 1e12  # a larger Gramian of noise the size of each row of scaled A indicates a mode on the stability boundary
 
 Integral = Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
 class _Span:
-    """W = `integral(F, Q)` of F'^t Q F^t over some time, and the `edge` that F' W + W F, or F' W F - W, must equal."""
+    """W = `integral(F, Q)` of F'^t Q F^t over a time, and the `boundary` that F' W + W F, or F' W F - W, must equal."""
 
     integral: Integral
-    edge: Integral
+    boundary: Integral
     text: str
 
 
@@ -44,7 +44,7 @@ class Gramians:
     """Wc (n, n), Wo (n, n) in the units of the states, Hankel singular values (n,), largest first, and shares.
 
     `directions` has the states of each Hankel value; `by_input` and `by_output` are shares that sum to 1; `residual`
-    is the larger one of the two Lyapunov equations, over the size of its terms; `span` says over which time.
+    is the larger residual of the two Lyapunov equations, relative to its terms; `span` is the time of integration.
     """
 
     Wc: Array
@@ -58,10 +58,10 @@ class Gramians:
 
     def sheet(self) -> show.Sheet:
         """Return the Hankel singular values with their states, and the shares."""
-        relative = self.hankel / (self.hankel.max(initial=0.0) or 1.0)  # its square stays within the range of a double
+        relative = self.hankel / (self.hankel.max(initial=0.0) or 1.0)  # its square does not overflow
         part = relative**2 / ((relative**2).sum() or 1.0)
         rows = tuple(
-            (f"{v:.4g}", f"{share:.2%}", structure.spelled(along) or "none")
+            (f"{v:.4g}", f"{share:.2%}", structure.direction_text(along) or "none")
             for v, share, along in zip(self.hankel, part, self.directions, strict=True)
         )
         shares = tuple((n, f"{v:.2%}") for part in (self.by_input, self.by_output) for n, v in part.items())
@@ -71,29 +71,29 @@ class Gramians:
 
 @arguments.checked
 def gramians(system: System) -> Gramians:
-    """Return the Gramians of a System over all time, those of its unstable part backward in time.
+    """Return the Gramians of a System over all time, backward in time for its unstable part.
 
-    Raises SignalError as `statespace.of`; ModelError naming a mode on the border of stability.
+    Raises SignalError as `statespace.of`; ModelError with the mode that lies on the border of stability.
     """
     model = of(system)
     x = staircase.of_model(model).x
     A = model.A * x / x[:, None]
     continuous = isinstance(model.time, Continuous)
-    moved = np.abs(A).sum(axis=1) if continuous else np.ones(len(A))  # what rounding of A moves of each state
+    noise_size = np.abs(A).sum(axis=1) if continuous else np.ones(len(A))  # the effect of rounding of A on each state
     try:
         T, k = _stable_first(A, continuous)
         span = _over_all_time(len(A), k, continuous)
-        back = _inverse(T)
-        noise = T @ span.integral((back @ A @ T).T, (back * moved) @ back.T) @ T.T
+        inverse = _inverse(T)
+        noise = T @ span.integral((inverse @ A @ T).T, (inverse * noise_size) @ inverse.T) @ T.T
     except (np.linalg.LinAlgError, RuntimeWarning) as error:
-        raise _border(model) from error
+        raise _border_error(model) from error
     if len(A) and not np.linalg.norm(noise) < BORDER:
-        raise _border(model)
+        raise _border_error(model)
     return _gramians(model, x[:, None] * T, span)
 
 
 @arguments.checked
-def over(system: System, horizon_s: float) -> Gramians:
+def over_horizon(system: System, horizon_s: float) -> Gramians:
     """Return the Gramians of a System from 0 to `horizon_s`, rounded to whole samples in discrete time.
 
     Raises SignalError as `statespace.of`; TimingError when the horizon is not positive or shorter than a sample;
@@ -107,19 +107,19 @@ def over(system: System, horizon_s: float) -> Gramians:
         raise TimingError(f"the horizon is {horizon_s} s: give a finite positive time")
     if isinstance(model.time, Continuous):
 
-        def gathered(F: Array, Q: Array) -> tuple[Array, Array]:
-            found = discretise.gramian(F, Q, horizon_s) if len(F) else None
-            return (found.W, found.M) if found else (Q, F)
+        def propagate(F: Array, Q: Array) -> tuple[Array, Array]:
+            propagation = discretise.gramian(F, Q, horizon_s) if len(F) else None
+            return (propagation.W, propagation.M) if propagation else (Q, F)
 
-        return _gramians(model, X, _over(f"{horizon_s:g} s", gathered))
+        return _gramians(model, X, _finite_span(f"{horizon_s:g} s", propagate))
     samples = round(horizon_s / model.time.period_s)
     if samples < 1:
         raise TimingError(f"the horizon of {horizon_s:g} s is shorter than a sample of {model.time.period_s:g} s")
-    return _gramians(model, X, _over(f"{samples} samples", lambda F, Q: _summed(F, Q, samples)))
+    return _gramians(model, X, _finite_span(f"{samples} samples", lambda F, Q: _gramian_sum(F, Q, samples)))
 
 
 def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
-    """Return T for which T^-1 A T is block diagonal, and the order of its first block, which holds the stable modes."""
+    """Return T with T^-1 A T block diagonal, and the order of its first block, which has the stable modes."""
     R, U, k = scipy.linalg.schur(A, sort="lhp" if continuous else "iuc") if len(A) else (A, A, 0)
     T = np.eye(len(A))
     if 0 < k < len(A):
@@ -128,7 +128,7 @@ def _stable_first(A: Array, continuous: bool) -> tuple[Array, int]:
 
 
 def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
-    """Return the span over which the first k of n coordinates run forward in time, the others backward."""
+    """Return the span with the first k of n coordinates forward in time and the others backward."""
     sign = np.where(np.arange(n) < k, -1.0, 1.0)
 
     def integral(F: Array, Q: Array) -> Array:
@@ -136,31 +136,32 @@ def _over_all_time(n: int, k: int, continuous: bool) -> _Span:
         F, Q = F[k:, k:], Q[k:, k:]
         if continuous:
             return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(-F, Q, continuous)))
-        back = _inverse(F)
-        return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(back, back.T @ Q @ back, continuous)))
+        inverse = _inverse(F)
+        return np.asarray(scipy.linalg.block_diag(forward, _lyapunov(inverse, inverse.T @ Q @ inverse, continuous)))
 
-    def edge(F: Array, Q: Array) -> Array:
+    def boundary(F: Array, Q: Array) -> Array:
         return np.where(sign == sign[:, None], sign * Q, 0.0)
 
-    return _Span(integral, edge, "over all time" if k == n else "over the future of what decays, the past of the rest")
+    text = "over all time" if k == n else "forward in time for stable modes, backward for unstable ones"
+    return _Span(integral, boundary, text)
 
 
-def _over(span: str, gathered: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
-    """Return the span of which `gathered` gives W and what the state has become at its end."""
+def _finite_span(span: str, propagate: Callable[[Array, Array], tuple[Array, Array]]) -> _Span:
+    """Return the span for which `propagate` gives W and the transition matrix M."""
 
-    def edge(F: Array, Q: Array) -> Array:
-        M = gathered(F, Q)[1]
+    def boundary(F: Array, Q: Array) -> Array:
+        M = propagate(F, Q)[1]
         return M.T @ Q @ M - Q
 
-    return _Span(lambda F, Q: gathered(F, Q)[0], edge, f"over {span}")
+    return _Span(lambda F, Q: propagate(F, Q)[0], boundary, f"over {span}")
 
 
 def _lyapunov(F: Array, Q: Array, continuous: bool) -> Array:
-    """Return int exp(F' t) Q exp(F t) dt, or the sum over F'^k Q F^k from 0, of a stable F."""
+    """Return int exp(F' t) Q exp(F t) dt, or the sum over F'^k Q F^k from 0, for a stable F."""
     if not len(F):
         return Q
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # SciPy warns of modes s + s' near 0 and goes on
+        warnings.simplefilter("error")  # SciPy only warns of modes with s + s' near 0
         if continuous:
             return np.asarray(scipy.linalg.solve_continuous_lyapunov(F.T, -Q))
         return np.asarray(scipy.linalg.solve_discrete_lyapunov(F.T, Q))
@@ -170,8 +171,8 @@ def _inverse(T: Array) -> Array:
     return np.asarray(np.linalg.inv(T), dtype=np.float64)
 
 
-def _summed(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
-    """Return the sum over F'^k Q F^k for k below `samples`, doubling W(a + b) = W(a) + F'^a W(b) F^a, and F^samples."""
+def _gramian_sum(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
+    """Return the sum of F'^k Q F^k for k below `samples`, by W(a + b) = W(a) + F'^a W(b) F^a, and F^samples."""
     W, power = np.zeros_like(Q), np.eye(len(F))
     for digit in f"{samples:b}":
         W, power = W + power.T @ W @ power, power @ power
@@ -181,22 +182,22 @@ def _summed(F: Array, Q: Array, samples: int) -> tuple[Array, Array]:
 
 
 def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
-    """Return the Gramians, integrated in the coordinates T^-1 x."""
-    back = _inverse(T)
-    A, B, C = back @ model.A @ T, back @ model.B, model.C @ T
+    """Return the Gramians, computed in the coordinates T^-1 x."""
+    inverse = _inverse(T)
+    A, B, C = inverse @ model.A @ T, inverse @ model.B, model.C @ T
     Wc, Wo = span.integral(A.T, B @ B.T), span.integral(A, C.T @ C)
     left, right = _root(Wo), _root(Wc)
     _, hankel, V = np.linalg.svd(left.T @ right)
-    along = (T @ right @ V.T).T / staircase.of_model(model).x
+    directions = (T @ right @ V.T).T / staircase.of_model(model).x
     by_input = np.diag(B.T @ span.integral(A, Wo) @ B)
     by_output = np.diag(C @ span.integral(A.T, Wc) @ C.T)
     continuous = isinstance(model.time, Continuous)
     residuals = [_residual(F, Q, W, span, continuous) for F, Q, W in ((A.T, B @ B.T, Wc), (A, C.T @ C, Wo))]
     return Gramians(
         readonly(T @ Wc @ T.T),
-        readonly(back.T @ Wo @ back),
+        readonly(inverse.T @ Wo @ inverse),
         readonly(hankel),
-        tuple(structure.direction(v, model.states) for v in along),
+        tuple(structure.direction(v, model.states) for v in directions),
         _shares(by_input, model.inputs),
         _shares(by_output, model.outputs),
         max(residuals),
@@ -205,9 +206,9 @@ def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
 
 
 def _residual(F: Array, Q: Array, W: Array, span: _Span, continuous: bool) -> float:
-    left, edge = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.edge(F, Q)
-    size = np.linalg.norm(F.T @ W) + np.linalg.norm(edge)
-    return float(np.linalg.norm(left - edge) / (size or 1.0))
+    left, boundary = (F.T @ W + W @ F if continuous else F.T @ W @ F - W), span.boundary(F, Q)
+    size = np.linalg.norm(F.T @ W) + np.linalg.norm(boundary)
+    return float(np.linalg.norm(left - boundary) / (size or 1.0))
 
 
 def _root(W: Array) -> Array:
@@ -221,13 +222,13 @@ def _shares(parts: Array, names: Sequence[str]) -> dict[str, float]:
     return {name: float(v) / total if total else 0.0 for name, v in zip(names, parts, strict=True)}
 
 
-def _border(model: StateSpace) -> ModelError:
+def _border_error(model: StateSpace) -> ModelError:
     roots = structure.poles(model).roots
     rates = structure.rates(np.array([r.value for r in roots]), model.time).real
     k = int(np.argmin(np.abs(rates)))
-    worst, near = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
+    worst, hint = roots[k], ", within rounding of the fastest mode" if rates[k] and len(rates) > 1 else ""
     return ModelError(
         f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
-        f"{structure.spelled(worst.states)} lies on the border of stability{near}; close a loop around it, "
-        "take it out of the model, or take `over` a horizon"
+        f"{structure.direction_text(worst.states)} lies on the border of stability{hint}; close a loop around it, "
+        "take it out of the model, or integrate over a horizon with `over`"
     )

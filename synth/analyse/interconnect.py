@@ -1,11 +1,11 @@
-"""Linear models wired by the names of their signals.
+"""Interconnection of linear models by signal name (MATLAB `connect`, python-control `interconnect`).
 
-With all models side by side, x' = A x + B u, y = C x + D u, and every input a sum of outputs and of external inputs r,
+With all models in parallel, x' = A x + B u, y = C x + D u, and every input a sum of outputs and of external inputs r,
 
     u = W y + V r,     u = (I - W D)^-1 (W C x + V r).
 
-A model's input that has the name of an output is wired to it, one that has the name of an external input to that; any
-other wire is given as {input: {signal: factor}}.
+An input of a model is wired to the output or external input of the same name. Other wires are given as
+{input: {signal: factor}}.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from synth import arguments
 from synth.analyse import equilibrate
 from synth.errors import ModelError, SignalError
 from synth.signals import dimension
-from synth.statespace import Array, StateSpace, System, of, together
+from synth.statespace import Array, StateSpace, System, in_common_time, of
 from synth.timing import Continuous, common
 
 Wires = Mapping[str, Mapping[str, float]]
@@ -28,24 +28,24 @@ Wires = Mapping[str, Mapping[str, float]]
 def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[str], wires: Wires) -> StateSpace:
     """Return the model from the external `inputs` to some of the models' `outputs`.
 
-    `wires[input]` = {signal: factor} gives a model's input as a sum of outputs and external inputs; an input in no wire
-    takes the signal of its own name, and is 0 where there is none. States keep their names.
+    `wires[input]` = {signal: factor} gives an input of a model as a sum of outputs and external inputs. An input
+    without a wire takes the signal of the same name, or is 0 if there is none. States keep their names.
 
-    Raises TimingError for unlike times; SignalError for no models, a name that is not known or stands twice, an
-    external input that reaches no model, a factor that is no finite number or a wire of factor 1 or -1 between unlike
-    units; ModelError for an algebraic loop without a solution.
+    Raises TimingError for different times; SignalError for no models, an unknown or duplicate name, an external input
+    that reaches no model, a factor that is not finite or a wire of factor 1 or -1 between different units; ModelError
+    for an algebraic loop without a solution.
     """
-    parts = together(*models)
+    parts = in_common_time(*models)
     if not parts:
         raise SignalError("there are no models to connect: give at least one")
     time = common(*(m.time for m in parts))
-    u, y, x = (_joined(kind, parts) for kind in ("inputs", "outputs", "states"))
+    u, y, x = (_unique_names(kind, parts) for kind in ("inputs", "outputs", "states"))
     if both := sorted(set(inputs) & set(y)):
         raise SignalError(f"'{both[0]}' is an external input and a model's output: rename one of them")
     units = {name: unit for m in parts for name, unit in m.units.items()}
     sources = (*y, *inputs)
-    own = {name: {name: 1.0} for name in u if name in sources}
-    wired = {**own, **wires}
+    direct = {name: {name: 1.0} for name in u if name in sources}
+    wired = {**direct, **wires}
     M = _matrix(wired, u, sources, units)
     for name in inputs:
         if not any(name in sums for sums in wired.values()):
@@ -69,7 +69,7 @@ def connect(models: Sequence[System], inputs: Sequence[str], outputs: Sequence[s
 
 @arguments.checked
 def integrals(system: System, signals: Mapping[str, str]) -> StateSpace:
-    """Return z' = y, in discrete time z+ = z + T y, for each {z: name of y} of a model's signals.
+    """Return integrators z' = y, in discrete time z+ = z + T y, for each {z: name of y} of a model's signals.
 
     An integral has the unit of its signal times s.
     """
@@ -87,11 +87,11 @@ def _times_s(unit: str) -> str:
     return "s" if unit == "1" else unit.removesuffix("/s") if unit.endswith("/s") else f"{unit} s"
 
 
-def _joined(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:
+def _unique_names(kind: str, parts: Sequence[StateSpace]) -> tuple[str, ...]:
     names = tuple(name for m in parts for name in getattr(m, kind))
     for name in names:
         if names.count(name) > 1:
-            raise SignalError(f"'{name}' stands {names.count(name)} times among the models' {kind}: rename one")
+            raise SignalError(f"'{name}' is listed {names.count(name)} times among the models' {kind}: rename one")
     return names
 
 

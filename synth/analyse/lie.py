@@ -1,4 +1,4 @@
-"""Plants that are affine in their inputs, and derivatives along them.
+"""Input-affine plants and their Lie derivatives.
 
     dx/dt = f(x) + G(x) u,    y = h(x) + E(x) u,    x (n,), u (m,), y (p,)
 
@@ -27,7 +27,7 @@ from synth.signals import Signal, names
 class Affine:
     """The plant called `name` as f (n,), G (n, m), h (p,), E (p, m) in the symbols of `box`: states and parameters.
 
-    Structural zeros of G and E are entries that vanish all over the domain. `held` has the inputs that stand still.
+    Structural zeros of G and E are entries that vanish on the whole domain. `held` has the inputs that are constant.
     """
 
     name: str
@@ -48,34 +48,34 @@ class Affine:
 
     def along_drift(self, e: ca.SX) -> ca.SX:
         """Return L_f e for each entry of e (k,)."""
-        return ca.cse(ca.jtimes(e, self.x, self.f))  # without it the length grows as the factorial of the order
+        return ca.cse(ca.jtimes(e, self.x, self.f))  # without cse the length grows as the factorial of the order
 
     def along_inputs(self, e: ca.SX) -> ca.SX:
-        """Return L_G e (k, m) for the entries of e (k,), with zeros taken out."""
+        """Return L_G e (k, m) for the entries of e (k,), with structural zeros."""
         return rounding.without_zeros(ca.cse(ca.mtimes(ca.jacobian(e, self.x), self.G)), self.box)
 
 
 @arguments.checked
 def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None) -> Affine:
-    """Return the plant in affine form: the named `outputs`, all when left out, and the inputs that are not `held`.
+    """Return the plant in affine form, with the named `outputs`, by default all, and the inputs that are not `held`.
 
-    `held` gives inputs that stand still, by name, in their units.
+    `held` gives the constant values of inputs, by name, in their units.
 
-    Raises SignalError for a name that is not the plant's, ModelError when an equation is not affine in the inputs.
+    Raises SignalError for a name that the plant does not have, ModelError if an equation is not affine in the inputs.
     """
     held = dict(held or {})
-    rows = _rows(plant, outputs)
-    inputs = _inputs(plant, held)
+    rows = _output_rows(plant, outputs)
+    inputs = _free_inputs(plant, held)
     x, u = (ca.vertcat(*(ca.SX.sym(s.name) for s in part)) for part in (plant.states, inputs))
     free = dict(zip(names(inputs), ca.vertsplit(u), strict=True))
-    everything = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
+    all_inputs = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
     p = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(s.name) for s in plant.parameters))
-    whole = ca.vertcat(plant.f(x, everything, p), plant.h(x, everything, p)[rows])
+    stacked = ca.vertcat(plant.f(x, all_inputs, p), plant.h(x, all_inputs, p)[rows])
     base = ca.SX([float(np.clip(0.0, s.low, s.high)) for s in inputs])
-    slopes, level = (ca.substitute(e, u, base) for e in (ca.jacobian(whole, u), whole))
+    slopes, level = (ca.substitute(e, u, base) for e in (ca.jacobian(stacked, u), stacked))
     equations = [f"the rate of '{s.name}'" for s in plant.states] + [f"'{plant.outputs[k].name}'" for k in rows]
-    both = Box(ca.vertcat(x, u), (*plant.states, *inputs), p, plant.values)
-    _require_affine(plant.name, equations, (whole, slopes, base), both)
+    box_of_all = Box(ca.vertcat(x, u), (*plant.states, *inputs), p, plant.values)
+    _require_affine(plant.name, equations, (stacked, slopes, base), box_of_all)
     of_states = Box(x, plant.states, p, plant.values)
     slopes = rounding.without_zeros(slopes, of_states)
     ends = [0, len(plant.states), len(equations)]
@@ -84,17 +84,17 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
     return Affine(plant.name, plant.states, inputs, outs, of_states, f, G, h, E, held)
 
 
-def _rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
+def _output_rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
     known = names(plant.outputs)
-    wanted = known if outputs is None else tuple(outputs)
-    if unknown := [n for n in wanted if n not in known]:
+    chosen = known if outputs is None else tuple(outputs)
+    if unknown := [n for n in chosen if n not in known]:
         raise SignalError(f"plant '{plant.name}' has no output '{unknown[0]}': it has {', '.join(known)}")
-    if not wanted or len(set(wanted)) < len(wanted):
-        raise SignalError(f"the outputs are ({', '.join(wanted)}): name at least one, and each once")
-    return [known.index(n) for n in wanted]
+    if not chosen or len(set(chosen)) < len(chosen):
+        raise SignalError(f"the outputs are ({', '.join(chosen)}): name at least one, and each once")
+    return [known.index(n) for n in chosen]
 
 
-def _inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
+def _free_inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
     known = names(plant.inputs)
     if unknown := [n for n in held if n not in known]:
         raise SignalError(f"plant '{plant.name}' has no input '{unknown[0]}' to hold: it has {', '.join(known)}")
@@ -112,19 +112,21 @@ def _require_affine(
     parts: tuple[ca.SX, ca.SX, ca.SX],
     box: Box,
 ) -> None:
-    """Refuse equations e (k,) that are not e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
-    whole, slopes, base = parts
+    """Raise ModelError unless e (k,) = e(u with u_j = base_j) + slope_j (u_j - base_j) for every input j."""
+    stacked, slopes, base = parts
     m = base.numel()
     u, inputs = box.symbols[-m:], box.signals[-m:]
-    bent: dict[str, list[str]] = {}
+    nonaffine: dict[str, list[str]] = {}
     for j, input in enumerate(inputs):
-        rest = whole - ca.substitute(whole, u[j], base[j]) - slopes[:, j] * (u[j] - base[j])
-        for k in np.flatnonzero(~rounding.vanish(ca.densify(rest), box)):
-            bent.setdefault(equations[int(k)], []).append(input.name)
-    if bent:
-        told = "; ".join(f"{equation} in {', '.join(bent[equation])}" for equation in equations if equation in bent)
-        who = ", ".join(s.name for s in inputs if any(s.name in part for part in bent.values()))
+        remainder = stacked - ca.substitute(stacked, u[j], base[j]) - slopes[:, j] * (u[j] - base[j])
+        for k in np.flatnonzero(~rounding.vanish(ca.densify(remainder), box)):
+            nonaffine.setdefault(equations[int(k)], []).append(input.name)
+    if nonaffine:
+        terms = "; ".join(
+            f"{equation} in {', '.join(nonaffine[equation])}" for equation in equations if equation in nonaffine
+        )
+        input_names = ", ".join(s.name for s in inputs if any(s.name in part for part in nonaffine.values()))
         raise ModelError(
-            f"plant '{plant}' is not affine in its inputs: {told}. Put an integrator before {who} "
-            "(dynamic_extension.integrators), or declare the whole term as the input and invert it outside, or hold it"
+            f"plant '{plant}' is not affine in its inputs: {terms}. Put an integrator before {input_names} "
+            "(dynamic_extension.add_integrators), declare the whole term as the input and invert it outside, or hold it"
         )

@@ -1,4 +1,4 @@
-"""Linearisation: dx = A x + B u, y = C x + D u for small deviations from an operating point.
+"""Linearisation about an operating point (MATLAB `linearize`): dx/dt = A x + B u, y = C x + D u for small deviations.
 
     A = df/dx, B = df/du, C = dh/dx, D = dh/du
 

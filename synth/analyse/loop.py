@@ -1,14 +1,18 @@
-"""Opening a sampled loop at one signal: what ships, linearised, around the plant with its hold and delay.
+"""Open-loop transfer of a sampled loop at any signal (MATLAB `getLoopTransfer`), with the hold and the delay.
 
     u_s --> [ controller without s ] --> [ delay ] --> [ hold, plant, sampler ] --> [ controller ] --> y_s
 
-The signal s is a sensor, an actuator, a coordinate q = T y of sensors y, which is cut with E = pinv(T) in front of the
-controller, y -> (1 - E T) y + E q, or one inside the controller, whose Blocks are then composed with s `cut`: its
-driver drives ``s_out``, its readers read ``s``. The loop L from s to -s_out has the closed loop 1 + L. Plant and
-controller linearised where both rest, and the loop opened there, is `resting.open_loop`.
+The signal s is one of these:
+- a sensor or an actuator;
+- a coordinate q = T y of sensors y, cut with E = pinv(T) in front of the controller, y -> (1 - E T) y + E q;
+- a signal inside the controller, whose Blocks are then composed with s `cut`: its driver drives ``s_out``, its readers
+  read ``s``.
 
-A plant x' = A x + B u(t - tau) whose input is held over each period T and late by tau = (d + f) T, 0 <= f < 1, sees
-u[k-d-1] for the first f T of the period k and u[k-d] for the rest of it:
+The loop L from s to -s_out has the closed loop 1 + L. `resting.open_loop` linearises plant and controller at rest and
+opens the loop there.
+
+A plant x' = A x + B u(t - tau) with its input held over each period T and delayed by tau = (d + f) T, 0 <= f < 1,
+receives u[k-d-1] for the first f T of period k and u[k-d] for the remainder:
 
     x[k+1] = exp(A T) x[k] + exp(A (1-f) T) G(f T) u[k-d-1] + G((1-f) T) u[k-d],      G(t) = int_0^t exp(A s) ds B
     y[k]   = C x[k] + D u[k-d-1]                                                      D u[k-d] where f = 0
@@ -30,7 +34,7 @@ from synth.signals import names
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, period
 
-WHOLE = 1e-9  # of a sample: a delay that is nearer to a whole count of samples is that count
+WHOLE = 1e-9  # of a sample: a delay this close to a whole number of samples is rounded to it
 KINDS = ("a sensor", "an actuator", "a coordinate")
 LONGEST = 500  # states for the delay: the eigenvalues of the loop cost their cube
 
@@ -48,10 +52,10 @@ def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
 
 
 @arguments.checked
-def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
-    """Return the Block's Jacobians at a state and inputs, by name; a state that is not given is at its initial value.
+def linearise_block(block: Block, state: Mapping[str, float], inputs: Mapping[str, float]) -> StateSpace:
+    """Return the Block's Jacobians at a state and inputs, by name; a state without a value is at its initial value.
 
-    Raises SignalError for a value missing or a name not known.
+    Raises SignalError for a missing value or an unknown name.
     """
     known = (*(s.name for s in block.states), *names(block.inputs))
     unknown = [n for n in (*state, *inputs) if n not in known]
@@ -71,17 +75,17 @@ def linearised(block: Block, state: Mapping[str, float], inputs: Mapping[str, fl
 
 @arguments.checked
 def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
-    """Return a continuous plant with its inputs held over each period and late by any `delay_s` >= 0, exactly.
+    """Return the exact zero-order-hold equivalent of a continuous plant with any input delay `delay_s` >= 0.
 
     Each whole sample of delay is a state ``<input>_late<k>``; a fraction is one more, ``<input>_held``: u[k-d-1], which
-    the hold still shows at the sample k.
+    the hold still outputs at sample k.
 
     Raises TimingError for a plant that is sampled already, a period that is not positive, or a delay that is negative,
-    not finite or longer than 500 states hold; ModelError for a mode that grows beyond what a double holds within a
-    period, and as `precise.resolved`.
+    not finite or needs more than 500 states; ModelError for a mode that overflows double precision within a period,
+    and as `precise.correctly_rounded`.
     """
     time = Discrete(period_s)
-    return _late(of(plant), time, _number(delay_s) / time.period_s)
+    return _sample_with_delay(of(plant), time, _number(delay_s) / time.period_s)
 
 
 def _number(delay: float) -> float:
@@ -90,10 +94,10 @@ def _number(delay: float) -> float:
     return float(delay)
 
 
-def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
+def _sample_with_delay(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
     T = time.period_s
     if not isinstance(plant.time, Continuous):
-        raise TimingError(f"a model in {plant.time} was given to be sampled at {T:g} s: give the continuous model")
+        raise TimingError(f"a model in {plant.time} cannot be sampled at {T:g} s: give the continuous model")
     if not (np.isfinite(samples) and samples >= 0):
         raise TimingError(f"the delay is {samples * T:g} s: it must be finite and 0 or more")
     whole, m = round(samples), plant.B.shape[1]
@@ -104,15 +108,15 @@ def _late(plant: StateSpace, time: Discrete, samples: float) -> StateSpace:
         )
     n, fraction = len(plant.A), samples - np.floor(samples)
     if abs(samples - whole) < WHOLE:
-        E = _split(plant, T, 0.0)
+        E = _held_response(plant, T, 0.0)
         return discretise.with_delay(replace(plant, A=E[:, :n], B=E[:, n + m :], time=time), whole)
-    return discretise.with_delay(_between(plant, time, fraction), int(samples))
+    return discretise.with_delay(_sample_with_fraction(plant, time, fraction), int(samples))
 
 
-def _between(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
-    """Return the plant with its inputs held and late by a fraction of a period."""
+def _sample_with_fraction(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
+    """Return the plant with its inputs held and delayed by a fraction of a period."""
     n, m = plant.B.shape
-    E = _split(plant, time.period_s, fraction)
+    E = _held_response(plant, time.period_s, fraction)
     A = np.block([[E[:, : n + m]], [np.zeros((m, n + m))]])
     B = np.vstack([E[:, n + m :], np.eye(m)])
     C, D = np.hstack([plant.C, plant.D]), np.zeros_like(plant.D)
@@ -121,7 +125,7 @@ def _between(plant: StateSpace, time: Discrete, fraction: float) -> StateSpace:
     return replace(plant, A=A, B=B, C=C, D=D, states=(*plant.states, *held), time=time, units=units)
 
 
-def _split(plant: StateSpace, T: float, fraction: float) -> Array:
+def _held_response(plant: StateSpace, T: float, fraction: float) -> Array:
     """Return [exp(A T), the effect of u[k-d-1], that of u[k-d]] (n, n + 2 m), rounded once."""
     n, m = plant.B.shape
     before, after = np.zeros((n + 2 * m, n + 2 * m)), np.zeros((n + 2 * m, n + 2 * m))
@@ -132,17 +136,17 @@ def _split(plant: StateSpace, T: float, fraction: float) -> Array:
         first = flint.arb(T) * flint.arb(fraction)
         return (precise.matrix(after) * (flint.arb(T) - first)).exp() * (precise.matrix(before) * first).exp()
 
-    E = precise.resolved(compute, f"the exponential over {T:g} s")[:n]
+    E = precise.correctly_rounded(compute, f"the exponential over {T:g} s")[:n]
     if not np.isfinite(E).all():
         raise ModelError(
-            f"a mode of the plant grows beyond what a double holds within {T:g} s: take a shorter period or leave that "
+            f"a mode of the plant overflows double precision within {T:g} s: take a shorter period or leave that "
             "mode out of the plant"
         )
     return E
 
 
 @arguments.checked
-def opened(
+def open_loop(
     plant: System,
     controller: System,
     signal: str | Sequence[str],
@@ -151,41 +155,41 @@ def opened(
     delay: float = 1,
     coordinates: Mapping[str, Mapping[str, float]] | None = None,
 ) -> StateSpace:
-    """Return L from `signal` to minus ``<signal>_out``: the continuous plant held and sampled under the controller.
+    """Return L from `signal` to minus ``<signal>_out`` for a continuous plant with hold, sampler and controller.
 
     `sensors[controller input] = plant output`, `actuators[plant input] = controller output`, or a sum of them,
-    {controller output: weight}; other inputs stay at rest. The loop opens at a controller input that is a sensor, at a
-    plant input that is an actuator (before its delay, so that an observer in the controller still sees what it
-    commands), or at a signal that the controller was `cut` at; at several of them at once when several are named.
-    `coordinates` {name: {sensor: weight}} are sums of sensors at which it opens as well.
+    {controller output: weight}; other inputs stay constant. The loop opens at a controller input that is a sensor,
+    at a plant input that is an actuator, or at a signal where the controller was `cut`; at several at once if several
+    are named. At an actuator it opens before the delay, and an observer in the controller still receives its command.
+    `coordinates` {name: {sensor: weight}} are sums of sensors at which the loop can open as well.
 
     `delay` is in samples, any number from 0.
 
     Raises TimingError for a sampled plant, a continuous controller or a delay as `sampled`; ModelError as `sampled`;
-    SignalError for a name that is not known, or that is two of sensor, actuator and coordinate, for coordinates that
-    depend on each other, or when without a delay the plant passes its inputs straight on.
+    SignalError for an unknown name, a name that is two of sensor, actuator and coordinate, for linearly dependent
+    coordinates, or for a plant with direct feedthrough and no delay.
     """
     K = of(controller)
-    P = _late(of(plant), Discrete(period(K.time)), _number(delay))
+    P = _sample_with_delay(of(plant), Discrete(period(K.time)), _number(delay))
     if (P.D != 0).any():
-        raise SignalError("the sampled plant passes inputs straight on: give the loop at least one sample of delay")
+        raise SignalError("the sampled plant has direct feedthrough: give the loop at least one sample of delay")
     signals = arguments.names("signals to open the loop at", signal)
     S = _wires(K.inputs, P.outputs, sensors)
     U = _wires(P.inputs, K.outputs, actuators)
-    b = _break(signals, P, K, S, U, sensors, actuators, coordinates or {})
-    A = np.block([[P.A + P.B @ b.U @ K.D @ b.S @ P.C, P.B @ b.U @ K.C], [K.B @ b.S @ P.C, K.A]])
-    B = np.vstack([P.B @ (b.U @ K.D @ b.into_controller + b.into_plant), K.B @ b.into_controller])
-    C = -np.hstack([b.of_controller @ K.D @ b.S @ P.C + b.of_plant @ P.C, b.of_controller @ K.C])
-    D = -b.of_controller @ K.D @ b.into_controller
+    wires = _break(signals, P, K, S, U, sensors, actuators, coordinates or {})
+    A = np.block([[P.A + P.B @ wires.U @ K.D @ wires.S @ P.C, P.B @ wires.U @ K.C], [K.B @ wires.S @ P.C, K.A]])
+    B = np.vstack([P.B @ (wires.U @ K.D @ wires.into_controller + wires.into_plant), K.B @ wires.into_controller])
+    C = -np.hstack([wires.of_controller @ K.D @ wires.S @ P.C + wires.of_plant @ P.C, wires.of_controller @ K.C])
+    D = -wires.of_controller @ K.D @ wires.into_controller
     states = tuple(f"plant_{s}" for s in P.states) + K.states
     units = {**K.units, **{f"plant_{s}": P.units[s] for s in P.states if s in P.units}}
     outs = tuple(f"{n}_out" for n in signals)
-    return realisation.connected(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
+    return realisation.without_unconnected_states(StateSpace(A, B, C, D, states, signals, outs, K.time, units))
 
 
 @dataclass(frozen=True, eq=False)
 class _Break:
-    """The wires S and U that stay, where the signals enter plant and controller, and what would have driven them."""
+    """The remaining wires S and U, where the signals enter plant and controller, and their former drivers."""
 
     S: Array
     U: Array
@@ -205,10 +209,10 @@ def _break(
     actuators: Collection[str],
     coordinates: Mapping[str, Mapping[str, float]],
 ) -> _Break:
-    """Take the wires to `signals` out."""
+    """Remove the wires to `signals`."""
     T = _weights(coordinates, K.inputs, signals)
     E = np.linalg.pinv(T)
-    b = _Break(
+    wires = _Break(
         S.copy(),
         U.copy(),
         *(np.zeros((len(names), len(signals))) for names in (K.inputs, P.inputs)),
@@ -216,8 +220,8 @@ def _break(
     )
     for j, name in enumerate(signals):
         if f"{name}_out" in K.outputs:
-            b.into_controller[:, j : j + 1] = _wires(K.inputs, (name,), {name: name})
-            b.of_controller[j] = _wires(("out",), K.outputs, {"out": f"{name}_out"})[0]
+            wires.into_controller[:, j : j + 1] = _wires(K.inputs, (name,), {name: name})
+            wires.of_controller[j] = _wires(("out",), K.outputs, {"out": f"{name}_out"})[0]
             continue
         kinds = [what for what, known in zip(KINDS, (sensors, actuators, coordinates), strict=True) if name in known]
         if len(kinds) != 1:
@@ -229,22 +233,22 @@ def _break(
             )
         if name in coordinates:
             row = list(coordinates).index(name)
-            b.into_controller[:, j], b.of_plant[j] = E[:, row], T[row] @ S
-            b.S[:] -= np.outer(E[:, row], T[row] @ S)
+            wires.into_controller[:, j], wires.of_plant[j] = E[:, row], T[row] @ S
+            wires.S[:] -= np.outer(E[:, row], T[row] @ S)
         elif name in sensors:
             i = K.inputs.index(name)
-            b.into_controller[i, j], b.of_plant[j], b.S[i] = 1, S[i], 0
+            wires.into_controller[i, j], wires.of_plant[j], wires.S[i] = 1, S[i], 0
         else:
             i = P.inputs.index(name)
-            b.into_plant[i, j], b.of_controller[j], b.U[i] = 1, U[i], 0
-    return b
+            wires.into_plant[i, j], wires.of_controller[j], wires.U[i] = 1, U[i], 0
+    return wires
 
 
 def _weights(coordinates: Mapping[str, Mapping[str, float]], inputs: Sequence[str], signals: Sequence[str]) -> Array:
-    """Return the weights (coordinates, inputs) of coordinates that may be opened at `signals`."""
+    """Return the weights (coordinates, inputs); raise SignalError unless the loop can open at `signals`."""
     T = _wires(tuple(coordinates), inputs, coordinates)
     if np.linalg.matrix_rank(T) < len(T):
-        raise SignalError(f"the coordinates {', '.join(coordinates)} depend on each other: leave one of them out")
+        raise SignalError(f"the coordinates {', '.join(coordinates)} are linearly dependent: leave one of them out")
     summed = {sensor for name in signals if name in coordinates for sensor in coordinates[name]}
     if both := summed.intersection(signals):
         raise SignalError(f"the loop cannot open at '{min(both)}' and at a coordinate of it at once: leave one out")
@@ -252,7 +256,7 @@ def _weights(coordinates: Mapping[str, Mapping[str, float]], inputs: Sequence[st
 
 
 def _wires(into: Sequence[str], source: Sequence[str], wires: Mapping[str, str | Mapping[str, float]]) -> Array:
-    """Return the matrix (into, source) of zeros with the weight of each wire, 1 for a wire from one signal."""
+    """Return the matrix (into, source) of wire weights, 1 for a wire from one signal, 0 without a wire."""
     W = np.zeros((len(into), len(source)))
     for end, start in wires.items():
         for begin, weight in ({start: 1.0} if isinstance(start, str) else start).items():

@@ -1,15 +1,15 @@
-"""Magnitudes over a box: how large terms grow, and how near a matrix comes to being singular.
+"""Maxima of terms, and the least determinant and largest condition number of a matrix, over a box of signals.
 
 For expressions e_i(s), a matrix M(s) and a box S of signals s = (s_1, ..., s_d),
 
     max over S of |e_i|,    min over S of |det M|,    max over S of cond_2(M).
 
-Method. Values on a grid that contains the vertices, then local refinement within the box from the best grid points
-(from the gradient for |e_i| and |det M|, by a simplex for the condition number). A change of sign of det M is followed
-by bisection to a point where M is singular. The figures are attained in S; that nothing larger hides between the grid
-points is as sure as the grid is fine, no proof.
+Method. The functions are evaluated on a grid that contains the vertices and then optimised locally from the best grid
+points, by gradient for |e_i| and |det M| and by simplex for the condition number. If det M changes sign, bisection
+finds a point where M is singular. All results are attained in S. They are not proved to be global: a higher value may
+lie between the grid points.
 
-Source: the maximisation is (10) of Fulford, Maggiore, Apkarian, the matrix that of (12).
+Source: Fulford, Maggiore, Apkarian, equations (10) for the maximisation and (12) for the matrix.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,12 +29,12 @@ from synth.statespace import Array, readonly
 Exprs = Mapping[str, ca.SX]
 
 GRID = 9  # points along each signal
-SEEDS = 3  # grid points that are refined
+SEEDS = 3  # best grid points, from which the local optimisation starts
 
 
 @dataclass(frozen=True, eq=False)
 class Magnitudes:
-    """Maxima (k, t) of |term j| over a box at each of k points along one signal; `worst` (k, t, d) says where.
+    """Maxima (k, t) of |term j| over a box at each of k points along one signal; `worst` (k, t, d) has their locations.
 
     `box` names the d signals of the box in order; values are in the units of terms and signals.
     """
@@ -55,9 +55,9 @@ class Magnitudes:
 
 @dataclass(frozen=True)
 class Conditioning:
-    """How near a matrix comes to being singular over a box, and the signals' values there.
+    """The least |det| and the largest condition number of a matrix over a box, and the signals' values there.
 
-    `min_abs_det` is 0 where the determinant changes sign. `max_cond` is in the 2-norm and depends on units.
+    `min_abs_det` is 0 if the determinant changes sign. `max_cond` is in the 2-norm and depends on units.
     """
 
     min_abs_det: float
@@ -91,7 +91,7 @@ def magnitudes(
         values = dict(held) | {along: float(point)}
         old, new = law.column("the symbols", symbols, values), ca.vcat(list(values.values()))
         exprs = [ca.substitute(ca.SX(expr), old, ca.SX(new)) for expr in terms.values()]
-        best.append([_largest(n, _compiled(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
+        best.append([_largest_value(n, _compile(e, free, box), box) for n, e in zip(terms, exprs, strict=True)])
     maxima = readonly([[value for value, _ in row] for row in best])
     worst = readonly([[_signals(box, at) for _, at in row] for row in best])
     return Magnitudes(along, readonly(points), tuple(terms), boxed, maxima, worst)
@@ -99,7 +99,7 @@ def magnitudes(
 
 @arguments.checked
 def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Conditioning:
-    """Return min |det| and max cond of a square `matrix` over `box`, and where they are.
+    """Return min |det| and max cond of a square `matrix` over `box`, and their locations.
 
     `symbols` maps the names in `box` to the symbols in `matrix`.
 
@@ -110,7 +110,7 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     _require_box(box)
     boxed = names(box)
     free = law.column("the symbols", symbols, boxed)
-    det_value, det_at = _least_determinant(_compiled(ca.det(matrix), free, box), box)
+    det_value, det_at = _least_determinant(_compile(ca.det(matrix), free, box), box)
     evaluate = _function(ca.vec(matrix), free)
     n = matrix.size1()
 
@@ -143,13 +143,13 @@ def _require_box(signals: Sequence[Signal]) -> None:
 
 
 def _function(exprs: ca.SX, free: ca.SX) -> ca.Function:
-    own = {s.name() for s in ca.symvar(free)}
-    if left := sorted({s.name() for s in ca.symvar(exprs)} - own):
+    known = {s.name() for s in ca.symvar(free)}
+    if left := sorted({s.name() for s in ca.symvar(exprs)} - known):
         raise SignalError(f"the expression contains {', '.join(left)}: put each into the box, or hold it at a value")
     return ca.Function("e", [free], [ca.densify(exprs)])
 
 
-def _compiled(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
+def _compile(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
     value, gradient = _function(expr, free), _function(ca.jacobian(expr, free), free)
     width = 2 * boxes.half_widths(box)
 
@@ -160,14 +160,14 @@ def _compiled(expr: ca.SX, free: ca.SX, box: Sequence[Signal]) -> _Compiled:
     return _Compiled(lambda unit: np.asarray(value(_signals(box, unit))).ravel(), slope)
 
 
-def _largest(name: str, expr: _Compiled, box: Sequence[Signal]) -> tuple[float, Array]:
+def _largest_value(name: str, expr: _Compiled, box: Sequence[Signal]) -> tuple[float, Array]:
     unit = boxes.grid(len(box), GRID)
     values = expr.values(unit)
     boxes.require_finite(f"term '{name}'", values, box, boxes.within(box, unit))
     seeds = np.argsort(-np.abs(values))[:SEEDS]
-    tried = [_descend(expr, unit[:, k], -np.sign(values[k])) for k in seeds]
-    tried += [(float(values[k]), unit[:, k]) for k in seeds]
-    value, at = max(tried, key=lambda pair: abs(pair[0]))
+    candidates = [_descend(expr, unit[:, k], -np.sign(values[k])) for k in seeds]
+    candidates += [(float(values[k]), unit[:, k]) for k in seeds]
+    value, at = max(candidates, key=lambda pair: abs(pair[0]))
     return abs(value), at
 
 
@@ -176,13 +176,17 @@ def _least_determinant(det: _Compiled, box: Sequence[Signal]) -> tuple[float, Ar
     values = det.values(unit)
     boxes.require_finite("the determinant", values, box, boxes.within(box, unit))
     seeds = np.argsort(np.abs(values))[:SEEDS]
-    tried = [_descend(det, unit[:, k], np.sign(values[k])) for k in seeds]
-    tried += [(float(values[k]), unit[:, k]) for k in seeds]
-    signed = [*tried, (float(values.min()), unit[:, values.argmin()]), (float(values.max()), unit[:, values.argmax()])]
+    candidates = [_descend(det, unit[:, k], np.sign(values[k])) for k in seeds]
+    candidates += [(float(values[k]), unit[:, k]) for k in seeds]
+    signed = [
+        *candidates,
+        (float(values.min()), unit[:, values.argmin()]),
+        (float(values.max()), unit[:, values.argmax()]),
+    ]
     below, above = min(signed, key=lambda pair: pair[0]), max(signed, key=lambda pair: pair[0])
     if below[0] <= 0 <= above[0]:
         return 0.0, _zero_between(det, below[1], above[1])
-    value, at = min(tried, key=lambda pair: abs(pair[0]))
+    value, at = min(candidates, key=lambda pair: abs(pair[0]))
     return abs(value), at
 
 
@@ -198,7 +202,7 @@ def _zero_between(expr: _Compiled, start: Array, end: Array) -> Array:
 
 
 def _descend(expr: _Compiled, start: Array, sign: float) -> tuple[float, Array]:
-    """Return the value and place that descent of sign * expr within the box leads to."""
+    """Return the local minimum of sign * expr within the box, from `start`, and its location."""
     scale = abs(expr.slope(start)[0]) or 1.0
 
     def objective(unit: Array) -> tuple[float, Array]:

@@ -1,23 +1,23 @@
-"""Margins of a scalar loop.
+"""Gain, phase, delay and modulus margins of a scalar loop (MATLAB `allmargin`, python-control `stability_margins`).
 
          r -->(+)--> [ L ] --+--> y         1 + L = 0 is the closed loop; S = 1/(1 + L), T = L/(1 + L)
                ^-            |
                |-------------+
 
     gain crossing    |L| = 1:       phase margin arg(-L), delay margin (arg(-L) mod 2 pi) / w
-    phase crossing   L < 0, real:   gain margin 1/|L|: above 1 the gain may rise by it, below 1 it may fall to it
+    phase crossing   L < 0, real:   gain margin 1/|L|: the factor by which the gain may increase (> 1) or decrease
     modulus margin   min |1 + L|,   the inverse of the peak sensitivity Ms
 
-A sampled loop is taken on z = exp(i w T) up to w = pi/T, exactly; its hold and delays are part of its model, and its
+A sampled loop is evaluated exactly, on z = exp(i w T) up to w = pi/T. Its hold and delays are part of its model. Its
 delay margin is exact for whole samples (for others, close the loop on `loop.sampled`). A continuous loop may have an
 exact delay and hold (`transfer.delayed`). L is real at w = 0 and at pi/T or infinity, and a phase crossing may lie
-there. A continuous loop with |L| >= 1 at infinity bears no delay at all: its delay margin is 0.
+there. A continuous loop with |L| >= 1 at infinity tolerates no delay: its delay margin is 0.
 
-How the crossings are found. Up to EXACT_STATES states a loop is the ratio of two polynomials, exactly that of the
-numbers given, and `crossings` isolates every crossing; with a delay `delayed_crossings` encloses L between frequencies.
-Beyond, `traced_crossings` follows L on a refined grid in double precision. Each answer is then verified another way:
-the closed loop has as many unstable poles at 99 % of a margin, in log gain or in angle, as at the loop itself. What is
-not verified is refused, and so is what the rounding of the numbers given leaves open by more than MAX_UNCERTAINTY.
+Method. Up to EXACT_STATES states, a loop is an exact ratio of two polynomials, and `crossings` isolates every crossing.
+With a delay, `delayed_crossings` encloses L between frequencies. Above EXACT_STATES, `traced_crossings` traces L on a
+refined grid in double precision. Each margin is then verified independently: the closed loop must have the same number
+of unstable poles at 99 % of the margin, in log gain or in angle, as without it. An unverified margin raises an error,
+and so does a margin that rounding of the loop's coefficients changes by more than MAX_UNCERTAINTY.
 """
 
 from collections.abc import Iterator
@@ -34,14 +34,14 @@ from synth.errors import ModelError
 
 __all__ = ["GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 
-EXACT_STATES = 50  # up to which a loop is taken as a ratio of polynomials: their cost grows with the fourth power
-NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error and no crossing is reported
-MAX_UNCERTAINTY = 0.2  # of |L|: a margin that rounding of the numbers given leaves open by more is refused
-FAR = 1e6  # a factor on the gain this far from 1 may be as uncertain as it likes
-SHOWN_UNCERTAINTY = 1e-4  # an uncertainty beyond it is told
-VERGE = 1e-9  # of |1 + L|: a loop this near to oscillation has no margin to verify
-INSIDE = 0.99  # of a margin: there the closed loop must have as many unstable poles as without it
-OUTERMOST = 100.0  # factor on the gain up to which, and from whose inverse, a margin is verified
+EXACT_STATES = 50  # up to which a loop is a ratio of polynomials: their cost grows with the fourth power
+NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error: no crossing is reported
+MAX_UNCERTAINTY = 0.2  # of |L|: a larger uncertainty from rounding of the coefficients is an error
+CHECKED_FACTOR = 1e6  # the uncertainty of a gain factor beyond it, or below its inverse, is not checked
+SHOWN_UNCERTAINTY = 1e-4  # a larger uncertainty is reported
+VERGE = 1e-9  # of |1 + L|: a loop this close to oscillation has no margin to verify
+INSIDE = 0.99  # of a margin: the closed loop must have as many unstable poles there as without it
+OUTERMOST = 100.0  # margins are verified for gain factors between its inverse and it
 
 response = transfer.response
 
@@ -63,14 +63,14 @@ class PhaseCrossing:
     gain_margin: float
 
 
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, repr=False)
 class Margins:
-    """All crossings of a loop; Ms is at `peak_frequency` rad/s.
+    """All crossings of a loop, and its margins; Ms is at `peak_frequency` rad/s.
 
-    `stable` is told from the poles of 1 + L, or their count where a delay leaves infinitely many; `direct` is |L| at
-    infinity, 0 for a sampled loop. `uncertainty` is the part of |L|, or of |1 + L|, that rounding of the numbers given
-    may change at the crossings which decide the margins.
+    `stable` follows from the closed-loop poles, or from the number of unstable ones if a delay makes infinitely many.
+    `direct` is |L| at infinity, 0 for a sampled loop. `uncertainty` is the relative change of |L|, or of |1 + L|, that
+    rounding of the coefficients can cause at the crossings that decide the margins.
     """
 
     stable: bool
@@ -93,7 +93,7 @@ class Margins:
 
     @property
     def delay_margin(self) -> float:
-        """The least delay in s that makes the loop oscillate: inf without a gain crossing, 0 where `direct` >= 1."""
+        """The least delay in s that makes the loop oscillate: inf without a gain crossing, 0 if `direct` >= 1."""
         return 0.0 if self.direct >= 1 else min((c.delay_margin for c in self.gain_crossings), default=np.inf)
 
     @property
@@ -107,22 +107,22 @@ class Margins:
         return max((c.gain_margin for c in self.phase_crossings if c.gain_margin <= 1), default=0.0)
 
     def sheet(self) -> show.Sheet:
-        """Return the worst of all crossings, then each crossing."""
+        """Return the margins, then each crossing."""
         lines = (
-            () if self.stable else ("Not stable: what follows tells how far the loop is from its verge, not safety.",)
+            () if self.stable else ("Not stable: the values below are distances to the stability limit, not margins.",)
         )
         if self.direct >= 1:
-            lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, where any delay turns it onto -1.")
+            lines = (*lines, f"Delay margin 0: |L| is {self.direct:.4g} at infinity, any delay destabilises it.")
         if self.uncertainty > SHOWN_UNCERTAINTY:
-            opened = f"{100 * self.uncertainty:.2g} %"
-            lines = (*lines, f"Rounding of the numbers given leaves the margins uncertain by up to {opened}.")
+            percent = f"{100 * self.uncertainty:.2g} %"
+            lines = (*lines, f"Rounding of the coefficients makes the margins uncertain by up to {percent}.")
         worst = (
             ("gain may rise by", show.number(self.gain_margin), "1"),
             ("gain may fall to", show.number(self.gain_reduction_margin), "1"),
             ("phase margin", show.number(self.phase_margin), "degrees"),
             ("delay margin", show.number(self.delay_margin), "s"),
             ("modulus margin", show.number(self.modulus_margin), "1"),
-            ("peak sensitivity", show.number(self.peak_sensitivity), f"at {_both(self.peak_frequency)}"),
+            ("peak sensitivity", show.number(self.peak_sensitivity), f"at {_frequency_text(self.peak_frequency)}"),
         )
         gains = [
             (*_pair(c.frequency), show.number(c.phase_margin), show.number(c.delay_margin)) for c in self.gain_crossings
@@ -141,41 +141,41 @@ def _pair(frequency: float) -> tuple[str, str]:
     return show.number(frequency), show.number(frequency / (2 * np.pi))
 
 
-def _both(frequency: float) -> str:
+def _frequency_text(frequency: float) -> str:
     return "{} rad/s, {} Hz".format(*_pair(frequency))
 
 
 @arguments.checked
-@cache.kept
+@cache.cached
 def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> Margins:
-    """Return the margins of a scalar loop between `low` and `high` rad/s, and where L is real at their far ends.
+    """Return the margins of a scalar loop between `low` and `high` rad/s, and at 0 and infinity or Nyquist.
 
-    Left out, all frequencies count; a sampled loop always goes up to Nyquist. A delayed loop crosses L < 0 for ever:
-    its crossings are given as far as they are worse than what follows, and for two turns of the delay at least.
+    The default is all frequencies; a sampled loop always extends to Nyquist. A delayed loop has infinitely many phase
+    crossings: they are returned up to the last one that can decide a margin, and for at least two turns of the delay.
 
-    Raises SignalError when the loop has another count of inputs or outputs than one, or for limits that are not
-    0 < low < high; ModelError when 1 + L has no inverse, when rounding of the numbers given hides a margin or whether
-    the loop is stable, or when a margin fails its verification.
+    Raises SignalError when the loop does not have one input and one output, or for limits that are not 0 < low < high;
+    ModelError when 1 + L has no inverse, when rounding of the coefficients hides a margin or the stability of the loop,
+    or when a margin fails its verification.
     """
     transfer.check_limits(low, high)
-    model = transfer.read(loop)
+    model = transfer.of_loop(loop)
     states = (model.model if isinstance(model, Delayed) else model).states
     if len(states) > EXACT_STATES:
-        return _verified(assessment.of_traced(model, low, high))
+        return _from_assessment(assessment.of_traced(model, low, high))
     if isinstance(model, Delayed) and (model.delay_s or model.hold_s):
-        return _verified(assessment.of_delayed(model, low, high))
-    return _verified(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
+        return _from_assessment(assessment.of_delayed(model, low, high))
+    return _from_assessment(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
 
 
-def _verified(loop: Assessment) -> Margins:
-    """Return the margins of a loop; raise ModelError when they are not determined or not verified."""
+def _from_assessment(loop: Assessment) -> Margins:
+    """Return the verified margins of a loop; raise ModelError if they are undetermined or fail the verification."""
     crossings, direct = loop.crossings, abs(loop.crossings.ends.get(np.inf, 0.0))
     gains = tuple(_gain_crossing(c) for c in crossings.gain_crossings)
     ends = [Crossing(w, complex(v)) for w, v in crossings.ends.items() if v < 0]
     negative = sorted((*crossings.phase_crossings, *ends), key=lambda c: c.frequency)
     phases = tuple(PhaseCrossing(c.frequency, -1 / c.L.real) for c in negative if NOTHING < -c.L.real < 1 / NOTHING)
     margins = Margins(loop.stable, gains, phases, crossings.peak, crossings.peak_frequency, direct)
-    uncertainty = max([0.0, *(_uncertainty(loop, name, w) for name, w in _deciding(margins))])
+    uncertainty = max([0.0, *(_uncertainty(loop, name, w) for name, w in _deciding_frequencies(margins))])
     if loop.is_whole:
         _verify(loop, margins)
     return replace(margins, uncertainty=uncertainty)
@@ -186,25 +186,25 @@ def _gain_crossing(crossing: Crossing) -> GainCrossing:
     return GainCrossing(w, float(np.degrees(above)), (above % (2 * np.pi)) / w if w else np.inf)
 
 
-def _deciding(margins: Margins) -> Iterator[tuple[str, float]]:
+def _deciding_frequencies(margins: Margins) -> Iterator[tuple[str, float]]:
     """Yield each margin that a crossing or the peak decides, with its frequency."""
     if margins.gain_crossings:
         yield "phase margin", min(margins.gain_crossings, key=lambda c: abs(c.phase_margin)).frequency
         yield "delay margin", min(margins.gain_crossings, key=lambda c: c.delay_margin).frequency
     factors = {"gain margin": margins.gain_margin, "gain reduction margin": margins.gain_reduction_margin}
     for name, factor in factors.items():
-        if 1 / FAR < factor < FAR:
+        if 1 / CHECKED_FACTOR < factor < CHECKED_FACTOR:
             yield name, next(c.frequency for c in margins.phase_crossings if c.gain_margin == factor)
     yield "modulus margin", margins.peak_frequency
 
 
 def _uncertainty(loop: Assessment, name: str, frequency: float) -> float:
-    """Return what rounding may change at the frequency that decides a margin; raise ModelError when it is too much."""
+    """Return the effect of rounding at the frequency that decides a margin; raise ModelError if it is too large."""
     change, is_modulus = loop.perturbation(frequency), name == "modulus margin"
     part = change.of_closed if is_modulus else change.of_loop
     if part > MAX_UNCERTAINTY and (loop.stable or not is_modulus):
         raise ModelError(
-            f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the numbers given: their rounding to "
+            f"the {name}, decided at {frequency:.6g} rad/s, is not determined by the coefficients: their rounding to "
             f"double alone may change {'1 + L' if is_modulus else 'L'} there by {100 * part:.3g} %; give the loop as a "
             "state-space model (loop.sampled), or sample it more slowly"
         )
@@ -212,11 +212,11 @@ def _uncertainty(loop: Assessment, name: str, frequency: float) -> float:
 
 
 def _verify(loop: Assessment, margins: Margins) -> None:
-    """Raise ModelError when another count of closed-loop poles is unstable within a margin than without it."""
+    """Raise ModelError unless as many closed-loop poles are unstable within each margin as at the nominal loop."""
     nominal = loop.count_unstable(1.0)
     if np.isinf(nominal) or margins.modulus_margin < VERGE:
         return
-    for name, factor in _inside(margins):
+    for name, factor in _factors_inside(margins):
         count = loop.count_unstable(factor)
         if count != nominal:
             raise ModelError(
@@ -226,7 +226,7 @@ def _verify(loop: Assessment, margins: Margins) -> None:
             )
 
 
-def _inside(margins: Margins) -> Iterator[tuple[str, complex]]:
+def _factors_inside(margins: Margins) -> Iterator[tuple[str, complex]]:
     """Yield factors on the loop just within its margins."""
     yield "gain margin", min(margins.gain_margin**INSIDE, OUTERMOST)
     yield "gain reduction margin", max(margins.gain_reduction_margin**INSIDE, 1 / OUTERMOST)

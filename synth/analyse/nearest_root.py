@@ -1,25 +1,25 @@
-"""Root of a nonlinear system nearest the origin: many starts, a descent along the roots, and Newton's method.
+"""Minimum-norm root of a nonlinear system: multistart, descent along the set of roots, and Newton's method.
 
     minimise  |z|^2   subject to   f(z) = 0,     z (n,), f (k,), n and k any
 
-f may have several roots, a continuum of them where J = df/dz has a null space, none, and no value outside its domain.
+f may have several roots, a continuum of roots (if J = df/dz has a null space), or none, and may be undefined in places.
 
-Method. Each start goes to a root by the Levenberg-Marquardt method; a step that leaves the set where f and J are finite
-is shortened. A root is then moved along the set of roots while that brings it nearer, by the steps of the problem
+Method. The Levenberg-Marquardt method leads from each start to a root; a step to a point without finite f and J is
+shortened. A root then slides along the set of roots as long as its norm decreases. The steps solve the problem
 linearised at z (Hasofer and Lind, ASCE J. Eng. Mech. 100 (1974) 111; Rackwitz and Fiessler, Comput. Struct. 9 (1978)
 489),
 
     z + d = J^+ (J z - f),
 
-each followed by a return to f = 0. Newton's method on the conditions of stationarity, J^T l + z = 0 and f = 0, gives
-the last digits; where it succeeds at once, the descent is spared. Only when every start has ended are the distances
-compared. The starts are the origin and a low-discrepancy sequence (Roberts: multiples of powers of the positive root of
-x^(n+1) = x + 1, modulo 1) where f and J are finite: first in the box and close to the origin, then in the part of the
-box that is nearer than the best root, until no nearer root turns up.
+and a correction back to f = 0 follows each step. Newton's method on the stationarity conditions, J^T l + z = 0 and
+f = 0, gives the last digits; if it succeeds immediately, no sliding is needed. The norms are compared after all starts
+have ended. The starts are the origin and a low-discrepancy sequence (Roberts: multiples of powers of the positive root
+of x^(n+1) = x + 1, modulo 1) with finite f and J. The first starts lie in the box and close to the origin. Further
+starts lie in the part of the box closer to the origin than the best root, until they find no better root.
 
-The answer is the nearest of the roots that the starts reach: a root whose basin holds no start is not seen. Roots whose
-distances differ by less than SAME_DISTANCE tie, and the first of them is the one with the larger value of the first
-component in which they differ; rounding does not decide. Roots nearer each other than SAME_ROOT count as one.
+The result is the best of the roots that the starts lead to: a root is missed if no start lies in its basin. Roots whose
+norms differ by less than SAME_DISTANCE tie. They are ordered by the first component in which they differ, the larger
+first; rounding does not decide. Roots within SAME_ROOT of each other count as one.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -34,18 +34,18 @@ from synth.statespace import Array
 Pair = tuple[Array, Array]
 
 BOX_STARTS = 24
-CLOSE_STARTS = 6  # at each of
+CLOSE_STARTS = 6  # within each radius of CLOSE
 CLOSE = (0.1, 0.01)  # radii about the origin
 BALL_STARTS = 12  # in each round
 BALL_ROUNDS = 8
-TRIED = 20  # points for each start, of which the first with finite f and J are taken
-SAME_DISTANCE = 1e-6  # of the distance: a root on a continuum is known to half the digits of its distance
-SAME_ROOT = 1e-4  # a double root is known to the square root of the tolerance on f
+TRIED = 20  # candidates for each start; the first ones with finite f and J are used
+SAME_DISTANCE = 1e-6  # of the distance: half the digits of the distance locate a root on a continuum
+SAME_ROOT = 1e-4  # a double root is accurate to the square root of the tolerance on f
 MARQUARDT_STEPS = 100
 SLIDING_STEPS = 40
 NEWTON_STEPS = 20
 DAMPING = (1e-12, 1e-6, 1e10)  # least, first and last, of |J|^2
-HUGE = 1e150  # what is larger counts as infinite: its square overflows
+HUGE = 1e150  # a larger number counts as infinite: its square overflows
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class System:
 
     `linear(z)` returns f (k,) and J (k, n), scaled so that |f_i| <= `tolerance` is a root; `stationary(z, l)` returns
     [J^T l + z; f] (n + k,) and its Jacobian (n + k, n + k). `low` <= 0 <= `high` (n,) bound the starts.
-    Where f is affine in z, its roots are one affine set with one nearest point: the origin alone is a start.
+    If f is affine in z, its roots are one affine set with one nearest point: the origin is the only start.
     """
 
     linear: Callable[[Array], Pair]
@@ -65,15 +65,15 @@ class System:
     is_affine: bool = False
 
     def is_root(self, z: Array) -> bool:
-        """Tell whether every equation is met at `z`."""
+        """Tell whether `z` satisfies every equation."""
         return bool((np.abs(self.linear(z)[0]) <= self.tolerance).all())
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The nearest roots, all at one distance, the chosen one first; and the best point (n,) where none was found.
+    """The nearest roots, all at one distance, in order of preference, and the point (n,) with the least residual.
 
-    `best` is None when f is finite at none of the starts.
+    `best` is None if f is finite at none of the starts.
     """
 
     roots: tuple[Array, ...]
@@ -81,19 +81,19 @@ class Search:
 
 
 def find(system: System) -> Search:
-    """Return the roots nearest the origin of those that the starts reach."""
+    """Return those roots nearest the origin to which the starts lead."""
     n = len(system.low)
     origin = np.zeros(n)
     if system.is_root(origin):
-        return Search((_polished(system, origin),))
+        return Search((_newton(system, origin),))
     regions = [] if system.is_affine else [(np.inf, BOX_STARTS), *((radius, CLOSE_STARTS) for radius in CLOSE)]
     starts = [origin, *(z for radius, count in regions for z in _starts(system, radius, 0, count))]
-    ends = [_descended(system, z) for z in starts]
+    ends = [_levenberg_marquardt(system, z) for z in starts]
     roots = _roots(system, ends)
     for k in range(BALL_ROUNDS if roots and not system.is_affine else 0):
         radius = _least_distance(roots)
         points = _starts(system, radius, k * BALL_STARTS, BALL_STARTS)
-        roots += _roots(system, [_descended(system, z) for z in points])
+        roots += _roots(system, [_levenberg_marquardt(system, z) for z in points])
         if _least_distance(roots) >= radius * (1 - SAME_DISTANCE):
             break
     finite = [z for z in ends if np.isfinite(system.linear(z)[0]).all()]
@@ -114,13 +114,13 @@ def _starts(system: System, radius: float, skipped: int, count: int) -> Iterator
 
 
 def _roots(system: System, ends: Sequence[Array]) -> list[Array]:
-    return [_settled(system, z) for z in ends if system.is_root(z)]
+    return [_stationary_root(system, z) for z in ends if system.is_root(z)]
 
 
-def _settled(system: System, root: Array) -> Array:
-    """Return the stationary root that the descent from `root` leads to."""
-    polished = _polished(system, root)
-    return polished if polished is not root else _polished(system, _slid(system, root))
+def _stationary_root(system: System, root: Array) -> Array:
+    """Return the stationary root to which the descent from `root` leads."""
+    polished = _newton(system, root)
+    return polished if polished is not root else _newton(system, _slide_along_roots(system, root))
 
 
 def _least_distance(roots: Sequence[Array]) -> float:
@@ -128,7 +128,7 @@ def _least_distance(roots: Sequence[Array]) -> float:
 
 
 def _nearest(roots: Sequence[Array]) -> tuple[Array, ...]:
-    """Return the roots at the least distance, each once, ordered by their components, the larger first."""
+    """Return the distinct roots at the least distance, ordered by their components, the larger first."""
     if not roots:
         return ()
     limit = _least_distance(roots) * (1 + SAME_DISTANCE)
@@ -140,7 +140,7 @@ def _nearest(roots: Sequence[Array]) -> tuple[Array, ...]:
 
 
 def _compare(z: Array, other: Array) -> int:
-    """Return a negative number when `z` has the larger value of the first component in which the roots differ."""
+    """Return a negative number if `z` is larger in the first component in which the roots differ."""
     return next((1 if b > a else -1 for a, b in zip(z, other, strict=True) if abs(b - a) > SAME_ROOT), 0)
 
 
@@ -148,8 +148,8 @@ def _is_finite(pair: Pair) -> bool:
     return all(bool((np.abs(values) < HUGE).all()) for values in pair)
 
 
-def _descended(system: System, z: Array) -> Array:
-    """Return where the Levenberg-Marquardt method leads from `z`: a root, or a local minimum of |f|."""
+def _levenberg_marquardt(system: System, z: Array) -> Array:
+    """Return the result of the Levenberg-Marquardt method from `z`: a root, or a local minimum of |f|."""
     pair, (least, damping, last) = system.linear(z), DAMPING
     if not _is_finite(pair):
         return z
@@ -160,18 +160,18 @@ def _descended(system: System, z: Array) -> Array:
             break
         rows = np.vstack([J / size, np.sqrt(damping) * np.eye(len(z))])
         step = np.linalg.lstsq(rows, np.concatenate([-f / size, np.zeros(len(z))]), rcond=None)[0]
-        tried = system.linear(z + step)
-        if not _is_finite(tried) or tried[0] @ tried[0] >= f @ f:
+        candidate = system.linear(z + step)
+        if not _is_finite(candidate) or candidate[0] @ candidate[0] >= f @ f:
             damping *= 10
         else:
-            z, pair, damping = z + step, tried, max(damping / 10, least)
+            z, pair, damping = z + step, candidate, max(damping / 10, least)
         if np.abs(step).max() < (1e-11 if system.is_root(z) else 1e-14):
             break
     return z
 
 
-def _slid(system: System, root: Array) -> Array:
-    """Return a root that is nearer the origin, by steps along the set of roots, or `root`."""
+def _slide_along_roots(system: System, root: Array) -> Array:
+    """Return a root closer to the origin, by steps along the set of roots, or `root`."""
     for _ in range(SLIDING_STEPS):
         f, J = system.linear(root)
         if not _is_finite((f, J)):
@@ -180,16 +180,16 @@ def _slid(system: System, root: Array) -> Array:
         length = np.linalg.norm(root)
         if np.linalg.norm(step) <= 1e-9 * length:
             break
-        tried = (_restored(system, root + step / 2**k) for k in range(8))
-        nearer = next((z for z in tried if np.linalg.norm(z) < length * (1 - 1e-12) and system.is_root(z)), None)
+        candidates = (_gauss_newton(system, root + step / 2**k) for k in range(8))
+        nearer = next((z for z in candidates if np.linalg.norm(z) < length * (1 - 1e-12) and system.is_root(z)), None)
         if nearer is None:
             break
         root = nearer
     return root
 
 
-def _restored(system: System, z: Array) -> Array:
-    """Return the point after a few Gauss-Newton steps of least length to f = 0."""
+def _gauss_newton(system: System, z: Array) -> Array:
+    """Return the point after a few minimum-norm Gauss-Newton steps to f = 0."""
     for _ in range(6):
         f, J = system.linear(z)
         if not _is_finite((f, J)) or system.is_root(z):
@@ -198,8 +198,8 @@ def _restored(system: System, z: Array) -> Array:
     return z
 
 
-def _polished(system: System, z: Array) -> Array:
-    """Return the stationary point near the root `z`, or `z` itself where Newton's method leads to nothing nearer."""
+def _newton(system: System, z: Array) -> Array:
+    """Return the stationary point near the root `z`, or `z` itself if Newton's method gives nothing closer."""
     f, J = system.linear(z)
     if not _is_finite((f, J)):
         return z

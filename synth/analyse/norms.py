@@ -5,14 +5,14 @@
     H-infinity norm = max over w of sigma_max(M(i w))            the largest gain over frequencies and directions
     H2 norm^2 = trace(C P C' + D D') = trace(B'Q B + D'D)        the variance of the outputs under unit white noise
 
-    continuous   A P + P A' + B B' = 0,    A'Q + Q A + C'C = 0          D = 0, for else the norm is infinite
+    continuous   A P + P A' + B B' = 0,    A'Q + Q A + C'C = 0          D = 0, otherwise the norm is infinite
     sampled      A P A' - P + B B' = 0,    A'Q A - Q + C'C = 0          w up to pi/T; a sum over samples, without T
 
-Both norms are infinite when a mode of the model does not decay, even one that no input moves or no output shows: take
-`realisation.minimal` first where the transfer function alone is meant.
+Both norms are infinite if a mode of the model does not decay, even an uncontrollable or unobservable one. For the norm
+of the transfer function alone, use `realisation.minimal` first.
 
-Computed P and Q leave residuals Rp and Rq, known to twice the precision. For any P the norm^2 is exactly
-trace(C P C' + D D') + trace(Q* Rp) with the true Q*; so Q corrects it, and what is left is at most
+Computed P and Q leave residuals Rp and Rq, evaluated in twice the precision. For any P the norm^2 is exactly
+trace(C P C' + D D') + trace(Q* Rp) with the true Q*. With Q in place of Q*, the error is at most
 |Q* - Q| |Rp|_* <= |H| |Rq| sqrt(n) |Rp|, where H is the Gramian of C = I. The proofs for H-infinity are in `modal_peak`
 and `bounded_real`.
 
@@ -45,12 +45,12 @@ class _Square:
     error: float
 
 
-Found = TypeVar("Found", _Square, peak_gain.Peak)
+Norm = TypeVar("Norm", _Square, peak_gain.Peak)
 
 
 @show.result
 class NormH2:
-    """The H2 norm `value`, known to the relative `error`; where it is infinite, `reason` says why."""
+    """The H2 norm `value` with a bound of its relative `error`; `reason` says why an infinite norm is infinite."""
 
     value: float
     error: float
@@ -61,7 +61,7 @@ class NormH2:
         return self.value
 
     def sheet(self) -> show.Sheet:
-        """Return the norm with its error, or why it is infinite."""
+        """Return the norm with its error, or the reason why it is infinite."""
         line = self.reason or f"relative error below {show.number(self.error, 2)}, from the Lyapunov residuals"
         return show.Sheet(f"H2 norm in {self.time}: {show.number(self.value, 8)}", (line,))
 
@@ -70,10 +70,9 @@ class NormH2:
 class NormHinf:
     """The H-infinity norm: `lower` <= norm <= `upper`, and the value `peak` in double precision at `frequency` rad/s.
 
-    The response passes `lower` at `frequency`, whatever has been rounded. `upper` is proved for all frequencies, as is
-    the decay of all modes, by a bound of the sum over the modes or by a Lyapunov matrix, both with all their rounding;
-    it is infinite where no proof was found. Where the norm is infinite, `reason` says
-    why, and `frequency` is that of the mode.
+    The response at `frequency` is at least `lower`, despite rounding. `upper` and the stability of the model are proved
+    by a bound of the modal sum or by a Lyapunov matrix, including all rounding; without a proof `upper` is infinite. If
+    the norm is infinite, `reason` says why, and `frequency` is that of the undamped or unstable mode.
     """
 
     peak: float
@@ -92,7 +91,7 @@ class NormHinf:
         return self.peak
 
     def sheet(self) -> show.Sheet:
-        """Return the norm, its frequency and its bounds, or why it is infinite."""
+        """Return the norm, its frequency and its bounds, or the reason why it is infinite."""
         n = show.number
         proof = "" if self.certified else ": no upper bound was proved"
         bounds = f"{n(self.lower, 10)} <= norm <= {n(self.upper, 10)}{proof}"
@@ -104,13 +103,13 @@ class NormHinf:
 def norm_h2(system: System) -> NormH2:
     """Return the H2 norm of a System: the root mean square of its outputs under white noise of unit density.
 
-    It is infinite when a mode does not decay, or when a continuous model has D other than 0. In the units of outputs
-    over inputs, per root of a second for a continuous model.
+    It is infinite if a mode does not decay, or if D of a continuous model is not 0. Its unit is that of outputs over
+    inputs, per root of a second for a continuous model.
 
     Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
-    reason = _lasting(model.poles, model.time)[0]
+    reason = _infinite_because(model.poles, model.time)[0]
     if not reason and isinstance(model.time, Continuous) and model.D.any():
         i, j = np.argwhere(model.D)[0]
         reason = (
@@ -119,7 +118,7 @@ def norm_h2(system: System) -> NormH2:
         )
     if reason:
         return NormH2(np.inf, 0.0, model.time, reason)
-    square = _within_range(lambda: _square(model), "H2")
+    square = _require_finite(lambda: _square(model), "H2")
     error = square.error / (2 * square.value) + 4 * EPS if square.value else square.error
     return NormH2(float(np.sqrt(square.value)), error, model.time)
 
@@ -128,33 +127,33 @@ def norm_h2(system: System) -> NormH2:
 def norm_hinf(system: System) -> NormHinf:
     """Return the H-infinity norm of a System: the largest gain over all frequencies and directions.
 
-    `upper` exceeds `peak` by 1e-6 or, where rounding hides a proof of that, by the least of 1e-5, 1e-4 .. 0.1 that can
-    be proved; `lower` lies below it by at most a quarter of 1e-6, or by what rounding hides. The frequency is inf where
-    a continuous model peaks at infinity, pi/T where a sampled one does at Nyquist.
+    `upper` exceeds `peak` by 1e-6, relative; if rounding prevents that proof, by the least of 1e-5, 1e-4 .. 0.1 that
+    can be proved. `lower` is below `peak` by at most a quarter of 1e-6, or by the rounding errors. The frequency is inf
+    for a continuous model with its peak at infinity, pi/T for a sampled model with its peak at Nyquist.
 
     Raises SignalError as `statespace.of`; ModelError when the numbers exceed what a double holds.
     """
     model = of(system)
     poles, V = modal.eigen(model.A)
-    reason, w = _lasting(poles, model.time)
+    reason, w = _infinite_because(poles, model.time)
     if reason:
         return NormHinf(np.inf, w, np.inf, np.inf, model.time, reason)
     if not model.D.size:
         return NormHinf(0.0, 0.0, 0.0, 0.0, model.time)
-    found = _within_range(lambda: peak_gain.peak(model, poles, V), "H-infinity")
-    w = found.frequency
+    peak = _require_finite(lambda: peak_gain.peak(model, poles, V), "H-infinity")
+    w = peak.frequency
     if not isinstance(model.time, Continuous):
         w = w / model.time.period_s
-    return NormHinf(found.value, w, found.lower, found.upper, model.time)
+    return NormHinf(peak.value, w, peak.lower, peak.upper, model.time)
 
 
-def _within_range(compute: Callable[[], Found], name: str) -> Found:
-    """Return what is computed; raise ModelError when its numbers leave the range of a double."""
+def _require_finite(compute: Callable[[], Norm], name: str) -> Norm:
+    """Return `compute()`; raise ModelError when its numbers overflow double precision."""
     try:
         with np.errstate(all="ignore"):
-            found = compute()
-        if np.isfinite(found.value):
-            return found
+            norm = compute()
+        if np.isfinite(norm.value):
+            return norm
         cause: Exception | None = None
     except (OverflowError, ValueError, np.linalg.LinAlgError) as error:
         cause = error
@@ -163,9 +162,9 @@ def _within_range(compute: Callable[[], Found], name: str) -> Found:
     ) from cause
 
 
-def _lasting(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
-    """Return why the norms are infinite, "" if they are not, and the frequency in rad/s of the mode that lasts."""
-    if transfer.decay(poles, time):
+def _infinite_because(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
+    """Return the reason why the norms are infinite, "" if they are finite, and the mode's frequency in rad/s."""
+    if transfer.is_stable(poles, time):
         return "", 0.0
     poles = np.sort_complex(poles)
     if isinstance(time, Continuous):
@@ -178,7 +177,7 @@ def _lasting(poles: NDArray[np.complex128], time: Time) -> tuple[str, float]:
 
 
 def _square(model: StateSpace) -> _Square:
-    """Return the square of the H2 norm of a model that decays, and a bound of its error."""
+    """Return the square of the H2 norm of a stable model, and a bound of its error."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
     continuous, n = isinstance(model.time, Continuous), len(A)
     direct = float((model.D**2).sum())
@@ -194,16 +193,16 @@ def _square(model: StateSpace) -> _Square:
 
 
 def _gramian(F: Array, W: Array, continuous: bool) -> Array:
-    """Return X, symmetric, with F'X + X F + W = 0, or F'X F - X + W = 0; it need not be accurate."""
+    """Return a symmetric solution X of F'X + X F + W = 0, or F'X F - X + W = 0; its accuracy is not guaranteed."""
     solve = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # SciPy's, of accuracy: the residual tells what it is
+        warnings.simplefilter("ignore", RuntimeWarning)  # SciPy warns of low accuracy; the residual bounds it
         X = np.asarray(solve(F.T, -W if continuous else W), dtype=np.float64)
     return (X + X.T) / 2
 
 
 def _residual(F: Array, V: Array, X: Array, continuous: bool) -> Array:
-    """Return F'X + X F + V'V, or F'X F - X + V'V, of a symmetric X, from twice the precision."""
+    """Return F'X + X F + V'V, or F'X F - X + V'V, for a symmetric X, computed in twice the precision."""
     XF = twofold.product(X, F)
     change = XF + XF.T if continuous else twofold.product(F.T, XF) - X
     return (change + twofold.product(V.T, V)).rounded()

@@ -1,12 +1,12 @@
-"""How many poles of a delayed closed loop lie to the right of the imaginary axis, by the argument principle.
+"""Nyquist stability criterion: the number of unstable closed-loop poles of a delayed loop.
 
 With the poles p of the rational factor of L (`transfer`), a factor k and any a > 0,
 
     g(s) = (1 + k L(s)) prod (s - p) / (s + a)
 
-has no pole at or right of the axis, so that it has -(turn of g along the axis, from below to above) / (2 pi) zeros to
-the right. The poles are counted exactly, those on the axis and those that L does not show, too. For w < 0, g is the
-conjugate of what it is at -w for the conjugate of k.
+has no pole in the closed right half-plane. By the argument principle, its number of zeros there is -1 / (2 pi) times
+the phase of g accumulated along the axis from -i inf to i inf. The open-loop poles p are all included, also those on
+the axis and those that cancel in L. For w < 0, g(i w) is the conjugate of g(-i w) with the conjugate of k.
 """
 
 from dataclasses import replace
@@ -18,16 +18,16 @@ from synth.analyse.transfer import Delayed, Response
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 
-RESOLVED = 1e-8  # where |1 + L| is less, rounding error decides on which side of -1 the loop passes
+RESOLVED = 1e-8  # of |1 + L|: below it rounding hides on which side of -1 the loop passes
 
 
 def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = None, L: Response | None = None) -> float:
-    """Return how many poles of the loop closed on `factor` L lie to the right, by the argument principle.
+    """Return the number of unstable poles of the loop closed on `factor` L.
 
-    With a delay, |D| >= 1 and no hold, infinitely many lie there or come as near to the axis as one likes: inf. The
-    loop is followed up to `high` rad/s, left out as by `trace`; `L` is its response, where that is known already.
+    With a delay, |D| >= 1 and no hold the number is inf: infinitely many poles are unstable or approach the axis. The
+    loop is traced up to `high` rad/s, with the default of `trace`; `L` is its response, if already available.
 
-    Raises ModelError where rounding hides the answer.
+    Raises ModelError if rounding hides the number.
     """
     size, model = abs(factor), loop.model
     if loop.delay_s and not loop.hold_s and size * abs(float(model.D[0, 0])) >= 1:
@@ -35,25 +35,25 @@ def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = No
     scaled = replace(loop, model=replace(model, C=size * model.C, D=size * model.D))
     value = L or transfer.response(loop)
     curve = transfer.trace(scaled, None, high, lambda w: size * value(w))
-    above = _followed(model, curve, factor / size)
-    below = above if np.isreal(factor) else _followed(model, curve, np.conj(factor) / size)
+    above = _phase_change(model, curve, factor / size)
+    below = above if np.isreal(factor) else _phase_change(model, curve, np.conj(factor) / size)
     (_, first, _), (_, second, _) = above, below
     turn = sum(inside + after for inside, _, after in (above, below)) + float(np.angle(np.exp(1j * (first + second))))
     count = -turn / (2 * np.pi)
     if abs(count - round(count)) > 0.1:
         raise ModelError(
-            f"the delayed loop turns {-count:.3g} times around -1, no whole number: give a lower `low` and a higher "
+            f"the delayed loop turns {-count:.3g} times around -1, not a whole number: give a lower `low` and a higher "
             "`high`"
         )
     return round(count)
 
 
-def _followed(model: StateSpace, curve: transfer.Curve, factor: complex) -> tuple[float, float, float]:
-    """Return the turn of g over the curve, its angle where the curve starts, and its turn from the end to infinity.
+def _phase_change(model: StateSpace, curve: transfer.Curve, factor: complex) -> tuple[float, float, float]:
+    """Return the phase of g accumulated over the curve, its angle at the start, and its phase from the end to infinity.
 
     The half for w < 0 is the conjugate of that for the conjugate factor, and both meet at w = 0.
     """
-    w, value = refinement.refined(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
+    w, value = refinement.refine(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
     least = int(np.abs(1 + value).argmin())
     if abs(1 + value[least]) < RESOLVED:
         raise ModelError(

@@ -1,13 +1,13 @@
-"""The largest singular value of a stable model's response over all frequencies, between two bounds.
+"""H-infinity norm of a stable model, between a lower and an upper bound.
 
     M(s) = C (s I - A)^-1 B + D,       peak = max over 0 <= w <= inf of sigma_max(M(i w))
 
-`modal_peak` finds and proves it where the eigenvectors of A are far from dependent. Elsewhere the search starts at the
-poles' frequencies and climbs by Newton's method. Then `bounded_real` is asked for a proof that g = (1 + e) sigma is an
-upper bound, with weights W that take up half of e. Where there is none, the eigenvalues of the Hamiltonian cut the axis
-into intervals, in the middle of one of which the response is higher if it is higher anywhere (Boyd, Balakrishnan 1990;
-Bruinsma, Steinbuch 1990), and the climb starts there; else e is raised. The lower bound is the value at w, less what
-rounding may have added to it.
+`modal_peak` finds and proves the peak if the eigenvectors of A are far from dependent. Otherwise the search starts at
+the frequencies of the poles and climbs by Newton's method. `bounded_real` then tries to prove that g = (1 + e) sigma is
+an upper bound, with weights W that use half of e. If it fails, the eigenvalues of the Hamiltonian divide the axis into
+intervals. If the response exceeds g anywhere, it does so in the middle of one of them (Boyd, Balakrishnan 1990;
+Bruinsma, Steinbuch 1990), and the climb restarts there; otherwise e is raised. The lower bound is the value at w less a
+bound of its rounding error.
 """
 
 from dataclasses import dataclass, replace
@@ -24,12 +24,12 @@ from synth.timing import Continuous
 
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 TINY = 1e-300
-LEAST = 1e-4  # of the state that goes farthest: one that goes less far counts as going so far
+LEAST = 1e-4  # of the largest amplitude of a state: the least amplitude used for a weight
 
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """`lower` <= max sigma_max <= `upper`, inf where that is not proved; `value`, in double, at `frequency`.
+    """`lower` <= max sigma_max <= `upper`, which is inf without a proof; `value`, in double, at `frequency`.
 
     The frequency is in rad/s, or rad per sample.
     """
@@ -41,72 +41,72 @@ class Peak:
 
 
 def peak(model: StateSpace, poles: Complex, V: Array) -> Peak:
-    """Return the peak of a model all of whose modes decay, from its poles (n,) and eigenvectors V (n, n), real."""
+    """Return the peak of a stable model, from its poles (n,) and real eigenvectors V (n, n)."""
     continuous = isinstance(model.time, Continuous)
     modes = modal.of(model.A, model.B, model.C, model.D, poles, V, not continuous) if len(poles) else None
     bound = modal_peak.peak(modes) if modes else None
     if modes is None or bound is None:
-        return _by_energy(model, continuous)
-    found = _by_modes(model, modes, bound)
+        return _from_lyapunov(model, continuous)
+    by_modes = _from_modes(model, modes, bound)
     if bound.margin == modal_peak.LEVELS[0]:
-        return found
-    other = _by_energy(model, continuous)
-    return other if other.upper - other.lower < found.upper - found.lower else found
+        return by_modes
+    other = _from_lyapunov(model, continuous)
+    return other if other.upper - other.lower < by_modes.upper - by_modes.lower else by_modes
 
 
-def _by_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
-    """Return the peak with the bound that the modes prove."""
+def _from_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
+    """Return the peak with the upper bound from the modal form."""
     value, w = bound.value, bound.w
     lower = max(0.0, value * (1 - 16 * sum(model.D.shape) * EPS) - modal_peak.error(modes, w))
     if lower < (1 - modal_peak.LEVELS[0] / 4) * value:
         at = float(np.tan(w / 2)) if modes.sampled else w
-        given = *resolvent.balanced(model.A, model.B, model.C), model.D
-        lower = max(lower, _attained(given, at, not modes.sampled))
+        matrices = *resolvent.balanced(model.A, model.B, model.C), model.D
+        lower = max(lower, _lower_bound(matrices, at, not modes.sampled))
     return Peak(lower, max(value, lower), (1 + bound.margin) * value, w)
 
 
-def _by_energy(model: StateSpace, continuous: bool) -> Peak:
-    """Return the peak with the bound that a Lyapunov matrix proves."""
+def _from_lyapunov(model: StateSpace, continuous: bool) -> Peak:
+    """Return the peak with the upper bound from a Lyapunov matrix."""
     A, B, C = resolvent.balanced(model.A, model.B, model.C)
-    given = A, B, C, model.D
+    matrices = A, B, C, model.D
     if continuous:
-        return _proved(given, given, *_start(given))
-    form = schur_response.warped(*given)
+        return _prove(matrices, matrices, *_start(matrices))
+    form = schur_response.bilinear(*matrices)
     w, states = _start(form)
     if w <= 1:
-        found = _proved(given, form, w, states)
-        return replace(found, frequency=2 * float(np.arctan(found.frequency)))
-    # Nearer to Nyquist M(-z) is searched, for which -1 becomes 1 and s becomes 1/s: infinity has fewer digits than 0.
-    given = -A, -B, C, model.D
-    form = schur_response.warped(*given)
-    found = _proved(given, form, *_start(form))
-    return replace(found, frequency=np.pi - 2 * float(np.arctan(found.frequency)))
+        peak = _prove(matrices, form, w, states)
+        return replace(peak, frequency=2 * float(np.arctan(peak.frequency)))
+    # Near Nyquist M(-z) is searched: it maps z = -1 to 1 and s to 1/s, and s near 0 has more digits than near infinity.
+    matrices = -A, -B, C, model.D
+    form = schur_response.bilinear(*matrices)
+    peak = _prove(matrices, form, *_start(form))
+    return replace(peak, frequency=np.pi - 2 * float(np.arctan(peak.frequency)))
 
 
-def _proved(given: Matrices, form: Matrices, w: float, states: Array) -> Peak:
-    """Return the peak of `given`, in continuous time `form`, searched from w with `states` (n,) for the weights."""
-    continuous, (A, _, C, _) = form is given, form
+def _prove(model: Matrices, form: Matrices, w: float, states: Array) -> Peak:
+    """Return the peak of `model`, with continuous-time equivalent `form`; search from w, weights from `states` (n,)."""
+    continuous, (A, _, C, _) = form is model, form
     value, w = _climb(form, w)
     value = max(value, EPS * float(states.max(initial=0.0)) * float(np.abs(C).max(initial=0.0)))
     for margin in LEVELS if value else ():
         while True:
             level = (1 + margin) * value
             solution = bounded_real.solve(form, level, margin * level**2 / np.maximum(len(A) * states**2, TINY))
-            if solution.X is not None and bounded_real.is_proof(solution.X, given, level, continuous):
-                return Peak(_attained(given, w, continuous), value, level, w)
-            other, place = _climb(form, _highest(form, _middles(solution.eigenvalues)))
+            if solution.X is not None and bounded_real.is_proof(solution.X, model, level, continuous):
+                return Peak(_lower_bound(model, w, continuous), value, level, w)
+            other, place = _climb(form, _highest_frequency(form, _middles(solution.eigenvalues)))
             if other <= (1 + margin / 4) * value:
                 break
             value, w = other, place
-    return Peak(_attained(given, w, continuous), value, np.inf if value else 0.0, w)
+    return Peak(_lower_bound(model, w, continuous), value, np.inf if value else 0.0, w)
 
 
 def _start(form: Matrices) -> tuple[float, Array]:
-    """Return the best of the poles' frequencies, 0 and infinity, and how far each state (n,) goes at them at most."""
+    """Return the best of the poles' frequencies, 0 and infinity, and the largest amplitude of each state (n,) there."""
     A, B, C, D = form
     schur = resolvent.schur(A)
     pairs = schur.poles[schur.poles.imag >= 0]
-    square = pairs.imag**2 - pairs.real**2  # of the frequency at which a pair alone has its peak, where it has one
+    square = pairs.imag**2 - pairs.real**2  # of the resonant frequency of the pair alone, if it has one
     w = np.concatenate([[0.0], np.where(square > 0, np.sqrt(np.abs(square)), np.abs(pairs))])
     X = np.tensordot(schur.U, schur.solve(1j * w, (schur.U.T @ B)[:, :, None]), 1)
     M = np.tensordot(C, X, 1).transpose(2, 0, 1) + D
@@ -115,8 +115,8 @@ def _start(form: Matrices) -> tuple[float, Array]:
     return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, LEAST * states.max(initial=0.0))
 
 
-def _highest(form: Matrices, frequencies: Array) -> float:
-    """Return the frequency at which the response is highest."""
+def _highest_frequency(form: Matrices, frequencies: Array) -> float:
+    """Return the frequency with the largest gain."""
     A, B, C, D = form
     values = np.linalg.svd(resolvent.response(A, B, C, D, (1j * frequencies).astype(np.complex128)), compute_uv=False)[
         :, 0
@@ -133,7 +133,7 @@ def _middles(eigenvalues: Complex) -> Array:
 def _climb(form: Matrices, w: float) -> tuple[float, float]:
     if np.isinf(w) or not len(form[0]):
         return float(np.linalg.norm(form[3], 2)), w
-    return climb.climb(lambda at: _derivatives(form, at), w)
+    return climb.local_maximum(lambda at: _derivatives(form, at), w)
 
 
 def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
@@ -144,12 +144,12 @@ def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
     return CR @ B + D, -1j * (CR @ RB), -2 * (CR @ (R @ RB))
 
 
-def _attained(given: Matrices, w: float, continuous: bool) -> float:
-    """Return a lower bound of sigma_max at a frequency w of s, whatever has been rounded.
+def _lower_bound(model: Matrices, w: float, continuous: bool) -> float:
+    """Return a rigorous lower bound of sigma_max at a frequency w of s.
 
     With R (v I - A) = I - E, |E| < 1, a residual r of X leaves an error of at most |R| |r| / (1 - |E|).
     """
-    A, B, C, D = given
+    A, B, C, D = model
     n, (p, m) = len(A), D.shape
     v = complex(0, w) if continuous else (1 + 1j * w) / (1 - 1j * w) if np.isfinite(w) else -1.0
     rounding = 8 * (n + 4) * EPS  # of complex sums of n products, and of v

@@ -1,12 +1,12 @@
-"""What rounding of the numbers that a loop is given by may do to it.
+"""Sensitivity of a loop to rounding of its coefficients (first-order perturbation bound).
 
-They are rounded, each by half a unit in its last place at most. To first order that moves L, relative to itself, by at
+Each coefficient is rounded by at most half a unit in the last place. To first order, the relative change of L is at
 most EPS times
 
     sum |b_k| / |N| + sum |a_k| |z|^k / |D|                                 coefficients b, a
     (|c R| (|A| |R b| + |b|) + |c| |R b| + |d|) / |L|,   R = (s I - A)^-1   state space
 
-and det(s I - A + b c / (1 + d)), whose zeros are the closed loop's poles, likewise.
+and there is a similar bound for det(s I - A + b c / (1 + d)), whose zeros are the closed-loop poles.
 """
 
 from dataclasses import dataclass
@@ -22,40 +22,37 @@ from synth.errors import ModelError
 from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Continuous, Time
 
-SLOW = 1e-14  # of the fastest pole, or of the unit circle: a pole that decays by less may be undamped
-EPS = 2.0**-53  # what rounding to double takes off a number or adds to it, relative to it, at most
+SLOW = 1e-14  # of the fastest pole, or of the unit circle: a pole with less decay may be undamped
+EPS = 2.0**-53  # the largest relative error of rounding to double
 
 
 @dataclass(frozen=True)
 class Perturbation:
-    """What rounding of the numbers given may change of L and of the closed loop's characteristic polynomial.
-
-    Both are relative to the values themselves.
-    """
+    """Bounds of the relative change of L and of the closed-loop characteristic polynomial by rounding."""
 
     of_loop: float
     of_closed: float
 
 
 def of_rational(loop: Rational, frequency: float) -> Perturbation:
-    """Return what rounding of the numbers given may do at `frequency` rad/s, to first order."""
+    """Return the effect of rounding of the coefficients at `frequency` rad/s, to first order."""
     if not loop.coefficients or np.isinf(frequency):
         return of_model(loop.model, frequency)
-    return _scaled(*_of_coefficients(*loop.coefficients, _point(loop.time, frequency)))
+    return _perturbation(*_of_coefficients(*loop.coefficients, _point(loop.time, frequency)))
 
 
 def of_model(model: StateSpace, frequency: float) -> Perturbation:
-    """Do as `of_rational` for a model whose matrices are the numbers given."""
+    """Return the effect of rounding of the entries of A, B, C, D at `frequency` rad/s, to first order."""
     if np.isinf(frequency):
         return Perturbation(2 * EPS, 2 * EPS)
-    return _scaled(*_of_matrices(model, _point(model.time, frequency)))
+    return _perturbation(*_of_matrices(model, _point(model.time, frequency)))
 
 
 def _point(time: Time, w: float) -> complex:
     return 1j * w if isinstance(time, Continuous) else complex(np.exp(1j * w * time.period_s))
 
 
-def _scaled(of_loop: float, of_closed: float) -> Perturbation:
+def _perturbation(of_loop: float, of_closed: float) -> Perturbation:
     return Perturbation(*(EPS * float(v) if np.isfinite(v) else np.inf for v in (of_loop, of_closed)))
 
 
@@ -72,10 +69,14 @@ def _of_coefficients(b: Array, a: Array, point: complex) -> tuple[float, float]:
 @np.errstate(all="ignore")
 def _of_matrices(model: StateSpace, point: complex) -> tuple[float, float]:
     A, b, c, d = model.A, model.B[:, 0], model.C[0], np.float64(model.D[0, 0])
-    opened, closed = (_inverse(point * np.eye(len(A)) - M) for M in (A, A - np.outer(b, c) / (1 + d)))
-    moved = np.abs(c @ opened) @ (np.abs(A) @ np.abs(opened @ b) + np.abs(b)) + np.abs(c) @ np.abs(opened @ b) + abs(d)
-    fed = np.abs(A) + (2 + abs(d) / abs(1 + d)) * np.abs(np.outer(b, c)) / abs(1 + d)
-    return moved / abs(c @ opened @ b + d), float(np.sum(np.abs(closed) * fed.T)) + abs(d) / abs(1 + d)
+    resolvent, closed = (_inverse(point * np.eye(len(A)) - M) for M in (A, A - np.outer(b, c) / (1 + d)))
+    numerator = (
+        np.abs(c @ resolvent) @ (np.abs(A) @ np.abs(resolvent @ b) + np.abs(b))
+        + np.abs(c) @ np.abs(resolvent @ b)
+        + abs(d)
+    )
+    sizes = np.abs(A) + (2 + abs(d) / abs(1 + d)) * np.abs(np.outer(b, c)) / abs(1 + d)
+    return numerator / abs(c @ resolvent @ b + d), float(np.sum(np.abs(closed) * sizes.T)) + abs(d) / abs(1 + d)
 
 
 def _inverse(M: NDArray[Any]) -> Complex:
@@ -86,11 +87,11 @@ def _inverse(M: NDArray[Any]) -> Complex:
 
 
 def is_stable(loop: Rational) -> bool:
-    """Tell whether all closed-loop poles decay, by more than rounding moves them.
+    """Tell whether all closed-loop poles are stable, by more than rounding can move them.
 
-    Raises ModelError when rounding of the numbers given hides it.
+    Raises ModelError if rounding of the coefficients hides the answer.
     """
-    poles = loop.closed
+    poles = loop.closed_loop_poles
     if not poles.size:
         return True
     decay = _decay(poles, loop.time)
@@ -102,7 +103,7 @@ def is_stable(loop: Rational) -> bool:
     if (decay <= SLOW).any():
         return False
     raise ModelError(
-        f"rounding of the numbers given hides whether the closed loop is stable: it may move its poles near "
+        f"rounding of the coefficients hides whether the closed loop is stable: it may move its poles near "
         f"{hidden[0]:.4g} rad/s across the boundary; give the loop as a state-space model (loop.sampled), or sample it "
         "more slowly"
     )

@@ -1,6 +1,6 @@
-"""Matrices in high precision, by ball arithmetic (Arb): computed once, rounded to double once.
+"""Matrices in high precision, by ball arithmetic (Arb), rounded to double once.
 
-A result that is rounded from hundreds of bits is the same on every machine, whatever linear algebra library it has.
+A result rounded from hundreds of bits is the same on every machine and with every linear algebra library.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,7 +14,7 @@ from synth.errors import ModelError
 from synth.statespace import Array
 
 BITS = 256
-ZERO = flint.arb(2) ** -200  # relative to the largest entry: what is smaller is rounding error of a zero
+ZERO = flint.arb(2) ** -200  # relative to the largest entry: a smaller entry is the rounding error of a zero
 
 
 @contextmanager
@@ -37,17 +37,17 @@ def matrix(values: ArrayLike) -> flint.arb_mat:
 def rounded(balls: flint.arb_mat) -> Array:
     """Return the midpoints (n, m), each rounded to the nearest double; below ZERO of the largest entry they are 0."""
     least = _least(balls)
-    found = np.zeros((balls.nrows(), balls.ncols()))
-    for i, j in np.ndindex(*found.shape):
+    values = np.zeros((balls.nrows(), balls.ncols()))
+    for i, j in np.ndindex(*values.shape):
         middle = balls[i, j].mid()
-        found[i, j] = 0.0 if abs(middle) < least else float(middle)
-    return found
+        values[i, j] = 0.0 if abs(middle) < least else float(middle)
+    return values
 
 
-def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:
-    """Return `compute()` (n, m), called `what`, rounded; more bits are taken until each ball is far below half an ulp.
+def correctly_rounded(compute: Callable[[], flint.arb_mat], what: str) -> Array:
+    """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
 
-    Raises ModelError when 16 times the usual bits do not do.
+    Raises ModelError when 16 times the usual bits do not suffice.
     """
     for bits in (BITS, 4 * BITS, 16 * BITS):
         with precision(bits):
@@ -61,7 +61,7 @@ def resolved(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     )
 
 
-def middle(balls: flint.arb_mat) -> flint.arb_mat:
+def midpoints(balls: flint.arb_mat) -> flint.arb_mat:
     """Return the midpoints without their radii."""
     return flint.arb_mat([[balls[i, j].mid() for j in range(balls.ncols())] for i in range(balls.nrows())])
 
@@ -73,7 +73,7 @@ def norm(balls: flint.arb_mat) -> float:
 
 
 def _least(balls: flint.arb_mat) -> flint.arb:
-    """Return the size below which an entry counts as 0; none does beside an entry of unknown size."""
+    """Return the size below which an entry counts as 0; it is 0 if the size of an entry is unknown."""
     largest = norm(balls)
     return ZERO * largest if np.isfinite(largest) else flint.arb(0)
 

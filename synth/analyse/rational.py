@@ -1,10 +1,10 @@
-"""A scalar loop as the ratio of two polynomials with integer coefficients: exactly the loop of the numbers given.
+"""Exact transfer function of a scalar loop: a ratio of two polynomials with integer coefficients.
 
     L = N(s) / D(s)          continuous,
     L = N(z) / D(z)          sampled, with z = (1 + s) / (1 - s): the circle z = exp(i w T) is s = i tan(w T / 2)
 
-A double is an integer times a power of 2, so that nothing is rounded: neither the coefficients of a transfer function
-nor, from a state-space model,
+A double is an integer times a power of 2. Therefore nothing is rounded, neither the coefficients of a transfer function
+nor, for a state-space model,
 
     D = det(s I - A),        N = det(s I - A + B C) + (d - 1) det(s I - A).
 
@@ -29,16 +29,16 @@ from synth.timing import Continuous, Time
 
 Polynomial = flint.fmpz_poly
 
-BITS = 128  # of each zero; more where they do not resolve a value
+BITS = 128  # of each zero; increased if they do not resolve a value
 MOST_BITS = 1 << 14
 X = flint.fmpz_poly([0, 1])
 
 
 @dataclass(frozen=True, eq=False)
 class Rational:
-    """L = N / D in s, nothing cancelled, with the `model` of the same loop.
+    """L = N / D in s, without cancellation, with the `model` of the same loop.
 
-    `coefficients` are those of a transfer function, highest powers first; None where a state-space model was given.
+    `coefficients` are those of a transfer function, highest powers first; None for a state-space model.
     """
 
     N: Polynomial
@@ -53,7 +53,7 @@ class Rational:
 
     @cached_property
     def common(self) -> Polynomial:
-        """The common divisor of N and D: the modes that L does not show."""
+        """The common divisor of N and D: the modes that cancel in L."""
         return self.N.gcd(self.D)
 
     @cached_property
@@ -62,8 +62,8 @@ class Rational:
         return self.N // self.common, self.D // self.common
 
     @cached_property
-    def closed(self) -> Complex:
-        """The closed loop's poles (n,) in s, those that L does not show among them; inf for a pole at z = -1."""
+    def closed_loop_poles(self) -> Complex:
+        """The closed-loop poles (n,) in s, including those that cancel in L; inf for a pole at z = -1."""
         N, D = self.reduced
         finite = np.concatenate([zeros(N + D), zeros(self.common)])
         lost = max(self.N.degree(), self.D.degree()) - len(finite)
@@ -82,7 +82,7 @@ class Rational:
 
 
 def of_system(system: System) -> Rational:
-    """Return a scalar System as the ratio that its numbers make; raise SignalError when the system cannot be read."""
+    """Return the exact transfer function of a scalar System; raise SignalError as `statespace.of`."""
     model, fraction = of(system), coefficients(system)
     N, D = _integer_coefficients(*fraction) if fraction else _determinants(model)
     if not isinstance(model.time, Continuous):
@@ -94,12 +94,12 @@ def of_system(system: System) -> Rational:
 
 
 def _integer_coefficients(b: Array, a: Array) -> tuple[Polynomial, Polynomial]:
-    """Return two polynomials of given coefficients, highest powers first, times one power of 2."""
+    """Return polynomials with coefficients b and a, highest powers first, both times one power of 2."""
     shift = 1 << _bits(np.concatenate([b, a]))
-    return _scaled(b[::-1], shift), _scaled(a[::-1], shift)
+    return _integer_polynomial(b[::-1], shift), _integer_polynomial(a[::-1], shift)
 
 
-def _scaled(values: Array, shift: int) -> Polynomial:
+def _integer_polynomial(values: Array, shift: int) -> Polynomial:
     return flint.fmpz_poly([int(Fraction(float(v)) * shift) for v in values])
 
 
@@ -109,7 +109,7 @@ def _bits(values: Array) -> int:
 
 
 def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
-    """Return N and D of a model, times one integer."""
+    """Return N and D of a model, both times one integer."""
     n = len(model.A)
     scale = discretise.balancing(model.A)
     A, b, c = model.A * scale / scale[:, None], model.B[:, 0] / scale, model.C[0] * scale
@@ -118,9 +118,9 @@ def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
     whole = [[int(Fraction(float(v)) * (1 << k)) for v in row] for row in A]
     b_whole = [int(Fraction(float(v)) * (1 << (k - k_c))) for v in b]
     c_whole = [int(Fraction(float(v)) * (1 << k_c)) for v in c]
-    fed = [[whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
-    D, opened = _characteristic(whole, k), _characteristic(fed, k)
-    return d.denominator * opened + (d.numerator - d.denominator) * D, d.denominator * D
+    feedback = [[whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
+    D, closed = _characteristic(whole, k), _characteristic(feedback, k)
+    return d.denominator * closed + (d.numerator - d.denominator) * D, d.denominator * D
 
 
 def _characteristic(M: Sequence[Sequence[int]], k: int) -> Polynomial:
@@ -131,21 +131,21 @@ def _characteristic(M: Sequence[Sequence[int]], k: int) -> Polynomial:
 
 
 def _bilinear(P: Polynomial, order: int) -> Polynomial:
-    """Return (1 - s)^order P((1 + s) / (1 - s)): with z = 2 / (1 - s) - 1 two shifts and a reversal."""
+    """Return (1 - s)^order P((1 + s) / (1 - s)), as two shifts and a reversal, from z = 2 / (1 - s) - 1."""
     shifted = [int(c) << k for k, c in enumerate(map(int, P(X - 1).coeffs()))]
     padded = shifted + [0] * (order + 1 - len(shifted))
     return flint.fmpz_poly(padded[::-1])(1 - X)
 
 
 def zeros(P: Polynomial) -> Complex:
-    """Return the zeros (n,) of a polynomial, each as often as it counts."""
+    """Return the zeros (n,) of a polynomial, repeated by multiplicity."""
     with precise.precision(BITS):
         repeated = [complex(root) for root, count in roots(P) for _ in range(count)]
     return np.array(repeated, dtype=np.complex128)
 
 
 def roots(P: Polynomial) -> list[tuple[Any, int]]:
-    """Return the zeros of a polynomial as balls, each with its multiplicity, in the precision in force."""
+    """Return the zeros of a polynomial as balls, each with its multiplicity, in the current precision."""
     isolated: list[Any] = P.complex_roots() if P.degree() > 0 else []
     return [(root, int(count)) for root, count in isolated]
 
@@ -170,9 +170,9 @@ def times_conjugate(N: Polynomial, D: Polynomial) -> tuple[Polynomial, Polynomia
 
 
 def count_unstable(loop: Rational, factor: complex) -> int:
-    """Count the zeros at or right of the axis of D + (a + i b) N, without what N and D have in common.
+    """Count the zeros of D + (a + i b) N in the closed right half-plane, after cancellation of common factors.
 
-    In a sampled loop each degree that the sum lacks is a zero at z = -1, on the boundary.
+    In a sampled loop each degree below the order is a zero at z = -1, on the boundary.
     """
     N, D = loop.reduced
     order = max(N.degree(), D.degree())
@@ -187,10 +187,10 @@ def count_unstable(loop: Rational, factor: complex) -> int:
 
 
 def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
-    """Return the zeros of real + i imaginary, exact coefficients; raise ModelError where they cannot be told apart."""
+    """Return the zeros of real + i imaginary, exact coefficients; raise ModelError if they cannot be separated."""
     with precise.precision(max(real.height_bits(), imaginary.height_bits()) + BITS):
         P = flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)
         try:
             return list(P.roots(tol=flint.arb(2) ** -(BITS // 2), maxprec=MOST_BITS)) if P.degree() > 0 else []
         except ValueError as error:
-            raise ModelError("the poles of the loop closed with a turned phase cannot be told apart") from error
+            raise ModelError("the poles of the loop closed with a phase change cannot be separated") from error

@@ -1,9 +1,9 @@
-"""Reachable bounds of a stable sampled model's states: the l1 norm from each bounded input, peak to peak.
+"""Peak bounds of the states of a stable sampled model for bounded inputs: the l1 norm (peak-to-peak gain).
 
     x+ = A x + B u,   |u_j| <= u_max_j,   x(0) = 0:      |x_i| <= sum_k sum_j |(A^k B)_ij| u_max_j
 
 attained by the worst input (Dahleh, Diaz-Bobillo 1995, 2.3). With s the sum of the first N terms and |A^N| s <= q s,
-q < 1, by entry, what is left of the sum is q / (1 - q) s at most.
+q < 1, entry by entry, the remaining terms add at most q / (1 - q) s.
 """
 
 import numpy as np
@@ -14,17 +14,17 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, System, of, readonly
 from synth.timing import period
 
-SETTLED = 1e-3  # q, at which the sum ends
-BLOCK = 64  # samples that are summed at once
-SLOWEST = 1e-6  # of 1 - |z|: a mode that decays slower counts as not decaying
+REMAINDER = 1e-3  # q, at which the sum ends
+BLOCK = 64  # samples summed at once
+SLOWEST = 1e-6  # of 1 - |z|: a slower mode counts as not decaying
 
 
 @arguments.checked
-def states(system: System, inputs: ArrayLike) -> Array:
+def state_bounds(system: System, inputs: ArrayLike) -> Array:
     """Return bounds (n,) of a stable sampled model's states from 0, for inputs within +-`inputs` (m,).
 
-    Raises TimingError for a continuous model; SignalError for bounds that are not finite or below 0; ModelError for a
-    model that is not stable, or settles too slowly.
+    Raises TimingError for a continuous model; SignalError for bounds that are not finite or are negative; ModelError
+    for a model that is not stable or settles too slowly.
     """
     model = of(system)
     period(model.time)
@@ -50,9 +50,9 @@ def states(system: System, inputs: ArrayLike) -> Array:
     while np.isfinite(terms).all():
         total += np.abs(terms).sum(axis=1)
         terms, power = step @ terms, step @ power
-        if (np.abs(power) @ total <= SETTLED * total).all():
-            return readonly(total / (1 - SETTLED))
+        if (np.abs(power) @ total <= REMAINDER * total).all():
+            return readonly(total / (1 - REMAINDER))
     raise ModelError(
         f"the states {', '.join(model.states)} grow beyond what a double holds before they settle: choose units in "
-        "which they are nearer to 1"
+        "which they are closer to 1"
     )

@@ -1,11 +1,11 @@
-"""Minimal realisation: the same response C (s I - A)^-1 B + D with the least number of states.
+"""Minimal realisation (MATLAB `minreal`): the same response C (s I - A)^-1 B + D with the least number of states.
 
-In scaled coordinates x = X x~ an orthonormal Z (n, k) spans what inputs reach and outputs show (Kalman), and
+In scaled coordinates x = X x~, an orthonormal Z (n, k) spans the controllable and observable part (Kalman), and
 
     (Z' A~ Z, Z' B~, C~ Z, D)
 
-has the response of (A, B, C, D). A state that lies in the span stays as it is, with its name and unit; the others are
-replaced by fewer new ones, orthonormal combinations in scaled units.
+has the response of (A, B, C, D). A state in the span of Z stays, with its name and unit. Fewer new states replace the
+others: orthonormal combinations of them in scaled units.
 """
 
 from dataclasses import dataclass, replace
@@ -19,16 +19,16 @@ from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous
 
-SAME = 1e-8  # of the response at a point: a part that is left out for its coupling below COUPLING changes it by less
-CUTS = (1e-8, 1e-9, 1e-10, staircase.COUPLING)  # tried in turn: but for the last, what they leave out is in rounding
+SAME = 1e-8  # of the response: removal of a part with coupling below COUPLING changes it by less
+CUTS = (1e-8, 1e-9, 1e-10, staircase.COUPLING)  # tried in order until the response changes by rounding only
 ROUNDING = 10 * np.finfo(float).eps  # of |C| |(s I - A)^-1| |B|, times the condition of s I - A
-CLEAR = 100.0  # of the largest coupling left out: when the least one kept is not above this, the order is uncertain
+CLEAR = 100.0  # of the largest coupling left out: the order is uncertain unless the least one kept is larger
 POINTS = 12  # points at which the two responses are compared
 
 
 @dataclass(frozen=True)
-class Fewer:
-    """A lesser number of states and the relative change of the response that comes with it."""
+class LowerOrder:
+    """A lower order and the relative change of the response that it causes."""
 
     order: int
     difference: float
@@ -36,26 +36,26 @@ class Fewer:
 
 @show.result
 class Minimal:
-    """The minimal `model`, the modes that left it, and the largest difference of the responses.
+    """The minimal `model`, the removed modes, and the largest difference of the responses.
 
-    No input moved the modes `unmoved`, no output showed those `unseen`; directions are in the states of the model as it
-    was. `removed` are the states that are no longer there, `added` those that were not there before. `difference` is
-    relative, over points from below the slowest to above the fastest pole. `gap` holds the least coupling that was kept
-    and the largest that was left out, of 1 at best: the order is certain when they lie far apart. `fewer` is an order
-    that hardly changes the response, yet by more than rounding explains.
+    `uncontrollable` and `unobservable` are the removed modes; directions are in the original states.
+    `removed` are the states that were removed, `added` the new ones. `difference` is relative, over points from below
+    the slowest to above the fastest pole. `gap` holds the least coupling kept and the largest left out, 1 at best: the
+    order is certain if they are far apart. `fewer` is a lower order that changes the response little, but by more than
+    rounding explains.
     """
 
     model: StateSpace
-    unmoved: tuple[structure.Mode, ...]
-    unseen: tuple[structure.Mode, ...]
+    uncontrollable: tuple[structure.Mode, ...]
+    unobservable: tuple[structure.Mode, ...]
     removed: tuple[str, ...]
     added: tuple[str, ...]
     difference: float
     gap: staircase.Gap
-    fewer: Fewer | None
+    fewer: LowerOrder | None
 
     def sheet(self) -> show.Sheet:
-        """Return the counts, the new states and a line for each mode that left."""
+        """Return the counts, the new states and a row for each removed mode."""
         lines = [f"States: {', '.join(self.model.states) or 'none'}; the responses differ by {self.difference:.1e}."]
         if self.gap.left:
             doubt = "" if self.gap.ratio > CLEAR else "; they lie so close that the order is uncertain"
@@ -63,63 +63,72 @@ class Minimal:
         if self.fewer:
             lines.append(
                 f"{self.fewer.order} states change the response by {self.fewer.difference:.0e}: more than rounding "
-                "explains, so that the others were kept; they may be surplus."
+                "explains. The others are kept; they may be superfluous."
             )
         if self.removed:
-            lines.append(f"Gone: {', '.join(self.removed)}.")
+            lines.append(f"Removed: {', '.join(self.removed)}.")
         if self.added:
-            lines.append(f"New, combinations of those that are gone: {', '.join(self.added)}.")
-        kinds = (("no input moves it", self.unmoved), ("no output shows it", self.unseen))
+            lines.append(f"New, combinations of those removed: {', '.join(self.added)}.")
+        kinds = (("uncontrollable", self.uncontrollable), ("unobservable", self.unobservable))
         rows = tuple(
-            (structure.pair(m.value), structure.spelled(m.direction), why)
+            (structure.pair(m.value), structure.direction_text(m.direction), why)
             for why, modes in kinds
             for m in modes
             if m.value.imag >= 0
         )
         tables = (show.Table(("mode removed", "states", "why"), rows),) if rows else ()
-        before = len(self.model.states) + len(self.unmoved) + len(self.unseen)
+        before = len(self.model.states) + len(self.uncontrollable) + len(self.unobservable)
         return show.Sheet(f"Minimal model: {len(self.model.states)} of {before} states", tuple(lines), tables)
 
 
 @arguments.checked
 def minimal(system: System) -> Minimal:
-    """Return a System without the parts that no input moves or no output shows.
+    """Return a System without its uncontrollable and unobservable parts.
 
-    Raises SignalError as `statespace.of` and `staircase.scaled`; ModelError when the response of what is left differs.
+    Raises SignalError as `statespace.of` and `staircase.scaled`; ModelError if the response changes.
     """
     model = of(system)
-    part = staircase.of_model(model)
-    fewer: list[Fewer] = []
+    scaled = staircase.of_model(model)
+    fewer: list[LowerOrder] = []
     for cut in CUTS:
-        found = staircase.kalman(part, cut)
-        left, added = _kept(model, part, found.kept)
-        apart = _compare(model, left, part)
-        if apart.in_rounding:
+        decomposition = staircase.kalman(scaled, cut)
+        reduced, added = _project(model, scaled, decomposition.kept)
+        compared = _compare(model, reduced, scaled)
+        if compared.in_rounding:
             break
-        fewer.append(Fewer(len(left.A), apart.relative))
-    near = [f for f in fewer if f.order < len(left.A) and f.difference <= SAME]
-    if apart.relative > SAME:
+        fewer.append(LowerOrder(len(reduced.A), compared.relative))
+    candidates = [f for f in fewer if f.order < len(reduced.A) and f.difference <= SAME]
+    if compared.relative > SAME:
         raise ModelError(
-            f"the minimal realisation changes the response by {apart.relative:.1e} of its size: a part of the model is "
-            f"coupled by no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or couple it"
+            f"the minimal realisation changes the response by {compared.relative:.1e} of its size: a part of the model "
+            f"has a coupling of no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or couple it"
         )
-    unmoved = structure.named_modes(found.unreached, part.B.T, part.rate, model.states)
-    unseen = structure.named_modes(found.unseen, part.C, part.rate, model.states)
-    removed = tuple(name for name in model.states if name not in left.states)
-    return Minimal(left, unmoved, unseen, removed, added, apart.relative, found.gap, near[0] if near else None)
+    uncontrollable = structure.named_modes(decomposition.uncontrollable, scaled.B.T, scaled.rate, model.states)
+    unobservable = structure.named_modes(decomposition.unobservable, scaled.C, scaled.rate, model.states)
+    removed = tuple(name for name in model.states if name not in reduced.states)
+    return Minimal(
+        reduced,
+        uncontrollable,
+        unobservable,
+        removed,
+        added,
+        compared.relative,
+        decomposition.gap,
+        candidates[0] if candidates else None,
+    )
 
 
-def _kept(model: StateSpace, part: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
+def _project(model: StateSpace, scaled: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
     """Return the model on an orthonormal basis `kept` (n, k) of scaled states, and the names that are new."""
-    Z = kept[:, np.argsort([_place(z) for z in kept.T], kind="stable")]
+    Z = kept[:, np.argsort([_single_state(z) for z in kept.T], kind="stable")]
     names, added = _names(model, Z)
-    size = np.array([1.0 if name in added else part.x[_place(z)] for name, z in zip(names, Z.T, strict=True)])
-    into, out = size[:, None] * Z.T / part.x, part.x[:, None] * Z / size
+    size = np.array([1.0 if name in added else scaled.x[_single_state(z)] for name, z in zip(names, Z.T, strict=True)])
+    into, out = size[:, None] * Z.T / scaled.x, scaled.x[:, None] * Z / size
     return replace(model, A=into @ model.A @ out, B=into @ model.B, C=model.C @ out, states=names), added
 
 
-def _place(column: Array) -> int:
-    """Return the place of the one state that a column of Z stands for, their number where it stands for several."""
+def _single_state(column: Array) -> int:
+    """Return the index of the only state in a column of Z, or the number of states if it combines several."""
     states = np.flatnonzero(column)
     return int(states[0]) if len(states) == 1 else len(column)
 
@@ -128,51 +137,51 @@ def _names(model: StateSpace, Z: Array) -> tuple[tuple[str, ...], tuple[str, ...
     """Return the names of the columns of Z and, of these, the new ones."""
     taken = {*model.states, *model.inputs, *model.outputs}
     fresh = (name for k in range(1, len(taken) + len(Z) + 1) if (name := f"part{k}") not in taken)
-    places = [_place(z) for z in Z.T]
+    places = [_single_state(z) for z in Z.T]
     names = tuple(model.states[k] if k < len(Z) else next(fresh) for k in places)
     return names, tuple(name for name, k in zip(names, places, strict=True) if k == len(Z))
 
 
 @dataclass(frozen=True, eq=False)
 class _Difference:
-    """How far two responses lie `apart` (k,) at some points, their `size` (k,), and what `rounding` (k,) may do."""
+    """The `error` (k,) of two responses, their `size` (k,) and the effect of `rounding` (k,), at points."""
 
-    apart: Array
+    error: Array
     size: Array
     rounding: Array
 
     @property
     def in_rounding(self) -> bool:
-        """Tell whether there are points and rounding explains the difference at each."""
-        return bool(len(self.apart) and (self.apart <= self.rounding).all())
+        """Whether there are points and rounding explains the difference at each."""
+        return bool(len(self.error) and (self.error <= self.rounding).all())
 
     @property
     def relative(self) -> float:
-        """The largest difference over the size, which is known no better than to its rounding."""
+        """The largest difference over the size; the size is at least the rounding over SAME."""
         size = np.maximum(self.size, self.rounding / SAME)
-        return float((self.apart / np.where(size > 0, size, 1.0)).max(initial=0.0))
+        return float((self.error / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
-def _compare(one: StateSpace, other: StateSpace, part: staircase.Scaled) -> _Difference:
-    """Compare two responses in the scaled inputs and outputs of `one`, of which `part` is the scaled model.
+def _compare(original: StateSpace, reduced: StateSpace, scaled: staircase.Scaled) -> _Difference:
+    """Compare two responses in the scaled inputs and outputs of `original`, whose scaled model is `scaled`.
 
-    The points lie on a ray that leaves s = 0 to the right, from below the slowest to above the fastest pole; those at
-    which rounding alone moves the response of `one` by a tenth of SAME are left out.
+    The points lie on a ray from s = 0 into the right half-plane, from below the slowest to above the fastest pole.
+    Points where rounding alone changes the response of `original` by a tenth of SAME are omitted.
     """
-    v = _points(one)
-    shifted = (v / part.rate)[:, None, None] * np.eye(len(part.A)) - part.A
-    sigma = np.linalg.svd(shifted, compute_uv=False) if len(part.A) else np.ones((len(v), 1))
-    good = sigma[:, 0] * np.finfo(float).eps < 0.1 * SAME * sigma[:, -1]
-    v, most, least = v[good], sigma[good, 0], sigma[good, -1]
-    a, b = (part.u * _response(model, v) / part.y[:, None] for model in (one, other))
-    through = np.linalg.norm(part.C) * np.linalg.norm(part.B) / least
-    apart, size = (np.abs(M).max(axis=(1, 2), initial=0.0) for M in (a - b, a))
-    return _Difference(apart, size, ROUNDING * most / least * through)
+    v = _points(original)
+    shifted = (v / scaled.rate)[:, None, None] * np.eye(len(scaled.A)) - scaled.A
+    sigma = np.linalg.svd(shifted, compute_uv=False) if len(scaled.A) else np.ones((len(v), 1))
+    resolved = sigma[:, 0] * np.finfo(float).eps < 0.1 * SAME * sigma[:, -1]
+    v, most, least = v[resolved], sigma[resolved, 0], sigma[resolved, -1]
+    a, b = (scaled.u * _response(model, v) / scaled.y[:, None] for model in (original, reduced))
+    through = np.linalg.norm(scaled.C) * np.linalg.norm(scaled.B) / least
+    error, size = (np.abs(M).max(axis=(1, 2), initial=0.0) for M in (a - b, a))
+    return _Difference(error, size, ROUNDING * most / least * through)
 
 
 def _points(model: StateSpace) -> NDArray[np.complex128]:
     rates = np.abs(structure.rates(model.poles, model.time))
-    least = 2.0**-staircase.LARGEST  # slower is an integrator, faster a delay
+    least = 2.0**-staircase.LARGEST  # a slower mode is an integrator, a faster one a delay
     known = rates[(rates > least) & (rates < 1 / least)]
     low, high = (0.1 * known.min(), 10 * known.max()) if len(known) else (1.0, 1.0)
     s = np.geomspace(low, high, POINTS) * np.exp(0.7j)
@@ -180,21 +189,22 @@ def _points(model: StateSpace) -> NDArray[np.complex128]:
 
 
 def _response(model: StateSpace, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    part = staircase.of_model(model)
-    A, B, C = part.A * part.rate, part.B * part.rate / part.u, part.C * part.y[:, None]
+    scaled = staircase.of_model(model)
+    A, B, C = scaled.A * scaled.rate, scaled.B * scaled.rate / scaled.u, scaled.C * scaled.y[:, None]
     return replace(model, A=A, B=B, C=C).response(points)
 
 
 @arguments.checked
-def connected(model: StateSpace) -> StateSpace:
-    """Return the model without the states that no input reaches or that reach no output, told by zeros of A, B, C.
+def without_unconnected_states(model: StateSpace) -> StateSpace:
+    """Return the model without structurally uncontrollable or unobservable states, from the zeros of A, B, C.
 
-    The response is the same function.
+    The response stays the same.
     """
     moves = model.A != 0
-    reached, seen = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
+    controlled, observed = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
     for _ in range(len(model.A)):
-        reached, seen = reached | moves[:, reached].any(axis=1), seen | moves[seen].any(axis=0)
-    keep = np.flatnonzero(reached & seen)
+        controlled = controlled | moves[:, controlled].any(axis=1)
+        observed = observed | moves[observed].any(axis=0)
+    keep = np.flatnonzero(controlled & observed)
     states = tuple(model.states[i] for i in keep)
     return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)

@@ -1,4 +1,4 @@
-"""Refinement of a frequency grid until a response moves by little from point to point."""
+"""Adaptive refinement of a frequency grid until a response changes little from point to point."""
 
 from collections.abc import Callable
 
@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike
 from synth.statespace import Array, Complex
 
 Response = Callable[[ArrayLike], Complex]
-NARROW = 1e-9  # of a frequency: nodes stand no closer, for nearer to an undamped pole L is rounding error
+NARROW = 1e-9  # of a frequency: least spacing of nodes; closer to an undamped pole L is rounding error
 
 
-def refined(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
-    """Return frequencies (k,) and L on them, between which log L and log(1 + L) turn and grow by little only.
+def refine(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
+    """Return frequencies (k,) and L there, such that log L and log(1 + L) change little between neighbours.
 
     They include w, at which L is `value`.
     """
@@ -34,5 +34,5 @@ def _step(value: Complex) -> Array:
 
 
 def log(value: Complex) -> Array:
-    """Return log |value|, of 0 that of the least number."""
+    """Return log |value|, at least log 1e-300."""
     return np.log(np.maximum(np.abs(value), 1e-300))

@@ -1,12 +1,12 @@
-"""Vector relative degree of a plant that is affine in its inputs, dx/dt = f + G u, y = h + E u.
+"""Vector relative degree and decoupling matrix of an input-affine plant, dx/dt = f + G u, y = h + E u.
 
-r_i is the least number of derivatives of y_i in which an input shows: L_G L_f^k h_i = 0 for k < r_i - 1, and
+r_i is the order of the first derivative of y_i that contains an input: L_G L_f^k h_i = 0 for k < r_i - 1, and
 
     d^r_i y_i / dt^r_i = a_i(x) + D_i(x) u,    a_i = L_f^r_i h_i,    D_i = L_G L_f^(r_i - 1) h_i,
 
-or r_i = 0 with a_i = h_i and D_i = E_i where an input enters y_i itself. D (p, m) is the decoupling matrix, a (p,) the
-drift. The degree is defined where D has rank p: D_i must not vanish, nor depend on the other rows. What is zero all
-over the domain is told by `rounding.vanish`; where D loses rank at points of the domain only, by `singularity.worst`.
+or r_i = 0 with a_i = h_i and D_i = E_i if an input enters y_i itself. D (p, m) is the decoupling matrix, a (p,) the
+drift. The degree is defined where D has rank p: D_i must not vanish, nor depend on the other rows. `rounding.vanish`
+decides which expressions vanish on the whole domain; `singularity.worst` finds single points where D loses rank.
 
 Source: Isidori, Nonlinear Control Systems, 5.1.
 """
@@ -31,7 +31,7 @@ RANK = 1e-9  # of the largest singular value: below it, rows of scaled size coun
 
 @dataclass(frozen=True)
 class Rows:
-    """Which rows of D are independent at almost every point, by output, and on which of them each other row depends."""
+    """The outputs whose rows of D are independent almost everywhere, and the rows on which each other row depends."""
 
     independent: tuple[str, ...]
     dependent: Mapping[str, tuple[str, ...]]
@@ -41,7 +41,7 @@ class Rows:
 class RelativeDegree:
     """Degrees (p,) of `model`'s outputs, with decoupling matrix D (p, m) and drift a (p,) in the symbols `model.x`.
 
-    `chains` holds y_i and its derivatives below the degree, `rows` tells which rows of D are independent.
+    `chains` holds y_i and its derivatives below the degree; `rows` lists the independent rows of D.
     """
 
     model: Affine
@@ -52,18 +52,18 @@ class RelativeDegree:
     rows: Rows
 
     @cached_property
-    def lost(self) -> Mapping[str, singularity.Worst]:
-        """Where in the domain each row of D comes nearest to vanishing, by output.
+    def worst_rows(self) -> Mapping[str, singularity.Worst]:
+        """The point of the domain where each row of D is closest to vanishing, by output.
 
-        Raises ModelError where D is not finite.
+        Raises ModelError if D is not finite.
         """
         return {name: singularity.worst(self._scaled([i])) for i, name in enumerate(self.outputs)}
 
     @cached_property
     def worst(self) -> singularity.Worst | None:
-        """Where in the domain D comes nearest to losing rank p, None where it has it nowhere.
+        """The point of the domain where D is closest to losing rank p; None if the rank is below p everywhere.
 
-        Raises ModelError where D is not finite.
+        Raises ModelError if D is not finite.
         """
         return None if self.rows.dependent else singularity.worst(self.scaled)
 
@@ -74,7 +74,7 @@ class RelativeDegree:
 
     @property
     def scaled(self) -> singularity.Scaled:
-        """The decoupling matrix in half ranges of the inputs and rows over their largest norms."""
+        """The decoupling matrix, with columns in half ranges of the inputs and rows divided by their largest norms."""
         return self._scaled(range(len(self.degrees)))
 
     def _scaled(self, rows: Sequence[int]) -> singularity.Scaled:
@@ -83,26 +83,26 @@ class RelativeDegree:
 
     @cached_property
     def authority(self) -> Mapping[str, float]:
-        """How far the inputs' half ranges reach through D_i over how far the drift a_i does, by output; inf without it.
+        """Control authority by output: max |D_i| u over max |a_i|, u the inputs' half ranges; inf without drift.
 
-        Each is the largest at scattered points of the domain.
+        Each maximum is over scattered points of the domain.
 
-        Raises ModelError where D or a is not finite.
+        Raises ModelError if D or a is not finite.
         """
         points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-        both = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
-        reach = np.einsum("pmk,m->pk", both[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
-        drift = both[:, -1].max(axis=1)
-        found = [float(r / a) if a else np.inf for r, a in zip(reach, drift, strict=True)]
-        return dict(zip(self.outputs, found, strict=True))
+        terms = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
+        effect = np.einsum("pmk,m->pk", terms[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
+        drift = terms[:, -1].max(axis=1)
+        ratios = [float(r / a) if a else np.inf for r, a in zip(effect, drift, strict=True)]
+        return dict(zip(self.outputs, ratios, strict=True))
 
     def require_defined(self) -> None:
-        """Raise ModelError, saying where and why, unless D has rank p all over the domain."""
+        """Raise ModelError, with point and cause, unless D has rank p on the whole domain."""
         if self.worst is None:
             raise ModelError(f"the relative degree of plant '{self.model.name}' is not defined: {self._dependence()}")
         if self.worst.singular and len(self.degrees) == 1:
             raise ModelError(
-                f"the relative degree of '{self.outputs[0]}' is not defined at {self.worst.where}: no input shows in "
+                f"the relative degree of '{self.outputs[0]}' is not defined at {self.worst.where}: no input enters "
                 f"its derivative {self.degrees[0]} there; shrink the ranges of the signals, or choose another output"
             )
         if self.worst.singular:
@@ -117,9 +117,9 @@ class RelativeDegree:
         if p > m:
             inputs = ", ".join(names(self.model.inputs))
             return f"{p} outputs ({', '.join(self.outputs)}) meet {m} inputs ({inputs}): choose as many outputs"
-        told = [f"that of '{name}' on {_quoted(others)}" for name, others in self.rows.dependent.items()]
+        dependences = [f"that of '{name}' on {_quote(others)}" for name, others in self.rows.dependent.items()]
         return (
-            f"rows of the decoupling matrix depend on others everywhere, {'; '.join(told)}. "
+            f"rows of the decoupling matrix depend on others everywhere, {'; '.join(dependences)}. "
             "Extend the plant by integrators (dynamic_extension.extend), or choose other outputs"
         )
 
@@ -129,7 +129,7 @@ class RelativeDegree:
         return f"nonsingular in the domain, condition up to {worst.condition:.4g} at {worst.where}"
 
     def sheet(self) -> show.Sheet:
-        """Return the degrees, where each row comes nearest to vanishing, and the matrix's worst condition."""
+        """Return the degrees, the point where each row is closest to vanishing, and the matrix's worst condition."""
         n, total = len(self.model.states), sum(self.degrees)
         if self.worst is None:
             lines = [f"not defined: {self._dependence()}"]
@@ -138,10 +138,10 @@ class RelativeDegree:
             lines = [f"sum {total} of {n} states: {rest}", f"decoupling matrix: {self._regularity(self.worst)}"]
         rows = []
         for signal, r, row in zip(self.model.outputs, self.degrees, range(len(self.degrees)), strict=True):
-            at = self.lost[signal.name]
+            worst = self.worst_rows[signal.name]
             entering = [s.name for j, s in enumerate(self.model.inputs) if self.decoupling.sparsity().has_nz(row, j)]
-            over = f"{self.authority[signal.name]:.3g}"
-            rows.append((signal.name, str(r), ", ".join(entering), over, f"{at.condition:.4g}", at.where))
+            authority = f"{self.authority[signal.name]:.3g}"
+            rows.append((signal.name, str(r), ", ".join(entering), authority, f"{worst.condition:.4g}", worst.where))
         columns = ("output", "degree", "through", "inputs over drift", "largest over least row", "least at")
         table = show.Table(columns, tuple(rows))
         return show.Sheet(f"Relative degree of '{self.model.name}'", tuple(lines), (table,))
@@ -151,9 +151,9 @@ class RelativeDegree:
 def of_plant(
     plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str, float] | None = None
 ) -> RelativeDegree:
-    """Return the vector relative degree of the named `outputs`, all when left out, by the inputs that are not `held`.
+    """Return the vector relative degree of `outputs`, by default all, for the inputs that are not `held`.
 
-    Raises SignalError and ModelError as `lie.affine`; ModelError when no input reaches an output.
+    Raises SignalError and ModelError as `lie.affine`; ModelError if no input affects an output.
     """
     return of_affine(lie.affine(plant, outputs, held))
 
@@ -162,12 +162,12 @@ def of_plant(
 def of_affine(model: Affine) -> RelativeDegree:
     """Return the vector relative degree of a plant in affine form.
 
-    Raises ModelError when no input reaches an output, or a derivative is not finite in the domain.
+    Raises ModelError if no input affects an output, or a derivative is not finite in the domain.
     """
-    found = [_chain(model, i) for i in range(len(model.outputs))]
-    D, drift = (model.box.with_values(ca.vcat([parts[k] for parts in found])) for k in (1, 2))
-    degrees = tuple(chain.numel() for chain, _, _ in found)
-    chains = tuple(model.box.with_values(chain) for chain, _, _ in found)
+    derivatives = [_chain(model, i) for i in range(len(model.outputs))]
+    D, drift = (model.box.with_values(ca.vcat([parts[k] for parts in derivatives])) for k in (1, 2))
+    degrees = tuple(chain.numel() for chain, _, _ in derivatives)
+    chains = tuple(model.box.with_values(chain) for chain, _, _ in derivatives)
     return RelativeDegree(model, degrees, chains, D, drift, _rows(D, model))
 
 
@@ -188,22 +188,22 @@ def _chain(model: Affine, i: int) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 def _rows(D: ca.SX, model: Affine) -> Rows:
     outputs = names(model.outputs)
-    values, noise = _sampled(D, model)
+    values, noise = _sample_decoupling(D, model)
     kept: list[int] = []
     dependent: dict[str, tuple[str, ...]] = {}
     for i, name in enumerate(outputs):
-        if _full(values[:, [*kept, i]], noise[:, [*kept, i]]).any():
+        if _has_full_rank(values[:, [*kept, i]], noise[:, [*kept, i]]).any():
             kept.append(i)
         else:
             dependent[name] = tuple(outputs[k] for k in _support(values, kept, i))
     return Rows(tuple(outputs[k] for k in kept), dependent)
 
 
-def _sampled(D: ca.SX, model: Affine) -> tuple[Array, Array]:
-    """Return D (k, p, m) at scattered points, rows and columns scaled there, and the rounding errors' bounds."""
+def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
+    """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-    both = ca.horzcat(ca.densify(D), rounding.bound(D))
-    evaluated = model.box.evaluated(both, points).transpose(2, 0, 1)
+    terms = ca.horzcat(ca.densify(D), rounding.error_bound(D))
+    evaluated = model.box.evaluated(terms, points).transpose(2, 0, 1)
     m = len(model.inputs)
     evaluated = evaluated * np.tile(box.half_widths(model.inputs), 2)
     size = np.linalg.norm(evaluated[:, :, :m], axis=2, keepdims=True)
@@ -211,7 +211,7 @@ def _sampled(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     return evaluated[:, :, :m], rounding.LIMIT * evaluated[:, :, m:]
 
 
-def _full(values: Array, noise: Array) -> Array:
+def _has_full_rank(values: Array, noise: Array) -> Array:
     """Tell for each matrix (k, i, m) whether its rows are independent beyond the rounding error of its entries."""
     if values.shape[1] > values.shape[2]:
         return np.zeros(len(values), dtype=bool)
@@ -220,12 +220,12 @@ def _full(values: Array, noise: Array) -> Array:
 
 
 def _support(values: Array, kept: Sequence[int], i: int) -> list[int]:
-    """Return the rows among `kept` of which row i is made, judged where those are best conditioned."""
+    """Return the rows among `kept` whose combination is row i, from points where they are best conditioned."""
     least = np.linalg.svd(values[:, kept], compute_uv=False)[:, -1]
     best = np.argsort(-least, kind="stable")[: len(least) // 4]
     parts = [np.abs(np.linalg.lstsq(values[k][kept].T, values[k, i], rcond=None)[0]) for k in best]
     return [row for row, part in zip(kept, np.max(parts, axis=0), strict=True) if part > np.sqrt(RANK)]
 
 
-def _quoted(found: Sequence[str]) -> str:
-    return ", ".join(f"'{name}'" for name in found)
+def _quote(outputs: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in outputs)

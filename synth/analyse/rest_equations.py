@@ -1,8 +1,9 @@
-"""The equations of a resting loop, in the plant's states x, all its inputs u and the controller's state c.
+"""Equilibrium equations of a sampled closed loop, in the plant's states x and inputs u and the controller's state c.
 
     T f(x, u, p) = 0,   F(c, S h(x, u, p)) - c = 0,   U G(c, S h(x, u, p)) - u = 0
 
-each relative to half the width of its signal's range; Newton's method with the shortest step, and where to start it.
+each relative to half the width of its signal's range. Newton's method with the minimum-norm step solves them, from
+starting points that this module also gives.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,9 +22,9 @@ from synth.signals import Signal, names
 from synth.statespace import Array
 
 ITERATIONS = 60
-LATER = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop from which Newton's method starts
-COUNTING = 100_000  # samples that counters and flags may take to stand still
-RANK = 1e-12  # singular values of the scaled equations below this part of the largest count as zero
+START_SAMPLES = (0, 1, 10, 100, 1000, 10_000)  # samples of the simulated loop at which Newton's method starts
+MOST_COUNTS = 100_000  # samples within which counters and flags must become constant
+RANK = 1e-12  # of the largest singular value of the scaled equations: a smaller one counts as zero
 SUBSTEPS = 4  # of the Runge-Kutta method in a period
 
 Wires = Mapping[str, str | Mapping[str, float]]
@@ -35,10 +36,11 @@ class ClosedLoop:
     """A plant under a controller.
 
     `sensors[controller input] = plant output`; `actuators[plant input] = controller output`, or a sum of them,
-    {controller output: weight}. Commands act `delay` samples late. Other inputs of the controller are references, other
-    inputs of the plant disturbances. `coordinates` {name: {sensor: weight}} are sums of sensors at which it may open.
+    {controller output: weight}. Commands act with a delay of `delay` samples. Other inputs of the controller are
+    references, other inputs of the plant disturbances. `coordinates` {name: {sensor: weight}} are sums of sensors at
+    which the loop can open.
 
-    Raises SignalError for a wire whose ends are not known.
+    Raises SignalError for a wire with an unknown end.
     """
 
     plant: Plant
@@ -73,7 +75,7 @@ class ClosedLoop:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Plant's states x, all inputs u, all controller's states, and the scaled residual of each equation."""
+    """The plant's states x and inputs u, the controller's states, and the scaled residual of each equation."""
 
     x: Array
     u: Array
@@ -87,15 +89,15 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The equations of rest, as functions of x, u and the controller's state; `scale` is that of the unknowns.
+    """The equilibrium equations, as functions of x, u and the controller's state; `scale` is that of the unknowns.
 
-    `residual` returns for each unknown its change in a period, relative to its scale, `slope` the Jacobian of that by
-    the scaled unknowns; `step` the controller's next state and the inputs that it commands; `flow` the plant's next
-    state.
+    `residual` returns the change of each unknown in a period, relative to its scale, and `slope` its Jacobian with
+    respect to the scaled unknowns. `step` returns the controller's next state and the inputs that it commands, `flow`
+    the plant's next state.
     """
 
     unknowns: tuple[Signal, ...]
-    acted: Array
+    actuated: Array
     real: Array
     scale: Array
     residual: ca.Function
@@ -106,10 +108,10 @@ class Equations:
     def trial(self, x: Array, u: Array, state: Array) -> Trial:
         return Trial(x, u, state, np.asarray(self.residual(x, u, state)).ravel())
 
-    def moved(self, at: Trial, by: Array) -> Trial:
-        n, m = len(at.x), len(self.acted)
+    def displaced(self, at: Trial, by: Array) -> Trial:
+        n, m = len(at.x), len(self.actuated)
         x, u, state = at.x + by[:n], at.u.copy(), at.state.copy()
-        u[self.acted] += by[n : n + m]
+        u[self.actuated] += by[n : n + m]
         state[self.real] += by[n + m :]
         return self.trial(x, u, state)
 
@@ -119,29 +121,31 @@ def of_loop(closed: ClosedLoop, references: Mapping[str, float], near: Operating
     x, u, c = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("c", len(block.states))
     outputs = dict(zip(names(plant.outputs), ca.vertsplit(plant.h(x, u, near.p)), strict=True))
     measured = [outputs[closed.sensors[n]] if n in closed.sensors else references[n] for n in names(block.inputs)]
-    after, y = block.function()(c, ca.vcat(measured))
-    sent = dict(zip(names(block.outputs), ca.vertsplit(y), strict=True))
-    acted = [i for i, n in enumerate(names(plant.inputs)) if n in closed.actuators]
-    rows = [closed.mixing[plant.inputs[i].name] for i in acted]
+    next_state, y = block.function()(c, ca.vcat(measured))
+    commands = dict(zip(names(block.outputs), ca.vertsplit(y), strict=True))
+    actuated = [i for i, n in enumerate(names(plant.inputs)) if n in closed.actuators]
+    rows = [closed.mixing[plant.inputs[i].name] for i in actuated]
     commanded = ca.SX(u)
-    for i, row in zip(acted, rows, strict=True):
-        commanded[i] = sum((weight * sent[name] for name, weight in row.items()), start=ca.SX(0))
+    for i, row in zip(actuated, rows, strict=True):
+        commanded[i] = sum((weight * commands[name] for name, weight in row.items()), start=ca.SX(0))
     real = [i for i, s in enumerate(block.states) if not s.integer]
-    unknowns = (*plant.states, *(plant.inputs[i] for i in acted), *(block.states[i].signal for i in real))
+    unknowns = (*plant.states, *(plant.inputs[i] for i in actuated), *(block.states[i].signal for i in real))
     widths = np.array([s.high / 2 - s.low / 2 for s in unknowns])
     scale = np.where(np.isfinite(widths) & (widths > 0), widths, 1.0)
-    changes = ca.vertcat(T * plant.f(x, u, near.p), commanded[acted] - u[acted], after[real] - c[real]) / scale
-    free = ca.vertcat(x, u[acted], c[real])
+    changes = (
+        ca.vertcat(T * plant.f(x, u, near.p), commanded[actuated] - u[actuated], next_state[real] - c[real]) / scale
+    )
+    free = ca.vertcat(x, u[actuated], c[real])
     slope = ca.jacobian(changes, free) @ ca.diag(ca.DM(scale))
     places = [x, u, c]
     return Equations(
         unknowns,
-        np.array(acted, dtype=int),
+        np.array(actuated, dtype=int),
         np.array(real, dtype=int),
         scale,
         ca.Function("residual", places, [ca.densify(changes)]),
         ca.Function("slope", places, [ca.densify(slope)]),
-        ca.Function("step", places, [ca.densify(after), ca.densify(commanded)]),
+        ca.Function("step", places, [ca.densify(next_state), ca.densify(commanded)]),
         ca.Function("flow", [x, u], [_runge_kutta(plant, x, u, near.p, T)]),
     )
 
@@ -156,10 +160,10 @@ def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
     return x
 
 
-def starts(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> Iterator[Trial]:
-    """Yield where the simulated loop is after some samples, commands one sample late, as long as it is finite."""
+def starting_points(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> Iterator[Trial]:
+    """Yield the simulated loop after some samples, with a command delay of one sample, as long as it is finite."""
     x, u, state = near.x.copy(), near.u.copy(), closed.controller.initial
-    for before, until in pairwise((0, *LATER)):
+    for before, until in pairwise((0, *START_SAMPLES)):
         for _ in range(before, until):
             state, commanded = (np.asarray(v).ravel() for v in equations.step(x, u, state))
             x, u = np.asarray(equations.flow(x, u)).ravel(), commanded
@@ -169,13 +173,13 @@ def starts(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> It
 
 
 def rest_from(equations: Equations, trial: Trial) -> Trial:
-    """Solve for the real unknowns with counters and flags held, and step these until all stand still."""
+    """Solve for the real unknowns with counters and flags held, step these, and repeat until all are constant."""
     for _ in range(len(trial.state) + 1):
         trial = _newton(equations, trial)
-        counted = _counted(equations, trial)
-        if counted is None or np.array_equal(counted.state, trial.state):
-            return trial if counted is not None else replace(trial, residual=np.array([np.inf]))
-        trial = counted
+        stepped = _step_counters(equations, trial)
+        if stepped is None or np.array_equal(stepped.state, trial.state):
+            return trial if stepped is not None else replace(trial, residual=np.array([np.inf]))
+        trial = stepped
     return trial
 
 
@@ -186,7 +190,7 @@ def _newton(equations: Equations, trial: Trial) -> Trial:
             return trial
         move = -equations.scale * np.linalg.lstsq(slope, trial.residual, rcond=RANK)[0]
         better = next(
-            (t for t in (equations.moved(trial, move / 2**i) for i in range(12)) if t.size < trial.size), None
+            (t for t in (equations.displaced(trial, move / 2**i) for i in range(12)) if t.size < trial.size), None
         )
         if better is None:
             return trial
@@ -194,15 +198,15 @@ def _newton(equations: Equations, trial: Trial) -> Trial:
     return trial
 
 
-def _counted(equations: Equations, trial: Trial) -> Trial | None:
-    """Return the trial with counters and flags where they stand still with the rest held; None where they do not."""
+def _step_counters(equations: Equations, trial: Trial) -> Trial | None:
+    """Return the trial with counters and flags in their steady state, all else held; None if they have none."""
     state = trial.state.copy()
     whole = np.setdiff1d(np.arange(len(state)), equations.real)
     seen: set[bytes] = set()
-    while state[whole].tobytes() not in seen and len(seen) < COUNTING:
+    while state[whole].tobytes() not in seen and len(seen) < MOST_COUNTS:
         seen.add(state[whole].tobytes())
-        after = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
-        if np.array_equal(after[whole], state[whole]):
+        next_state = np.asarray(equations.step(trial.x, trial.u, state)[0]).ravel()
+        if np.array_equal(next_state[whole], state[whole]):
             return equations.trial(trial.x, trial.u, state)
-        state[whole] = after[whole]
+        state[whole] = next_state[whole]
     return None

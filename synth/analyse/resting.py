@@ -1,13 +1,14 @@
-"""The resting state of a sampled loop, and the loop linearised and opened there.
+"""Equilibrium of a sampled closed loop, and the loop linearised and opened there.
 
     0   = f(x, u, p)                                  the plant in equilibrium
     x_c = F(x_c, m),   m = S h(x, u, p), references   a fixed point of the controller's step
-    u   = U G(x_c, m)                                 which commands just these inputs
+    u   = U G(x_c, m)                                 whose command is this input
 
-Unknown are the plant's states x, its actuated inputs u and the controller's real states x_c, together: an integrator
-alone may rest at any value, and the input that the plant needs says at which. Newton's method with the shortest step
-solves it, each unknown relative to half the width of its range, from the plant's trim with the controller as after
-`init`, and from where the simulated loop is some samples later; counters and flags are stepped until they stand still.
+The unknowns are the plant's states x, its actuated inputs u and the controller's real states x_c. They must be solved
+together: an integrator alone may rest at any value, and the input that the plant needs determines this value. Newton's
+method with the minimum-norm step solves the equations, each unknown relative to half the width of its range. It starts
+at the plant's trim with the initial state of the controller, then at later samples of the simulated loop. Counters and
+flags are stepped until they are constant.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,18 +26,18 @@ from synth.errors import ModelError, SignalError
 from synth.signals import names
 from synth.statespace import StateSpace
 
-__all__ = ["ClosedLoop", "Rest", "open_loop", "solve"]
+__all__ = ["ClosedLoop", "Equilibrium", "open_loop", "solve"]
 
-TOLERANCE = 1e-9  # of half the width of a signal's range, in a period for what changes
+TOLERANCE = 1e-9  # of half the width of a signal's range; for a change, in one period
 
 
 @arguments.checked
 @dataclass(frozen=True, eq=False)
-class Rest:
-    """Where a loop rests: the plant's operating point, the controller's states and its inputs, by name, in their units.
+class Equilibrium:
+    """Equilibrium of a loop: the plant's operating point, the controller's states and inputs, by name, in their units.
 
-    `residual` is the largest change in a period, of an unknown or of what it should equal, relative to half the width
-    of its signal's range.
+    `residual` is the largest error of an equation, or change in a period, relative to half the width of its signal's
+    range.
     """
 
     closed: ClosedLoop
@@ -47,47 +48,49 @@ class Rest:
 
     @cached_property
     def controller(self) -> StateSpace:
-        """The controller's Jacobians where it rests."""
-        return loop.linearised(self.closed.controller, self.state, self.inputs)
+        """The controller's Jacobians at the equilibrium."""
+        return loop.linearise_block(self.closed.controller, self.state, self.inputs)
 
     @cached_property
     def plant(self) -> StateSpace:
-        """The plant's Jacobians where it rests."""
+        """The plant's Jacobians at the equilibrium."""
         return linearise.linearise(self.closed.plant, self.point)
 
 
 @arguments.checked
-def open_loop(rest: Rest, signal: str | Sequence[str]) -> StateSpace:
-    """Return L from `signal`, actuator, sensor or coordinate, to minus ``<signal>_out``, sampled, where the loop rests.
+def open_loop(rest: Equilibrium, signal: str | Sequence[str]) -> StateSpace:
+    """Return the sampled L from `signal`, an actuator, sensor or coordinate, to minus ``<signal>_out`` at equilibrium.
 
-    An actuator is named as the plant's input, a sensor as the controller's; with several names L is opened at all of
-    them. An actuator opens before its delay and behind whatever in the controller observes the command. Arguments and
-    errors are those of `loop.opened`.
+    An actuator has the name of the plant's input, a sensor that of the controller's input; with several names L opens
+    at all of them. At an actuator the loop opens before the delay and after the point where the controller observes the
+    command. Arguments and errors are those of `loop.open_loop`.
     """
-    of = rest.closed
-    return loop.opened(rest.plant, rest.controller, signal, of.sensors, of.actuators, of.delay, of.coordinates)
+    closed = rest.closed
+    return loop.open_loop(
+        rest.plant, rest.controller, signal, closed.sensors, closed.actuators, closed.delay, closed.coordinates
+    )
 
 
 @arguments.checked
-def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> Rest:
-    """Return where the loop rests at constant `references`, for the plant `near` a trim of its own.
+def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> Equilibrium:
+    """Return the equilibrium of the loop at constant `references`; `near` is a trim of the plant close to it.
 
-    Disturbances stay as in `near`. Without integral action the loop rests a little off it.
+    Disturbances are those of `near`. Without integral action the equilibrium differs slightly from the trim.
 
-    Raises SignalError for a reference that is missing or not known, or an operating point of another plant; ModelError
-    when no rest is reached, saying what does not stand still, or when the controller raises a fault there.
+    Raises SignalError for a missing or unknown reference, or an operating point of another plant; ModelError if no
+    equilibrium is found, with the signal that still changes, or if the controller raises a fault there.
     """
     _check(closed, references, near)
     equations = rest_equations.of_loop(closed, references, near)
     least: rest_equations.Trial | None = None
-    for start in rest_equations.starts(equations, closed, near):
+    for start in rest_equations.starting_points(equations, closed, near):
         trial = rest_equations.rest_from(equations, start)
         if trial.size <= TOLERANCE:
-            rest = _rest(closed, references, near, trial)
-            _require_sound(rest)
+            rest = _equilibrium(closed, references, near, trial)
+            _require_no_fault(rest)
             return rest
         least = trial if least is None or trial.size < least.size else least
-    raise _refusal(closed, equations, least)
+    raise _no_rest(closed, equations, least)
 
 
 def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> None:
@@ -101,9 +104,9 @@ def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingP
     linearise.require_point(closed.plant, near)
 
 
-def _rest(
+def _equilibrium(
     closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint, trial: rest_equations.Trial
-) -> Rest:
+) -> Equilibrium:
     plant, block = closed.plant, closed.controller
     y = dict(zip(names(plant.outputs), np.asarray(plant.h(trial.x, trial.u, near.p)).ravel(), strict=True))
     inputs = {n: float(y[closed.sensors[n]]) if n in closed.sensors else references[n] for n in names(block.inputs)}
@@ -113,11 +116,11 @@ def _rest(
     values = np.concatenate([trial.x, trial.u])
     outside = tuple(s.name for s, v in zip(signals, values, strict=True) if not s.low <= v <= s.high)
     point = OperatingPoint(trial.x, trial.u, near.p, derivative, near.states, near.inputs, outside)
-    return Rest(closed, point, state, inputs, trial.size)
+    return Equilibrium(closed, point, state, inputs, trial.size)
 
 
-def _require_sound(rest: Rest) -> None:
-    """Raise ModelError where the controller raises a fault at rest."""
+def _require_no_fault(rest: Equilibrium) -> None:
+    """Raise ModelError if the controller raises a fault at equilibrium."""
     block = rest.closed.controller
     flags = [f.output for f in block.faults]
     symbols = {
@@ -133,10 +136,10 @@ def _require_sound(rest: Rest) -> None:
         )
 
 
-def _refusal(closed: ClosedLoop, equations: rest_equations.Equations, trial: rest_equations.Trial | None) -> ModelError:
+def _no_rest(closed: ClosedLoop, equations: rest_equations.Equations, trial: rest_equations.Trial | None) -> ModelError:
     what = f"the loop of plant '{closed.plant.name}' under '{closed.controller.name}'"
     if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.unknowns):
-        return ModelError(f"{what} has no rest: it is not finite, or counts without end; start it nearer to its trim")
+        return ModelError(f"{what} has no rest: it is not finite, or counts without end; start it closer to its trim")
     worst = int(np.abs(trial.residual).argmax())
     signal = equations.unknowns[worst]
     change = trial.residual[worst] * equations.scale[worst]

@@ -1,11 +1,11 @@
-"""Margins of a stage's loops: opened at each actuator and sensor, over operating points and tolerances of parameters.
+"""Stability margins at each actuator and sensor, over operating points and parameter tolerances.
 
-           *--->[ delay, hold, plant, sampler ]---*         For each operating point and each set of parameters the loop
-           ^                                      v         is solved for where it rests, linearised and opened there
-           +----[ controller as it ships ]<-------+         at one * at a time, all others closed: L, with 1 + L closed.
+           *--->[ delay, hold, plant, sampler ]---*         For each operating point and each set of parameters: find
+           ^                                      v         the equilibrium of the loop, linearise it, and open it at
+           +----[ controller as generated ]<------+         one * at a time, the others closed: L, with 1 + L closed.
 
-The controller has its constants in the scalar type in which it ships and its own idea of the plant; parameters change
-in the plant alone. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
+The constants of the controller are rounded to its scalar type. Only the parameters of the plant vary; the controller
+keeps its nominal model. MATLAB: `getLoopTransfer` over `ureal` vertices, `allmargin`.
 """
 
 import itertools
@@ -18,7 +18,7 @@ from synth import arguments
 from synth.analyse import disk, margins, resting, trim
 from synth.analyse.margins import Margins
 from synth.analyse.rest_equations import ClosedLoop, Wires
-from synth.analyse.resting import Rest
+from synth.analyse.resting import Equilibrium
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, SignalError
@@ -27,17 +27,17 @@ from synth.signals import names
 from synth.statespace import StateSpace
 
 NOMINAL: Mapping[str, float] = {}
-MOST_CORNERS = 1024  # each is solved for where it rests at each operating point
+MOST_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
 
-Case = Mapping[str, float]  # values of parameters that are not the declared ones
+Case = Mapping[str, float]  # parameter values that differ from the nominal ones
 
 
 @dataclass(frozen=True)
 class _Requirement:
-    """A margin, its unit, what it is in a loop that is not stable, and how it is read."""
+    """A margin: its unit, its value for an unstable loop, and the function that reads it."""
 
     unit: str
-    lost: float
+    if_unstable: float
     of: Callable[[Margins], float]
 
 
@@ -54,7 +54,7 @@ REQUIREMENTS: Mapping[str, _Requirement] = {
 
 @dataclass(frozen=True, eq=False)
 class OpenLoop:
-    """The loop at an operating point with some parameters changed, opened at `signal`, and its margins."""
+    """The loop opened at `signal`, at an operating point and with some parameters changed, and its margins."""
 
     point: str
     case: Case
@@ -64,22 +64,22 @@ class OpenLoop:
 
     @property
     def label(self) -> str:
-        """Where the loop is opened and at what operating point, with the parameters that differ."""
+        """The signal, the operating point and the changed parameters, as text."""
         changed = "".join(f", {name} = {value:.5g}" for name, value in self.case.items())
         return f"at {self.signal}, {self.point}{changed}"
 
     def margin(self, name: str) -> float:
-        """Return one of REQUIREMENTS; what is left of it in a loop that is not stable: nothing."""
+        """Return one of REQUIREMENTS; an unstable loop has no margin left."""
         kind = REQUIREMENTS[name]
-        return float(kind.of(self.margins)) if self.margins.stable else kind.lost
+        return float(kind.of(self.margins)) if self.margins.stable else kind.if_unstable
 
 
 @dataclass(frozen=True, eq=False)
 class Loops:
-    """Where the loops of a stage are taken: the closed loop and its interface, operating points and parameters' values.
+    """The closed loop of a stage, its interface, its operating points and sets of parameter values.
 
-    `points` hold plant states by name of the point, others are 0. `cases` are sets of parameters' values, NOMINAL among
-    them where nothing is changed.
+    `points` holds plant states by name of the point; the other states are 0. `cases` are sets of parameter values; the
+    set NOMINAL changes none.
     """
 
     closed: ClosedLoop
@@ -99,7 +99,7 @@ class Loops:
 
     @property
     def signals(self) -> tuple[str, ...]:
-        """All actuators and sensors; where there are coordinates, these and the sensors that are in none of them."""
+        """All actuators and sensors; with coordinates, these and the sensors outside them."""
         coordinates = self.closed.coordinates
         taken = {sensor for weights in coordinates.values() for sensor in weights}
         alone = [sensor for sensor in self.sensors if sensor not in taken]
@@ -118,20 +118,20 @@ def of_controller(
 ) -> Loops:
     """Return the loops of a composed controller, its constants rounded to `scalar`, around a plant.
 
-    `actuators` are the wires from the controller's outputs to the plant's inputs, those of the interface if left out;
-    `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open in place of these.
+    `actuators` are the wires from the controller's outputs to the plant's inputs, by default those of the interface;
+    `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open instead.
 
     Raises SignalError for no operating point, or as `rest_equations.ClosedLoop`.
     """
     if not points or not cases:
         raise SignalError(
-            "there are no operating points or no cases: give one of each at least, the middle of the range"
+            "there are no operating points or no cases: give at least one of each, for example the middle of the range"
         )
-    around = controller.interface
-    wires = {a.of: a.name for a in around.actuators} if actuators is None else actuators
-    sensors = {s.name: s.of for s in around.sensors}
-    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, around.delay, coordinates or {})
-    return Loops(closed, around, dict(points), tuple(cases))
+    interface = controller.interface
+    wires = {a.of: a.name for a in interface.actuators} if actuators is None else actuators
+    sensors = {s.name: s.of for s in interface.sensors}
+    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
+    return Loops(closed, interface, dict(points), tuple(cases))
 
 
 @arguments.checked
@@ -143,14 +143,14 @@ def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
     ends = [_ends(plant, name) for name in parameters]
     if 2 ** len(ends) > MOST_CORNERS:
         raise SignalError(
-            f"{len(ends)} parameters have 2^{len(ends)} corners, {MOST_CORNERS} at most are taken: name fewer"
+            f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MOST_CORNERS} are allowed: name fewer"
         )
     return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
 
 
 @arguments.checked
 def one_at_a_time(plant: Plant) -> list[Case]:
-    """Return each parameter with a tolerance at both of its ends, the others at their values."""
+    """Return each parameter with a tolerance at both of its ends, the others at their nominal values."""
     toleranced = [p.name for p in plant.parameters if p.tolerance and p.value]
     return [{name: value} for name in toleranced for value in _ends(plant, name)]
 
@@ -159,42 +159,46 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
     p = plant.parameter(name)
     if not p.tolerance * abs(p.value):
         raise SignalError(
-            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: give it one that spans"
+            f"parameter '{name}' is {p.value} {p.unit} with the tolerance {p.tolerance}: neither may be 0; set them"
         )
     return p.value * (1 - p.tolerance), p.value * (1 + p.tolerance)
 
 
 @arguments.checked
-def rest(loops: Loops, point: str, case: Case = NOMINAL) -> Rest:
-    """Return where the loop rests at an operating point, with some parameters of the plant changed.
+def equilibrium(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
+    """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
 
     Raises SignalError for an unknown point; ModelError as `trim.trim` and `resting.solve`.
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
-    of = loops.closed
-    plant = of.plant.with_parameters(**case) if case else of.plant
+    closed = loops.closed
+    plant = closed.plant.with_parameters(**case) if case else closed.plant
     near = trim.trim(plant, dict(loops.points[point]), list(loops.actuators))
-    shown = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
-    values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(zip(names(plant.outputs), shown, strict=True))
-    values |= {sensor: values[output] for sensor, output in of.sensors.items()}
+    outputs = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
+    values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(
+        zip(names(plant.outputs), outputs, strict=True)
+    )
+    values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    return resting.solve(replace(of, plant=plant), references, near)
+    return resting.solve(replace(closed, plant=plant), references, near)
 
 
 @arguments.checked
-def opened(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
-    """Return the loop at each operating point and case, opened at each of `signals`, at `Loops.signals` if None.
+def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenLoop]:
+    """Return the loop at each operating point and case, opened at each of `signals`, by default `Loops.signals`.
 
-    Raises SignalError for an unknown signal; ModelError naming the point where none is found.
+    Raises SignalError for an unknown signal; ModelError with the operating point if it has no equilibrium or margins.
     """
     chosen = loops.signals if signals is None else signals
-    rests = ((point, case, rest(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases))
-    return [_open(point, case, signal, where) for point, case, where in rests for signal in chosen]
+    equilibria = (
+        (point, case, equilibrium(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases)
+    )
+    return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
 
 
-def _open(point: str, case: Case, signal: str, where: Rest) -> OpenLoop:
-    L = resting.open_loop(where, signal)
+def _open(point: str, case: Case, signal: str, at_rest: Equilibrium) -> OpenLoop:
+    L = resting.open_loop(at_rest, signal)
     return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
 
@@ -206,16 +210,16 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 
 
 @arguments.checked
-def disks(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
+def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
-    where = rest(loops, point, case)
+    at_rest = equilibrium(loops, point, case)
     cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
-    return {name: disk.of_loop(resting.open_loop(where, list(signals))) for name, signals in cuts.items()}
+    return {name: disk.of_loop(resting.open_loop(at_rest, list(signals))) for name, signals in cuts.items()}
 
 
 @arguments.checked
 def checks(loops: Sequence[OpenLoop], require: Mapping[str, float]) -> list[Check]:
-    """Return for each required margin by how much the worst of some loops falls short of it, and which loop that is.
+    """Return for each required margin the worst of the loops and by how much it falls short.
 
     `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
     factors above 1, delay_margin in s, modulus_margin.
@@ -223,9 +227,9 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float]) -> list[Chec
     Raises SignalError for another name or no loop.
     """
     if unknown := [name for name in require if name not in REQUIREMENTS]:
-        raise SignalError(f"'{unknown[0]}' is no margin that can be required: choose of {', '.join(REQUIREMENTS)}")
+        raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
     if not loops:
-        raise SignalError("there is no loop to check: open one at least")
+        raise SignalError("there is no loop to check: open at least one")
     return [_check(loops, name, least) for name, least in require.items()]
 
 

@@ -1,12 +1,13 @@
-"""Which expressions are zero: those that nowhere exceed the rounding error of their own evaluation.
+"""Running error analysis of expressions, and a test for expressions that are identically zero.
 
-An expression is computed by operations v = phi(a, b). When each result is off by one part in 1/eps of itself, the
-value is off, to first order, by at most eps e with
+An expression is computed by operations v = phi(a, b). If each result has a relative error of eps, the value has, to
+first order, an error of at most eps e with
 
     e(v) = |v| + |dphi/da| e(a) + |dphi/db| e(b),       e = 0 for symbols and constants,
 
-which counts every term at its full size where terms cancel (running error analysis: Higham, Accuracy and Stability of
-Numerical Algorithms, 3.3). So sin^2 + cos^2 - 1 is zero and 1e-30 x is not.
+which counts every term at its full size even if terms cancel (running error analysis: Higham, Accuracy and Stability of
+Numerical Algorithms, 3.3). An expression is zero if it exceeds this error at no point: sin^2 + cos^2 - 1 is zero, and
+1e-30 x is not.
 """
 
 from functools import cache
@@ -18,50 +19,50 @@ from numpy.typing import NDArray
 from synth.analyse import box
 from synth.analyse.box import Box
 
-LIMIT = 64 * float(np.finfo(float).eps)  # of e(v): above what a rounded constant and a library's function add to it
+LIMIT = 64 * float(np.finfo(float).eps)  # of e(v): covers the errors of rounded constants and library functions as well
 SEEDS = (1, 2, 3)
 POINTS = 16  # for each seed
 
 
-def bound(exprs: ca.SX) -> ca.SX:
+def error_bound(exprs: ca.SX) -> ca.SX:
     """Return e(v) for each entry of a dense `exprs`, as an expression of the same shape."""
     symbols = ca.vcat(ca.symvar(exprs))
     f = ca.Function("f", [symbols], [ca.densify(exprs)])
     value: dict[int, ca.SX] = {}
     error: dict[int, ca.SX] = {}
-    found = ca.SX.zeros(*exprs.shape)
+    errors = ca.SX.zeros(*exprs.shape)
     for k in range(f.n_instructions()):
         op, i, o = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
         if op == ca.OP_OUTPUT:
-            found[o[1]] = error[i[0]]
+            errors[o[1]] = error[i[0]]
         elif op in (ca.OP_INPUT, ca.OP_CONST):
             value[o[0]] = symbols[i[1]] if op == ca.OP_INPUT else ca.SX(f.instruction_constant(k))
             error[o[0]] = ca.SX(0)
         else:
             value[o[0]], error[o[0]] = _step(op, [value[a] for a in i], [error[a] for a in i])
-    return found
+    return errors
 
 
 def vanish(exprs: ca.SX, within: Box) -> NDArray[np.bool_]:
-    """Tell for each entry of `exprs` (k, l) whether it is zero all over the box, as (k, l).
+    """Tell for each entry of `exprs` (k, l) whether it is zero on the whole box, as (k, l).
 
-    A zero shows by its structure, or at every one of 48 scattered points. So an analytic expression is judged with
-    certainty but for chance; one with branches may be other than zero where no point fell.
+    An entry is zero by its structure, or if it is zero at each of 48 random points. For an analytic expression this
+    decides with probability 1; one with branches may be nonzero where no point lies.
 
-    Raises ModelError where an entry is not finite.
+    Raises ModelError if an entry is not finite.
     """
     zero = np.ones(exprs.shape, dtype=bool)
     rows, columns = (np.array(places, dtype=int) for places in exprs.sparsity().get_triplet())
     if len(rows):
         points = np.hstack([box.scatter(within.signals, POINTS, seed) for seed in SEEDS])
         nonzeros = ca.vec(exprs).nz[:]
-        value, error = within.evaluated(ca.horzcat(nonzeros, bound(nonzeros)), points).transpose(1, 0, 2)
+        value, error = within.evaluated(ca.horzcat(nonzeros, error_bound(nonzeros)), points).transpose(1, 0, 2)
         zero[rows, columns] = (np.abs(value) <= LIMIT * error).all(axis=1)
     return zero
 
 
 def without_zeros(exprs: ca.SX, within: Box) -> ca.SX:
-    """Return `exprs` with the entries that `vanish` finds zero taken out of its structure."""
+    """Return `exprs` with structural zeros for the entries that `vanish`."""
     zero = vanish(exprs, within)
     kept = ca.SX(*exprs.shape)
     for i, j in np.argwhere(~zero).tolist():

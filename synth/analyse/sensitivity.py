@@ -1,4 +1,4 @@
-"""A plant P in feedback with a controller K, and what each transfer of the loop measures.
+"""Sensitivity functions of a plant P with a controller K (MATLAB `loopsens`): L, S, T, PS, CS at output and input.
 
                                        d
                                        |
@@ -18,10 +18,10 @@
     T  = P K (I + P K)^-1  r ->  y                   Ti = K P (I + K P)^-1  d -> -u
     PS = P (I + K P)^-1    d ->  y                   CS = K (I + P K)^-1    r ->  u
 
-S + T = I and Si + Ti = I. A disturbance that is added to y reaches y by S; the noise n reaches y by -T and u by -CS.
-For one input and one output Si = S and Ti = T. All are models in the time that P and K share.
+S + T = I and Si + Ti = I. A disturbance added to y reaches y through S; the noise n reaches y through -T and u through
+-CS. For one input and one output Si = S and Ti = T. All are models in the common time of P and K.
 
-With a plant input ``f`` and output ``q`` the signals are called r ``q_reference``, n ``q_noise``, e ``q_error``,
+For a plant input ``f`` and output ``q`` the signals have the names r ``q_reference``, n ``q_noise``, e ``q_error``,
 d ``f_disturbance``, u ``f_command``, -u ``f_compensation``, v ``f`` and y ``q``; the states get the prefixes
 ``plant_`` and ``controller_``.
 """
@@ -37,18 +37,18 @@ from synth import arguments, show
 from synth.analyse import interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
-from synth.statespace import StateSpace, System, together
+from synth.statespace import StateSpace, System, in_common_time
 from synth.timing import Continuous, common, period
 
 ARROWS = {
     "L": ("e", "y", "the loop opened at the plant's output"),
-    "S": ("r", "e", "how far the output stays off its reference, or under a disturbance added to it"),
-    "T": ("r", "y", "how the output follows; noise reaches it with the other sign"),
-    "PS": ("d", "y", "the compliance: how a disturbance at the plant's input moves the output"),
-    "CS": ("r", "u", "the command that a reference, or with the other sign noise, asks for"),
+    "S": ("r", "e", "sensitivity: the error due to a reference, or the output due to an output disturbance"),
+    "T": ("r", "y", "complementary sensitivity: the output due to a reference, or with the other sign to noise"),
+    "PS": ("d", "y", "load sensitivity (compliance): the output due to a disturbance at the plant's input"),
+    "CS": ("r", "u", "control sensitivity: the command due to a reference, or with the other sign to noise"),
     "Li": ("v", "-u", "the loop opened at the plant's input"),
-    "Si": ("d", "v", "what of a disturbance is left at the plant's input"),
-    "Ti": ("d", "-u", "what of a disturbance the command cancels"),
+    "Si": ("d", "v", "input sensitivity: the remaining disturbance at the plant's input"),
+    "Ti": ("d", "-u", "input complementary sensitivity: the part of a disturbance that the command cancels"),
 }
 
 
@@ -102,8 +102,8 @@ class ClosedLoop:
     @property
     def Ti(self) -> StateSpace:
         """K P (I + K P)^-1, d -> -u."""
-        found = self._from("d", "u")
-        return self._compensating(replace(found, C=0.0 - found.C, D=0.0 - found.D))
+        model = self._from("d", "u")
+        return self._compensating(replace(model, C=0.0 - model.C, D=0.0 - model.D))
 
     @property
     def both(self) -> StateSpace:
@@ -121,20 +121,20 @@ class ClosedLoop:
 
     @property
     def poles(self) -> NDArray[np.complex128]:
-        """The poles of the closed loop, hidden ones too, in 1/s or in z."""
+        """The poles of the closed loop, including cancelled ones, in 1/s or in z."""
         return self.whole.poles
 
     @property
     def stable(self) -> bool:
         """Whether all poles decay, by more than rounding error."""
-        return transfer.decay(self.poles, self.whole.time)
+        return transfer.is_stable(self.poles, self.whole.time)
 
     def _from(self, start: str, end: str) -> StateSpace:
         return self.whole.select(self.signals[end], self.signals[start])
 
     def sheet(self) -> show.Sheet:
-        """Return the signals by letter, what each transfer measures, and the slowest pole."""
-        named = tuple((letter, ", ".join(self.whole.labels(found))) for letter, found in self.signals.items())
+        """Return the signals by letter, the meaning of each transfer function, and the poles."""
+        named = tuple((letter, ", ".join(self.whole.labels(entries))) for letter, entries in self.signals.items())
         arrows = tuple((f"{name}: {what}", f"{start} -> {end}") for name, (start, end, what) in ARROWS.items())
         state = "stable" if self.stable else "NOT STABLE"
         poles = ", ".join(show.number(p) for p in self.poles)
@@ -147,15 +147,15 @@ class ClosedLoop:
 
 @arguments.checked
 def close(plant: System, controller: System) -> ClosedLoop:
-    """Return the closed loop of a plant (p outputs, m inputs) and a controller (m, p), wired in their signals' order.
+    """Return the closed loop of a plant (p outputs, m inputs) and a controller (m, p), wired in the order of signals.
 
-    A python-control system without a time base (`dt` None or True, as static gains have) takes that of the other.
+    A python-control system without a time base (`dt` None or True, as for static gains) takes that of the other.
 
-    Raises TimingError when one is continuous and the other sampled; SignalError for a plant without inputs or outputs,
-    for counts or units that do not fit, or when the controller drives the plant's inputs by name in another order;
-    ModelError when I + P K has no inverse.
+    Raises TimingError if one is continuous and the other sampled; SignalError for a plant without inputs or outputs,
+    for numbers or units that do not fit, or if the controller drives the plant's inputs by name in another order;
+    ModelError if I + P K has no inverse.
     """
-    P, K = together(plant, controller)
+    P, K = in_common_time(plant, controller)
     _require_fit(P, K)
     y, v = P.outputs, P.inputs
     signals = {
@@ -167,8 +167,8 @@ def close(plant: System, controller: System) -> ClosedLoop:
         "y": tuple(y),
     }
     units = _units(P, K, signals)
-    P = _named(P, "plant_", signals["v"], signals["y"], units)
-    K = _named(K, "controller_", signals["e"], signals["u"], units)
+    P = _rename(P, "plant_", signals["v"], signals["y"], units)
+    K = _rename(K, "controller_", signals["e"], signals["u"], units)
     wires = {e: {r: 1.0, q: -1.0, n: -1.0} for e, r, q, n in _rows(signals, "eryn")}
     wires |= {f: {u: 1.0, d: 1.0} for f, u, d in _rows(signals, "vud")}
     outside, inside = (*signals["r"], *signals["d"], *signals["n"]), (*signals["u"], *signals["y"])
@@ -176,7 +176,7 @@ def close(plant: System, controller: System) -> ClosedLoop:
         inner = interconnect.connect([P, K], outside, inside, wires)
     except ModelError as error:
         raise ModelError(
-            "I + P K has no inverse: plant and controller pass their inputs straight on, with a product of -1; "
+            "I + P K has no inverse: plant and controller have direct feedthrough with a product of -1; "
             "put a delay or a lag into one of them"
         ) from error
     return ClosedLoop(P, K, _with_sums(inner, signals, units), signals)
@@ -191,7 +191,7 @@ def _require_fit(P: StateSpace, K: StateSpace) -> None:
     common(P.time, K.time)
     if not (P.inputs and P.outputs):
         raise SignalError(
-            f"the plant has {len(P.inputs)} inputs and {len(P.outputs)} outputs, and no loop is to be closed: "
+            f"the plant has {len(P.inputs)} inputs and {len(P.outputs)} outputs, so no loop can be closed: "
             "give it at least one of each"
         )
     if (len(K.inputs), len(K.outputs)) != (len(P.outputs), len(P.inputs)):
@@ -211,14 +211,16 @@ def _require_fit(P: StateSpace, K: StateSpace) -> None:
 
 
 def _units(P: StateSpace, K: StateSpace, signals: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """Return the units of all signals: what is added has the unit of what it is added to."""
+    """Return the units of all signals; the terms of a sum have the same unit."""
     outer = [P.unit(a) or K.unit(b) for a, b in zip(P.outputs, K.inputs, strict=True)]
     inner = [P.unit(a) or K.unit(b) for a, b in zip(P.inputs, K.outputs, strict=True)]
-    told = [(letter, outer if letter in "rney" else inner) for letter in signals]
-    return {name: unit for letter, found in told for name, unit in zip(signals[letter], found, strict=True) if unit}
+    by_letter = [(letter, outer if letter in "rney" else inner) for letter in signals]
+    return {
+        name: unit for letter, units in by_letter for name, unit in zip(signals[letter], units, strict=True) if unit
+    }
 
 
-def _named(
+def _rename(
     model: StateSpace, prefix: str, inputs: tuple[str, ...], outputs: tuple[str, ...], units: Mapping[str, str]
 ) -> StateSpace:
     states = {f"{prefix}{name}": model.units.get(name) for name in model.states}
@@ -231,7 +233,7 @@ def _rows(signals: Mapping[str, tuple[str, ...]], letters: str) -> Sequence[tupl
 
 
 def _with_sums(inner: StateSpace, signals: Mapping[str, tuple[str, ...]], units: Mapping[str, str]) -> StateSpace:
-    """Return the model with e = r - y - n and v = u + d beside u and y."""
+    """Return the model with the outputs e = r - y - n and v = u + d as well as u and y."""
     m, p = len(signals["u"]), len(signals["y"])
     r, d, n = np.split(np.eye(2 * p + m), [p, p + m])
     (Cu, Cy), (Du, Dy) = np.split(inner.C, [m]), np.split(inner.D, [m])
@@ -241,7 +243,7 @@ def _with_sums(inner: StateSpace, signals: Mapping[str, tuple[str, ...]], units:
 
 
 def _series(second: StateSpace, first: StateSpace, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> StateSpace:
-    """Return second after first, from the first's inputs to the second's outputs."""
+    """Return the series connection second * first."""
     n, k = len(first.A), len(second.A)
     A = np.block([[first.A, np.zeros((n, k))], [second.B @ first.C, second.A]])
     B, C = np.vstack([first.B, second.B @ first.D]), np.hstack([second.D @ first.C, second.C])

@@ -1,16 +1,17 @@
-"""Where a matrix M(s) (p, m), p <= m, of a model's signals comes nearest to losing rank, over the box of the signals.
+"""Worst condition of a matrix M(s) (p, m), p <= m, of a model's signals, over the box of the signals.
 
-Rows and columns have unlike units. So columns are in half ranges of their inputs, and each row over its largest norm in
-the box. In that measure, with S the largest singular value anywhere in the box,
+Rows and columns have different units. Columns are therefore in half ranges of their inputs, and each row is divided by
+its largest norm in the box. After this scaling, with S the largest singular value anywhere in the box,
 
     condition(s) = S / (least singular value at s) :
 
-how many times as much of its range an input may need at s as where M is strongest. It is infinite where M has no right
-inverse.
+the factor by which an input may need more of its range at s than where M is largest. It is infinite where M has no
+right inverse.
 
-Method. Values on a grid that contains the vertices (for more than four signals: the vertices, the centre and a Halton
-sequence), descent by a simplex from the least, and bisection to a singular point where the determinant of a square M
-changes its sign. That nothing worse hides between the points is as sure as they are dense, no proof.
+Method. M is evaluated on a grid that contains the vertices (for more than four signals: the vertices, the centre and a
+Halton sequence). A simplex search minimises the least singular value from the worst points. If the determinant of a
+square M changes sign, bisection finds a singular point. The result is not proved to be global: a worse point may lie
+between the evaluated points.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,17 +30,17 @@ from synth.statespace import Array, readonly
 
 GRID = 9  # points along each of up to DENSE signals
 DENSE = 4
-SPREAD = 2000  # points of the sequence, for more signals
+SEQUENCE_POINTS = 2000  # points of the sequence, for more signals
 SEEDS = 3  # points from which the simplex starts
 CONDITION_LIMIT = 1e8
-NOTABLE = 1e-9  # relative: a refined point that is worse by less is not taken for the round one it started from
+IMPROVEMENT = 1e-9  # relative: a refined point must be worse by more than this to replace its starting point
 
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """M by columns in half ranges and rows over their largest norms `rows` (p,); `box` has the signals that enter it.
+    """M with columns in half ranges and rows divided by their largest norms `rows` (p,); `box` has its signals.
 
-    `function` gives vec M of points; `inputs` and `labels` name the columns and rows, `strongest` is S.
+    `function` gives vec M at points; `inputs` and `labels` name the columns and rows, `strongest` is S.
     """
 
     function: ca.Function
@@ -65,9 +66,10 @@ class Scaled:
 
 @dataclass(frozen=True)
 class Worst:
-    """The largest condition of a matrix over a box, infinite where it is singular, and the point by name and as text.
+    """The largest condition of a matrix over a box, infinite if it is singular, and the point by name and as text.
 
-    `at` holds the signals that enter the matrix; `where` only the one whose value is enough, if there is such a one.
+    `at` holds the signals that enter the matrix. If the value of one signal alone makes the matrix singular, `where`
+    has only this signal.
     """
 
     condition: float
@@ -76,13 +78,13 @@ class Worst:
 
     @property
     def singular(self) -> bool:
-        """Whether the condition passes 1e8."""
+        """Whether the condition exceeds 1e8."""
         return not self.condition <= CONDITION_LIMIT
 
 
 @show.result
 class ConditionMap:
-    """Conditions (k, l) of the matrix called `what` over `points` (k,) and (l,) of two signals, the rest `held`."""
+    """Conditions (k, l) of the matrix called `what` over `points` (k,) and (l,) of two signals, the others `held`."""
 
     what: str
     down: Signal
@@ -93,7 +95,7 @@ class ConditionMap:
 
     @property
     def worst(self) -> Worst:
-        """The worst cell; a tie goes to the one nearest the middle of the map."""
+        """The worst cell; the cell closest to the centre of the map wins a tie."""
         k, l = np.indices(self.condition.shape)
         off = np.abs(k - (k.max() / 2)) + np.abs(l - (l.max() / 2))
         k0, l0 = np.unravel_index(np.lexsort((off.ravel(), -self.condition.ravel()))[0], self.condition.shape)
@@ -107,7 +109,9 @@ class ConditionMap:
         lines = [f"worst cell: {show.number(worst.condition)} at {worst.where}"]
         if self.held:
             lines.append("held: " + ", ".join(f"{n} = {v:.6g}" for n, v in self.held.items()))
-        corner = f"{show.named(self.down.name, self.down.unit)} \\ {show.named(self.across.name, self.across.unit)}"
+        corner = (
+            f"{show.with_unit(self.down.name, self.down.unit)} \\ {show.with_unit(self.across.name, self.across.unit)}"
+        )
         rows = [(f"{v:.4g}", *(f"{c:.3g}" for c in row)) for v, row in zip(down, self.condition, strict=True)]
         table = show.Table((corner, *(f"{v:.4g}" for v in across)), tuple(rows))
         return show.Sheet(f"Condition of the {self.what}", tuple(lines), (table,))
@@ -117,57 +121,57 @@ class ConditionMap:
 def scaled(
     matrix: ca.SX, symbols: ca.SX, signals: Sequence[Signal], inputs: Sequence[Signal], labels: Sequence[str]
 ) -> Scaled:
-    """Return `matrix` (p, m) of the `symbols` (d,) of `signals`, with a row for each label and a column for each input.
+    """Return `matrix` (p, m) in the `symbols` (d,) of `signals`, scaled; one row per label, one column per input.
 
-    Raises SignalError for counts that do not fit or a symbol that is none of theirs; ModelError when a row is zero all
-    over the box, or an entry is not finite.
+    Raises SignalError for sizes that do not fit or an unknown symbol; ModelError if a row is zero on the whole box or
+    an entry is not finite.
     """
     if matrix.shape != (len(labels), len(inputs)) or symbols.shape != (len(signals), 1):
         raise SignalError(
             f"a matrix {matrix.shape} of symbols {symbols.shape} has {len(labels)} rows, {len(inputs)} columns and "
             f"{len(signals)} signals named: give each row, each column and each symbol a name"
         )
-    if strange := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
-        raise SignalError(f"the matrix contains {', '.join(sorted(strange))}: give each symbol its signal")
-    places = box.entering(matrix, symbols, signals)
-    entering = tuple(signals[k] for k in places)
-    function = ca.Function("M", [symbols[places]], [ca.densify(ca.vec(matrix))])
-    bare = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
-    values = bare.at(_points(entering))
+    if unknown := {v.name() for v in ca.symvar(matrix)} - {v.name() for v in ca.symvar(symbols)}:
+        raise SignalError(f"the matrix contains {', '.join(sorted(unknown))}: give each symbol its signal")
+    indices = box.signal_indices(matrix, symbols, signals)
+    entering = tuple(signals[k] for k in indices)
+    function = ca.Function("M", [symbols[indices]], [ca.densify(ca.vec(matrix))])
+    unscaled = Scaled(function, entering, tuple(inputs), tuple(labels), np.ones(len(labels)), 1.0)
+    values = unscaled.at(_points(entering))
     rows = np.linalg.norm(values, axis=2).max(axis=0)
     if not rows.all():
-        raise ModelError(f"the row of '{labels[int(rows.argmin())]}' is zero all over the domain: no input enters it")
+        raise ModelError(f"the row of '{labels[int(rows.argmin())]}' is zero on the whole domain: no input enters it")
     strongest = float(np.linalg.norm(values / rows[:, None], 2, axis=(1, 2)).max())
-    return replace(bare, rows=readonly(rows), strongest=strongest)
+    return replace(unscaled, rows=readonly(rows), strongest=strongest)
 
 
 @arguments.checked
 def worst(matrix: Scaled) -> Worst:
-    """Return where over its box the matrix comes nearest to losing rank, or loses it."""
+    """Return the point of its box where the matrix is singular or closest to singular."""
     points = _points(matrix.box)
-    off = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
-    points = points[:, np.argsort(np.abs(off).sum(axis=0), kind="stable")]  # of equals, the one nearest the middle
+    distance = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
+    points = points[:, np.argsort(np.abs(distance).sum(axis=0), kind="stable")]  # the closest to the centre wins a tie
     condition = matrix.condition(points)
     seeds = np.argsort(-condition, kind="stable")[:SEEDS]
     if np.isinf(condition[seeds[0]]):
-        return _told(matrix, np.inf, points[:, seeds[0]])
+        return _worst_at(matrix, np.inf, points[:, seeds[0]])
     if (crossing := _crossing(matrix, points)) is not None:
-        return _told(matrix, np.inf, crossing)
+        return _worst_at(matrix, np.inf, crossing)
     if not len(points):
-        return _told(matrix, float(condition[0]), points[:, 0])
+        return _worst_at(matrix, float(condition[0]), points[:, 0])
     best, at = float(condition[seeds[0]]), points[:, seeds[0]]
     for k in seeds:
-        value, refined = _refined(matrix, points[:, k])
-        if value > best * (1 + NOTABLE):
+        value, refined = _refine(matrix, points[:, k])
+        if value > best * (1 + IMPROVEMENT):
             best, at = value, refined
-    return _told(matrix, best, at)
+    return _worst_at(matrix, best, at)
 
 
 @arguments.checked
-def mapped(
+def condition_map(
     matrix: Scaled, down: str, across: str, held: Mapping[str, float] | None = None, what: str = "decoupling matrix"
 ) -> ConditionMap:
-    """Return the map of the condition over the ranges of two signals; others stand in the middle or as `held`.
+    """Return the condition over the ranges of two signals, the others as `held` or in the middle of their ranges.
 
     Raises SignalError for a signal that does not enter the matrix.
     """
@@ -182,20 +186,20 @@ def mapped(
     axes = [np.linspace(s.low, s.high, GRID) for s in (first, second)]
     points = np.array([middle[n] for n in known])[:, None] * np.ones(GRID * GRID)
     points[[known.index(down), known.index(across)]] = [g.ravel() for g in np.meshgrid(*axes, indexing="ij")]
-    rest = {n: v for n, v in middle.items() if n not in (down, across)}
+    others = {n: v for n, v in middle.items() if n not in (down, across)}
     condition = readonly(matrix.condition(points).reshape(GRID, GRID))
-    return ConditionMap(what, first, second, (readonly(axes[0]), readonly(axes[1])), rest, condition)
+    return ConditionMap(what, first, second, (readonly(axes[0]), readonly(axes[1])), others, condition)
 
 
 def _points(signals: Sequence[Signal]) -> Array:
     d = len(signals)
     if d <= DENSE:
         return box.within(signals, box.grid(d, GRID))
-    from scipy.stats import qmc  # takes a second to import, which few need
+    from scipy.stats import qmc  # slow to import (1 s) and seldom needed
 
     vertices = np.array(list(product((0.0, 1.0), repeat=min(d, 10))))
     vertices = np.hstack([vertices, np.full((len(vertices), d - vertices.shape[1]), 0.5)])
-    spread = qmc.Halton(d, scramble=False).random(SPREAD)
+    spread = qmc.Halton(d, scramble=False).random(SEQUENCE_POINTS)
     return box.within(signals, np.vstack([np.full((1, d), 0.5), vertices, spread]).T)
 
 
@@ -220,7 +224,7 @@ def _crossing(matrix: Scaled, points: Array) -> Array | None:
     return at
 
 
-def _refined(matrix: Scaled, start: Array) -> tuple[float, Array]:
+def _refine(matrix: Scaled, start: Array) -> tuple[float, Array]:
     low, width = start * 0 + [s.low for s in matrix.box], 2 * box.half_widths(matrix.box)
 
     def least(unit: Array) -> float:
@@ -233,16 +237,16 @@ def _refined(matrix: Scaled, start: Array) -> tuple[float, Array]:
     return float(matrix.condition(at[:, None])[0]), at
 
 
-def _told(matrix: Scaled, condition: float, at: Array) -> Worst:
+def _worst_at(matrix: Scaled, condition: float, at: Array) -> Worst:
     named = dict(zip(names(matrix.box), map(float, at), strict=True))
-    enough = _enough(matrix, at) if np.isinf(condition) and len(at) > 1 else None
+    enough = _decisive_signal(matrix, at) if np.isinf(condition) and len(at) > 1 else None
     if enough is not None:
         return Worst(condition, named, box.where(matrix.box[enough : enough + 1], at[[enough]]))
     return Worst(condition, named, box.where(matrix.box, at) or "every point")
 
 
-def _enough(matrix: Scaled, at: Array) -> int | None:
-    """Return the place of a signal whose value alone makes the matrix singular, wherever the others are."""
+def _decisive_signal(matrix: Scaled, at: Array) -> int | None:
+    """Return the index of a signal whose value alone makes the matrix singular, for any values of the others."""
     points = box.scatter(matrix.box, rounding.POINTS, rounding.SEEDS[0])
     for k, value in enumerate(at):
         points_k = points.copy()

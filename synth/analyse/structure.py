@@ -1,16 +1,16 @@
-"""Structure of a linear model: its poles, its zeros, and the modes that inputs move and outputs show.
+"""Poles, transmission zeros, stabilisability and detectability of a linear model.
 
-A pole s has a right eigenvector, A v = s v. A transmission zero is an s at which the response G(s) has less than its
-usual rank: in the square and the tall case inputs u exp(s t) with the right initial state x give no output,
+A pole s has a right eigenvector, A v = s v. A transmission zero is an s at which the response G(s) is below its normal
+rank. With at least as many outputs as inputs, an input u exp(s t) with a suitable initial state x gives no output,
 
-    [[A - s I, B], [C, D]] [x; u] = 0,
+    [[A - s I, B], [C, D]] [x; u] = 0;
 
-and with fewer outputs than inputs the outputs obey w^T G(s) = 0. (A, B) is stabilisable when w^H B != 0 for each left
-eigenvector w^H A = s w^H of a mode s that does not decay; (A, C) is detectable when C v != 0 for each right eigenvector
-of such a mode (Popov, Belevitch, Hautus).
+with fewer outputs than inputs, w^T G(s) = 0 for some w. (A, B) is stabilisable if w^H B != 0 for each left eigenvector
+w^H A = s w^H of each mode s that does not decay; (A, C) is detectable if C v != 0 for each right eigenvector of each
+such mode (Popov, Belevitch, Hautus).
 
-Directions and measures are those of the scaled model (`staircase.scaled`), so that units do not matter. The largest
-component of a direction is 1; components below a tenth are left out.
+Directions and measures are those of the scaled model (`staircase.scaled`) and do not depend on units. The largest
+component of a direction is 1; components below a tenth are omitted.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,9 +25,9 @@ from synth.errors import ModelError
 from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
-DECAY = 1e-12  # of |w|' |A|, w a scaled left eigenvector of length 1: what decays slower counts as not decaying
+DECAY = 1e-12  # of |w|' |A|, w a scaled left eigenvector of length 1: a slower mode counts as not decaying
 NAMED = 8  # components of a direction that a text lists
-DOMINANT = 0.1  # of the largest component: what is smaller is not named
+DOMINANT = 0.1  # of the largest component: smaller ones are omitted
 
 Direction = Mapping[str, complex]
 
@@ -50,8 +50,8 @@ class Mode:
 class Root:
     """A pole or zero with its damping, its frequency in Hz, and its direction in states, inputs and outputs.
 
-    In discrete time `value` is in z, damping and frequency are those of s = log(z) / T. At s = 0 no damping is defined:
-    it is NaN.
+    In discrete time `value` is in z; damping and frequency are those of s = log(z) / T. At s = 0 the damping is
+    undefined (NaN).
     """
 
     value: complex
@@ -75,16 +75,16 @@ class Poles:
         return np.array([r.value for r in self.roots], dtype=np.complex128)
 
     def sheet(self) -> show.Sheet:
-        """Return one line for each pole or pair."""
+        """Return one row for each pole or pair."""
         return show.Sheet(f"Poles in {self.time}: {len(self.roots)}", tables=_tables("pole", self.roots))
 
 
 @show.result
 class Zeros:
-    """The finite transmission zeros of a model, the slowest first, and the usual `rank` of its response (p, m).
+    """The finite transmission zeros of a model, the slowest first, and the normal `rank` of its response (p, m).
 
-    `unmoved` and `unseen` are the modes outside the response, which are no transmission zeros: no input moves the
-    former, no output shows the latter. Directions are defined when the rank is the lesser of p and m.
+    `unmoved` are the uncontrollable modes and `unseen` the unobservable ones; they cancel in the response and are not
+    transmission zeros. Directions are defined if the rank is the lesser of p and m.
     """
 
     roots: tuple[Root, ...]
@@ -100,30 +100,30 @@ class Zeros:
         return np.array([r.value for r in self.roots], dtype=np.complex128)
 
     def sheet(self) -> show.Sheet:
-        """Return one line for each zero or pair, and what degenerates."""
+        """Return one row for each zero or pair, and lines on degenerate cases."""
         lines = []
         if self.rank < min(self.shape):
             lines.append(
                 f"The response has rank {self.rank} at every s though it has {self.shape[0]} outputs and "
                 f"{self.shape[1]} inputs: some combination of inputs moves no output; no directions are defined."
             )
-        lines += [f"No input moves mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unmoved]
-        lines += [f"No output shows mode {_number(m.value)} in {spelled(m.direction)}." for m in self.unseen]
+        lines += [f"Uncontrollable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unmoved]
+        lines += [f"Unobservable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unseen]
         title = f"Transmission zeros in {self.time}: {len(self.roots)}"
         return show.Sheet(title, tuple(lines), _tables("zero", self.roots))
 
 
 @arguments.checked
 def poles(system: System) -> Poles:
-    """Return the poles of a System, each with damping, frequency and the states that take part in it.
+    """Return the poles of a System, each with damping, frequency and participating states.
 
     Raises SignalError as `statespace.of`.
     """
     model = of(system)
-    part = staircase.of_model(model)
-    values, vectors = staircase.modes(part.A, np.eye(len(part.A)))
+    scaled = staircase.of_model(model)
+    values, vectors = staircase.modes(scaled.A, np.eye(len(scaled.A)))
     nothing = np.zeros((0, len(values)), dtype=np.complex128)
-    return Poles(_roots(model, values * part.rate, vectors, nothing, nothing), model.time)
+    return Poles(_roots(model, values * scaled.rate, vectors, nothing, nothing), model.time)
 
 
 @arguments.checked
@@ -133,40 +133,40 @@ def transmission_zeros(system: System) -> Zeros:
     Raises SignalError as `statespace.of`.
     """
     model = of(system)
-    part = staircase.of_model(model)
-    seen = staircase.kalman(part)
-    Z = seen.kept
-    found = staircase.zeros(Z.T @ part.A @ Z, Z.T @ part.B, part.C @ Z, part.D)
-    nothing = np.zeros((0, len(found.values)), dtype=np.complex128)
-    u, y = (found.u, nothing) if found.right else (nothing, found.u)
+    scaled = staircase.of_model(model)
+    minimal = staircase.kalman(scaled)
+    Z = minimal.kept
+    zeros = staircase.zeros(Z.T @ scaled.A @ Z, Z.T @ scaled.B, scaled.C @ Z, scaled.D)
+    nothing = np.zeros((0, len(zeros.values)), dtype=np.complex128)
+    u, y = (zeros.u, nothing) if zeros.right else (nothing, zeros.u)
     return Zeros(
-        _roots(model, found.values * part.rate, Z @ found.x, u, y),
-        found.rank,
+        _roots(model, zeros.values * scaled.rate, Z @ zeros.x, u, y),
+        zeros.rank,
         model.D.shape,
-        named_modes(seen.unreached, part.B.T, part.rate, model.states),
-        named_modes(seen.unseen, part.C, part.rate, model.states),
+        named_modes(minimal.uncontrollable, scaled.B.T, scaled.rate, model.states),
+        named_modes(minimal.unobservable, scaled.C, scaled.rate, model.states),
         model.time,
     )
 
 
 @arguments.checked
-def unmoved(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
-    """Return the modes that do not decay and that no input moves; A (n, n), B (n, m).
+def uncontrollable_modes(A: ArrayLike, B: ArrayLike, states: Sequence[str], time: Time) -> list[Mode]:
+    """Return the uncontrollable modes that do not decay; A (n, n), B (n, m).
 
-    Raises SignalError for other shapes and what is not finite.
+    Raises SignalError for other shapes or entries that are not finite.
     """
-    A, B = arguments.fitting("A", A, len(states), len(states)), arguments.fitting("B", B, len(states))
-    part = staircase.scaled(A, B)
-    values, w = staircase.unreached(part)
-    slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(part.A), axis=1)
-    lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * part.rate >= 1 - DECAY
-    return list(named_modes((values[lasting], w[:, lasting]), part.B.T, part.rate, states))
+    A, B = arguments.matrix_of_shape("A", A, len(states), len(states)), arguments.matrix_of_shape("B", B, len(states))
+    scaled = staircase.scaled(A, B)
+    values, w = staircase.uncontrollable_modes(scaled)
+    slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(scaled.A), axis=1)
+    lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * scaled.rate >= 1 - DECAY
+    return list(named_modes((values[lasting], w[:, lasting]), scaled.B.T, scaled.rate, states))
 
 
 @arguments.checked
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
-    """Raise ModelError naming the first mode that does not decay and that none of the `inputs` moves."""
-    for mode in unmoved(A, B, states, time):
+    """Raise ModelError for the first uncontrollable mode that does not decay."""
+    for mode in uncontrollable_modes(A, B, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"(A, B) is not stabilisable: mode {_number(mode.value)} in {who} has |w^H B| = {mode.measure:.0e} "
@@ -176,8 +176,8 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
 
 @arguments.checked
 def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: str, time: Time) -> None:
-    """Raise ModelError naming the first mode that does not decay and that C (p, n), called `what`, does not show."""
-    for mode in unmoved(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
+    """Raise ModelError for the first unobservable mode that does not decay; `what` is the name of C (p, n)."""
+    for mode in uncontrollable_modes(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
         who = ", ".join(mode.states)
         raise ModelError(
             f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
@@ -187,14 +187,14 @@ def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: 
 
 @arguments.checked
 def check_stabilisable(system: System) -> None:
-    """Raise ModelError naming the first mode of a System that does not decay and that none of its inputs moves."""
+    """Raise ModelError for the first uncontrollable mode of a System that does not decay."""
     model = of(system)
     require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
 
 
 @arguments.checked
 def check_detectable(system: System) -> None:
-    """Raise ModelError naming the first mode of a System that does not decay and that none of its outputs shows."""
+    """Raise ModelError for the first unobservable mode of a System that does not decay."""
     model = of(system)
     require_detectable(model.A, model.C, model.states, ", ".join(model.outputs) or "no output", model.time)
 
@@ -206,7 +206,7 @@ def pair(value: complex) -> str:
 
 
 def rates(values: Complex, time: Time) -> Complex:
-    """Return the s (k,) of roots: themselves in continuous time, else log(z) / T, and -inf for z = 0."""
+    """Return roots (k,) in s: unchanged in continuous time, otherwise log(z) / T, and -inf for z = 0."""
     if isinstance(time, Continuous):
         return values
     safe = np.where(values == 0, 1.0, values)
@@ -214,44 +214,44 @@ def rates(values: Complex, time: Time) -> Complex:
 
 
 def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
-    """Return the dominant components of a vector (n,) by name, the largest first and made 1; none of a zero vector."""
+    """Return the dominant components of a vector (n,) by name, largest first, scaled to 1; none for a zero vector."""
     size = np.abs(vector)
     if not size.max(initial=0.0):
         return {}
     order = [i for i in np.argsort(-np.round(size / size.max(), 6), kind="stable") if size[i] > DOMINANT * size.max()]
-    share = np.round(vector / vector[order[0]], 6) + 0.0  # + 0.0: no minus before a zero
+    share = np.round(vector / vector[order[0]], 6) + 0.0  # + 0.0: no negative zero
     return {names[i]: complex(share[i]) for i in order}
 
 
 @arguments.checked
-def spelled(direction: Direction) -> str:
-    """Return a direction as text, its largest components before the names; a lone name stands for itself."""
+def direction_text(direction: Direction) -> str:
+    """Return a direction as text, each component before its name, largest first; a single name without it."""
     if len(direction) == 1:
         return next(iter(direction))
     listed = ", ".join(f"{show.number(share, 2)} {name}" for name, share in list(direction.items())[:NAMED])
     return listed if len(direction) <= NAMED else f"{listed} and {len(direction) - NAMED} more"
 
 
-def named_modes(found: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
+def named_modes(modes: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
     """Return scaled eigenvalues (k,) with vectors (n, k) as modes; the norm of C v, C (p, n), is the measure."""
     return tuple(
         Mode(complex(s * rate), float(np.linalg.norm(C @ v)), direction(v, states))
-        for s, v in zip(found[0], found[1].T, strict=True)
+        for s, v in zip(modes[0], modes[1].T, strict=True)
     )
 
 
 def _roots(model: StateSpace, values: Complex, x: Complex, u: Complex, y: Complex) -> tuple[Root, ...]:
-    found = []
+    roots = []
     for k, (s, rate) in enumerate(zip(values, rates(values, model.time), strict=True)):
         size = float(np.abs(rate))
         damping = float(0.0 - np.real(rate) / size) if 0 < size < np.inf else (1.0 if size else np.nan)
         along = (direction(v[:, k], who) for v, who in ((x, model.states), (u, model.inputs), (y, model.outputs)))
-        found.append(Root(complex(s), damping, size / (2 * np.pi), *along))
-    return tuple(sorted(found, key=lambda r: (r.frequency, r.value.real, r.value.imag)))
+        roots.append(Root(complex(s), damping, size / (2 * np.pi), *along))
+    return tuple(sorted(roots, key=lambda r: (r.frequency, r.value.real, r.value.imag)))
 
 
 def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
-    """Return a table of roots, a conjugate pair in one line; none without roots."""
+    """Return a table of roots, a conjugate pair in one row; no table without roots."""
     columns = ("states", "inputs", "outputs")
     shown = [c for c in columns if any(getattr(r, c) for r in roots)]
     rows = [
@@ -259,7 +259,7 @@ def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
             pair(r.value),
             "" if np.isnan(r.damping) else f"{r.damping:.4g}",
             f"{r.frequency:.5g}",
-            *(spelled(getattr(r, c)) for c in shown),
+            *(direction_text(getattr(r, c)) for c in shown),
         )
         for r in roots
         if r.value.imag >= 0
@@ -268,12 +268,12 @@ def _tables(kind: str, roots: Sequence[Root]) -> tuple[show.Table, ...]:
 
 
 def _remark(mode: Mode, A: ArrayLike, time: Time) -> str:
-    """Return the direction of a mode in several states, and that rounding hides the mode, where it does."""
-    along = f"; its direction is {spelled(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
+    """Return the direction of a mode in several states as text, and a note if rounding hides the mode."""
+    along = f"; its direction is {direction_text(mode.direction)} (scaled)" if len(mode.direction) > 1 else ""
     size, fastest = abs(mode.value), float(np.abs(np.linalg.eigvals(np.asarray(A, dtype=float))).max())
     slow = mode.value.real < 0 or 0 < size <= 10 * staircase.COUPLING * fastest
-    lost = slow if isinstance(time, Continuous) else size < 1
-    return f"{along}; this is within rounding of the fastest mode, {fastest:.0e}" if lost else along
+    hidden = slow if isinstance(time, Continuous) else size < 1
+    return f"{along}; this is within rounding of the fastest mode, {fastest:.0e}" if hidden else along
 
 
 def _number(value: complex) -> str:

@@ -1,13 +1,13 @@
-"""The largest structured singular value of a stable model over all frequencies, proved between the frequencies too.
+"""Peak of the structured singular value of a stable model over all frequencies, proved between grid points as well.
 
     M(s) = C (s I - A)^-1 B + D, (p, p),        peak = max over 0 <= w <= inf of mu(M(i w))
 
 mu is bounded as in `structured_singular_value`, first on a grid that is dense at lightly damped poles. Between the
-points a scaling D that was found at one of them is kept: sigma_max(D M(i w) D^-1) crosses a level g only where i w is
-an eigenvalue of the Hamiltonian of `bounded_real`, with B, C and D scaled, so that its eigenvalues cut the axis into
-intervals in which the bound lies on one side of g throughout. Those below are done; in the others the next scaling is
-taken, until none is left. A point found there above the peak becomes the peak. Where one more scaling gains little
-because two singular values meet, the level is raised step by step.
+grid points, the scaling D of one point is used: sigma_max(D M(i w) D^-1) crosses a level g only where i w is an
+eigenvalue of the Hamiltonian of `bounded_real` with scaled B, C and D. These eigenvalues divide the axis into intervals
+on each of which the bound is entirely below or above g. Intervals below g are finished; the others get the scaling of
+another point, until none remains. If a point there exceeds the peak, it becomes the peak. If another scaling gains
+little because two singular values meet, the level rises step by step.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from synth.statespace import Array, Complex, StateSpace
 
 Interval = tuple[float, float]
 COARSE, FINE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
-# (count, e): this many eigenvalue problems are solved for the level (1 + e) peak before the next e is taken.
+# (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
 LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
 
 
@@ -44,7 +44,7 @@ class Peak:
 
 @dataclass(eq=False)
 class _Points:
-    """Frequencies with M, the bound and its scaling; `fine` marks bounds that are as low as they can be made."""
+    """Frequencies with M, the bound and its scaling; `fine` marks bounds that are fully minimised."""
 
     w: Array
     M: Complex
@@ -53,13 +53,13 @@ class _Points:
     fine: NDArray[np.bool_]
 
     def refine(self, k: int) -> None:
-        """Make the bound at point k fine."""
+        """Minimise the bound at point k."""
         if not self.fine[k]:
-            found = ssv.upper(self.M[k : k + 1], FINE)
-            self.bound[k], self.scaling[k], self.fine[k] = found.value[0], found.scaling[0], True
+            upper = ssv.upper(self.M[k : k + 1], FINE)
+            self.bound[k], self.scaling[k], self.fine[k] = upper.value[0], upper.scaling[0], True
 
     def add(self, M: Response, frequencies: Array, tolerance: float) -> None:
-        """Add frequencies, bounded to the tolerance."""
+        """Add frequencies, with bounds minimised to the tolerance."""
         new = _points(M, frequencies, tolerance)
         for name in ("w", "M", "bound", "scaling", "fine"):
             setattr(self, name, np.concatenate([getattr(self, name), getattr(new, name)]))
@@ -76,37 +76,42 @@ class _Points:
 
 def _points(M: Response, frequencies: Array, tolerance: float) -> _Points:
     response = M.at(frequencies)
-    found = ssv.upper(response, tolerance)
+    upper = ssv.upper(response, tolerance)
     fine = np.full(len(frequencies), tolerance <= FINE)
-    return _Points(frequencies, response, found.value, found.scaling, fine)
+    return _Points(frequencies, response, upper.value, upper.scaling, fine)
 
 
 def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     """Return the largest mu of a stable model (p, p) over all frequencies.
 
-    Without `certify` it is that of the grid and of the points around its peak.
+    Without `certify`, it is the largest on the grid and on more points around its peak.
     """
     M = schur_response.of(model)
     points = _points(M, grid(M.poles), COARSE)
     _climb(M, points)
     top = points.highest(points.w >= 0)
-    level, certified = _covered(M, points) if certify else (float(points.bound[top]), False)
+    level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
     highest = _highest(points)
     level *= 1 + 2 * max(_rounding(M, points, k) for k in highest)
-    found = {k: ssv.lower(points.M[k]) for k in highest}
-    k = max((k for k in found if 0 < points.w[k] < np.inf or _is_real(found[k].delta)), key=lambda k: found[k].value)
+    lower_bounds = {k: ssv.lower(points.M[k]) for k in highest}
+    k = max(
+        (k for k in lower_bounds if 0 < points.w[k] < np.inf or _is_real(lower_bounds[k].delta)),
+        key=lambda k: lower_bounds[k].value,
+    )
     order, w = np.argsort(points.w), M.unwarped(points.w)
-    return Peak(level, certified, found[k].value, found[k].delta, float(w[k]), w[order], points.bound[order])
+    return Peak(
+        level, certified, lower_bounds[k].value, lower_bounds[k].delta, float(w[k]), w[order], points.bound[order]
+    )
 
 
 def _rounding(M: Response, points: _Points, k: int) -> float:
-    """Return the error that rounding makes in sigma_max(D M D^-1) at a point, relative."""
+    """Return the relative rounding error of sigma_max(D M D^-1) at a point."""
     error = M.error(float(points.w[k]))[None]
     return float(ssv.gain(error, points.scaling[k])[0]) / max(float(points.bound[k]), 1e-300)
 
 
 def grid(poles: Complex) -> Array:
-    """Return 0, frequencies in rad/s beyond all poles and dense where one is lightly damped, and inf."""
+    """Return 0, frequencies in rad/s from below to above all poles, dense at lightly damped ones, and inf."""
     if not len(poles):
         return np.array([0.0, 1.0, np.inf])
     size = np.abs(poles)
@@ -117,7 +122,7 @@ def grid(poles: Complex) -> Array:
 
 
 def _climb(M: Response, points: _Points, rounds: int = 4) -> None:
-    """Add points around the highest one, ever closer."""
+    """Add points around the highest one, closer each round."""
     for _ in range(rounds):
         k = points.highest(points.w >= 0)
         w = points.w[k]
@@ -130,9 +135,9 @@ def _climb(M: Response, points: _Points, rounds: int = 4) -> None:
 
 
 def _highest(points: _Points, count: int = 3) -> list[int]:
-    """Return the highest points, and next to an end of the axis among them the one beside it.
+    """Return the highest points and, if one is an end of the axis, its neighbour as well.
 
-    At an end a real system has real values, so that it may have no delta that mu asks for.
+    At an end the response of a real system is real, and a complex delta of mu cannot be realised there.
     """
     places = np.flatnonzero(points.fine)
     places = places[np.argsort(-points.bound[places], kind="stable")[:count]]
@@ -147,26 +152,26 @@ def _is_real(delta: Complex) -> bool:
     return bool((np.abs(delta.imag) <= 1e-9 * np.abs(delta)).all())
 
 
-def _covered(M: Response, points: _Points) -> tuple[float, bool]:
-    """Return the level that mu keeps under at all frequencies, and whether that has been shown for all."""
-    peak, left = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
+def _prove(M: Response, points: _Points) -> tuple[float, bool]:
+    """Return an upper bound of mu over frequency, and whether it is proved for all frequencies."""
+    peak, undecided = float(points.bound[points.highest(points.w >= 0)]), [(0.0, np.inf)]
     if not peak:
-        return 0.0, True  # M vanishes at more points than it has poles
+        return 0.0, True  # M vanishes at more points than it has poles: M = 0
     for margin in (e for count, e in LEVELS for _ in range(count)):
         while True:
-            k = _chosen(M, points, left[-1])
+            k = _highest_inside(M, points, undecided[-1])
             if points.bound[k] <= peak:
                 break
             peak = float(points.bound[k])
         level = (1 + margin) * peak
-        left += _above(M, points.scaling[k], level, left.pop())
-        if not left:
+        undecided += _above(M, points.scaling[k], level, undecided.pop())
+        if not undecided:
             return level, True
     return peak, False
 
 
-def _chosen(M: Response, points: _Points, interval: Interval) -> int:
-    """Return the highest point inside the interval, in its middle where it holds none."""
+def _highest_inside(M: Response, points: _Points, interval: Interval) -> int:
+    """Return the highest point inside the interval, or a new one in its middle if it has none."""
     a, b = interval
     inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
     if not inside.any():
@@ -176,24 +181,24 @@ def _chosen(M: Response, points: _Points, interval: Interval) -> int:
 
 
 def _above(M: Response, x: Array, level: float, interval: Interval) -> list[Interval]:
-    """Return the parts of the interval in which sigma_max(D M D^-1) is not below the level."""
+    """Return the parts of the interval where sigma_max(D M D^-1) is not below the level."""
     a, b = interval
     cuts = np.unique(np.abs(hamiltonian_eigenvalues(M, x, level).imag))
     cuts = cuts[(cuts > a) & (cuts < b)]
     ends = np.concatenate([[a], cuts[np.append(np.diff(cuts) > 1e-12 * cuts[1:], True)[: len(cuts)]], [b]])
     middles = np.where(np.isinf(ends[1:]), 2 * ends[:-1] + M.size, 0.5 * (ends[:-1] + ends[1:]))
     below = ssv.gain(M.at(middles), x) < level
-    found: list[Interval] = []
+    intervals: list[Interval] = []
     for low, high, done in zip(ends[:-1], ends[1:], below, strict=True):
-        if not done and found and found[-1][1] == low:
-            found[-1] = (found[-1][0], float(high))
+        if not done and intervals and intervals[-1][1] == low:
+            intervals[-1] = (intervals[-1][0], float(high))
         elif not done:
-            found.append((float(low), float(high)))
-    return found
+            intervals.append((float(low), float(high)))
+    return intervals
 
 
 def hamiltonian_eigenvalues(M: Response, x: Array, level: float) -> Complex:
-    """Return s (2 n,), among them each i w at which `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
+    """Return s (2 n,), including each i w where `level` is a singular value of D M(i w) D^-1, D^2 = diag(x)."""
     d = np.sqrt(x)
     scaled = M.A, M.B / d, M.C * d[:, None], M.D * d[:, None] / d
     return np.asarray(np.linalg.eigvals(bounded_real.hamiltonian(scaled, level)), dtype=np.complex128)

@@ -1,16 +1,16 @@
-"""Structured singular value of a complex matrix M (p, p) for a diagonal of complex scalars.
+"""Structured singular value (MATLAB `mussv`) of a complex matrix M (p, p) for diagonal complex uncertainty.
 
-    mu(M) = 1 / min { max |delta_i| : det(I - M diag(delta)) = 0 },          0 where no delta does it
+    mu(M) = 1 / min { max |delta_i| : det(I - M diag(delta)) = 0 },          0 if no such delta exists
 
     rho(M Q) <= mu(M) <= sigma_max(D M D^-1),       Q = diag(exp(i phi)),    D = diag(d), d > 0
 
-The least upper bound over D is mu for p <= 3 (Packard, Doyle 1993). log sigma_max is convex in log d, so that a descent
-finds it: balancing (Osborne 1960) brings it near, and Newton's method follows the centres of
+The least upper bound over D is mu for p <= 3 (Packard, Doyle 1993). log sigma_max is convex in log d, so a descent
+finds the minimum: balancing (Osborne 1960) comes close to it, then Newton's method follows the central path of
 
     F(log x) = -log det(t I - N^H N),  N = D M D^-1,  x = d^2,          t falling to sigma_max^2.
 
-At a centre sigma_max^2 is within some p (t - sigma_max^2) of the least. Any D gives an upper bound, and any Q a lower
-one with the delta that belongs to it. All matrices of a batch (k, p, p) are treated at once.
+At a centre sigma_max^2 is within about p (t - sigma_max^2) of the minimum. Any D gives an upper bound; any Q gives a
+lower bound and its delta. All matrices of a batch (k, p, p) are treated at once.
 """
 
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ from scipy.optimize import minimize
 
 from synth.statespace import Array, Complex
 
-STEPS = 100  # of Newton's method at most; some ten are usual, more where singular values meet
-CENTRED = 0.5  # Newton decrement below which t is lowered
-STARTS = 12  # of the power iteration, from phases drawn with a fixed seed
+STEPS = 100  # of Newton's method at most; about ten are usual, more where singular values meet
+CENTRED_DECREMENT = 0.5  # Newton decrement below which t decreases
+STARTS = 12  # of the power iteration, from random phases with a fixed seed
 ROUNDS = 50  # of the power iteration
 
 
@@ -53,10 +53,10 @@ def gain(M: Complex, x: Array) -> Array:
     return np.asarray(np.linalg.svd(scaled(M, x), compute_uv=False)[..., 0])
 
 
-def balanced(M: Complex, sweeps: int = 4) -> Array:
-    """Return x = d^2 (k, p) for which row i and column i of D M D^-1 are of like size (Osborne).
+def osborne_scaling(M: Complex, sweeps: int = 4) -> Array:
+    """Return x = d^2 (k, p) that gives row i and column i of D M D^-1 similar sizes (Osborne).
 
-    Entries below 1e-8 of the largest count as that large, so that a matrix that falls into parts has finite scales.
+    Entries below 1e-8 of the largest count as 1e-8 of it; this keeps the scales of a reducible matrix finite.
     """
     size = np.abs(M) ** 2
     top = size.max(axis=(-1, -2), keepdims=True)
@@ -73,17 +73,17 @@ def balanced(M: Complex, sweeps: int = 4) -> Array:
 
 def upper(M: Complex, tolerance: float = 1e-6) -> Upper:
     """Return the least upper bound over D for each matrix of M (k, p, p), within a relative `tolerance`."""
-    x = balanced(M)
+    x = osborne_scaling(M)
     value = gain(M, x)
     if M.shape[-1] > 1:
         busy = np.flatnonzero(value > 0)
-        x[busy], relative = _centred(M[busy] / value[busy, None, None], x[busy], tolerance)
+        x[busy], relative = _central_path(M[busy] / value[busy, None, None], x[busy], tolerance)
         value[busy] *= relative
     return Upper(value, x)
 
 
-def _centred(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
-    """Return the best x and its sigma_max along the path of centres; M (k, p, p), gains near 1."""
+def _central_path(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
+    """Return the best x and its sigma_max along the central path; M (k, p, p), gains near 1."""
     near = max(2 * tolerance / M.shape[-1], 1e-10)
     best, least, busy = x.copy(), np.full(len(M), np.inf), np.arange(len(M))
     last, t, centred = x, np.full(len(M), np.inf), np.zeros(len(M), dtype=bool)
@@ -95,9 +95,9 @@ def _centred(M: Complex, x: Array, tolerance: float) -> tuple[Array, Array]:
         least[busy[better]], best[busy[better]] = size[better], x[better]
         t = np.where(np.isinf(t), 1.1 * size, np.where(centred & (size < t), size + 0.1 * (t - size), t))
         t = np.maximum(t, least[busy] * (1 + 0.5 * near))
-        outside = size >= t  # the step went too far: go half way back
+        outside = size >= t  # the step was too long: halve it
         step, decrement = _newton(N, G, np.where(outside, 1.1 * size, t))
-        centred = (decrement < CENTRED) & ~outside
+        centred = (decrement < CENTRED_DECREMENT) & ~outside
         following = np.where(outside[:, None], np.sqrt(last * x), x * np.exp(step))
         last = np.where(outside[:, None], last, x)
         stay = ~centred | (t > least[busy] * (1 + near))
@@ -118,7 +118,7 @@ def _newton(N: Complex, G: Complex, t: Array) -> tuple[Array, Array]:
     gradient, coupled = v - t[:, None] * w + 1, t[:, None] * w - v
     square = T**2 * np.abs(W) ** 2
     H = square - T * (K + K.swapaxes(1, 2)) + np.abs(V) ** 2 - np.eye(p) * coupled[:, None, :]
-    # All log x may move together: that direction is held, and a little more keeps parts that are not coupled in place.
+    # A common shift of all log x has no effect: fix it, and regularise the relative shifts of uncoupled parts.
     H += np.einsum("kii->k", square)[:, None, None] * (np.ones((p, p)) / p**2 + 1e-14 * np.eye(p))
     step = -np.linalg.solve(H, gradient[:, :, None])[:, :, 0]
     decrement = np.sqrt(np.maximum(-(step * gradient).sum(axis=1), 0.0))
@@ -126,17 +126,17 @@ def _newton(N: Complex, G: Complex, t: Array) -> tuple[Array, Array]:
 
 
 def lower(M: Complex) -> Lower:
-    """Return the best lower bound of mu that is found for one matrix M (p, p), and its delta.
+    """Return a lower bound of mu for one matrix M (p, p), and its delta.
 
-    The phases are those of the power iteration (Packard, Fan, Doyle 1988) from several starts; the best are improved by
-    a search along the gradient of log rho(M Q).
+    The phases come from the power iteration (Packard, Fan, Doyle 1988) with several starts; a gradient ascent of
+    log rho(M Q) improves the best ones.
     """
     if not M.any():
         return Lower(0.0, np.full(len(M), np.inf + 0j))
     phases = _power(M)
-    found = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
-    tried = [_improved(M, phases[k]) for k in np.argsort(found)[:-3:-1]] if len(M) > 1 else [phases[0]]
-    return max((_certificate(M, phi) for phi in tried), key=lambda c: c.value)
+    radii = np.abs(np.linalg.eigvals(M * np.exp(1j * phases)[:, None, :])).max(axis=1)
+    candidates = [_ascend(M, phases[k]) for k in np.argsort(radii)[:-3:-1]] if len(M) > 1 else [phases[0]]
+    return max((_certificate(M, phi) for phi in candidates), key=lambda c: c.value)
 
 
 def _certificate(M: Complex, phases: Array) -> Lower:
@@ -147,7 +147,7 @@ def _certificate(M: Complex, phases: Array) -> Lower:
 
 
 def _power(M: Complex) -> Array:
-    """Return the phases (STARTS, p) at which the power iteration ends."""
+    """Return the final phases (STARTS, p) of the power iteration."""
     rng, p = np.random.default_rng(0), len(M)
     b = np.exp(2j * np.pi * rng.random((STARTS, p)))
     b[0] = 1.0
@@ -168,7 +168,7 @@ def _sign(values: Complex) -> Complex:
     return np.asarray(np.where(size > 0, values / np.maximum(size, 1e-300), 1.0))
 
 
-def _improved(M: Complex, phases: Array) -> Array:
+def _ascend(M: Complex, phases: Array) -> Array:
     def cost(phi: Array) -> tuple[float, Array]:
         values, right = np.linalg.eig(M * np.exp(1j * phi))
         k = np.abs(values).argmax()

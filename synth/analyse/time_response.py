@@ -1,13 +1,13 @@
-"""Step and impulse responses, exactly at equally spaced times (`control.step_response`, MATLAB `step` and `impulse`).
+"""Step and impulse responses, exact at equally spaced times (`control.step_response`, MATLAB `step` and `impulse`).
 
     continuous   step      y(t) = C int_0^t exp(A s) ds B + D          impulse   y(t) = C exp(A t) B          D = 0
     sampled      step      y(k) = C sum_(i<k) A^i B + D                impulse   y(0) = D,  y(k) = C A^(k-1) B
 
-One exponential over the interval between two times, of [[A, B], [0, 0]], gives x+ = F x + G exactly; the rest is that
-recursion. One input at a time is excited, all others and the initial states are 0.
+One matrix exponential of [[A, B], [0, 0]] over the interval gives the exact recursion x+ = F x + G. One input at a time
+is excited; the other inputs and the initial states are 0.
 
-The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. So its response is the sequence of
-Markov parameters and sums up to the step response. MATLAB and python-control give a pulse of 1/T instead, of area 1.
+The impulse of a sampled model is the unit pulse: 1 at the first sample, 0 after it. Its response is the sequence of
+Markov parameters, whose sum is the step response. MATLAB and python-control use a pulse of height 1/T instead (area 1).
 """
 
 import numpy as np
@@ -19,18 +19,18 @@ from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
 
-DECADES = 3.0  # by which the slowest mode decays, or grows, in the time that is shown unless one is given
-POINTS = 500  # at least, of a continuous model
+DECADES = 3.0  # of decay, or growth, of the slowest mode in the default duration
+POINTS = 500  # at least, for a continuous model
 MOST = 20_000
-PER_TURN = 20  # points in a period of the fastest mode that oscillates
-BAND = 0.02  # of the final value: within it a step response has settled
+PER_TURN = 20  # points in a period of the fastest oscillating mode
+BAND = 0.02  # of the final value: tolerance of the settling time
 
 
 @show.result
 class TimeResponse:
-    """Outputs (k, p, m) at `time` (k,) in seconds: output i when input j alone gets the `signal`, a step or an impulse.
+    """Outputs (k, p, m) at `time` (k,) in seconds: output i for a `signal` (step or impulse) at input j alone.
 
-    `final` (p, m) is where a step response of a model that decays ends, None otherwise.
+    `final` (p, m) is the final value of the step response of a stable model, None otherwise.
     """
 
     signal: str
@@ -43,8 +43,8 @@ class TimeResponse:
     final: Array | None = None
 
     def sheet(self) -> show.Sheet:
-        """Return final value, overshoot, rise and settling time of each channel of a step, and the peak of all."""
-        labels = [[show.named(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
+        """Return final value, overshoot, rise and settling time of each channel for a step, and each peak."""
+        labels = [[show.with_unit(*pair) for pair in zip(*part, strict=True)] for part in self._signals()]
         rows = tuple(
             (f"{labels[1][j]} -> {labels[0][i]}", *self._figures(i, j)) for i, j in np.ndindex(*self.outputs.shape[1:])
         )
@@ -65,20 +65,21 @@ class TimeResponse:
         final = float(self.final[i, j])
         if not final:
             return (n(final), "", "", "", *peak)
-        risen = [_first(self.time, y / final, level) for level in (0.1, 0.9)]
-        rise = n(risen[1] - risen[0]) if np.isfinite(risen).all() else ""
-        return (n(final), f"{max(0.0, float((y / final).max()) - 1):.2%}", rise, _settled(self.time, y / final), *peak)
+        times = [_first_crossing(self.time, y / final, level) for level in (0.1, 0.9)]
+        rise = n(times[1] - times[0]) if np.isfinite(times).all() else ""
+        overshoot = f"{max(0.0, float((y / final).max()) - 1):.2%}"
+        return (n(final), overshoot, rise, _settling_time(self.time, y / final), *peak)
 
 
 @arguments.checked
 def step_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit step at each input in turn, from 0 to `duration_s` every `interval_s` seconds.
 
-    Left out, the duration is that in which the slowest mode decays, or the fastest growing one grows, by a factor of
-    1000, and the interval shows its oscillations with 500 points or more. A sampled model keeps its own interval.
+    By default the slowest mode decays, or the fastest growing mode grows, by a factor of 1000 within the duration, and
+    the interval resolves the oscillations with at least 500 points. A sampled model keeps its own interval.
 
     Raises SignalError as `statespace.of`; TimingError for a time that is not positive, more than 20,000 intervals, or
-    an interval of a sampled model; ModelError when a mode grows beyond what a double holds.
+    an interval for a sampled model; ModelError when a mode overflows double precision.
     """
     model = of(system)
     time, F, G = _recursion(model, duration_s, interval_s)
@@ -91,15 +92,15 @@ def step_response(system: System, duration_s: float | None = None, interval_s: f
 def impulse_response(system: System, duration_s: float | None = None, interval_s: float | None = None) -> TimeResponse:
     """Return the response to a unit impulse at each input in turn; a sampled model gets 1 at its first sample.
 
-    Times and errors are those of `step_response`; besides, raises ModelError for a continuous model with D other than
-    0, whose response holds an impulse itself.
+    Times and errors are those of `step_response`. Also raises ModelError for a continuous model with D other than 0,
+    whose response contains an impulse.
     """
     model = of(system)
     if isinstance(model.time, Continuous) and model.D.any():
         i, j = np.argwhere(model.D)[0]
         raise ModelError(
-            f"the impulse response holds an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
-            f"{show.number(model.D[i, j])}: give the model with D = 0 for all that follows"
+            f"the impulse response contains an impulse at t = 0, D[{model.outputs[i]}, {model.inputs[j]}] is "
+            f"{show.number(model.D[i, j])}: give the model with D = 0 for its response at t > 0"
         )
     time, F, _ = _recursion(model, duration_s, interval_s)
     if isinstance(model.time, Continuous):
@@ -134,18 +135,18 @@ def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | 
         span = float(duration_s or _duration(model))
         interval = float(interval_s or span / _count(model, span))
     elif interval_s is not None:
-        raise TimingError(f"an interval of {interval_s:g} s was asked for in {model.time}: leave it out")
+        raise TimingError(f"a model in {model.time} has its own interval, but {interval_s:g} s was given: leave it out")
     else:
         interval = model.time.period_s
         span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MOST / 2) * interval)
     count = int(np.floor(span / interval * (1 + 1e-12)))
     if not 1 <= count <= MOST:
         raise TimingError(f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MOST} of them")
-    F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _held(model, interval)
+    F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _discretise(model, interval)
     return interval * np.arange(count + 1, dtype=np.float64), F, G
 
 
-def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
+def _discretise(model: StateSpace, interval: float) -> tuple[Array, Array]:
     n, m = model.B.shape
     M = np.block([[model.A, model.B], [np.zeros((m, n + m))]])
     E = discretise.gramian(M, np.zeros_like(M), interval).M
@@ -153,7 +154,7 @@ def _held(model: StateSpace, interval: float) -> tuple[Array, Array]:
 
 
 def _rates(model: StateSpace) -> NDArray[np.complex128]:
-    """Return the poles in 1/s (n,), of a sampled model without those at z = 0."""
+    """Return the poles in 1/s (n,); for a sampled model without those at z = 0."""
     poles = model.poles
     if isinstance(model.time, Continuous):
         return poles
@@ -161,7 +162,7 @@ def _rates(model: StateSpace) -> NDArray[np.complex128]:
 
 
 def _duration(model: StateSpace) -> float:
-    """Return the time in which all modes that decay do so by 1000, or the fastest that grows does."""
+    """Return the time for all stable modes to decay by 1000, or for the fastest growing mode to grow by 1000."""
     rates = _rates(model)
     size = float(np.abs(rates).max(initial=0.0))
     lasting = np.abs(rates.real) <= 1e-9 * np.abs(rates) + 1e-14 * size
@@ -174,13 +175,13 @@ def _duration(model: StateSpace) -> float:
 
 def _count(model: StateSpace, span: float) -> int:
     rates = _rates(model)
-    turning = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
-    return int(np.clip(PER_TURN * span * turning.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))
+    frequencies = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
+    return int(np.clip(PER_TURN * span * frequencies.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))
 
 
 def _final(model: StateSpace) -> Array | None:
-    """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D, of a model that decays."""
-    if not transfer.decay(model.poles, model.time):
+    """Return C (-A)^-1 B + D, for a sampled model C (I - A)^-1 B + D; None unless it is stable."""
+    if not transfer.is_stable(model.poles, model.time):
         return None
     resolvent = -model.A if isinstance(model.time, Continuous) else np.eye(len(model.A)) - model.A
     if equilibrate.is_singular(resolvent):
@@ -195,8 +196,8 @@ def _response(signal: str, model: StateSpace, time: Array, outputs: Array, final
     return TimeResponse(signal, *values, model.outputs, model.inputs, units, input_units, ends)
 
 
-def _first(time: Array, y: Array, level: float) -> float:
-    """Return when y first reaches a level, by linear interpolation between the times; inf if it does not."""
+def _first_crossing(time: Array, y: Array, level: float) -> float:
+    """Return the time when y first reaches a level, by linear interpolation; inf if it does not."""
     above = y >= level
     if not above.any():
         return np.inf
@@ -204,8 +205,8 @@ def _first(time: Array, y: Array, level: float) -> float:
     return float(time[0] if not k else time[k - 1] + (time[k] - time[k - 1]) * (level - y[k - 1]) / (y[k] - y[k - 1]))
 
 
-def _settled(time: Array, y: Array) -> str:
-    """Return the first of the times from which on y stays within the band around 1, "" if it is still outside."""
+def _settling_time(time: Array, y: Array) -> str:
+    """Return the settling time, after which y stays within BAND of 1, as text; "" if it is still outside."""
     outside = np.flatnonzero(np.abs(y - 1) > BAND)
     if not outside.size:
         return show.number(time[0])

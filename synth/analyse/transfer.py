@@ -1,12 +1,12 @@
-"""A scalar loop along the frequency axis: s = i w, or z = exp(i w T) up to w = pi/T for a sampled loop.
+"""Frequency response of a scalar loop: s = i w, or z = exp(i w T) up to w = pi/T for a sampled loop.
 
     L(s) = (C (s I - A)^-1 B + D) exp(-s tau) (1 - exp(-s T)) / (s T)
 
-A StateSpace is the first factor alone. `Delayed` has the other two as well, exactly: a computation delay tau, and the
-mean effect of a sample hold of period T; with them 1 + L has infinitely many zeros.
+A StateSpace is the first factor alone. `Delayed` also has the other two, exactly: a computation delay tau and the
+average effect of a zero-order hold of period T. With them 1 + L has infinitely many zeros.
 
-The grid is dense at the poles of L and of the closed loop and refined until neighbours differ little, in phase too,
-which turns at a zero.
+The frequency grid of `trace` is dense at the poles of L and of the closed loop. It is refined until gain and phase
+differ little between neighbours.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,42 +17,42 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse.refinement import NARROW, refined
+from synth.analyse.refinement import NARROW, refine
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
 
 Response = Callable[[ArrayLike], Complex]
 
-ZERO = 1e-12  # of the fastest rate: a slower one may be the rounding error of an integrator
-QUIET = 1e-2  # a delayed loop is followed until |L| stays this near to its last value, and for two turns at least
-ILL_POSED = "the loop passes its input straight on with the factor -1: 1 + L has no inverse; delay it"
-TURNS = 1000  # of the delay over the whole grid: beyond, the loop is refused
+ZERO = 1e-12  # of the fastest rate: a slower one may be an integrator with rounding error
+QUIET = 1e-2  # a delayed loop is traced until |L| stays this close to its limit, and for at least two turns
+ILL_POSED = "the loop has the direct feedthrough -1: 1 + L has no inverse; delay it"
+TURNS = 1000  # of the delay over the whole grid: more is an error
 
 
 @arguments.checked
 @show.result
 class Delayed:
-    """A scalar continuous model whose output is late by `delay_s` and, where `hold_s` is not 0, held over `hold_s`."""
+    """A scalar continuous model with its output delayed by `delay_s` and, unless 0, held over `hold_s`."""
 
     model: StateSpace
     delay_s: float
     hold_s: float = 0.0
 
     def sheet(self) -> show.Sheet:
-        """Return the two times, and the model under them."""
+        """Return the delay, the hold and the model."""
         under = self.model.sheet()
         line = f"delay {self.delay_s:g} s, hold {self.hold_s:g} s, both exact"
         return show.Sheet(f"{under.title}, delayed", (line,), under.tables)
 
 
 Loop = System | Delayed
-"""What has a frequency response: a System, or a Delayed."""
+"""A System or a Delayed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """L on frequencies w (N,) in rad/s, rising; `ends` has L at w = 0 and at pi/T or infinity, where it has no pole."""
+    """L on rising frequencies w (N,) in rad/s; `ends` has L at w = 0 and at pi/T or infinity, unless it has a pole."""
 
     L: Response
     w: Array
@@ -69,7 +69,7 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
     model = scalar(of(system))
     if not isinstance(model.time, Continuous):
         raise TimingError(
-            f"a loop in {model.time} was given to be delayed by {delay_s:g} s: sample its plant with loop.sampled, "
+            f"a loop in {model.time} cannot be delayed by {delay_s:g} s: sample its plant with loop.sampled, "
             "which takes the delay, or give the continuous loop"
         )
     for what, seconds in (("delay", delay_s), ("hold", hold_s)):
@@ -79,14 +79,14 @@ def delayed(system: System, delay_s: float, hold_s: float = 0.0) -> Delayed:
 
 
 @arguments.checked
-def read(loop: Loop) -> StateSpace | Delayed:
-    """Return a loop as a StateSpace or a Delayed; raise SignalError when it has another count of signals than one."""
+def of_loop(loop: Loop) -> StateSpace | Delayed:
+    """Return a loop as a StateSpace or a Delayed; raise SignalError unless it has one input and one output."""
     return loop if isinstance(loop, Delayed) else scalar(of(loop))
 
 
 @arguments.checked
 def scalar(model: StateSpace) -> StateSpace:
-    """Return the model; raise SignalError when it has not one input and one output."""
+    """Return the model; raise SignalError unless it has one input and one output."""
     if (len(model.inputs), len(model.outputs)) != (1, 1):
         raise SignalError(f"the loop has inputs {model.inputs} and outputs {model.outputs}: open it at one signal")
     return model
@@ -94,22 +94,22 @@ def scalar(model: StateSpace) -> StateSpace:
 
 @arguments.checked
 def response(loop: Loop) -> Response:
-    """Return w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole, L right beside it.
+    """Return the function w (k,) rad/s -> L (k,) of a scalar loop; exactly on a pole it gives L just beside it.
 
-    Raises SignalError when the loop is not scalar; w -> L raises ModelError at a pole that has nothing beside it, at 0.
+    Raises SignalError when the loop is not scalar. The function raises ModelError at a pole at w = 0.
     """
-    found = read(loop)
-    moving = _moving(found.model if isinstance(found, Delayed) else found)
+    scalar_loop = of_loop(loop)
+    rational = _rational_response(scalar_loop.model if isinstance(scalar_loop, Delayed) else scalar_loop)
 
     def L(frequencies: ArrayLike) -> Complex:
         w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
-        late = _lateness(found, w) if isinstance(found, Delayed) else 1.0
-        return np.asarray(late * moving(w))
+        factor = _delay_and_hold(scalar_loop, w) if isinstance(scalar_loop, Delayed) else 1.0
+        return np.asarray(factor * rational(w))
 
     return L
 
 
-def _moving(model: StateSpace) -> Response:
+def _rational_response(model: StateSpace) -> Response:
     """Return w (k,) -> C (v I - A)^-1 B + D (k,)."""
     time = model.time
 
@@ -127,21 +127,21 @@ def _moving(model: StateSpace) -> Response:
 
 
 @arguments.checked
-def closed_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
-    """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError where the input passes straight on as -1."""
+def closed_loop_poles(model: StateSpace, factor: complex = 1.0) -> Complex:
+    """Return the zeros of 1 + factor L, in 1/s or in z; raise ModelError if 1 + factor D is 0."""
     D = factor * float(scalar(model).D[0, 0])
     if D == -1:
         raise ModelError(ILL_POSED)
     return np.linalg.eigvals(model.A - factor * model.B @ model.C / (1 + D)).astype(np.complex128)
 
 
-def decay(poles: Complex, time: Time) -> bool:
-    """Tell whether all poles decay, by more than the rounding error of the matrix that they belong to."""
-    return not lasting(poles, time).any()
+def is_stable(poles: Complex, time: Time) -> bool:
+    """Tell whether all poles are stable, by more than the rounding error of their matrix."""
+    return not not_decaying(poles, time).any()
 
 
-def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
-    """Tell of each pole whether it does not decay by more than the rounding error of the matrix that it belongs to."""
+def not_decaying(poles: Complex, time: Time) -> NDArray[np.bool_]:
+    """Tell for each pole whether it is undamped or unstable, up to the rounding error of its matrix."""
     if isinstance(time, Continuous):
         return np.asarray(poles.real >= -1e-14 * np.abs(poles).max(initial=0.0))
     return np.asarray(np.abs(poles) >= 1 - 1e-14)
@@ -151,20 +151,20 @@ def lasting(poles: Complex, time: Time) -> NDArray[np.bool_]:
 def trace(
     loop: StateSpace | Delayed, low: float | None = None, high: float | None = None, L: Response | None = None
 ) -> Curve:
-    """Return L between `low` and `high` rad/s on a grid fine enough for every crossing to show; `L` where it is known.
+    """Return L between `low` and `high` rad/s on a grid that resolves every crossing; `L` if available.
 
-    Left out, `low` lies below and `high` above all poles; a sampled loop always goes up to Nyquist.
+    By default `low` lies below and `high` above all poles; a sampled loop always extends to Nyquist.
 
-    Raises SignalError when low and high are not 0 < low < high; ModelError when 1 + L has no inverse, or when a delay
-    is too long for the loop to be followed.
+    Raises SignalError unless 0 < low < high; ModelError if 1 + L has no inverse, or if a delay is too long to trace the
+    loop.
     """
     model = loop.model if isinstance(loop, Delayed) else loop
-    L, closed, poles = L or response(loop), _closed_rates(loop), _rates(model.poles, model)
+    L, closed, poles = L or response(loop), _closed_loop_rates(loop), _rates(model.poles, model)
     start, top = _span(model, closed, poles, low, high)
     turning = loop.delay_s + loop.hold_s / 2 if isinstance(loop, Delayed) else 0.0
     nodes = [np.zeros(0)]
     if turning:
-        top = high or max(_settled(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / turning)
+        top = high or max(_quiet_frequency(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / turning)
         check_turns(turning, top)
         nodes = [np.arange(start, top, 0.3 / turning)]
     if not 0 < start < top:
@@ -172,15 +172,15 @@ def trace(
     w = _grid(np.concatenate([poles, closed]), start, top, nodes)
     first = np.asarray(L(w[:1]))
     if first.shape != (1,) or first.dtype.kind not in "fc":
-        raise SignalError(f"`L` gives {arguments.found(first)} for one frequency: give a function w (k,) -> L (k,)")
-    w, value = refined(L, w, np.asarray(L(w)))
+        raise SignalError(f"`L` gives {arguments.describe(first)} for one frequency: give a function w (k,) -> L (k,)")
+    w, value = refine(L, w, np.asarray(L(w)))
     w.flags.writeable = value.flags.writeable = False
     return Curve(L, w, value, ends(loop))
 
 
 @arguments.checked
 def check_limits(low: float | None, high: float | None) -> None:
-    """Raise SignalError when limits in rad/s are not 0 < low < high."""
+    """Raise SignalError unless the limits in rad/s are 0 < low < high."""
     for name, v in (("low", low), ("high", high)):
         if v is not None and (not isinstance(v, Real) or isinstance(v, bool) or not 0 < v < np.inf):
             raise SignalError(f"`{name}` is {v!r}: give a finite frequency above 0 in rad/s, or leave it out")
@@ -190,23 +190,23 @@ def check_limits(low: float | None, high: float | None) -> None:
 
 @arguments.checked
 def check_turns(late: float, top: float) -> None:
-    """Raise ModelError when a delay in s turns a loop too often below `top` rad/s for it to be followed."""
+    """Raise ModelError if the delay in s gives the loop too many turns below `top` rad/s to trace it."""
     if top * late > 2 * np.pi * TURNS:
         raise ModelError(
-            f"the loop is delayed by {late:g} s and must be followed up to {top:.3g} rad/s, more than {TURNS} "
+            f"the loop is delayed by {late:g} s and must be traced up to {top:.3g} rad/s, more than {TURNS} "
             f"turns: give `high` below {2 * np.pi * TURNS / late:.3g} rad/s, or lower the loop's bandwidth"
         )
 
 
-def _lateness(loop: Delayed, w: Array) -> Complex:
+def _delay_and_hold(loop: Delayed, w: Array) -> Complex:
     x = w * loop.hold_s / 2
     return np.asarray(np.sinc(x / np.pi) * np.exp(-1j * (w * loop.delay_s + x)))
 
 
-def _closed_rates(loop: StateSpace | Delayed) -> Complex:
+def _closed_loop_rates(loop: StateSpace | Delayed) -> Complex:
     if isinstance(loop, StateSpace):
-        return _rates(closed_poles(loop), loop)
-    return loop.model.poles if loop.model.D[0, 0] == -1 else closed_poles(loop.model)
+        return _rates(closed_loop_poles(loop), loop)
+    return loop.model.poles if loop.model.D[0, 0] == -1 else closed_loop_poles(loop.model)
 
 
 def _rates(poles: Complex, model: StateSpace) -> Complex:
@@ -225,15 +225,15 @@ def _span(
     return low or float(np.clip(1e-2 * slowest, min(bottom, 1e-2), 1e-2)), float(top)
 
 
-def _settled(L: Response, last: float, start: float, top: float) -> float:
-    """Return a frequency above which |L| stays within QUIET of its last value, `top` if there is none."""
+def _quiet_frequency(L: Response, last: float, start: float, top: float) -> float:
+    """Return a frequency above which |L| stays within QUIET of its limit `last`, or `top` if there is none."""
     w = np.geomspace(start, top, 2000)
-    moving = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
-    return float(w[min(moving[-1] + 1, len(w) - 1)]) if moving.size else float(w[0])
+    unsettled = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
+    return float(w[min(unsettled[-1] + 1, len(w) - 1)]) if unsettled.size else float(w[0])
 
 
 def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array:
-    """Return frequencies from start to top, denser towards each lightly damped pole, and the given nodes."""
+    """Return frequencies from start to top, denser towards each lightly damped pole, and `nodes`."""
     points = [np.geomspace(start, top, 400), *nodes]
     for s in rates[rates.imag > start]:
         width = max(abs(s.real), 4 * NARROW * s.imag)
@@ -243,7 +243,7 @@ def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array
     w = w[(w >= start) & (w <= top)]
     undamped = rates.imag[(np.abs(rates.real) < NARROW * rates.imag) & (rates.imag > start)]
     w = w[(np.abs(w[:, None] - undamped) > NARROW / 2 * w[:, None]).all(axis=1)]
-    # Poles that nearly coincide seed nearly the same nodes; a bracket between such twins would hold no peak.
+    # Poles that nearly coincide give nearly equal nodes; a bracket between these would contain no peak.
     return w[np.append(np.diff(w) > NARROW * w[1:], True)]
 
 
@@ -253,16 +253,16 @@ def ends(loop: StateSpace | Delayed) -> dict[float, float]:
     scalar(loop.model if isinstance(loop, Delayed) else loop)
     if isinstance(loop, Delayed):
         last = 0.0 if loop.hold_s else float(loop.model.D[0, 0])
-        return _real(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # it circles for ever
+        return _real_values(loop.model, {0.0: 0.0}) | {np.inf: -abs(last) if loop.delay_s else last}  # L circles
     if isinstance(loop.time, Continuous):
-        return _real(loop, {0.0: 0.0}) | {np.inf: float(loop.D[0, 0])}
-    return _real(loop, {0.0: 1.0, np.pi / loop.time.period_s: -1.0})
+        return _real_values(loop, {0.0: 0.0}) | {np.inf: float(loop.D[0, 0])}
+    return _real_values(loop, {0.0: 1.0, np.pi / loop.time.period_s: -1.0})
 
 
-def _real(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
-    found = {}
+def _real_values(model: StateSpace, points: dict[float, float]) -> dict[float, float]:
+    values = {}
     for w, v in points.items():
         sigma = np.linalg.svd(v * np.eye(len(model.A)) - model.A, compute_uv=False)
         if sigma.size == 0 or sigma[-1] > 1e-12 * sigma[0]:
-            found[w] = float(model.response(v)[0, 0, 0].real)
-    return found
+            values[w] = float(model.response(v)[0, 0, 0].real)
+    return values

@@ -1,11 +1,11 @@
-"""Trim: values of the free states and inputs w at which a plant rests.
+"""Trim (MATLAB `findop`, python-control `find_operating_point`): an equilibrium of a plant in its free signals w.
 
     minimise  sum_j ((w_j - ref_j) / scale_j)^2   subject to   f(x, u, p) = 0
 
-over the named free signals, everything else held. ref_j is the value nearest zero in the signal's range and scale_j
-half the width of that range. Where inputs are redundant the smallest ones serve. Of several roots, as a quadratic input
-gives them, the nearest is taken of all that a fixed set of starts inside the ranges reaches; every start is tried
-before the distances are compared (`nearest_root`). Roots at one distance are told as `OperatingPoint.ties`.
+over the free states and inputs, all others held. ref_j is the value nearest zero in the signal's range and scale_j is
+half the width of that range. Redundant inputs get their smallest values. Several roots may exist, for example with a
+quadratic input. The search starts from a fixed set of points in the ranges and returns the nearest of all roots found
+(`nearest_root`). Roots at equal distances are in `OperatingPoint.ties`.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -32,10 +32,10 @@ RELATIVE_TOLERANCE = 1e-9
 class OperatingPoint:
     """An equilibrium: x (n,), u (m,), p in the plant's order and units.
 
-    `residual` is the largest |f_i| at the point, each in its state's unit over s; `outside` names the signals beyond
-    their range. `ties` holds the other equilibria that are as near, each as values of the free signals: the point
-    itself is the one with the larger value of the first free signal in which they differ. Where a continuum of
-    equilibria is equally near, `ties` holds those that the search came to.
+    `residual` is the largest |f_i| at the point, each in its state's unit over s; `outside` lists the signals outside
+    their ranges. `ties` holds the other equilibria at the same distance, each as values of the free signals; the point
+    itself has the larger value of the first free signal in which they differ. Of a continuum of such equilibria, `ties`
+    holds those that the search found.
     """
 
     x: Array
@@ -75,7 +75,7 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
 
     `fixed` holds states and inputs at values in their units; a name in neither stays at zero.
 
-    Raises SignalError when a name is not the plant's or is both fixed and free, ModelError when it has no equilibrium.
+    Raises SignalError for a name that the plant lacks or that is fixed and free, ModelError without an equilibrium.
     """
     signals = {s.name: s for s in (*plant.states, *plant.inputs)}
     _check_names(plant, signals, fixed, free)
@@ -98,14 +98,14 @@ def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], f
     if unknown := [n for n in (*fixed, *free) if n not in known]:
         raise SignalError(f"trim of '{plant.name}': no state or input {', '.join(unknown)}: it has {', '.join(known)}")
     if len(set(free)) < len(free):
-        raise SignalError(f"trim of '{plant.name}': a free name stands twice in {', '.join(free)}: name each once")
+        raise SignalError(f"trim of '{plant.name}': a free name is listed twice in {', '.join(free)}: name each once")
 
 
 def _problem(
     plant: Plant, fixed: Mapping[str, float], free: Sequence[Signal], reference: Array, scale: Array
 ) -> _Problem:
     z = ca.SX.sym("z", len(free))
-    held = ca.SX.sym("held", len(fixed))  # symbols: a constant zero would cancel the infinities that it causes
+    held = ca.SX.sym("held", len(fixed))  # symbols, because a constant zero would cancel infinities
     value = {n: held[i] for i, n in enumerate(fixed)}
     value |= {s.name: reference[i] + scale[i] * z[i] for i, s in enumerate(free)}
     x = ca.vcat([value.get(s.name, ca.SX(0)) for s in plant.states])
@@ -136,10 +136,10 @@ def _derivatives(f: ca.SX, z: ca.SX, held: ca.SX, values: Array) -> tuple[Linear
 
 
 def _numeric(unknown: ca.SX, held: ca.SX, results: Sequence[ca.SX], values: Array) -> Linear:
-    """Return two results (k,) and (k, n) as a function of `unknown`, by buffers: conversions take most of a call."""
+    """Return two results (k,) and (k, n) as a function of `unknown`, through buffers, which avoid slow conversions."""
     value, slope = results
     function = ca.Function("numeric", [unknown, held], [ca.densify(ca.vertcat(value, ca.vec(slope)))])
-    buffer: Any  # CasADi's annotations ask for a size beside the array
+    buffer: Any  # CasADi's annotations want a size with the array
     buffer, evaluate = function.buffer()
     argument, result = np.zeros(unknown.numel()), np.zeros(function.numel_out(0))
     buffer.set_arg(0, argument.data)
@@ -147,16 +147,17 @@ def _numeric(unknown: ca.SX, held: ca.SX, results: Sequence[ca.SX], values: Arra
         buffer.set_arg(1, values.data)
     buffer.set_res(0, result.data)
 
-    def called(z: Array, _owner: object = buffer) -> tuple[Array, Array]:  # `evaluate` alone does not keep the buffer
+    # `evaluate` alone does not keep the buffer alive: the default argument does.
+    def evaluate_at(z: Array, _owner: object = buffer) -> tuple[Array, Array]:
         argument[:] = z
         evaluate()
         return result[: value.numel()].copy(), result[value.numel() :].reshape(slope.shape, order="F").copy()
 
-    return called
+    return evaluate_at
 
 
 def _roots(plant: Plant, problem: _Problem, free: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Array, ...]:
-    """Return the scaled roots nearest zero; raise ModelError with the equation that stays unmet."""
+    """Return the scaled roots nearest zero; raise ModelError with the unsatisfied equation."""
     origin = np.zeros(len(free))
     if not free:
         search = nearest_root.Search((origin,) if problem.system.is_root(origin) else (), origin)

@@ -1,9 +1,9 @@
-"""Matrices to twice the precision of double, each an unevaluated sum of two: high + low, with low far below high.
+"""Double-double matrix products: each matrix is an unevaluated sum high + low, with low far below high.
 
-A product X Y is split as X = X0 + X1, Y = Y0 + Y1 with so few bits in X0 and Y0 that the multiplications and additions
-in X0 Y0 are exact, in whatever order they are done; the rest is smaller by as many bits and is computed in double
-(Rump, Ogita, Oishi 2008). With n terms to a sum, b = (51 - log2 n) / 2 bits are kept in each of X0 and Y0, and an entry
-of the product is off by about 2^(-53 - b) of the largest entries in its row of X and its column of Y times n.
+A product X Y is split as X = X0 + X1, Y = Y0 + Y1. X0 and Y0 have so few bits that X0 Y0 is exact, in any order of the
+operations. The remaining terms are smaller by the same number of bits and are computed in double (Rump, Ogita, Oishi
+2008). For sums of n terms, X0 and Y0 keep b = (51 - log2 n) / 2 bits each. An entry of the product has an error of
+about 2^(-53 - b) n times the largest entries in its row of X and its column of Y.
 """
 
 from dataclasses import dataclass
@@ -58,8 +58,8 @@ def product(X: Twofold | Array, Y: Twofold | Array) -> Twofold:
     return Twofold(*_sum(x0 @ y0, rest))
 
 
-def lost(terms: int) -> float:
-    """Return how much less than in double precision a product's rounding is, with so many `terms` to a sum."""
+def relative_rounding(terms: int) -> float:
+    """Return the rounding error of a product relative to that in double precision, for sums of `terms` terms."""
     return float(2.0 ** -_bits(terms))
 
 
@@ -68,9 +68,9 @@ def _bits(terms: int) -> int:
 
 
 def _leading(values: Array, axis: int, bits: int) -> Array:
-    """Return some `bits` or one more of each entry, counted from the leading bit of the largest along the axis."""
+    """Return about `bits` leading bits of each entry, counted from the largest entry along the axis."""
     large = np.abs(values).max(axis=axis, keepdims=True, initial=0.0) * 2.0 ** (DIGITS - bits)
-    return np.asarray((values + large) - large, dtype=np.float64)  # the sum rounds off what is below large's last place
+    return np.asarray((values + large) - large, dtype=np.float64)  # the sum rounds to the last place of `large`
 
 
 def _sum(x: Array, y: Array) -> tuple[Array, Array]:

@@ -1,12 +1,12 @@
-"""The worst of a figure of a loop over operating points and over the tolerances of parameters.
+"""Worst-case margins of a loop over operating points and parameter tolerances (compare MATLAB `wcmargin`).
 
     worst over points o and over p in the box |p_i - p_i0| <= tolerance_i |p_i0| of figure(loop(o, p))
 
-At each operating point the centre of the box and all its vertices are tried; from the two worst of them a bounded
-search without derivatives goes on, for a worst case may lie on an edge or inside. What is told is attained, at the
-values told; it is no proof that nothing in the box is worse.
+At each operating point the search evaluates the centre of the box and all its vertices. It continues from the two worst
+with a bounded derivative-free search, because the worst case may lie on an edge or inside. The reported value is
+attained at the reported parameters. It is not proved to be the worst in the box.
 
-A loop that is not stable has no margin left: the figures here are 0, for a gain 1, and for the peak sensitivity inf.
+An unstable loop has no margin left: its figures are 0, 1 for a gain, and inf for the peak sensitivity.
 """
 
 import itertools
@@ -24,18 +24,18 @@ from synth.signals import Parameter
 from synth.signals import names as names_of
 from synth.statespace import Array
 
-MOST_PARAMETERS = 10  # with a tolerance: more have over a thousand vertices at each operating point
+MOST_PARAMETERS = 10  # with a tolerance: 2^10 vertices at each operating point
 STEPS = 30  # of each search, for each parameter
-STILL = 1e-6  # of the box, and of the figure: a search stops when it moves less
-FAR = 1e300  # stands for inf, with which the search cannot reckon
+SMALL_CHANGE = 1e-6  # of the box, and of the figure: a search stops at smaller changes
+LARGE = 1e300  # replaces inf, which the search cannot use
 
 LoopOf = Callable[[Mapping[str, float]], Loop]
 
 
 @arguments.checked
 @dataclass(frozen=True)
-class Figure:
-    """A scalar figure of a loop, in `unit`; the worst is the largest where `largest`, else the least."""
+class Criterion:
+    """A scalar figure of a loop, in `unit`; the worst is the largest if `largest`, otherwise the least."""
 
     name: str
     unit: str
@@ -43,12 +43,14 @@ class Figure:
     largest: bool = False
 
 
-def _margin(name: str, unit: str, of: Callable[[margins.Margins], float], lost: float, largest: bool = False) -> Figure:
+def _margin(
+    name: str, unit: str, of: Callable[[margins.Margins], float], if_unstable: float, largest: bool = False
+) -> Criterion:
     def figure(loop: Loop) -> float:
-        found = margins.of_loop(loop)
-        return of(found) if found.stable else lost
+        loop_margins = margins.of_loop(loop)
+        return of(loop_margins) if loop_margins.stable else if_unstable
 
-    return Figure(name, unit, figure, largest)
+    return Criterion(name, unit, figure, largest)
 
 
 PHASE_MARGIN = _margin("phase margin", "degrees", lambda m: m.phase_margin, 0.0)
@@ -61,9 +63,9 @@ PEAK_SENSITIVITY = _margin("peak sensitivity", "1", lambda m: m.peak_sensitivity
 
 @dataclass(frozen=True)
 class Point:
-    """What was found at one operating point: the figure at the centre, at the worst vertex, and the worst, with where.
+    """The figure at one operating point: at the centre, at the worst vertex, and the worst of all.
 
-    `where` maps parameters to values.
+    `where` has the parameters of the worst.
     """
 
     name: str
@@ -77,7 +79,7 @@ class Point:
 class Worst:
     """The worst `value` of a figure, attained at the operating point `at` with the parameters' values `where`."""
 
-    figure: Figure
+    figure: Criterion
     value: float
     at: str
     where: Mapping[str, float]
@@ -86,7 +88,7 @@ class Worst:
     evaluations: int
 
     def sheet(self) -> show.Sheet:
-        """Return the worst, how it was searched, and what each operating point gives."""
+        """Return the worst, the extent of the search, and the values at each operating point."""
         values = ", ".join(f"{p.name} {self.where[p.name]:.6g} {p.unit}" for p in self.parameters)
         unit = "" if self.figure.unit == "1" else f" {self.figure.unit}"
         title = f"Worst {self.figure.name}: {show.number(self.value)}{unit}" + (f" at {self.at}" if self.at else "")
@@ -100,7 +102,7 @@ class Worst:
             "centre",
             "worst vertex",
             "worst",
-            *(show.named(p.name, p.unit) for p in self.parameters),
+            *(show.with_unit(p.name, p.unit) for p in self.parameters),
         )
         rows = tuple(
             (
@@ -116,16 +118,16 @@ class Worst:
 def search(
     loop: LoopOf,
     parameters: Sequence[Parameter],
-    figure: Figure,
+    figure: Criterion,
     points: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Worst:
     """Return the worst of a figure over the parameters' tolerances at each operating point.
 
     `loop` gets the values of the parameters and of the operating point, by name; `points` maps the name of an operating
-    point to its values, in whatever units `loop` takes. A parameter of tolerance 0 stays at its value.
+    point to its values, in the units that `loop` takes. A parameter of tolerance 0 stays at its value.
 
-    Raises SignalError for no point, a name that stands twice, a tolerance of a value 0, or too many parameters with a
-    tolerance; ModelError when the figure is no number or `loop` fails, with the values.
+    Raises SignalError for no point, a duplicate name, a tolerance of a value 0, or too many parameters with a
+    tolerance; ModelError with the values if the figure is NaN or `loop` fails.
     """
     points = {"": {}} if points is None else points
     _require(parameters, points)
@@ -133,26 +135,26 @@ def search(
     count = 0
 
     def at(point: Mapping[str, float]) -> Callable[[Array], float]:
-        def bad(t: Array) -> float:
+        def objective(t: Array) -> float:
             nonlocal count
             count += 1
-            value = _value(loop, figure, {**point, **_placed(parameters, free, t)})
+            value = _value(loop, figure, {**point, **_parameter_values(parameters, free, t)})
             return -value if figure.largest else value
 
-        return bad
+        return objective
 
-    found = [_searched(name, at(values), parameters, free, figure) for name, values in points.items()]
-    worst = (max if figure.largest else min)(found, key=lambda p: p.worst)
-    return Worst(figure, worst.worst, worst.name, worst.where, tuple(found), tuple(parameters), count)
+    worst_points = [_search_point(name, at(values), parameters, free, figure) for name, values in points.items()]
+    worst = (max if figure.largest else min)(worst_points, key=lambda p: p.worst)
+    return Worst(figure, worst.worst, worst.name, worst.where, tuple(worst_points), tuple(parameters), count)
 
 
 def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, float]]) -> None:
     known = names_of(parameters)
     if not points:
-        raise SignalError("no operating point is given: give one at least, or leave `points` out")
+        raise SignalError("there is no operating point: give at least one, or leave `points` out")
     for name, values in points.items():
         if both := [v for v in values if v in known]:
-            raise SignalError(f"the operating point '{name}' sets '{both[0]}', which is a parameter too: leave one out")
+            raise SignalError(f"the operating point '{name}' sets '{both[0]}', also a parameter: leave one out")
     for p in parameters:
         if p.tolerance and not p.value:
             raise SignalError(
@@ -167,52 +169,57 @@ def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, 
         )
 
 
-def _placed(parameters: Sequence[Parameter], free: Sequence[Parameter], t: Array) -> dict[str, float]:
-    """Return the values at t (free,) in -1 .. 1 across the box."""
-    moved = {p.name: p.value * (1 + p.tolerance * float(s)) for p, s in zip(free, t, strict=True)}
-    return {p.name: moved.get(p.name, p.value) for p in parameters}
+def _parameter_values(parameters: Sequence[Parameter], free: Sequence[Parameter], t: Array) -> dict[str, float]:
+    """Return the parameters at t (free,), -1 .. 1 from one end of each tolerance to the other."""
+    varied = {p.name: p.value * (1 + p.tolerance * float(s)) for p, s in zip(free, t, strict=True)}
+    return {p.name: varied.get(p.name, p.value) for p in parameters}
 
 
-def _value(loop: LoopOf, figure: Figure, values: Mapping[str, float]) -> float:
-    told = ", ".join(f"{name} = {v:.6g}" for name, v in values.items())
+def _value(loop: LoopOf, figure: Criterion, values: Mapping[str, float]) -> float:
+    location = ", ".join(f"{name} = {v:.6g}" for name, v in values.items())
     try:
         value = float(figure.of(loop(values)))
     except SynthError as error:
-        raise ModelError(f"no {figure.name} at {told}: {error}") from error
-    except Exception as error:  # whatever the user's own function raises: without the values it cannot be found again
-        found = f"{type(error).__name__}: {error}"
-        raise ModelError(f"no {figure.name} at {told}: {found}; mend the loop or narrow the tolerances") from error
+        raise ModelError(f"no {figure.name} at {location}: {error}") from error
+    except Exception as error:  # any error of the user's function: the values make it reproducible
+        message = f"{type(error).__name__}: {error}"
+        raise ModelError(
+            f"no {figure.name} at {location}: {message}; mend the loop or narrow the tolerances"
+        ) from error
     if np.isnan(value):
-        raise ModelError(f"the {figure.name} is no number at {told}: mend the loop or narrow the tolerances")
+        raise ModelError(f"the {figure.name} is NaN at {location}: mend the loop or narrow the tolerances")
     return value
 
 
-def _searched(
+def _search_point(
     name: str,
-    bad: Callable[[Array], float],
+    objective: Callable[[Array], float],
     parameters: Sequence[Parameter],
     free: Sequence[Parameter],
-    figure: Figure,
+    figure: Criterion,
 ) -> Point:
-    """Return what is worst at one operating point; less is worse in `bad`."""
-    n, turned = len(free), -1.0 if figure.largest else 1.0
+    """Return the worst at one operating point; a smaller `objective` is worse."""
+    n, sign = len(free), -1.0 if figure.largest else 1.0
     corners = [np.array(c) for c in itertools.product((-1.0, 1.0), repeat=n)] if n else []
-    tried = sorted([(bad(t), k, t) for k, t in enumerate([np.zeros(n), *corners])], key=lambda c: c[:2])
-    centre = next(value for value, k, _ in tried if k == 0)
-    vertex = next((value for value, k, _ in tried if k), centre)
-    searched = [_local(bad, t) for value, _, t in tried[:2] if n and np.isfinite(value)]
-    least, where = min([(tried[0][0], tried[0][2]), *searched], key=lambda c: c[0])
-    return Point(name, turned * centre, turned * vertex, turned * least, _placed(parameters, free, where))
+    evaluated = sorted([(objective(t), k, t) for k, t in enumerate([np.zeros(n), *corners])], key=lambda c: c[:2])
+    centre = next(value for value, k, _ in evaluated if k == 0)
+    vertex = next((value for value, k, _ in evaluated if k), centre)
+    searched = [_simplex_search(objective, t) for value, _, t in evaluated[:2] if n and np.isfinite(value)]
+    least, where = min([(evaluated[0][0], evaluated[0][2]), *searched], key=lambda c: c[0])
+    return Point(name, sign * centre, sign * vertex, sign * least, _parameter_values(parameters, free, where))
 
 
-def _local(bad: Callable[[Array], float], start: Array) -> tuple[float, Array]:
-    """Return the least found by a simplex from `start`, reaching across the box.
+def _simplex_search(objective: Callable[[Array], float], start: Array) -> tuple[float, Array]:
+    """Return the minimum from a simplex search from `start` that spans the box.
 
-    It moves in angles a with t = sin(a), so that no side of the box flattens it.
+    The variables are angles a with t = sin(a), which keeps the simplex from collapsing on a side of the box.
     """
     angle = np.arcsin(start)
     simplex = np.vstack([angle, angle + np.diag(np.where(angle == 0, np.pi / 4, -angle))])
-    limits = {"maxfev": STEPS * len(start), "xatol": STILL, "fatol": STILL * abs(min(bad(start), FAR))}
+    size = abs(min(objective(start), LARGE))
+    limits = {"maxfev": STEPS * len(start), "xatol": SMALL_CHANGE, "fatol": SMALL_CHANGE * size}
     options = {"initial_simplex": simplex, **limits}
-    found = minimize(lambda a: float(np.clip(bad(np.sin(a)), -FAR, FAR)), angle, method="Nelder-Mead", options=options)
-    return float(found.fun), np.sin(found.x)
+    minimum = minimize(
+        lambda a: float(np.clip(objective(np.sin(a)), -LARGE, LARGE)), angle, method="Nelder-Mead", options=options
+    )
+    return float(minimum.fun), np.sin(minimum.x)

@@ -1,7 +1,7 @@
-"""Zero dynamics at an equilibrium: how the states move that the outputs do not show while they are held at rest.
+"""Zero dynamics at an equilibrium: the motion of the states while the inputs keep all outputs at zero.
 
-With relative degrees r_i and the linear model dx/dt = A x + B u, y = C x + D u, as many inputs as outputs, the outputs
-stay at rest on the subspace Z of all x with C_i A^k x = 0, k < r_i, under the input that keeps C_i A^r_i x + D_i u = 0:
+For relative degrees r_i and a linear model dx/dt = A x + B u, y = C x + D u with as many inputs as outputs, the outputs
+stay zero on the subspace Z of all x with C_i A^k x = 0, k < r_i, under the input that keeps C_i A^r_i x + D_i u = 0:
 
     dz/dt = Z^T (A - B D*^-1 C*) Z z,   C*_i = C_i A^r_i,   D*_i = C_i A^(r_i - 1) B,   x = Z z,
 
@@ -34,16 +34,16 @@ from synth.statespace import Array, StateSpace, System
 
 Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
 
-SLOW = 1e-6  # of the model's norm: what it adds to the norm of its zero dynamics, for their size
+SLOW = 1e-6  # of the model's norm: added to the norm of the zero dynamics to give their size
 AXIS = 1e-6  # of that size: real parts this small count as 0; a double eigenvalue scatters by 1e-8
-AGREED = 1e-5  # of that size: what the two ways may differ by, as eigenvalues of multiplicity 2 or 3 scatter
+TOLERANCE = 1e-5  # of that size: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
 SINGULAR = 1e8  # condition of D* from which the degree counts as undefined
 AT_REST = 1e-6  # of a state's half range per second
 
 
 @dataclass(frozen=True)
 class Mode:
-    """An eigenvalue in 1/s, and the states that move most in it, in half ranges."""
+    """An eigenvalue in 1/s, and its dominant states, measured in half ranges."""
 
     value: complex
     states: tuple[str, ...]
@@ -51,11 +51,11 @@ class Mode:
 
 @show.result
 class ZeroDynamics:
-    """The modes of the zero dynamics, the transmission `zeros` of the pencil, and how far apart they are.
+    """The modes of the zero dynamics, the transmission `zeros` of the pencil, and their distance.
 
-    `distance` is the largest of paired values, over the size of the dynamics.
-    `verdict`: "none" where the order is 0; "minimum phase" where all modes decay; "not minimum phase" where one grows;
-    "not hyperbolic" where none grows and one lies on the imaginary axis, so that the linear model does not decide.
+    `distance` is the largest distance of paired values, over the size of the dynamics.
+    `verdict`: "none" if the order is 0; "minimum phase" if all modes decay; "not minimum phase" if one grows;
+    "not hyperbolic" if none grows and one lies on the imaginary axis: the linear model then does not decide.
     """
 
     modes: tuple[Mode, ...]
@@ -70,22 +70,22 @@ class ZeroDynamics:
 
     @property
     def agreed(self) -> bool:
-        """Whether the two ways to the zeros agree."""
-        return self.distance <= AGREED
+        """Whether the two methods give the same zeros."""
+        return self.distance <= TOLERANCE
 
     def sheet(self) -> show.Sheet:
         """Return the verdict and each mode with its states."""
         if not self.modes:
             return show.Sheet("Zero dynamics: none, the degree is full")
         meaning = {
-            "minimum phase": "they decay",
-            "not minimum phase": "one grows unseen while the outputs rest: choose other outputs",
+            "minimum phase": "all modes decay",
+            "not minimum phase": "a mode grows while the outputs stay at zero: choose other outputs",
             "not hyperbolic": "a mode on the imaginary axis: the linear model does not decide",
         }
         word = "agree" if self.agreed else "DISAGREE"
         lines = (
             meaning[self.verdict],
-            f"restricted dynamics and pencil {word}: {self.distance:.1e} of their size apart",
+            f"restricted dynamics and pencil {word}: relative difference {self.distance:.1e}",
         )
         rows = tuple((show.number(mode.value), ", ".join(mode.states)) for mode in self.modes)
         table = show.Table(("mode [1/s]", "states"), rows)
@@ -96,16 +96,16 @@ class ZeroDynamics:
 def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight: Array | None = None) -> ZeroDynamics:
     """Return the zero dynamics of the plant's outputs and inputs in `degree` at the equilibrium `point`.
 
-    Where there are more inputs than outputs, `weight` W (m, m) gives those of the least u' W u.
+    With more inputs than outputs, `weight` W (m, m) selects the inputs of least u' W u.
 
-    Raises SignalError when the point is another plant's, ModelError when it is no equilibrium, does not have the inputs
-    that the degree holds, or the decoupling matrix is singular there.
+    Raises SignalError if the point belongs to another plant; ModelError if it is not an equilibrium, if its held inputs
+    differ from those of `degree`, or if the decoupling matrix is singular there.
     """
     model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
-    _require_same(plant, degree, point)
+    _require_matching(plant, degree, point)
     if weight is not None:
-        weight = arguments.fitting("weight", weight, len(model.inputs), len(model.inputs))
-        star = _stars(model, degree.degrees)[1]
+        weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))
+        star = _highest_derivatives(model, degree.degrees)[1]
         N = np.linalg.solve(weight, star.T)
         shares = tuple(f"share_of_{name}" for name in degree.outputs)
         model = replace(model, B=model.B @ N, D=model.D @ N, inputs=shares)
@@ -117,25 +117,23 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
 def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float] | None = None) -> ZeroDynamics:
     """Return the zero dynamics of a continuous model with relative `degrees` (p,).
 
-    `sizes` gives the half range of each state, by name, 1 when left out: which states move most is told in them.
+    `sizes` gives the half range of each state, by name, by default 1; it is the unit for the dominant states.
 
     Raises SignalError when the numbers do not fit, ModelError when the decoupling matrix is singular.
     """
     model = statespace.of(system)
     n, m = model.B.shape
     if len(degrees) != len(model.C) or m != len(model.C):
-        raise SignalError(
-            f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: zero dynamics need as many of each"
-        )
+        raise SignalError(f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: give equal numbers of each")
     T = np.array([(sizes or {}).get(name, 1.0) for name in model.states])
     scaled = _scaled(model, T)
-    C, D = _stars(scaled, degrees)
+    C, D = _highest_derivatives(scaled, degrees)
     _require_regular(D, model)
     chains = _chains(scaled, degrees)
     Z = scipy.linalg.null_space(chains / np.linalg.norm(chains, axis=1, keepdims=True)) if len(chains) else np.eye(n)
     if Z.shape[1] != n - len(chains):
         raise ModelError(
-            f"the degrees {tuple(degrees)} are not those of this model: the derivatives below them depend on each other"
+            f"the degrees {tuple(degrees)} are not those of this model: the derivatives below them are dependent"
         )
     F = Z.T @ (scaled.A - scaled.B @ np.linalg.solve(D, C)) @ Z
     values, vectors = np.linalg.eig(F)
@@ -146,7 +144,7 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
     return ZeroDynamics(modes, zeros, _distance(values, zeros, size), _verdict(values.real, size))
 
 
-def _require_same(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
+def _require_matching(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
     rates = np.abs(np.asarray(plant.f(point.x, point.u, point.p)).ravel())
     if not (rates <= AT_REST * box.half_widths(plant.states)).all():
         worst = int(np.argmax(rates / box.half_widths(plant.states)))
@@ -176,7 +174,7 @@ def _chains(model: StateSpace, degrees: Sequence[int]) -> Array:
     return np.array(rows).reshape(-1, len(model.A))
 
 
-def _stars(model: StateSpace, degrees: Sequence[int]) -> tuple[Array, Array]:
+def _highest_derivatives(model: StateSpace, degrees: Sequence[int]) -> tuple[Array, Array]:
     """Return C* and D*."""
     power = np.linalg.matrix_power
     C = np.array([c @ power(model.A, r) for c, r in zip(model.C, degrees, strict=True)])
@@ -195,7 +193,7 @@ def _require_regular(D: Array, model: StateSpace) -> None:
 
 
 def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
-    """Return the `count` least eigenvalues of the pencil P; the others are the infinite ones, sum r + p of them."""
+    """Return the `count` least eigenvalues of the pencil P; the other sum r + p eigenvalues are infinite."""
     n, m = model.B.shape
     rate = float(np.linalg.norm(model.A)) or 1.0
     P = np.block([[model.A / rate, model.B], [model.C, model.D]])
@@ -209,11 +207,11 @@ def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
 
 def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], size: float) -> float:
     """Return the largest distance of paired values, over the size."""
-    apart = np.abs(values[:, None] - zeros[None, :])
-    if not np.isfinite(apart).all():
+    distances = np.abs(values[:, None] - zeros[None, :])
+    if not np.isfinite(distances).all():
         return np.inf
-    rows, columns = linear_sum_assignment(apart)
-    return float(apart[rows, columns].max(initial=0.0)) / (size or 1.0)
+    rows, columns = linear_sum_assignment(distances)
+    return float(distances[rows, columns].max(initial=0.0)) / (size or 1.0)
 
 
 def _verdict(real: Array, size: float) -> Verdict:

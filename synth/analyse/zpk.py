@@ -1,11 +1,11 @@
-"""Zero-pole-gain form of a scalar loop along the axis, with bounds of its logarithm over intervals.
+"""Zero-pole-gain form of a scalar loop on the frequency axis, with bounds of log L over intervals.
 
 With the zeros and poles r of a rational loop, its gain k, a delay tau and a hold T,
 
     log L(i w) = log k +- sum log(i w - r) - i w (tau + T/2) + log(sin(w T/2) / (w T/2)).
 
-The slope of each term over an interval of w has bounds in closed form, and so has its size. From them the least |1 + L|
-is found by branch and bound: an interval of half width h around w holds nothing below |1 + L(i w)| - h max |L'|.
+Each term and its slope have closed-form bounds over an interval of w. With them, branch and bound finds the least
+|1 + L|: on an interval of half width h around w it is at least |1 + L(i w)| - h max |L'|.
 """
 
 from dataclasses import dataclass, replace
@@ -18,8 +18,8 @@ from synth.analyse import rational
 from synth.analyse.rational import Rational
 from synth.statespace import Array
 
-NARROW = 1e-12  # of a frequency: no interval is halved further
-TIGHT = 1e-5  # of the least |1 + L|: what may lie below it
+NARROW = 1e-12  # of a frequency: the least width of an interval
+TIGHT = 1e-5  # of the least |1 + L|: tolerance of branch and bound
 BELOW = 1e-3  # of the least of all rates: below it the loop is its asymptote
 BEYOND = 1e3  # times the largest of all rates: above it the loop is its asymptote
 GRID = 400  # intervals to begin with
@@ -27,7 +27,7 @@ GRID = 400  # intervals to begin with
 
 @dataclass(frozen=True, eq=False)
 class ZeroPoleGain:
-    """log L: zeros (+1) and poles (-1) `roots` (m,) with their `signs` (m,), log |k|, arg k, and two times in s."""
+    """log L: zeros (sign +1) and poles (sign -1) `roots` (m,), their `signs` (m,), log |k|, arg k, and times in s."""
 
     roots: NDArray[np.complex128]
     signs: Array
@@ -44,7 +44,7 @@ class ZeroPoleGain:
         return np.asarray(self.log_k + distance @ self.signs + held)
 
     def phase(self, w: Array) -> Array:
-        """Return arg L at frequencies (k,), continuous but where a root lies on the axis or the hold is 0."""
+        """Return arg L at frequencies (k,), continuous except at roots on the axis and zeros of the hold."""
         c, x = -self.roots.real, w[:, None] - self.roots.imag
         acute = np.arctan2(x, np.abs(c))
         angles = np.where(c < 0, np.pi - acute, acute)
@@ -76,11 +76,11 @@ class ZeroPoleGain:
         rising, falling = self.signs > 0, self.signs < 0
         below = low[:, rising].sum(axis=1) - high[:, falling].sum(axis=1)
         above = high[:, rising].sum(axis=1) - low[:, falling].sum(axis=1)
-        held = self._held_slope(a, b)
+        held = self._hold_slope(a, b)
         return below + held[0], above + held[1]
 
     def log_gain_bounds(self, a: Array, b: Array) -> tuple[Array, Array]:
-        """Return bounds (k,) of log |L| over intervals a .. b, each factor by itself."""
+        """Return bounds (k,) of log |L| over intervals a .. b, from a bound of each factor."""
         near, far = self._distances(a, b)
         c = self.roots.real
         with np.errstate(divide="ignore"):
@@ -88,7 +88,7 @@ class ZeroPoleGain:
         rising, falling = self.signs > 0, self.signs < 0
         below = low[:, rising].sum(axis=1) - high[:, falling].sum(axis=1)
         above = high[:, rising].sum(axis=1) - low[:, falling].sum(axis=1)
-        held = self._held_range(a, b)
+        held = self._hold_bounds(a, b)
         return self.log_k + below + held[0], self.log_k + above + held[1]
 
     def _distances(self, a: Array, b: Array) -> tuple[Array, Array]:
@@ -96,8 +96,8 @@ class ZeroPoleGain:
         near = np.where(low > 0, low, np.where(high < 0, -high, 0.0))
         return near, np.maximum(np.abs(low), np.abs(high))
 
-    def _held_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
-        """Return bounds of d log |sin x / x| / dw: cot x falls over each lobe, and intervals end where lobes do."""
+    def _hold_slope(self, a: Array, b: Array) -> tuple[Array, Array]:
+        """Return bounds of d log |sin x / x| / dw: cot x falls over each lobe; no interval extends over two lobes."""
         if not self.hold_s:
             return np.zeros(len(a)), np.zeros(len(a))
         x, y = self._inside_lobe(a, b)
@@ -106,7 +106,7 @@ class ZeroPoleGain:
             high = 1 / np.tan(x) - 1 / y
         return low * self.hold_s / 2, high * self.hold_s / 2
 
-    def _held_range(self, a: Array, b: Array) -> tuple[Array, Array]:
+    def _hold_bounds(self, a: Array, b: Array) -> tuple[Array, Array]:
         if not self.hold_s:
             return np.zeros(len(a)), np.zeros(len(a))
         x, y = self._inside_lobe(a, b)
@@ -123,7 +123,7 @@ class ZeroPoleGain:
 def of_rational(loop: Rational, delay_s: float = 0.0, hold_s: float = 0.0) -> ZeroPoleGain:
     """Return the zero-pole-gain form of a rational loop other than 0.
 
-    `delay_s` is its whole delay, half of its hold of `hold_s` seconds included.
+    `delay_s` is its total delay, including half of its hold of `hold_s` seconds.
     """
     N, D = loop.reduced
     zeros, poles = rational.zeros(N), rational.zeros(D)
@@ -136,17 +136,17 @@ def lowest_frequency(L: ZeroPoleGain) -> float:
     """Return a frequency below which the loop is its asymptote and |L| does not cross 1."""
     sizes = np.abs(L.roots)
     rates = [float(sizes[sizes > 0].min(initial=np.inf)), 1 / L.delay_s if L.delay_s else np.inf]
-    apart = BELOW * (min(rates) if np.isfinite(min(rates)) else 1.0)
+    lowest = BELOW * (min(rates) if np.isfinite(min(rates)) else 1.0)
     slope = float(L.signs[sizes == 0].sum())
     if not slope:
-        return apart
-    return min(apart, apart * float(np.exp(-L.log_gain(np.array([apart]))[0] / slope)) / 10)
+        return lowest
+    return min(lowest, lowest * float(np.exp(-L.log_gain(np.array([lowest]))[0] / slope)) / 10)
 
 
 def frequency_grid(L: ZeroPoleGain, low: float, closed: NDArray[np.complex128] | None = None) -> Array:
-    """Return frequencies from low to where the loop without its hold is its asymptote and |L| does not cross 1.
+    """Return frequencies from `low` up to one above which the loop without its hold is its asymptote and |L| != 1.
 
-    The closed loop's poles count among its rates where they are given.
+    The range also covers the `closed` poles, if given.
     """
     sizes = np.abs(L.roots if closed is None else np.concatenate([L.roots, closed[np.isfinite(closed)]]))
     top = max(BEYOND * float(sizes.max(initial=0.0)), BEYOND / L.delay_s if L.delay_s else 0.0, BEYOND * low)
@@ -159,7 +159,7 @@ def frequency_grid(L: ZeroPoleGain, low: float, closed: NDArray[np.complex128] |
 
 
 def interval_ends(L: ZeroPoleGain, grid: Array, top: float, turning: bool) -> Array:
-    """Return where intervals end: the grid, steps of the delay, poles and zeros on the axis, zeros of the hold."""
+    """Return the ends of intervals: the grid, steps of the delay, roots on the axis and zeros of the hold."""
     on_axis = L.roots.imag[(L.roots.real == 0) & (L.roots.imag > 0)]
     ends = [grid, on_axis, np.array([top])]
     if turning:
@@ -171,7 +171,7 @@ def interval_ends(L: ZeroPoleGain, grid: Array, top: float, turning: bool) -> Ar
 
 
 def least_distance(L: ZeroPoleGain, nodes: Array) -> tuple[float, float]:
-    """Return the least |1 + L| between the nodes and its frequency; no value is lower by TIGHT of it."""
+    """Return the least |1 + L| between the nodes and its frequency, to a relative tolerance of TIGHT."""
     least, where, width = np.inf, float(nodes[0]), 0.0
     a, b = nodes[:-1], nodes[1:]
     while a.size:
@@ -188,10 +188,10 @@ def least_distance(L: ZeroPoleGain, nodes: Array) -> tuple[float, float]:
         kept = (bound < least * (1 - TIGHT)) & (b - a > NARROW * b)
         a, b, middle = a[kept], b[kept], middle[kept]
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-    return _polished(L, least, where, width)
+    return _refine_minimum(L, least, where, width)
 
 
-def _polished(L: ZeroPoleGain, least: float, where: float, width: float) -> tuple[float, float]:
+def _refine_minimum(L: ZeroPoleGain, least: float, where: float, width: float) -> tuple[float, float]:
     """Return the local minimum of |1 + L| within a width of `where`."""
 
     def distance(t: float) -> float:

@@ -83,7 +83,11 @@ def servo(
 
     Raises SignalError for arguments that do not fit; `ServoLaw.law` raises errors that depend on the sample period.
     """
-    inverse, plant = (model.law, model.model) if isinstance(model, Chain) else (None, realisation.connected(of(model)))
+    inverse, plant = (
+        (model.law, model.model)
+        if isinstance(model, Chain)
+        else (None, realisation.without_unconnected_states(of(model)))
+    )
     if (len(plant.inputs), len(plant.outputs)) != (1, 1):
         raise SignalError(
             f"an axis has one command and one output, the model has {', '.join(plant.inputs) or 'no input'} and "
@@ -118,7 +122,7 @@ def _require_positive(what: str, values: Mapping[Any, float], unit: str) -> None
 
 
 @arguments.checked
-def decoupled(axes: Sequence[ServoLaw]) -> ServoLaw:
+def decouple(axes: Sequence[ServoLaw]) -> ServoLaw:
     """Return axes on chains of one feedback linearisation as one law; the inverse needs the demands of all of them.
 
     Raises SignalError for axes of different linearisations, or unless there is one axis for each of its outputs.

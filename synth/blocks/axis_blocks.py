@@ -125,4 +125,4 @@ def _state_bounds(model: StateSpace, wires: _Wires) -> Array:
     others, inputs = [0, 1, 2, 4], tuple(model.inputs[i] for i in (0, 1, 2, 4))
     form = (model.A - E @ command, B[:, others], command, direct[:, others])
     held = StateSpace(*form, model.states, inputs, model.outputs[:1], model.time)
-    return np.array([round_up(MARGIN * float(b)) for b in reach.states(held, wires.bounds)])
+    return np.array([round_up(MARGIN * float(b)) for b in reach.state_bounds(held, wires.bounds)])

@@ -76,7 +76,7 @@ def _states_in_law(inverse: Linearisation) -> list[Signal]:
     """Return the plant's states on which the law, the drift or the decoupling matrix depends."""
     model = inverse.degree.model
     exprs = ca.vertcat(inverse.u, ca.vec(inverse.degree.decoupling), inverse.degree.drift)
-    return [model.states[k] for k in box.entering(exprs, inverse.x, model.states)]
+    return [model.states[k] for k in box.signal_indices(exprs, inverse.x, model.states)]
 
 
 def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command], interface: Interface) -> list[Block]:
@@ -90,7 +90,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
     if missing := [name for name in outputs if name not in commands]:
         raise SignalError(
             f"the feedback linearisation also needs the demand of '{missing[0]}': join the axes of "
-            f"{', '.join(outputs)} by axis.decoupled"
+            f"{', '.join(outputs)} by axis.decouple"
         )
     state_signals = _StateSignals(inverse, _states(inverse, axes, interface))
     actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)

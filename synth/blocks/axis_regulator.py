@@ -179,7 +179,7 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
 
     All its numbers are the same on every machine.
 
-    Raises SignalError for a delay below 0 or a mode at or above the Nyquist frequency; ModelError as `kalman.sampled`,
+    Raises SignalError for a delay below 0 or a mode at or above the Nyquist frequency; ModelError as `kalman.kalmd`,
     `optimal_servo.lqrd` and `anti_windup.back_calculation`.
     """
     if delay < 0:
@@ -189,7 +189,7 @@ def synthesise(axis: Axis, time: Discrete, delay: int = 1) -> Regulator:
     held = loop.sampled(model, T, delay * T)
     regulator = servos.of_gain(held, undelayed.model, _gain_for_delay(undelayed, delay))
     filter, form = _filter(axis, held, T)
-    observed = servos.estimated(regulator, form)
+    observed = servos.with_estimator(regulator, form)
     compensator = windup.back_calculation(observed, axis.anti_windup)
     feedforward = _feedforward(axis, regulator, T)
     controller = _with_reference(leapfrog_form.controller(observed, compensator.controller), axis, feedforward)
@@ -229,14 +229,14 @@ def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
         advanced = [row[0, j] for j in range(n + k)]
         return type(row)([[*advanced[:n], *reversed(delay_gains), *advanced[n:]]])
 
-    return precise.resolved(compute, "the gain for the delay")
+    return precise.correctly_rounded(compute, "the gain for the delay")
 
 
 def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Estimator, StateSpace]:
     """Return the Kalman filter, and the estimator of the states and of the delay line."""
     model, process = axis.model, axis.estimator.process
     G = np.eye(len(model.states))[:, [model.states.index(name) for name in process]]
-    estimator = filters.sampled(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
+    estimator = filters.kalmd(model, list(process.values()), axis.estimator.sensor, period_s, G=G, exact=True)
     none = np.zeros((len(held.states) - len(model.states), 1))
     L, M = (readonly(np.vstack([gain, none])) for gain in (estimator.L, estimator.M))
     return estimator, replace(estimator, model=held, L=L, M=M).current()
@@ -257,7 +257,7 @@ def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
         return precise.matrix(regulator.K_xi) * resolvent.solve(precise.matrix(model.N))
 
     chosen = by_zero if axis.set_point is None and speed is not None else by_part
-    return float(precise.resolved(chosen, "the gain from the set-point")[0, 0])
+    return float(precise.correctly_rounded(chosen, "the gain from the set-point")[0, 0])
 
 
 def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> StateSpace:

@@ -33,23 +33,23 @@ from synth.block import clip
 from synth.signals import Signal
 
 Vector = Sequence[ca.SX]
-Named = list[tuple[Signal, ca.SX]]
-Choose = Callable[[int, ca.SX], tuple[ca.SX, ca.SX]]
+NamedExpressions = list[tuple[Signal, ca.SX]]
+LimitStep = Callable[[int, ca.SX], tuple[ca.SX, ca.SX]]
 """Maps an unknown's index and its computed step to its limited value and the step actually taken."""
 
 
-class Normal(Protocol):
+class NormalEquations(Protocol):
     """Normal equations at a trial."""
 
     @property
     def decrease(self) -> ca.SX:
         """gradient' N^-1 gradient: the decrease of the cost by a full correction, to first order."""
 
-    def solve(self, choose: Choose) -> list[ca.SX]:
+    def solve(self, choose: LimitStep) -> list[ca.SX]:
         """Return the unknowns after the step N^-1 gradient, by back substitution; `choose` limits each of them."""
 
 
-N = TypeVar("N", bound=Normal)
+N = TypeVar("N", bound=NormalEquations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def _choose(condition: ca.SX, then: Vector, other: Vector) -> list[ca.SX]:
 
 
 @dataclass(frozen=True, eq=False)
-class Factors:
+class LdlFactors:
     """N = L D L': L below the diagonal by rows, and 1/D."""
 
     lower: tuple[tuple[ca.SX, ...], ...]
@@ -124,10 +124,10 @@ class Factors:
 
 
 @dataclass(frozen=True, eq=False)
-class Factorised:
+class LdlNormalEquations:
     """Normal equations as factors of N and `forward` = L^-1 gradient."""
 
-    factors: Factors
+    factors: LdlFactors
     forward: Vector
 
     @property
@@ -135,7 +135,7 @@ class Factorised:
         """gradient' N^-1 gradient."""
         return total(z**2 * d for z, d in zip(self.forward, self.factors.inverse, strict=True))
 
-    def solve(self, choose: Choose) -> list[ca.SX]:
+    def solve(self, choose: LimitStep) -> list[ca.SX]:
         """Return the unknowns after the step, by back substitution from the last unknown on."""
         n = len(self.forward)
         ends, moves = [ca.SX(0)] * n, [ca.SX(0)] * n
@@ -148,27 +148,27 @@ class Factorised:
 
 
 def fixed_jacobian(
-    factors: Factors,
+    factors: LdlFactors,
     rows: Sequence[Vector],
     residuals: Callable[[int, Vector], Vector],
     damping: Sequence[float],
-    named: Named,
-) -> Callable[[int, Vector], Trial[Factorised]]:
+    named: NamedExpressions,
+) -> Callable[[int, Vector], Trial[LdlNormalEquations]]:
     """Return the function that evaluates a trial: Jacobian rows (m, n) and factors at d = 0, residuals at each d."""
 
-    def evaluate(i: int, at: Vector) -> Trial[Factorised]:
+    def evaluate(i: int, at: Vector) -> Trial[LdlNormalEquations]:
         e = residuals(i, at)
         squares = total(v**2 for v in e)
         damped = [weight * v for weight, v in zip(damping, at, strict=True)]
         cost = squares + dot(damped, at)
         named.append((Signal("cost", "V^2", 0, 1e9, "squared residuals and damping"), cost))
         gradient = [total(r[j] * v for r, v in zip(rows, e, strict=True)) - damped[j] for j in range(len(at))]
-        return Trial(at, e, squares, cost, Factorised(factors, _forward(factors, gradient)))
+        return Trial(at, e, squares, cost, LdlNormalEquations(factors, _forward(factors, gradient)))
 
     return evaluate
 
 
-def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> Factors:
+def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> LdlFactors:
     """Return L and D of H'H + diag(damping (n,)); each column of H satisfies |h_i|^2 <= `most` damping_i."""
     left = [
         [total(r[i] * r[j] for r in rows) + (damping[i] if i == j else 0) for j in range(i + 1)]
@@ -184,17 +184,17 @@ def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> 
         for i in range(j + 1, len(damping)):
             for k in range(j + 1, i + 1):
                 left[i][k] -= lower[i][j] * left[k][j]
-    return Factors(tuple(map(tuple, lower)), tuple(inverse))
+    return LdlFactors(tuple(map(tuple, lower)), tuple(inverse))
 
 
-def _forward(of: Factors, right: Vector) -> list[ca.SX]:
+def _forward(of: LdlFactors, right: Vector) -> list[ca.SX]:
     z: list[ca.SX] = []
     for row, value in zip(of.lower, right, strict=True):
         z.append(reduce(lambda left, term: left - term[0] * term[1], zip(row, z, strict=True), value))
     return z
 
 
-def variances(of: Factors) -> list[ca.SX]:
+def variances(of: LdlFactors) -> list[ca.SX]:
     """Return the diagonal of N^-1: sums of squares of L^-1 by columns."""
     n, diagonal = len(of.inverse), []
     for i in range(n):

@@ -15,7 +15,7 @@ from math import ceil, log2
 import casadi as ca
 
 from synth.block import clip
-from synth.blocks.glsdc import Named
+from synth.blocks.glsdc import NamedExpressions
 from synth.signals import Signal
 
 MAX_ANGLE = 1.2  # rad: the largest angle whose sine and cosine are approximated by polynomials
@@ -45,7 +45,7 @@ def halvings(limit: float) -> int:
     return max(1, ceil(log2(limit / MAX_ANGLE)))
 
 
-def reduced(angle: ca.SX, halvings: int, name: str, named: Named) -> Phasor:
+def by_range_reduction(angle: ca.SX, halvings: int, name: str, named: NamedExpressions) -> Phasor:
     """Return the phasor of an angle by range reduction; `named` receives cos(angle/2^m) and 2^m sin(angle/2^m)."""
     s, c = 2**halvings * ca.sin(angle / 2**halvings), ca.cos(angle / 2**halvings)
     for function, value in (("sine", s), ("cosine", c)):

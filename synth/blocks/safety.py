@@ -30,7 +30,7 @@ from synth.timing import Discrete
 
 __all__ = [
     *("GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
-    *("Guarded", "Safety", "frozen", "guard", "safe_output"),
+    *("GuardedInput", "Safety", "frozen", "guard", "safe_output"),
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
@@ -38,7 +38,7 @@ NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and 
 
 
 @dataclass(frozen=True)
-class Guarded:
+class GuardedInput:
     """An input with its value before the first good sample; only a measurement causes a latch.
 
     An input that is not `held` takes that value whenever it is refused, and needs no state.
@@ -53,7 +53,7 @@ class Guarded:
 @arguments.checked
 def guard(
     time: Discrete,
-    inputs: Sequence[Guarded],
+    inputs: Sequence[GuardedInput],
     bad_samples: int,
     suspected: Sequence[str] = (),
     reason: str = NO_SAFE_OUTPUT,
@@ -193,7 +193,7 @@ def frozen(block: Block) -> Block:
     return replace(block, next={**block.next, **held})
 
 
-def _check_guard(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequence[str]) -> None:
+def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str]) -> None:
     if len(inputs) + len(suspected) > LATCH_BIT:
         raise SignalError(
             f"{len(inputs)} inputs are guarded and {len(suspected)} may be suspects, but the fault word has "
@@ -210,7 +210,7 @@ def _check_guard(inputs: Sequence[Guarded], bad_samples: int, suspected: Sequenc
             )
 
 
-def _replacement(g: Guarded) -> Constant:
+def _replacement(g: GuardedInput) -> Constant:
     if not g.signal.low <= g.initial <= g.signal.high:
         raise SignalError(
             f"the initial value {g.initial} of '{g.signal.name}' is outside {g.signal.low} .. {g.signal.high}: "

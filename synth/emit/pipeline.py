@@ -53,7 +53,7 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     return Reduced(replace(block, constants=constants), program, polynomials)
 
 
-@cache.kept
+@cache.cached
 def _run_passes(
     block: Block, scalar: type[np.floating], libm: bool, error: float | None
 ) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:

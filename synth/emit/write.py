@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from synth import store
 from synth.block import Block
 from synth.emit import pipeline
 from synth.emit.c import c_text, layout, manifest
@@ -15,7 +16,7 @@ from synth.emit.lower import Program
 
 
 @dataclass(frozen=True)
-class Emitted:
+class EmittedCode:
     """The generated text files, the manifest that describes them, and the printed program, where it is known."""
 
     files: Mapping[str, str]
@@ -29,7 +30,7 @@ def emit(
     gains: Mapping[str, Any] | None = None,
     libm: bool = False,
     error: float | None = None,
-) -> Emitted:
+) -> EmittedCode:
     """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
 
     Constants are rounded to the scalar type here, once. `gains` is the document for gains.json. Functions of one
@@ -54,13 +55,16 @@ def emit(
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))
-    return Emitted(texts, json.loads(texts["manifest.json"]), printed.program)
+    return EmittedCode(texts, json.loads(texts["manifest.json"]), printed.program)
 
 
 def save(files: Mapping[str, str], folder: Path) -> None:
-    """Write each text to `folder`, which is created if needed; a file that already holds its text is not rewritten."""
+    """Write each text to `folder`, which is created if needed; a file that already holds its text is not rewritten.
+
+    An interrupt leaves each file as it was or with its new text.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         path = folder / name
         if not path.exists() or path.read_text() != text:
-            path.write_text(text)
+            store.replace_text(path, text)

@@ -1,4 +1,4 @@
-"""From a Block to its compiled controller: emission, compilation and loading in one call."""
+"""Build a controller from a Block: emit its C, compile it and load it, in one call."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from synth.emit import write
 from synth.execute import host
 
 
-def compiled(
+def compile_block(
     block: Block,
     scalar: type[np.floating] = np.float32,
     *,

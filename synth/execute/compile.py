@@ -1,11 +1,12 @@
-"""Turn C texts into a file of machine code, once: a shared library for this machine, or what a cross compiler makes.
+"""Compile C with a build cache: a shared library for this machine, or the product of a cross compiler.
 
 The product is a function of its sources, its flags, its compiler and the kind of processor:
 
     path = cache / SHA-256(texts, flags, compiler, processor) / product
 
-so a path that exists holds the right code and is never built again, unless SYNTH_FRESH names another run. Contraction
-of a*b + c into one rounding is off unless a flag turns it on: with it, the last bits depend on the processor.
+An existing path therefore holds the right code and is not built again, unless SYNTH_FRESH names another run.
+Contraction of a*b + c into one rounding is off unless a flag turns it on, because it makes the last bits depend on the
+processor.
 """
 
 import hashlib
@@ -42,7 +43,7 @@ STRICT_FLAGS = (
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C compiler: the words that call it, what it says it is, and the flags that name the machine to build for."""
+    """A C compiler: its command line, the version text that it prints, and the flags that select the target machine."""
 
     command: tuple[str, ...]
     identity: str
@@ -52,12 +53,12 @@ class Compiler:
 def find_compiler() -> Compiler:
     """Find the host's C compiler: `$CC`, else `cc`, else the ziglang wheel.
 
-    Raises CompileError if `$CC` cannot be run, or if there is none of the three.
+    Raises CompileError if `$CC` cannot be run, or if none of the three is available.
     """
     if chosen := shlex.split(os.environ.get("CC", "")):
-        return identified(tuple(chosen), "set CC to a C compiler, or unset it")
+        return identify_compiler(tuple(chosen), "set CC to a C compiler, or unset it")
     if shutil.which("cc"):
-        return identified(("cc",), "mend it, or set CC to another C compiler")
+        return identify_compiler(("cc",), "mend it, or set CC to another C compiler")
     if zig := zig_compiler():
         return zig
     raise CompileError(
@@ -71,17 +72,18 @@ def zig_compiler() -> Compiler | None:
     if importlib.util.find_spec("ziglang") is None:
         return None
     command = (sys.executable, "-m", "ziglang", "cc")
-    # Left alone, zig builds for the very processor it runs on, and a shared cache would hold code that others trap on.
-    return identified(command, "reinstall the wheel: `pip install --force-reinstall ziglang`", ("-mcpu=baseline",))
+    # By default zig builds for the processor it runs on; code in a shared cache would then trap on other processors.
+    mend = "reinstall the wheel: `pip install --force-reinstall ziglang`"
+    return identify_compiler(command, mend, ("-mcpu=baseline",))
 
 
 def shared_library(sources: Mapping[str, str], flags: Sequence[str] = (), compiler: Compiler | None = None) -> Path:
     """Compile `{filename: text}` into one shared library and return its path.
 
-    All `.c` files are compiled and linked with libm; other files (headers) stand beside them for `#include "..."`.
-    `flags` follow LIBRARY_FLAGS and so override them.
+    All `.c` files are compiled and linked with libm; other files (headers) are placed beside them for `#include "..."`.
+    `flags` come after LIBRARY_FLAGS and override them.
 
-    Raises CompileError if a name is no plain file name, if there is no `.c` file, if the cache cannot be written, or
+    Raises CompileError if a name is not a plain file name, if there is no `.c` file, if the cache cannot be written, or
     if the compiler refuses the sources.
     """
     options = [*LIBRARY_FLAGS, *flags]
@@ -99,12 +101,12 @@ def build(
 ) -> Path:
     """Call the compiler on `units`, or on every `.c` file, of `{filename: text}`; return the path of `product`.
 
-    `options` follow the compiler's own `machine_flags`, and `libraries` stand last on the command line.
+    `options` come after the `machine_flags` of the compiler; `libraries` come last on the command line.
 
     Raises CompileError as `shared_library` does.
     """
-    named = _units(sources)
-    command = [*compiler.machine_flags, *options, *(units or named), "-o", product, *libraries]
+    sources_to_build = _units(sources)
+    command = [*compiler.machine_flags, *options, *(units or sources_to_build), "-o", product, *libraries]
     folder = store.folder() / _key(sources, command, compiler)
     if _is_built(folder, product):
         return folder / product
@@ -113,7 +115,7 @@ def build(
         _write(sources, built)
         _run([*compiler.command, *command], built)
         folder.mkdir(exist_ok=True)
-        # Each file moves whole and the product last: a process that sees it sees all of it, whoever built it.
+        # Each file is moved atomically and the product last: a process that sees the product sees every file complete.
         (built / RUN).write_text(store.run_name(), encoding="utf-8")
         for name in [*sources, product, RUN]:
             os.replace(built / name, folder / name)
@@ -121,7 +123,7 @@ def build(
 
 
 def _is_built(folder: Path, product: str) -> bool:
-    """Whether the product is there; to a run with a name of its own, one that it has built itself."""
+    """Return whether the product exists; a named run (SYNTH_FRESH) accepts only a product that it built itself."""
     run, made_by = store.run_name(), folder / RUN
     with suppress(OSError):
         return (folder / product).exists() and (not run or made_by.read_text(encoding="utf-8") == run)
@@ -129,7 +131,7 @@ def _is_built(folder: Path, product: str) -> bool:
 
 
 def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compiler: Compiler | None = None) -> None:
-    """Compile every `.c` of `{filename: text}` to an object that is thrown away; silence means no warning.
+    """Compile every `.c` of `{filename: text}` to a temporary object file; no exception means no warning.
 
     Raises CompileError as `shared_library` does, and with STRICT_FLAGS for every warning.
     """
@@ -141,16 +143,16 @@ def check(sources: Mapping[str, str], flags: Sequence[str] = STRICT_FLAGS, compi
             _run([*compiler.command, *compiler.machine_flags, *flags, "-c", unit, "-o", "object.o"], Path(work))
 
 
-def identified(command: tuple[str, ...], mend: str, machine_flags: tuple[str, ...] = ()) -> Compiler:
-    """Return the compiler that `command` calls, with what it says of itself.
+def identify_compiler(command: tuple[str, ...], mend: str, machine_flags: tuple[str, ...] = ()) -> Compiler:
+    """Return the compiler that `command` calls, with the version text that it prints.
 
     Raises CompileError, with the `mend`, when the command cannot be run.
     """
     try:
-        said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
+        version_text = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError) as error:
         raise CompileError(f"C compiler: `{shlex.join(command)} --version` fails ({error}); {mend}") from error
-    return Compiler(command, said.strip(), machine_flags)
+    return Compiler(command, version_text.strip(), machine_flags)
 
 
 def _units(sources: Mapping[str, str]) -> list[str]:

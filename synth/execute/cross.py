@@ -3,9 +3,9 @@
     cortex-m4f    Armv7E-M, FPv4-SP: float in hardware, double in software
     cortex-m7     Armv7E-M, FPv5-D16: float and double in hardware
 
-An image is linked from its entry points alone, without start-up code: what they do not reach is dropped. All products
-lie in the cache of `compile`. The first image that zig links for a core also builds musl, in zig's own cache, and does
-so again for flags that change how a library is built, such as -O0 or -s.
+An image is linked from its entry points alone, without start-up code; the linker drops unreachable functions. All
+products are stored in the cache of `compile`. The first image that zig links for a core also builds musl, in zig's own
+cache. Flags that change how a library is built, such as -O0 or -s, make zig build musl again.
 """
 
 import re
@@ -20,13 +20,13 @@ from synth.execute import elf
 
 FLAGS = ("-O2", "-std=c99", "-ffp-contract=off", "-fno-math-errno")
 CONTRACTED = ("-ffp-contract=fast",)  # a b + c may be rounded once
-# One section a function, so that the linker can drop each; unwinding tables would keep more than the C needs.
+# One section per function lets the linker drop each one; unwinding tables would keep functions that nothing calls.
 SECTIONS = ("-ffunction-sections", "-fdata-sections", "-fno-unwind-tables", "-fno-asynchronous-unwind-tables")
-# Rounding, flush to zero, default NaN, half-precision format, vector length, traps: all that changes a result.
+# All bits that change a result: rounding, flush to zero, default NaN, half-precision format, vector length, traps.
 FPSCR_MODES = 0x07FF9F00
-# zig by itself asks for checks and frame pointers, which neither clang nor gcc does at -O2.
+# By default zig enables sanitizer checks and frame pointers; neither clang nor gcc does so at -O2.
 _ZIG_TARGET = ("-target", "thumb-linux-musleabihf", "-fno-sanitize=undefined", "-fomit-frame-pointer")
-# gcc predicates both sides of a short choice, which are fetched either way: branches issue 2 to 6 % fewer instructions.
+# gcc would predicate both sides of a short branch and fetch both: real branches issue 2 to 6 % fewer instructions.
 _GCC_TARGET = ("-mthumb", "-mfloat-abi=hard", "-fno-if-conversion2", "-nostartfiles", "--specs=nosys.specs")
 
 # The run-time functions of double arithmetic: the Arm ABI's names, then those of libgcc and compiler-rt.
@@ -41,7 +41,7 @@ _DOUBLE_MATH = re.compile(
 
 @dataclass(frozen=True)
 class Core:
-    """A processor core: its name, and the flags by which each cross compiler builds for it."""
+    """A processor core: its name, and the flags that make each cross compiler build for it."""
 
     name: str
     zig: tuple[str, ...]
@@ -59,8 +59,8 @@ CORES = {
 
 def available() -> tuple[str, ...]:
     """Return which of the cross compilers "zig" and "gcc" are installed."""
-    found = {"zig": host_compiler.zig_compiler() is not None, "gcc": shutil.which("arm-none-eabi-gcc") is not None}
-    return tuple(name for name in found if found[name])
+    installed = {"zig": host_compiler.zig_compiler() is not None, "gcc": shutil.which("arm-none-eabi-gcc") is not None}
+    return tuple(name for name in installed if installed[name])
 
 
 def find_core(name: str) -> Core:
@@ -73,14 +73,14 @@ def find_core(name: str) -> Core:
 def find_compiler(core: str, name: str) -> host_compiler.Compiler:
     """Return the cross compiler "zig" or "gcc" for a core.
 
-    Raises CompileError when core or compiler is not known or the compiler is not installed.
+    Raises CompileError when the core or the compiler is unknown, or when the compiler is not installed.
     """
     chosen = find_core(core)
     if name == "zig" and (zig := host_compiler.zig_compiler()):
         return host_compiler.Compiler(zig.command, zig.identity, (*_ZIG_TARGET, *chosen.zig))
     if name == "gcc" and shutil.which("arm-none-eabi-gcc"):
         flags = (*_GCC_TARGET, *chosen.gcc)
-        return host_compiler.identified(("arm-none-eabi-gcc",), "reinstall gcc-arm-none-eabi", flags)
+        return host_compiler.identify_compiler(("arm-none-eabi-gcc",), "reinstall gcc-arm-none-eabi", flags)
     raise CompileError(
         f"cross compiler: found no '{name}', need 'zig' (pip install ziglang) or 'gcc' (arm-none-eabi-gcc with newlib "
         f"on the PATH); installed: {', '.join(available()) or 'neither'}"
@@ -88,7 +88,7 @@ def find_compiler(core: str, name: str) -> host_compiler.Compiler:
 
 
 def require_plain_floats(where: str, fpscr: int) -> None:
-    """Raise SynthError when a core's FPSCR has left the state after reset, but for the flags of what happened."""
+    """Raise SynthError when the mode bits of a core's FPSCR differ from reset; exception flags are ignored."""
     if fpscr & FPSCR_MODES:
         raise SynthError(
             f"floating point on {where}: FPSCR has the mode bits {fpscr & FPSCR_MODES:#x}, 0 is needed (round to "
@@ -99,11 +99,11 @@ def require_plain_floats(where: str, fpscr: int) -> None:
 def link(
     sources: Mapping[str, str], entries: Sequence[str], core: str, compiler: str = "zig", flags: Sequence[str] = ()
 ) -> Path:
-    """Link all `.c` of `{filename: text}` with libm into an image that holds what the functions `entries` reach.
+    """Link all `.c` of `{filename: text}` with libm into an image with all functions that `entries` reach.
 
-    `flags` follow FLAGS and so override them.
+    `flags` come after FLAGS and override them.
 
-    Raises CompileError when core or compiler is not there, or when it refuses the sources.
+    Raises CompileError when the core or the compiler is not available, or when the compiler refuses the sources.
     """
     roots = [f"-Wl,-e,{entries[0]}", *(f"-Wl,-u,{entry}" for entry in entries[1:])]
     options = [*FLAGS, *SECTIONS, *flags, "-static", "-Wl,--gc-sections", *roots]
@@ -111,7 +111,7 @@ def link(
 
 
 def prepare(core: str) -> None:
-    """Let zig build its library for a core: most of a minute, the first time on a machine.
+    """Build zig's C library for a core; the first time on a machine this takes most of a minute.
 
     Raises CompileError as `link` does.
     """
@@ -135,18 +135,21 @@ def functions(
 
     Raises CompileError as `link` does.
     """
-    return frozenset().union(*(elf.defined(path) for path in objects(sources, core, compiler, flags)))
+    return frozenset().union(*(elf.defined_functions(path) for path in objects(sources, core, compiler, flags)))
 
 
 def double_symbols(sources: Mapping[str, str], compiler: str = "zig", flags: Sequence[str] = ()) -> tuple[str, ...]:
-    """Return what the sources call for double arithmetic on a core without it, the Cortex-M4F: none, if all is float.
+    """Return the symbols of double arithmetic that the sources call on a Cortex-M4F, which has no hardware for it.
 
-    These are the undefined symbols of the unlinked objects that name a run-time function of double arithmetic or
-    conversion (`__aeabi_dadd`, `__aeabi_f2d`, `__adddf3`) or a double function of libm (`sin`, and `sinl`, which is the
-    same there). Not among them: a `sinf` that computes in double inside, as some libraries have it, and a product that
-    the compiler narrows since the bits come out the same, as in `(float)(x * 2.0)`; of that -Wdouble-promotion warns.
+    They are the undefined symbols of the unlinked objects that name a run-time function of double arithmetic or
+    conversion (`__aeabi_dadd`, `__aeabi_f2d`, `__adddf3`) or a double function of libm (`sin`, and `sinl`, which is
+    identical on that core). Two uses of double are not detected: a `sinf` that computes in double internally, as in
+    some libraries, and a product that the compiler narrows because the bits are the same, as in `(float)(x * 2.0)`.
+    -Wdouble-promotion warns of the latter.
 
     Raises CompileError as `link` does.
     """
-    found = frozenset().union(*(elf.undefined(path) for path in objects(sources, "cortex-m4f", compiler, flags)))
-    return tuple(sorted(s for s in found if _DOUBLE_RUNTIME.fullmatch(s) or _DOUBLE_MATH.fullmatch(s)))
+    undefined = frozenset().union(
+        *(elf.undefined_symbols(path) for path in objects(sources, "cortex-m4f", compiler, flags))
+    )
+    return tuple(sorted(s for s in undefined if _DOUBLE_RUNTIME.fullmatch(s) or _DOUBLE_MATH.fullmatch(s)))

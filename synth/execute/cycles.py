@@ -1,10 +1,10 @@
-"""Estimate the cycles of a Cortex-M4 from the instructions that it executed and from the timings that Arm publishes.
+"""Cycle estimate for a Cortex-M4, from an instruction trace and the timings that Arm publishes.
 
     cycles = sum of the table's rows + refills of the pipeline + waits for operands - overlaps
 
-An estimate, not a measurement: memory without wait states, aligned data, no interrupt. Where the manual leaves a
-choice (the refill P is 1 to 3, a load may or may not be pipelined, an IT may be folded), `low` takes the least and
-`high` the most. For the Cortex-M7, which issues two instructions at once, Arm publishes no such table.
+This is an estimate, not a measurement. It assumes memory without wait states, aligned data and no interrupts. Where
+the manual gives a range (the refill P is 1 to 3, a load may or may not be pipelined, an IT may be folded), `low` takes
+the least and `high` the most. Arm publishes no such table for the Cortex-M7, which issues two instructions at once.
 
 Reference: Arm, Cortex-M4 Processor Technical Reference Manual, revision r0p1, DDI 0439D.
 """
@@ -37,9 +37,9 @@ _PAIRS = "section 3.3.2"
 
 
 class Row(NamedTuple):
-    """Instructions that take `low` to `high` cycles, and `each` more for every register word in their list.
+    """Instructions that take `low` to `high` cycles, plus `each` for every register word in their list.
 
-    `kind` names how they act on the instructions beside them.
+    `kind` selects the rule for interaction with neighbouring instructions.
     """
 
     names: str
@@ -82,8 +82,9 @@ TABLE = (
 _ROWS = {name: row for row in TABLE for name in row.names.split()}
 _UNKNOWN = "unknown"
 _NO_ROW = Row("", 0, 0, "", kind=_UNKNOWN)
-_LATE = ("arithmetic", "accumulate", "divide")  # their result comes a cycle late: section 7.2.3, second note
-_FPU_KINDS = (*_LATE, "float", "float load", "float store")
+# Their result is available one cycle late: section 7.2.3, second note.
+_LATE_RESULT = ("arithmetic", "accumulate", "divide")
+_FPU_KINDS = (*_LATE_RESULT, "float", "float load", "float store")
 _CORE_BITS = {ARM_REG_R0 + n: 1 << n for n in range(13)} | {ARM_REG_SP: 1 << 13, ARM_REG_LR: 1 << 14}
 _FLOAT_BITS = {ARM_REG_S0 + n: 1 << n for n in range(32)} | {ARM_REG_D0 + n: 3 << 2 * n for n in range(16)}
 
@@ -98,9 +99,9 @@ class Cycles:
 
 @dataclass(frozen=True, eq=False)
 class Timing:
-    """What the table says of each of I instructions, alone and about its neighbours; masks have a bit a register.
+    """Timing data of each of I instructions; register masks have one bit per register.
 
-    `float_reads` leaves out the addend of a multiply-accumulate, which it takes a cycle later than its factors.
+    `float_reads` leaves out the addend of a multiply-accumulate, which is read one cycle later than the factors.
     """
 
     code: trace.Code
@@ -121,70 +122,70 @@ class Timing:
 
 
 def timing(code: trace.Code) -> Timing:
-    """Return the table's figures for the instructions of an image."""
-    facts = [_facts(i) for i in code.instructions]
-    columns = {name: np.array([getattr(f, name) for f in facts]) for name in _Facts._fields}
+    """Return the timing data of the instructions of an image."""
+    facts = [_instruction_timing(i) for i in code.instructions]
+    columns = {name: np.array([getattr(f, name) for f in facts]) for name in _InstructionTiming._fields}
     return Timing(code=code, **columns)
 
 
 def estimate(timing: Timing, path: trace.Trace) -> Cycles:
     """Estimate the cycles of the n calls of a trace.
 
-    Raises SynthError when it executed an instruction that the table has no row for.
+    Raises SynthError when the trace contains an instruction that has no row in the table.
     """
     i, passed = path.index, path.passed
-    _require_known(timing, i)
+    _require_timings(timing, i)
     starts = path.ends - path.lengths
     low, high = np.where(passed, timing.low[i], 1), np.where(passed, timing.high[i], 1)
     refills = timing.refills[i] & passed
     waits = _waits(timing, path)
-    low += waits + REFILL[0] * refills - _pipelined(timing, path) + _unfolded(timing, path)
-    # A literal's load may meet the fetch of instructions: section 3.3.2.
+    low += waits + REFILL[0] * refills - _is_pipelined(timing, path) + _is_unfolded(timing, path)
+    # The load of a literal may collide with an instruction fetch: section 3.3.2.
     high += waits + REFILL[1] * refills + (timing.literal[i] & passed)
     low -= _overlaps(timing, path, low)
     return Cycles(np.add.reduceat(low, starts), np.add.reduceat(high, starts))
 
 
 def join(parts: Sequence[Cycles]) -> Cycles:
-    """Return the cycles of all calls from those of some after others."""
+    """Concatenate the cycles of consecutive parts of a trace."""
     return Cycles(np.concatenate([p.low for p in parts]), np.concatenate([p.high for p in parts]))
 
 
-def _require_known(timing: Timing, index: NDArray[np.intp]) -> None:
+def _require_timings(timing: Timing, index: NDArray[np.intp]) -> None:
     unknown = (timing.kind == _UNKNOWN)[index]
     if unknown.any():
-        found = timing.code.instructions[index[unknown][0]]
+        instruction = timing.code.instructions[index[unknown][0]]
         raise SynthError(
-            f"cycles: `{found.mnemonic} {found.op_str}` at {found.address:#x} has no row in the Cortex-M4's table, "
-            "needs one: add it with its source"
+            f"cycles: `{instruction.mnemonic} {instruction.op_str}` at {instruction.address:#x} has no row in the "
+            "Cortex-M4's table, needs one: add it with its source"
         )
 
 
-def _before(path: trace.Trace) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The instruction before each of the same call, and whether there was one and it took effect; so did this one."""
+def _predecessors(path: trace.Trace) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Return the index of the preceding instruction, and whether it belongs to the same call and both took effect."""
     took_effect = np.append(False, path.passed[:-1]) & path.passed
     took_effect[path.ends - path.lengths] = False
     return np.append(path.index[:1], path.index[:-1]), took_effect
 
 
 def _waits(timing: Timing, path: trace.Trace) -> NDArray[np.bool_]:
-    """One cycle for a late result that the next instruction takes, or for an address that the one before computed."""
-    i, (before, effective) = path.index, _before(path)
-    late = timing.is_kind(*_LATE)[before] & (timing.float_writes[before] & timing.float_reads[i] != 0)
+    """Return where one cycle is lost: on a late result used at once, or on an address computed just before."""
+    i, (before, effective) = path.index, _predecessors(path)
+    late = timing.is_kind(*_LATE_RESULT)[before] & (timing.float_writes[before] & timing.float_reads[i] != 0)
     address = timing.is_kind("integer")[before] & (timing.writes[before] & timing.addresses[i] != 0)
     return effective & (late | address)
 
 
-def _pipelined(timing: Timing, path: trace.Trace) -> NDArray[np.bool_]:
-    """A load or store behind a load costs one cycle less, unless it needs the loaded value for its address."""
-    i, (before, effective) = path.index, _before(path)
+def _is_pipelined(timing: Timing, path: trace.Trace) -> NDArray[np.bool_]:
+    """Return which loads or stores save a cycle: those after a load, unless the loaded value is their address."""
+    i, (before, effective) = path.index, _predecessors(path)
     loads, single = timing.is_kind("load", "float load"), timing.is_kind("load", "store", "float load", "float store")
     free = timing.writes[before] & timing.addresses[i] == 0
     return effective & loads[before] & single[i] & free & (timing.low[i] > 1)
 
 
-def _unfolded(timing: Timing, path: trace.Trace) -> NDArray[np.bool_]:
-    """An IT costs a cycle unless the instruction before it is a narrow one."""
+def _is_unfolded(timing: Timing, path: trace.Trace) -> NDArray[np.bool_]:
+    """Return which IT instructions cost a cycle: those whose predecessor is not a narrow instruction."""
     before = np.append(path.index[:1], path.index[:-1])
     alone = timing.wide[before]
     alone[path.ends - path.lengths] = True
@@ -192,7 +193,7 @@ def _unfolded(timing: Timing, path: trace.Trace) -> NDArray[np.bool_]:
 
 
 def _overlaps(timing: Timing, path: trace.Trace, low: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The cycles of each division or root that integer instructions behind it fill, until the next of the FPU."""
+    """Return the cycles of each division or root that overlap with integer instructions before the next FPU one."""
     saved = np.zeros(len(low), dtype=np.int64)
     divisions = np.flatnonzero(timing.is_kind("divide")[path.index] & path.passed)
     on_fpu = np.flatnonzero(timing.is_kind(*_FPU_KINDS)[path.index])
@@ -205,8 +206,8 @@ def _overlaps(timing: Timing, path: trace.Trace, low: NDArray[np.int64]) -> NDAr
     return saved
 
 
-class _Facts(NamedTuple):
-    """One instruction's entries of Timing."""
+class _InstructionTiming(NamedTuple):
+    """The entries of Timing for one instruction."""
 
     low: int
     high: int
@@ -220,14 +221,14 @@ class _Facts(NamedTuple):
     float_reads: int
 
 
-def _facts(instruction: CsInsn) -> _Facts:
+def _instruction_timing(instruction: CsInsn) -> _InstructionTiming:
     row = _ROWS.get(_name(instruction), _NO_ROW)
     memory = [o.mem for o in instruction.operands if o.type == ARM_OP_MEM]
     written = instruction.regs_access()[1]
-    words = row.each * _listed(instruction)
-    # Only with an immediate offset is the store always one cycle.
+    words = row.each * _register_words(instruction)
+    # A store always takes one cycle only with an immediate offset.
     indexed = row.kind == "store" and any(m.index for m in memory)
-    return _Facts(
+    return _InstructionTiming(
         low=row.low + words + indexed,
         high=row.high + words,
         kind=row.kind,
@@ -242,7 +243,7 @@ def _facts(instruction: CsInsn) -> _Facts:
 
 
 def _name(instruction: CsInsn) -> str:
-    """The name of the instruction's row; for double arithmetic, which the emulator has but no Cortex-M4, of none."""
+    """Return the row name of an instruction; double arithmetic gets a name without a row, as no Cortex-M4 has it."""
     name = str(instruction.insn_name())
     if ".f64" in instruction.mnemonic:
         return f"{name}.f64"
@@ -252,8 +253,8 @@ def _name(instruction: CsInsn) -> str:
     return ("vmov.float", "vmov", "vmov.pair")[core]
 
 
-def _listed(instruction: CsInsn) -> int:
-    """Register words that a list, or the one register of a VLDR or VSTR, transfers."""
+def _register_words(instruction: CsInsn) -> int:
+    """Return the number of register words that a register list, or a VLDR or VSTR, transfers."""
     registers = [o.reg for o in instruction.operands if o.type == ARM_OP_REG]
     floats = sum(_FLOAT_BITS[r].bit_count() for r in registers if r in _FLOAT_BITS)
     based = str(instruction.insn_name()).startswith(("ldm", "stm"))
@@ -270,7 +271,7 @@ def _address_registers(instruction: CsInsn) -> list[int]:
 
 
 def _operands(instruction: CsInsn, access: int) -> list[int]:
-    """Registers that the instruction names and reads, or writes; a list is read if it is stored, else written."""
+    """Return the operand registers that are read, or written; a register list is read by a store, else written."""
     name = str(instruction.insn_name())
     if name.startswith(("vpush", "vstm", "vpop", "vldm")):
         stores = name.startswith(("vpush", "vstm"))

@@ -1,9 +1,9 @@
-"""Read machine code: what a linked ELF file loads, what its symbols name, and how many bytes it takes.
+"""ELF reader: segments, symbols and size of a linked image, as `arm-none-eabi-size` and `nm` report them.
 
-Bytes are counted by where they lie: `code` and `literals` share the executable sections, and the mapping symbols $t and
-$d of the Arm ABI tell them apart; `constants` are the read-only data, `data` what must lie in RAM. Unwinding tables
-(.ARM.exidx, .ARM.extab) are left out: nothing but a C++ exception reads them. So are `_init` and `_fini` of the C
-start-up, which zig's linker keeps whatever the root of the image is.
+Bytes are counted by memory region. `code` and `literals` share the executable sections; the mapping symbols $t and $d
+of the Arm ABI separate them. `constants` are read-only data, `data` is RAM. Unwinding tables (.ARM.exidx, .ARM.extab)
+are not counted, because only C++ exceptions read them. `_init` and `_fini` of the C start-up are not counted either,
+because zig's linker keeps them for every image.
 """
 
 from collections.abc import Mapping
@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from synth.errors import CompileError
 
 OUTSIDE = "(no function)"
-_KEPT = ("_init", "_fini")
+_STARTUP = ("_init", "_fini")
 _UNWINDING = ("SHT_ARM_EXIDX", ".ARM.extab")
 
 
 class Segment(NamedTuple):
-    """Bytes to be loaded at an address, zeros after the file's own."""
+    """Bytes to be loaded at an address, padded with zeros."""
 
     address: int
     content: bytes
@@ -39,7 +39,7 @@ class Region(NamedTuple):
 
 
 class Function(NamedTuple):
-    """A function of `size` bytes; `name` is the most public of its names."""
+    """A function of `size` bytes; `name` is its external name if it has one."""
 
     name: str
     address: int
@@ -48,9 +48,9 @@ class Function(NamedTuple):
 
 @dataclass(frozen=True)
 class Size:
-    """Bytes of an image: `code` is instructions and padding, `literals` constants among them, `constants` .rodata.
+    """Bytes of an image: `code` is instructions and padding, `literals` are constants in code sections.
 
-    `data` is initialised and zeroed RAM. `functions` gives the bytes of each function, its literals included.
+    `constants` is .rodata, `data` initialised and zeroed RAM; `functions` gives the bytes of each with its literals.
     """
 
     code: int
@@ -62,7 +62,7 @@ class Size:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A linked image: segments to load, addresses by name, functions and regions in order of address."""
+    """A linked image: segments to load, addresses by symbol name, functions and regions sorted by address."""
 
     segments: tuple[Segment, ...]
     addresses: Mapping[str, int]
@@ -74,7 +74,7 @@ class Program:
     def address(self, name: str) -> int:
         """Return the address of a function, without the Thumb bit.
 
-        Raises CompileError when the image has none of that name.
+        Raises CompileError when the image has no function of that name.
         """
         if name not in self.addresses:
             raise CompileError(
@@ -84,16 +84,16 @@ class Program:
         return self.addresses[name] & ~1
 
     def function_at(self, addresses: NDArray[np.integer[Any]]) -> NDArray[np.intp]:
-        """Return for each address the index of the function that holds it, len(functions) where none does."""
+        """Return for each address the index of the function that contains it, len(functions) for none."""
         starts = np.array([f.address for f in self.functions], dtype=np.int64)
         ends = np.array([f.address + f.size for f in self.functions], dtype=np.int64)
-        found = np.searchsorted(starts, addresses, side="right") - 1
-        return np.where((found >= 0) & (addresses < ends[found]), found, len(self.functions))
+        index = np.searchsorted(starts, addresses, side="right") - 1
+        return np.where((index >= 0) & (addresses < ends[index]), index, len(self.functions))
 
     def size(self) -> Size:
         """Count the bytes of the image."""
-        functions = {f.name: f.size for f in self.functions if f.name not in _KEPT}
-        kept = sum(f.size for f in self.functions if f.name in _KEPT)
+        functions = {f.name: f.size for f in self.functions if f.name not in _STARTUP}
+        kept = sum(f.size for f in self.functions if f.name in _STARTUP)
         code, literals = (sum(len(r.content) for r in self.regions if r.thumb is thumb) for thumb in (True, False))
         return Size(code - kept, literals, self.constants, self.data, functions)
 
@@ -102,24 +102,24 @@ def read(path: Path) -> Program:
     """Read a linked image; raise CompileError when the file has no symbols, as after `-s`."""
     with path.open("rb") as file:
         elf = ELFFile(file)
-        symbols, sections = _symbols(elf), [s for s in elf.iter_sections() if _loaded(s)]
+        symbols, sections = _symbols(elf), [s for s in elf.iter_sections() if _is_loaded(s)]
         return Program(
             segments=tuple(_segment(s) for s in elf.iter_segments("PT_LOAD") if s["p_memsz"]),
             addresses={s.name: s["st_value"] for s in symbols if s["st_shndx"] != "SHN_UNDEF" and s.name},
-            functions=tuple(_functions(symbols, [s["sh_addr"] + s["sh_size"] for s in sections if _executable(s)])),
-            regions=tuple(r for s in sections if _executable(s) for r in _regions(s, symbols)),
-            constants=sum(s["sh_size"] for s in sections if not _executable(s) and not _writeable(s)),
-            data=sum(s["sh_size"] for s in sections if _writeable(s)),
+            functions=tuple(_functions(symbols, [s["sh_addr"] + s["sh_size"] for s in sections if _is_executable(s)])),
+            regions=tuple(r for s in sections if _is_executable(s) for r in _regions(s, symbols)),
+            constants=sum(s["sh_size"] for s in sections if not _is_executable(s) and not _is_writeable(s)),
+            data=sum(s["sh_size"] for s in sections if _is_writeable(s)),
         )
 
 
-def undefined(path: Path) -> frozenset[str]:
-    """Return the names that an object file needs from elsewhere."""
+def undefined_symbols(path: Path) -> frozenset[str]:
+    """Return the undefined symbols of an object file."""
     with path.open("rb") as file:
         return frozenset(s.name for s in _symbols(ELFFile(file)) if s["st_shndx"] == "SHN_UNDEF" and s.name)
 
 
-def defined(path: Path) -> frozenset[str]:
+def defined_functions(path: Path) -> frozenset[str]:
     """Return the names of the functions in an object file, static ones included."""
     with path.open("rb") as file:
         return frozenset(s.name for s in _symbols(ELFFile(file)) if _is_function(s))
@@ -128,9 +128,7 @@ def defined(path: Path) -> frozenset[str]:
 def _symbols(elf: Any) -> list[Any]:
     table = elf.get_section_by_name(".symtab")
     if table is None:
-        raise CompileError(
-            "machine code: found no symbol table, need one to tell functions apart: leave out the flag -s"
-        )
+        raise CompileError("machine code: found no symbol table, need one to identify functions: leave out the flag -s")
     return list(table.iter_symbols())
 
 
@@ -139,19 +137,23 @@ def _segment(segment: Any) -> Segment:
 
 
 def _functions(symbols: list[Any], ends: list[int]) -> list[Function]:
-    """Each function once; it ends with its size, at the latest where the next begins or the section ends.
+    """Return each function once, cut off where the next function begins or the section ends.
 
-    Functions of the run-time libraries run into one another: the bytes count for the last that began.
+    Functions of the run-time libraries overlap; shared bytes count for the function that begins last.
     """
-    named: dict[int, tuple[tuple[bool, int, str], int]] = {}
+    by_address: dict[int, tuple[tuple[bool, int, str], int]] = {}
     for symbol in filter(_is_function, symbols):
-        # Of several names at one address the external one is meant, then the shortest.
+        # Among several names at one address, prefer the external one, then the shortest.
         rank = (symbol["st_info"]["bind"] == "STB_LOCAL", len(symbol.name), symbol.name)
         address = symbol["st_value"] & ~1
-        named[address] = min(named.get(address, (rank, 0)), (rank, symbol["st_size"]), key=lambda found: found[0])
-    edges = sorted({*named, *ends})
-    rooms = {address: edges[edges.index(address) + 1] - address for address in named}
-    return [Function(rank[-1], at, min(size or rooms[at], rooms[at])) for at, (rank, size) in sorted(named.items())]
+        by_address[address] = min(
+            by_address.get(address, (rank, 0)), (rank, symbol["st_size"]), key=lambda candidate: candidate[0]
+        )
+    edges = sorted({*by_address, *ends})
+    rooms = {address: edges[edges.index(address) + 1] - address for address in by_address}
+    return [
+        Function(rank[-1], at, min(size or rooms[at], rooms[at])) for at, (rank, size) in sorted(by_address.items())
+    ]
 
 
 def _regions(section: Any, symbols: list[Any]) -> list[Region]:
@@ -170,14 +172,14 @@ def _is_function(symbol: Any) -> bool:
     return symbol["st_info"]["type"] == "STT_FUNC" and symbol["st_shndx"] != "SHN_UNDEF"
 
 
-def _loaded(section: Any) -> bool:
+def _is_loaded(section: Any) -> bool:
     unwinding = section["sh_type"] in _UNWINDING or section.name in _UNWINDING
     return bool(section["sh_flags"] & SH_FLAGS.SHF_ALLOC) and not unwinding
 
 
-def _executable(section: Any) -> bool:
+def _is_executable(section: Any) -> bool:
     return bool(section["sh_flags"] & SH_FLAGS.SHF_EXECINSTR)
 
 
-def _writeable(section: Any) -> bool:
+def _is_writeable(section: Any) -> bool:
     return bool(section["sh_flags"] & SH_FLAGS.SHF_WRITE)

@@ -1,9 +1,9 @@
-"""Run emitted C on this machine: its structs as NumPy records, its step in compiled loops.
+"""Software-in-the-loop execution of emitted C on the host: structs as NumPy records, steps in a compiled loop.
 
     state', out_k, faults_k = step(state, in_k),  k = 0 .. N-1
 
-The manifest says where each member of a struct lies; the compiler is made to confirm it. Bits pass untouched: a float32
-array given for a float member is copied, so that the payload of a NaN arrives as it was.
+The manifest states the layout of each struct; compile-time assertions confirm it. Bits pass unchanged: a float32 array
+for a float member is copied, which preserves the payload of a NaN.
 """
 
 import ctypes
@@ -107,16 +107,16 @@ class Controller:
     def step(self, state: Records, inputs: Mapping[str, Any]) -> Step:
         """Advance `state` in place by one step.
 
-        Raises SignalError when an input is missing or not known, or when `state` is not what `init` returns.
+        Raises SignalError when an input is missing or unknown, or when `state` is not of the type that `init` returns.
         """
         require_states(self.manifest, self.state, state, ())
         outputs, faults = self._advance(state, self.records(inputs, 1))
         return Step({name: outputs[name][0] for name in outputs.dtype.names or ()}, int(faults[0]))
 
     def replay(self, inputs: Mapping[str, ArrayLike], state: Records | None = None) -> Replay:
-        """Run N steps from `state`, which stays as it is, or from `init`; inputs are columns (N,) or constants.
+        """Run N steps from a copy of `state`, or from `init`; inputs are columns (N,) or constants.
 
-        Raises SignalError as `step`, and when the columns' lengths differ or there is none.
+        Raises SignalError as `step`, when the lengths of the columns differ, and when every input is a constant.
         """
         start = self.init() if state is None else state
         require_states(self.manifest, self.state, start, ())
@@ -125,7 +125,7 @@ class Controller:
         return Replay(columns(outputs), faults, after)
 
     def batch(self, states: Records, inputs: Mapping[str, ArrayLike]) -> Batch:
-        """Take one step from each of the `states` (N,), which stay as they are; inputs are columns (N,) or constants.
+        """Take one step from a copy of each of the `states` (N,); inputs are columns (N,) or constants.
 
         Raises SignalError as `step`.
         """
@@ -137,7 +137,7 @@ class Controller:
     def records(self, inputs: Mapping[str, ArrayLike], n: int) -> Records:
         """Return n input structs from columns (n,) or constants by name.
 
-        Raises SignalError when an input is missing or not known, or when a column's length is not n.
+        Raises SignalError when an input is missing or unknown, or when the length of a column is not n.
         """
         return records(self.manifest, self.inputs, inputs, n)
 
@@ -150,12 +150,12 @@ class Controller:
 
 
 def load(files: Mapping[str, str], manifest: Mapping[str, Any], flags: Sequence[str] = ()) -> Controller:
-    """Compile `{filename: text}` of emitted C as `manifest` describes it; `flags` follow the compiler's own.
+    """Compile and load `{filename: text}` of emitted C with its `manifest`; `flags` come after the default ones.
 
-    Files that are neither .c nor .h are left out.
+    Files that are neither .c nor .h are ignored.
 
-    Raises DesignError when the manifest or a header is not whole, and CompileError when the compiler refuses the C or
-    finds a struct that is laid out otherwise than the manifest says.
+    Raises DesignError when the manifest is incomplete or a header is missing, and CompileError when the compiler
+    refuses the C or finds a struct whose layout differs from the manifest.
     """
     dtypes = {role: dtype(role, manifest) for role in ("input", "output", "state")}
     library = host_compiler.shared_library({**code(files), _GLUE_FILE: _glue(files, manifest)}, flags)
@@ -163,14 +163,14 @@ def load(files: Mapping[str, str], manifest: Mapping[str, Any], flags: Sequence[
 
 
 def code(files: Mapping[str, str]) -> dict[str, str]:
-    """Return the C among emitted files: those that end in .c or .h."""
+    """Return the C files among emitted files: those that end in .c or .h."""
     return {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
 
 
 def dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
     """Return the struct "input", "output" or "state" of a manifest as a NumPy dtype.
 
-    Raises DesignError when the manifest is not whole.
+    Raises DesignError when the manifest is incomplete.
     """
     try:
         struct = manifest["structs"][role]
@@ -181,12 +181,12 @@ def dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
     except (KeyError, ValueError, TypeError) as error:
         raise DesignError(
             f"manifest, struct '{role}': {type(error).__name__} {error}; needed are type, size and, for each field, "
-            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C anew"
+            f"name, offset, count and one ctype of {', '.join(SCALARS)}: emit the C again"
         ) from error
 
 
 def layout(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
-    """Return C that compiles only where the headers' structs are laid out as the manifest says.
+    """Return compile-time assertions in C that the headers lay out the structs as the manifest states.
 
     Raises DesignError when there is no header.
     """
@@ -218,7 +218,7 @@ def records(manifest: Mapping[str, Any], struct: np.dtype[np.void], inputs: Mapp
 def require_states(
     manifest: Mapping[str, Any], struct: np.dtype[np.void], states: Records, shape: tuple[int, ...]
 ) -> None:
-    """Raise SignalError when `states` are no writeable contiguous records of this struct and shape."""
+    """Raise SignalError unless `states` are writeable contiguous records of this struct and shape."""
     fits = isinstance(states, np.ndarray) and states.dtype == struct and states.shape == shape
     if not (fits and states.flags.c_contiguous and states.flags.writeable):
         raise SignalError(
@@ -228,24 +228,24 @@ def require_states(
 
 
 def columns(records: Records) -> Columns:
-    """Return each member of the records (N,) as an array (N,) of its own."""
+    """Return each member of the records (N,) as a separate array (N,)."""
     return {name: records[name].copy() for name in records.dtype.names or ()}
 
 
 def fill(records: Records, name: str, values: ArrayLike, where: NDArray[np.bool_] | None = None) -> None:
-    """Write a column (N,) or a constant into member `name` of the records (N,), or only those `where` it is true.
+    """Write a column (N,) or a constant into member `name` of the records (N,), or only where `where` is true.
 
     Raises SignalError when the column's length is not N.
     """
     column = records[name]
-    given = np.asarray(values)
-    if given.shape not in ((), column.shape[1:], column.shape):
+    samples = np.asarray(values)
+    if samples.shape not in ((), column.shape[1:], column.shape):
         raise SignalError(
-            f"samples of '{name}': found the shape {given.shape}, need {column.shape}: give one value for each sample"
+            f"samples of '{name}': found the shape {samples.shape}, need {column.shape}: give one value for each sample"
         )
-    # A value too large for float32 becomes infinite, as a fault to be injected may well be.
+    # A value too large for float32 becomes infinite on purpose: an injected fault may have any size.
     with np.errstate(over="ignore", invalid="ignore"):
-        typed = np.broadcast_to(given.astype(column.dtype), column.shape)
+        typed = np.broadcast_to(samples.astype(column.dtype), column.shape)
     if where is None:
         column[...] = typed
     else:
@@ -253,14 +253,14 @@ def fill(records: Records, name: str, values: ArrayLike, where: NDArray[np.bool_
 
 
 def length(inputs: Mapping[str, ArrayLike]) -> int:
-    """Return N of input columns (N,) among constants.
+    """Return the length N of the input columns (N,); constants are ignored.
 
-    Raises SignalError when the columns' lengths differ or there is none.
+    Raises SignalError when the lengths of the columns differ, and when every input is a constant.
     """
-    found = {name: len(np.asarray(values)) for name, values in inputs.items() if np.ndim(values)}
-    if len(set(found.values())) != 1:
-        raise SignalError(f"inputs have the lengths {found}: give columns of one length, at least one of them")
-    return next(iter(found.values()))
+    lengths = {name: len(np.asarray(values)) for name, values in inputs.items() if np.ndim(values)}
+    if len(set(lengths.values())) != 1:
+        raise SignalError(f"inputs have the lengths {lengths}: give columns of one length, at least one of them")
+    return next(iter(lengths.values()))
 
 
 def _prototype(library: ctypes.CDLL, name: str, *arguments: type) -> Any:
@@ -278,7 +278,7 @@ def _glue(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
 
 
 def _claims(role: str, struct: Mapping[str, Any]) -> list[str]:
-    """The manifest's layout as C that compiles only if it holds; each claim's name is the compiler's message."""
+    """Return the layout of a struct as compile-time assertions; the compiler prints the name of one that fails."""
     T, size = struct["type"], struct["size"]
     lines = [f"AGREES(manifest_{role}_has_{size}_bytes, sizeof({T}) == {size});"]
     for field in struct["fields"]:

@@ -1,8 +1,9 @@
-"""Call functions of machine code on an emulated Cortex-M core, with the core's own arithmetic, and measure the calls.
+"""Instruction-set simulation of a Cortex-M core: call functions of a linked image and measure the calls.
 
-The emulator is unicorn, with the nearest application core: it executes the same Thumb instructions, and the flags are
-as after reset (round to nearest, no flush to zero, no default NaN), which is looked at before and after every run. It
-knows no caches, no wait states and no interrupts; what it counts is exact, what it takes is no measure of time.
+The emulator is unicorn with the nearest application core, which executes the same Thumb instructions with the same
+arithmetic. The floating-point modes are those after reset (round to nearest, no flush to zero, no default NaN); they
+are checked before and after every run. The emulator models no caches, wait states or interrupts. Its instruction counts
+are exact, its run time says nothing about the core.
 
 Needs the extra `target`: unicorn, pyelftools, capstone, and ziglang or arm-none-eabi-gcc.
 """
@@ -30,12 +31,12 @@ _REGISTERS = tuple(getattr(arm_const, f"UC_ARM_REG_R{n}") for n in range(4))
 
 @dataclass(frozen=True, eq=False)
 class Cost:
-    """What N calls cost on the core.
+    """Measured cost of N calls on the core.
 
-    `instructions` (N,) in all and `by_function` (N,) by name, the costliest first; inlined code counts where it is
-    inlined. `stack_bytes` is the most that any call took, libm and arguments on the stack included. `cycles` is an
-    estimate from a published table, not a measurement, and None for a core without one. `sites` are the decisions in
-    the sources' own functions.
+    `instructions` (N,) is the total and `by_function` (N,) its parts by name, the most expensive first; inlined code
+    counts for the caller. `stack_bytes` is the largest stack use of any call, with libm and arguments on the stack.
+    `cycles` is an estimate from a published table, not a measurement, and None for a core without such a table. `sites`
+    are the decisions in the functions of the sources.
     """
 
     instructions: NDArray[np.int64]
@@ -46,12 +47,12 @@ class Cost:
 
     @property
     def missing(self) -> tuple[trace.Site, ...]:
-        """Decisions of which a direction was never seen."""
+        """Decisions for which at least one direction was not covered."""
         return tuple(site for site in self.sites if site.missing)
 
 
 class Calls(NamedTuple):
-    """N calls: the words that they returned (N,), and their cost."""
+    """N calls: the returned words (N,) and the cost."""
 
     results: NDArray[np.uint32]
     cost: Cost
@@ -61,12 +62,13 @@ class Calls(NamedTuple):
 class Image:
     """A program in the memory of an emulated core; `boot` makes one.
 
-    Addresses are the core's. Memory keeps what was written to it, from call to call.
+    Addresses are those of the core. Memory keeps its contents from call to call. `covered` names the functions whose
+    decisions are reported.
     """
 
     program: elf.Program
     core: str
-    own: frozenset[str]
+    covered: frozenset[str]
     engine: Uc
 
     @cached_property
@@ -75,7 +77,7 @@ class Image:
         return trace.decode(self.program)
 
     def reserve(self, size: int) -> int:
-        """Return the address of `size` fresh bytes, zero, at a multiple of 4096."""
+        """Reserve `size` zeroed bytes and return their address, a multiple of 4096."""
         address = max([HEAP, *(end + 1 for begin, end, _ in self.engine.mem_regions() if begin < HEAP_END)])
         pages = -(-max(size, 1) // _PAGE) * _PAGE
         if address + pages > HEAP_END:
@@ -92,23 +94,27 @@ class Image:
         return address
 
     def write(self, address: int, content: bytes) -> None:
-        """Write bytes; raise SynthError where nothing is reserved."""
+        """Write bytes; raise SynthError where no memory is reserved."""
         try:
             self.engine.mem_write(address, content)
         except UcError as error:
-            raise SynthError(f"memory of the core: {address:#x} takes no {len(content)} bytes: reserve them") from error
+            raise SynthError(
+                f"memory of the core: {len(content)} bytes at {address:#x} are not reserved: reserve them"
+            ) from error
 
     def read(self, address: int, size: int) -> bytes:
-        """Return `size` bytes; raise SynthError where nothing is reserved."""
+        """Return `size` bytes; raise SynthError where no memory is reserved."""
         try:
             return bytes(self.engine.mem_read(address, size))
         except UcError as error:
-            raise SynthError(f"memory of the core: {address:#x} has no {size} bytes: reserve them") from error
+            raise SynthError(
+                f"memory of the core: {size} bytes at {address:#x} are not reserved: reserve them"
+            ) from error
 
     def call(self, function: str, *arguments: int) -> int:
         """Call a function with words (integers, addresses) as arguments and return the word in r0.
 
-        Raises CompileError for a function that is not in the image, SynthError when the core stops on the way.
+        Raises CompileError for a function that is not in the image, SynthError when the core stops before it returns.
         """
         return int(self.calls(function, np.array([arguments], dtype=np.int64))[0])
 
@@ -134,7 +140,7 @@ class Image:
         parts: list[tuple[trace.Counts, cycles.Cycles | None]] = []
         self.write(STACK, _PAINT * (STACK_BYTES // len(_PAINT)))
         self._require_plain_floats()
-        with recorder.attached(self.engine) as record:
+        with recorder.attach(self.engine) as record:
             for row in arguments.tolist():
                 results.append(self._call(function, begin, row))
                 record.call_ended()
@@ -148,7 +154,7 @@ class Image:
         return cycles.timing(self.code)
 
     def _evaluate(self, record: recorder.Record) -> tuple[trace.Counts, cycles.Cycles | None]:
-        path = trace.follow(self.code, record)
+        path = trace.reconstruct_path(self.code, record)
         has_table = self.core == "cortex-m4f"
         return trace.count(self.code, path), cycles.estimate(self._timing, path) if has_table else None
 
@@ -159,18 +165,18 @@ class Image:
             instructions=counts.by_function.sum(axis=1),
             by_function=trace.by_function(self.code, counts),
             cycles=cycles.join(estimates) if estimates else None,
-            stack_bytes=STACK + STACK_BYTES - min(lowest_sp, self._lowest_written()),
-            sites=trace.sites(self.code, counts, self.own),
+            stack_bytes=STACK + STACK_BYTES - min(lowest_sp, self._lowest_written_address()),
+            sites=trace.sites(self.code, counts, self.covered),
         )
 
-    def _lowest_written(self) -> int:
+    def _lowest_written_address(self) -> int:
         words = np.frombuffer(self.read(STACK, STACK_BYTES), np.uint8).reshape(-1, len(_PAINT))
         touched = np.flatnonzero((words != np.frombuffer(_PAINT, np.uint8)).ravel())
         return STACK + (int(touched[0]) if touched.size else STACK_BYTES)
 
     def _call(self, function: str, begin: int, arguments: Sequence[int]) -> int:
         engine, stacked = self.engine, arguments[4:]
-        top = STACK + STACK_BYTES - 8 * (-(-len(stacked) // 2))  # the ABI wants multiples of eight
+        top = STACK + STACK_BYTES - 8 * (-(-len(stacked) // 2))  # the ABI requires multiples of eight
         if stacked:
             self.write(top, np.array(stacked, dtype=np.int64).astype(np.uint32).tobytes())
         registers = [(r, value & 0xFFFFFFFF) for r, value in zip(_REGISTERS, arguments, strict=False)]
@@ -190,8 +196,8 @@ class Image:
         cross.require_plain_floats(f"the emulated {self.core}", fpscr)
 
 
-def boot(program: elf.Program, core: str, own: frozenset[str]) -> Image:
-    """Load a program into a fresh core; `own` names the functions whose decisions are reported."""
+def boot(program: elf.Program, core: str, covered: frozenset[str]) -> Image:
+    """Load a program into a core after reset; `covered` names the functions whose decisions are reported."""
     engine = Uc(UC_ARCH_ARM, UC_MODE_THUMB, _CPUS[core])
     coprocessors = engine.reg_read(arm_const.UC_ARM_REG_C1_C0_2)
     engine.reg_write(arm_const.UC_ARM_REG_C1_C0_2, coprocessors | 0xF << 20)
@@ -205,4 +211,4 @@ def boot(program: elf.Program, core: str, own: frozenset[str]) -> Image:
         engine.mem_write(segment.address, segment.content)
     engine.mem_map(STACK, STACK_BYTES)
     engine.mem_map(_RETURN, _PAGE)
-    return Image(program, core, own, engine)
+    return Image(program, core, covered, engine)

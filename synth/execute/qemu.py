@@ -1,10 +1,9 @@
-"""Run emitted C on QEMU's Cortex-M boards, as a second emulator beside that of `target`.
+"""Execution of emitted C on QEMU's Cortex-M boards, a second emulator that is independent of `target`.
 
     state', out_k, faults_k = step(state, in_k),  k = 0 .. N-1
 
 The boards are MPS2 with application note 386 (Cortex-M4F) or 500 (Cortex-M7), which QEMU models as M-class cores with
-their own FPU. The image is built by arm-none-eabi-gcc with the start-up code of qemu.c; samples go in and out through
-semihosting files.
+an FPU. arm-none-eabi-gcc builds the image with the start-up code of qemu.c; samples pass through semihosting files.
 """
 
 import shutil
@@ -26,8 +25,8 @@ from synth.execute import cross, host
 _EMULATOR = "qemu-system-arm"
 _MACHINES = {"cortex-m4f": "mps2-an386", "cortex-m7": "mps2-an500"}
 _OPTIONS = ("-nographic", "-monitor", "none", "-serial", "none", "-semihosting-config", "enable=on,target=native")
-# A guard against C without an end, no verdict on speed: start and a step take milliseconds, on a busy machine seconds.
-_PATIENCE_S, _PATIENCE_A_STEP_S = 1800.0, 0.1
+# Timeouts against C that does not terminate. Start-up and a step take milliseconds, on a busy machine seconds.
+_TIMEOUT_S, _TIMEOUT_PER_STEP_S = 1800.0, 0.1
 _MEMORY = """MEMORY { flash : ORIGIN = 0x00000000, LENGTH = 4M  ram : ORIGIN = 0x20000000, LENGTH = 4M }
 SECTIONS {
     .text : { KEEP(*(.vectors)) *(.text*) *(.rodata*) . = ALIGN(4); } > flash
@@ -52,7 +51,7 @@ _CONTRACT = """{includes}
 class Board:
     """Emitted C with the contract `init(state)`, `faults = step(state, in, out)` on a board; `load` makes one.
 
-    It serves as `host.Controller` does: the same records in, the same records out. Every run starts from reset.
+    It takes and returns the same records as `host.Controller`. Every run starts from reset.
     """
 
     manifest: Mapping[str, Any]
@@ -67,9 +66,9 @@ class Board:
         return self._run(np.zeros(0, self.inputs), None).state
 
     def replay(self, inputs: Mapping[str, ArrayLike], state: host.Records | None = None) -> host.Replay:
-        """Run N steps from `state`, which stays as it is, or from `init`; inputs are columns (N,) or constants.
+        """Run N steps from a copy of `state`, or from `init`; inputs are columns (N,) or constants.
 
-        Raises SignalError as `host.Controller.replay`, SynthError when the board stops on the way.
+        Raises SignalError as `host.Controller.replay`, SynthError when the board stops before the last step.
         """
         if state is not None:
             host.require_states(self.manifest, self.state, state, ())
@@ -94,23 +93,23 @@ def load(
 ) -> Board:
     """Build emitted C, with start-up code, for the board of a core, "cortex-m4f" or "cortex-m7".
 
-    Files that are neither .c nor .h are left out; `flags` follow `cross.FLAGS`.
+    Files that are neither .c nor .h are ignored; `flags` come after `cross.FLAGS`.
 
     Raises CompileError when QEMU or the cross compiler is not on the PATH, DesignError and CompileError as `host.load`.
     """
     _require_emulator()
     dtypes = {role: host.dtype(role, manifest) for role in ("input", "output", "state")}
     startup = resources.files("synth.execute").joinpath("qemu.c").read_text(encoding="utf-8")
-    given = host.code(files)
-    own = {
+    sources = host.code(files)
+    support_files = {
         "synth_layout.c": host.layout(files, manifest),
         "synth_qemu.c": startup,
-        "contract.h": _contract(given, manifest),
+        "contract.h": _contract(sources, manifest),
         "synth_mps2.ld": _MEMORY,
     }
     options = [*cross.FLAGS, *cross.SECTIONS, *flags, "-static", "-Wl,--gc-sections", "-T", "synth_mps2.ld"]
     compiler = cross.find_compiler(core, "gcc")
-    image = host_compiler.build({**given, **own}, options, "board.elf", compiler, libraries=("-lm",))
+    image = host_compiler.build({**sources, **support_files}, options, "board.elf", compiler, libraries=("-lm",))
     return Board(manifest, dtypes["input"], dtypes["output"], dtypes["state"], core, image)
 
 
@@ -123,15 +122,15 @@ def _contract(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
 
 
 def _exchange(core: str, image: Path, request: bytes, steps: int) -> bytes:
-    """Run an image once, with `request` for it to read, and return the response that it wrote."""
+    """Run an image once, let it read the bytes `request`, and return the bytes of its response."""
     command = [_require_emulator(), "-M", _MACHINES[core], *_OPTIONS, "-kernel", str(image)]
     with tempfile.TemporaryDirectory(prefix="synth-qemu-") as folder:
         (Path(folder) / "request").write_bytes(request)
-        patience = _PATIENCE_S + _PATIENCE_A_STEP_S * steps
+        timeout_s = _TIMEOUT_S + _TIMEOUT_PER_STEP_S * steps
         try:
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=patience)
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=timeout_s)
         except subprocess.TimeoutExpired as error:
-            raise SynthError(f"QEMU's {core}: found no end after {patience:.0f} s, need one: correct the C") from error
+            raise SynthError(f"QEMU's {core}: found no end after {timeout_s:.0f} s, need one: correct the C") from error
         if done.returncode != 0:
             raise SynthError(
                 f"QEMU's {core}: found status {done.returncode} ({done.stderr.strip() or 'a fault of the core'}), 0 is "
@@ -141,7 +140,7 @@ def _exchange(core: str, image: Path, request: bytes, steps: int) -> bytes:
 
 
 def _require_emulator() -> str:
-    found = shutil.which(_EMULATOR)
-    if not found:
+    path = shutil.which(_EMULATOR)
+    if not path:
         raise CompileError(f"emulator: found no {_EMULATOR} on the PATH, need QEMU for Arm: install qemu-system-arm")
-    return found
+    return path

@@ -1,7 +1,7 @@
-"""Record, in compiled code, the instructions that an emulated core executes.
+"""Instruction trace of an emulated core, recorded by a compiled hook.
 
-The emulator calls its code hook behind the test of an IT block's condition: an instruction that is predicated false is
-not in the record. A conditional branch is, whether it branches or not. `trace` puts the others back.
+The emulator calls its code hook after it has tested the condition of an IT block, so the record lacks instructions that
+are predicated false. It contains every conditional branch, taken or not. `trace` restores the missing instructions.
 """
 
 import ctypes
@@ -37,7 +37,7 @@ class _Recorder(ctypes.Structure):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """R instructions of n calls: their addresses (R,), and how many they are by each call's end (n,)."""
+    """R instructions of n calls: their addresses (R,), and the count up to the end of each call (n,)."""
 
     addresses: NDArray[np.uint32]
     ends: NDArray[np.int64]
@@ -68,7 +68,7 @@ class Recorder:
         return int(self.memory.lowest_sp)
 
     def call_ended(self) -> None:
-        """Note that a call has returned; raise SynthError when it executed more instructions than the buffer holds."""
+        """Mark the end of a call; raise SynthError when it executed more instructions than the buffer holds."""
         if self.memory.count > self.memory.capacity:
             raise SynthError(
                 f"one call executed {self.memory.count} instructions, {self.memory.capacity // 2} can be recorded: "
@@ -77,7 +77,7 @@ class Recorder:
         self._ends.append(self.memory.count)
 
     def take(self) -> Record:
-        """Return what was recorded and empty the buffer."""
+        """Return the record and empty the buffer."""
         n = self.memory.count
         record = Record(self._addresses[:n].copy(), np.array(self._ends, dtype=np.int64))
         self.memory.count, self._ends = 0, []
@@ -85,18 +85,18 @@ class Recorder:
 
 
 @contextmanager
-def attached(engine: Uc, capacity: int = CAPACITY) -> Iterator[Recorder]:
-    """Record all that the engine executes within the `with` block."""
+def attach(engine: Uc, capacity: int = CAPACITY) -> Iterator[Recorder]:
+    """Record every instruction that the engine executes within the `with` block."""
     recorder, handle = Recorder(capacity), ctypes.c_size_t()
     callback = ctypes.cast(_library().synth_record, ctypes.c_void_p)
-    # The binding's own hook_add takes Python functions only, which cost ten times as much as this one.
+    # hook_add of the Python binding accepts only Python functions, which take ten times as long as this one.
     everything = ctypes.c_uint64(1), ctypes.c_uint64(0)
     status = uclib.uc_hook_add(
         engine._uch, ctypes.byref(handle), UC_HOOK_CODE, callback, ctypes.byref(recorder.memory), *everything
     )
     if status:
         raise UcError(status)
-    engine.ctl_flush_tb()  # code that ran before was translated without the hook
+    engine.ctl_flush_tb()  # discard code that was translated without the hook
     try:
         yield recorder
     finally:

@@ -1,4 +1,4 @@
-"""Run emitted C as the machine code of a Cortex-M core, in an emulator, and measure it.
+"""Processor-in-the-loop execution of emitted C on an emulated Cortex-M core, with measurement.
 
     state', out_k, faults_k = step(state, in_k),  k = 0 .. N-1
 
@@ -17,7 +17,7 @@ from synth.execute.image import Cost, Image, boot
 
 
 class Measured(NamedTuple):
-    """A replay on the core, and what its steps cost."""
+    """A replay on the core, and the cost of its steps."""
 
     replay: host.Replay
     cost: Cost
@@ -27,7 +27,8 @@ class Measured(NamedTuple):
 class Target:
     """Emitted C with the contract `init(state)`, `faults = step(state, in, out)` on a core; `load` makes one.
 
-    It serves as `host.Controller` does: the same records in, the same records out. Every run starts with a fresh core.
+    It takes and returns the same records as `host.Controller`. Every run starts from reset. `covered` names
+    the functions whose decisions are reported.
     """
 
     manifest: Mapping[str, Any]
@@ -36,50 +37,54 @@ class Target:
     state: np.dtype[np.void]
     core: str
     program: elf.Program
-    own: frozenset[str]
+    covered: frozenset[str]
 
     def init(self) -> host.Records:
         """Return the state after `init`, a record of shape ()."""
-        image = boot(self.program, self.core, self.own)
+        image = boot(self.program, self.core, self.covered)
         address = image.reserve(self.state.itemsize)
         image.call(self.manifest["functions"]["init"], address)
         return _records(image, address, np.zeros((), self.state))
 
     def replay(self, inputs: Mapping[str, ArrayLike], state: host.Records | None = None) -> host.Replay:
-        """Run N steps from `state`, which stays as it is, or from `init`; inputs are columns (N,) or constants.
+        """Run N steps from a copy of `state`, or from `init`; inputs are columns (N,) or constants.
 
-        Raises SignalError as `host.Controller.replay`, SynthError when the core stops on the way.
+        Raises SignalError as `host.Controller.replay`, SynthError when the core stops before the last step.
         """
-        run = self._prepared(inputs, state)
-        return self._replayed(run, run.image.calls(self.manifest["functions"]["step"], run.arguments))
+        run = self._prepare(inputs, state)
+        return self._collect(run, run.image.calls(self.manifest["functions"]["step"], run.arguments))
 
     def measure(self, inputs: Mapping[str, ArrayLike], state: host.Records | None = None) -> Measured:
         """Run as `replay` does and measure every step.
 
-        Raises SignalError and SynthError as `replay`, and SignalError when there is no step.
+        Raises SignalError and SynthError as `replay`, and SignalError when there are no steps.
         """
-        run = self._prepared(inputs, state)
+        run = self._prepare(inputs, state)
         calls = run.image.measure(self.manifest["functions"]["step"], run.arguments)
-        return Measured(self._replayed(run, calls.results), calls.cost)
+        return Measured(self._collect(run, calls.results), calls.cost)
 
-    def _prepared(self, inputs: Mapping[str, ArrayLike], state: host.Records | None) -> "_Run":
+    def _prepare(self, inputs: Mapping[str, ArrayLike], state: host.Records | None) -> "_Run":
         start = self.init() if state is None else state
         host.require_states(self.manifest, self.state, start, ())
         n = host.length(inputs)
-        image = boot(self.program, self.core, self.own)
-        given = image.place(host.records(self.manifest, self.inputs, inputs, n))
-        at_state, taken = image.place(start), image.reserve(n * self.outputs.itemsize)
+        image = boot(self.program, self.core, self.covered)
+        inputs_at = image.place(host.records(self.manifest, self.inputs, inputs, n))
+        state_at, outputs_at = image.place(start), image.reserve(n * self.outputs.itemsize)
         steps = np.arange(n, dtype=np.int64)
-        columns = np.full(n, at_state), given + steps * self.inputs.itemsize, taken + steps * self.outputs.itemsize
-        return _Run(image, np.stack(columns, axis=1), at_state, taken)
+        columns = (
+            np.full(n, state_at),
+            inputs_at + steps * self.inputs.itemsize,
+            outputs_at + steps * self.outputs.itemsize,
+        )
+        return _Run(image, np.stack(columns, axis=1), state_at, outputs_at)
 
-    def _replayed(self, run: "_Run", faults: NDArray[np.uint32]) -> host.Replay:
+    def _collect(self, run: "_Run", faults: NDArray[np.uint32]) -> host.Replay:
         outputs = _records(run.image, run.outputs, np.zeros(len(faults), self.outputs))
         return host.Replay(host.columns(outputs), faults, _records(run.image, run.state, np.zeros((), self.state)))
 
 
 class _Run(NamedTuple):
-    """A core made ready for N steps: their arguments (N, 3), and where the state and the outputs lie."""
+    """A core prepared for N steps: their arguments (N, 3), and the addresses of the state and the outputs."""
 
     image: Image
     arguments: NDArray[np.int64]
@@ -96,7 +101,7 @@ def load(
 ) -> Target:
     """Build emitted C for a core, "cortex-m4f" or "cortex-m7", with the compiler "zig" or "gcc".
 
-    Files that are neither .c nor .h are left out; `flags` follow `cross.FLAGS`.
+    Files that are neither .c nor .h are ignored; `flags` come after `cross.FLAGS`.
 
     Raises DesignError and CompileError as `host.load`, and CompileError as `cross.link`.
     """
@@ -104,11 +109,13 @@ def load(
     code = host.code(files)
     sources = {**code, "synth_layout.c": host.layout(files, manifest)}
     entries = [manifest["functions"][name] for name in ("step", "init")]
-    program, of_step = (elf.read(cross.link(sources, roots, core, compiler, flags)) for roots in (entries, entries[:1]))
+    program, step_program = (
+        elf.read(cross.link(sources, roots, core, compiler, flags)) for roots in (entries, entries[:1])
+    )
     for entry in entries:
         program.address(entry)
-    own = cross.functions(code, core, compiler, flags) & {function.name for function in of_step.functions}
-    return Target(manifest, dtypes["input"], dtypes["output"], dtypes["state"], core, program, own)
+    covered = cross.functions(code, core, compiler, flags) & {f.name for f in step_program.functions}
+    return Target(manifest, dtypes["input"], dtypes["output"], dtypes["state"], core, program, covered)
 
 
 def _records(image: Image, address: int, like: host.Records) -> host.Records:

@@ -1,12 +1,13 @@
-"""What N calls cost, from the record of the instructions that they executed.
+"""Instruction counts and decision coverage of N calls, from the recorded instruction trace.
 
     instructions[k] = sum over functions of by_function[f][k]
-    decision        = an instruction that the flags, or a register against zero, let through or not
+    decision        = an instruction that executes or not, depending on the flags or on a register against zero
 
-Every instruction that was fetched counts once, also when it is predicated false: the core spends a cycle on it. A
-decision is a conditional branch (b<cond>, cbz, cbnz), or the first instruction of an IT block, or one that follows a
-new comparison inside the block: the others of the block are decided with it. VSEL, VMAXNM and VMINNM select a value
-and decide no flow; the ways of a table branch (tbb, tbh) are not followed.
+Every fetched instruction counts once, even if it is predicated false, because the core spends a cycle on it. Three
+kinds of instruction are decisions: a conditional branch (b<cond>, cbz, cbnz), the first instruction of an IT block, and
+the first one after a new comparison inside the block; the remaining instructions of the block depend on the same
+decision. VSEL, VMAXNM and VMINNM select a value and are not decisions. The targets of a table branch (tbb, tbh) are not
+analysed.
 """
 
 from collections.abc import Collection, Sequence
@@ -41,8 +42,9 @@ _BRANCHES = (ARM_INS_B, ARM_INS_BL, ARM_INS_BLX, ARM_INS_BX, ARM_INS_CBNZ, ARM_I
 class Code:
     """The I instructions of an image in order of address.
 
-    `conditional` marks conditional branches, cbz and cbnz, and what is predicated; `transfers` what may go on
-    elsewhere; `decides` the decisions. `function` indexes the program's functions, their number standing for none.
+    `conditional` marks conditional branches, cbz, cbnz and predicated instructions; `transfers` marks those that may
+    change the program counter; `decides` marks decisions. `function` is an index into the program's functions, their
+    number for none.
     """
 
     program: elf.Program
@@ -56,9 +58,9 @@ class Code:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """M instructions of n calls: index into Code (M,), whether each took effect (M,), count by each call's end (n,).
+    """M instructions of n calls: index into Code (M,), whether each took effect (M,), count up to each call's end (n,).
 
-    Of no effect are what is predicated false and a conditional branch that does not branch.
+    An instruction has no effect if it is predicated false, or if it is a conditional branch that is not taken.
     """
 
     index: NDArray[np.intp]
@@ -72,7 +74,7 @@ class Trace:
 
 
 class Site(NamedTuple):
-    """A decision: where it is, how it reads, and how often its condition held and did not."""
+    """A decision: its address, function and text, and how often its condition was true and false."""
 
     address: int
     function: str
@@ -82,7 +84,7 @@ class Site(NamedTuple):
 
     @property
     def missing(self) -> str:
-        """What was never seen: "", "taken", "not taken" or "reached"."""
+        """The outcome that was not covered: "", "taken", "not taken" or "reached"."""
         if not self.taken and not self.not_taken:
             return "reached"
         return "" if self.taken and self.not_taken else "not taken" if self.taken else "taken"
@@ -90,7 +92,7 @@ class Site(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Counts:
-    """Of n calls: instructions by function (n, F + 1); of I instructions: how often each was executed, and passed."""
+    """Instructions of n calls by function (n, F + 1); how often each of I instructions was executed and passed (I,)."""
 
     by_function: NDArray[np.int64]
     executed: NDArray[np.int64]
@@ -98,32 +100,32 @@ class Counts:
 
 
 def decode(program: elf.Program) -> Code:
-    """Disassemble every instruction of a program; raise SynthError at bytes that are none."""
+    """Disassemble every instruction of a program; raise SynthError at bytes that are not instructions."""
     engine = Cs(CS_ARCH_ARM, CS_MODE_THUMB | CS_MODE_MCLASS)
     engine.detail = True
-    found = tuple(i for region in program.regions if region.thumb for i in _disassembled(engine, region))
-    address = np.array([i.address for i in found], dtype=np.int64)
+    instructions = tuple(i for region in program.regions if region.thumb for i in _disassemble(engine, region))
+    address = np.array([i.address for i in instructions], dtype=np.int64)
     return Code(
         program=program,
-        instructions=found,
+        instructions=instructions,
         address=address,
-        conditional=np.array([_is_conditional(i) for i in found], dtype=bool),
-        transfers=np.array([(i.id in _BRANCHES or ARM_REG_PC in i.regs_access()[1]) for i in found], dtype=bool),
-        decides=_decisions(found),
+        conditional=np.array([_is_conditional(i) for i in instructions], dtype=bool),
+        transfers=np.array([(i.id in _BRANCHES or ARM_REG_PC in i.regs_access()[1]) for i in instructions], dtype=bool),
+        decides=_decisions(instructions),
         function=program.function_at(address),
     )
 
 
-def follow(code: Code, record: Record) -> Trace:
-    """Return the path that a record took through the code, with what it skipped in IT blocks.
+def reconstruct_path(code: Code, record: Record) -> Trace:
+    """Return the execution path of a record, with the predicated instructions that it skipped in IT blocks.
 
-    Raises SynthError when it left the program's instructions.
+    Raises SynthError when the path leaves the instructions of the program.
     """
     at = np.minimum(np.searchsorted(code.address, record.addresses), len(code.address) - 1)
-    _require_known(code, at, record)
+    _require_instructions(code, at, record)
     after = np.append(at[1:], 0)
     after[record.ends - 1] = -1
-    # Whatever does not branch goes on behind itself, or behind what is predicated false there.
+    # An instruction that does not branch is followed by the next one that is not predicated false.
     skipped = np.where(code.transfers[at], 0, after - at - 1)
     unconditional = np.append(0, np.cumsum(~code.conditional))
     if (skipped < 0).any() or (unconditional[at + 1 + skipped] != unconditional[at + 1]).any():
@@ -146,7 +148,7 @@ def count(code: Code, trace: Trace) -> Counts:
 
 
 def join(parts: Sequence[Counts]) -> Counts:
-    """Return the counts of all calls from those of some after others."""
+    """Concatenate the counts of consecutive parts of a trace."""
     return Counts(
         np.concatenate([part.by_function for part in parts]),
         np.sum([part.executed for part in parts], axis=0),
@@ -155,7 +157,7 @@ def join(parts: Sequence[Counts]) -> Counts:
 
 
 def by_function(code: Code, counts: Counts) -> dict[str, NDArray[np.int64]]:
-    """Return the instructions of each call (N,) by the functions that executed any, the costliest first."""
+    """Return the instructions of each call (N,) by function, the most expensive first, without unused functions."""
     names = [*(f.name for f in code.program.functions), elf.OUTSIDE]
     totals = counts.by_function.sum(axis=0)
     ordered = np.argsort(-totals, kind="stable")
@@ -178,30 +180,30 @@ def sites(code: Code, counts: Counts, functions: Collection[str]) -> tuple[Site,
     )
 
 
-def _disassembled(engine: Cs, region: elf.Region) -> list[CsInsn]:
-    found = list(engine.disasm(region.content, region.address))
-    read = sum(i.size for i in found)
-    # Linkers fill up to the next function with bytes that need not be instructions: fewer than a word of them.
+def _disassemble(engine: Cs, region: elf.Region) -> list[CsInsn]:
+    instructions = list(engine.disasm(region.content, region.address))
+    read = sum(i.size for i in instructions)
+    # Linkers pad up to the next function with bytes that need not be instructions: fewer than one word.
     if len(region.content) - read >= 4:
         raise SynthError(f"machine code: found no Thumb instruction at {region.address + read:#x}, need one")
-    return found
+    return instructions
 
 
-def _require_known(code: Code, at: NDArray[np.intp], record: Record) -> None:
-    strayed = code.address[at] != record.addresses
-    if strayed.any():
-        raise SynthError(f"execution reached {record.addresses[strayed][0]:#x}, need an instruction of the image there")
+def _require_instructions(code: Code, at: NDArray[np.intp], record: Record) -> None:
+    outside = code.address[at] != record.addresses
+    if outside.any():
+        raise SynthError(f"execution reached {record.addresses[outside][0]:#x}, need an instruction of the image there")
 
 
 def _is_conditional(instruction: CsInsn) -> bool:
-    # For IT itself the disassembler gives the condition of the block that it opens.
+    # For IT itself the disassembler gives the condition of the block that follows.
     predicated = instruction.id != ARM_INS_IT and instruction.cc not in (0, ARM_CC_AL)
     return predicated or instruction.id in (ARM_INS_CBZ, ARM_INS_CBNZ)
 
 
 def _decisions(instructions: tuple[CsInsn, ...]) -> NDArray[np.bool_]:
     decides = np.zeros(len(instructions), dtype=bool)
-    decided = False  # whether the flags were already asked, and not set since
+    decided = False  # whether a decision already depends on the current flags
     for i, instruction in enumerate(instructions):
         conditional = _is_conditional(instruction)
         decides[i] = conditional and (not decided or instruction.id in _BRANCHES)

@@ -1,17 +1,17 @@
-"""The audit of a paper: what it prints, what that recomputes to, and the verdict that follows from the two.
+"""Audit of a paper: printed values, recomputed values, and a verdict computed from both.
 
-A row compares figures v_i with the numbers that a paper prints. Its verdict is computed from two statements,
+A row compares recomputed values v_i with the numbers that a paper prints. The verdict follows from two statements:
 
-    R   reproduces: the figures meet the print under the formulas as printed
-    RC  reproduces after the correction that `why` states: as printed they do not, corrected they do
-    N   does not reproduce: they meet it neither way
+    R   reproduces: the values agree with the print under the formulas as printed
+    RC  reproduces after the correction that `why` states: the values agree only with the corrected formulas
+    N   does not reproduce: the values agree in neither case
 
-A figure v agrees with a printed number when |v - printed| is below one unit of the last printed digit, so that
-both rounding and cutting off count as agreement.
+A value v agrees with a printed number when |v - printed| is below one unit of the last printed digit. Both rounding and
+truncation therefore count as agreement.
 
-An audit is a published.toml, which holds what is printed, the rule of each verdict, and how each row is recomputed: by
-formulas (`formulas`) of parameters, printed numbers and functions of a `Scope`. A printed number stands for its value,
-in a verdict for a `Printed`,
+An audit is a file published.toml with the printed values, the rule of each verdict, and formulas (`formulas`) that
+recompute each row from parameters, printed numbers and functions of a `Scope`. In a formula a printed number denotes
+its value, in a verdict the `Printed` object:
 
     [F-1.computed]
     stiffness = "mass * F-2.rate ** 2"
@@ -33,7 +33,7 @@ from synth.errors import DesignError
 from synth.report import formulas
 from synth.report.formulas import Formula
 
-VERDICTS = ("as_printed", "corrected")  # the formulas of a row that say whether its figures meet the print
+VERDICTS = ("as_printed", "corrected")  # the formulas of a row that decide whether its values agree with the print
 
 
 class Verdict(StrEnum):
@@ -63,16 +63,16 @@ class Printed:
         return 10.0 ** int(exponent)
 
     def agrees(self, value: float) -> bool:
-        """Return whether `value`, in the same unit, is the printed number, rounded or cut off."""
+        """Return whether `value`, in the same unit, is the printed number after rounding or truncation."""
         return abs(value - self.value) < self.last_digit
 
 
 @dataclass(frozen=True)
 class Published:
-    """What a paper prints for one row: where, in words, and its numbers by name.
+    """The published content of one row: its place in the paper, its text, and its numbers by name.
 
-    `rule` says how the row is judged and what explains a difference; it is empty where the row's function says it.
-    `computed` are its formulas by name, among them the two statements of the verdict, `as_printed` and `corrected`.
+    `rule` states how the verdict is decided and what explains a difference; it may be empty if a function computes the
+    row. `computed` are the formulas by name, including the statements of the verdict, `as_printed` and `corrected`.
     """
 
     id: str
@@ -92,7 +92,7 @@ class Published:
 
 @dataclass(frozen=True)
 class Figure:
-    """One recomputed value; the unit may carry a prefix (mm, um), as the paper's does."""
+    """One recomputed value; the unit may carry a prefix (mm, um), as in the paper."""
 
     name: str
     value: float
@@ -101,7 +101,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Row:
-    """One audited statement. `depends` names the plant parameters that the figures follow from."""
+    """One audited statement. `depends` names the parameters and printed numbers that the values depend on."""
 
     published: Published
     recomputed: tuple[Figure, ...]
@@ -123,7 +123,7 @@ class Row:
         raise DesignError(f"row {self.id} recomputes no '{name}': it has {known}")
 
     def document(self) -> dict[str, Any]:
-        """Return the row as JSON knows it: values unrounded, null for one that does not exist or is infinite."""
+        """Return the row as JSON: unrounded values, null for NaN and infinity."""
         figures = [{"name": f.name, "value": _finite(f.value), "unit": f.unit} for f in self.recomputed]
         published = self.published
         return {
@@ -139,7 +139,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Scope:
-    """What formulas name: parameters by name in SI units, further functions and constants, and what is printed."""
+    """The names that formulas may use: parameters in SI units, functions and constants, and printed rows."""
 
     parameters: Mapping[str, float]
     functions: Mapping[str, Any]
@@ -148,12 +148,12 @@ class Scope:
 
 def functions(*modules: ModuleType) -> dict[str, Any]:
     """Return the functions and classes that modules define, by name."""
-    own = (value for m in modules for value in vars(m).values() if getattr(value, "__module__", "") == m.__name__)
-    return {value.__name__: value for value in own}
+    defined = (value for m in modules for value in vars(m).values() if getattr(value, "__module__", "") == m.__name__)
+    return {value.__name__: value for value in defined}
 
 
-def computed(printed: Published, scope: Scope) -> Row:
-    """Return a row as recomputed by its formulas.
+def recompute(printed: Published, scope: Scope) -> Row:
+    """Recompute a row by its formulas.
 
     Raises DesignError as `formulas.evaluate`.
     """
@@ -169,15 +169,15 @@ def computed(printed: Published, scope: Scope) -> Row:
 
 
 def rows(scope: Scope, ids: Iterable[str] | None = None) -> Iterator[Row]:
-    """Yield rows by id, all that are printed where no `ids` are given, each when it is computed.
+    """Yield the recomputed rows with the given `ids`, or all printed rows, as they are computed.
 
     Raises DesignError as `computed`.
     """
-    return (computed(scope.published[id], scope) for id in (scope.published if ids is None else ids))
+    return (recompute(scope.published[id], scope) for id in (scope.published if ids is None else ids))
 
 
 def judge(as_printed: bool, corrected: bool = False) -> Verdict:
-    """Return the verdict on figures that meet the print as printed, or only `corrected`, or neither way."""
+    """Return the verdict for values that agree with the print `as_printed`, or only `corrected`, or not."""
     if as_printed:
         return Verdict.REPRODUCES
     return Verdict.CORRECTED if corrected else Verdict.FAILS
@@ -190,47 +190,49 @@ def row(
     why: str,
     depends: Iterable[str] = (),
 ) -> Row:
-    """Return a row from (name, value, unit) of each figure.
+    """Return a row from (name, value, unit) of each recomputed value.
 
-    Raises DesignError when a name stands twice or there is no figure.
+    Raises DesignError when a name is listed twice or there is no value.
     """
-    found = tuple(Figure(name, float(value), unit) for name, value, unit in figures)
-    known = [f.name for f in found]
+    recomputed = tuple(Figure(name, float(value), unit) for name, value, unit in figures)
+    known = [f.name for f in recomputed]
     if not known or len(set(known)) < len(known):
-        raise DesignError(f"row {published.id} has the figures {known}: give at least one, and each its own name")
-    return Row(published, found, verdict, why, tuple(depends))
+        raise DesignError(
+            f"row {published.id} has the figures {known}: give at least one, and a different name for each"
+        )
+    return Row(published, recomputed, verdict, why, tuple(depends))
 
 
-def published(text: str) -> dict[str, Published]:
-    """Read the rows of a published.toml: `[ID]` with paper, where, text, rule and numbers = {name = ["14.3", "%"]}.
+def parse_published(text: str) -> dict[str, Published]:
+    """Parse the rows of a published.toml: `[ID]` with paper, where, text, rule and numbers = {name = ["14.3", "%"]}.
 
-    `rule`, `numbers` and `computed` = {name = "formula" or ["formula", "unit", "figure"]} may be left out.
+    `rule`, `numbers` and `computed` = {name = "formula" or ["formula", "unit", "figure"]} may be omitted.
 
-    Raises DesignError for a row without these, or a number that is none.
+    Raises DesignError for a row without the other keys, or for text that is not a number.
     """
-    return {name: _published(name, entry) for name, entry in tomllib.loads(text).items()}
+    return {name: _parse_row(name, entry) for name, entry in tomllib.loads(text).items()}
 
 
-def read(folder: Path) -> dict[str, Published]:
-    """Read the published.toml of a folder, as `published`."""
-    return published((folder / "published.toml").read_text(encoding="utf-8"))
+def read_published(folder: Path) -> dict[str, Published]:
+    """Read the published.toml of a folder, as `parse_published`."""
+    return parse_published((folder / "published.toml").read_text(encoding="utf-8"))
 
 
-def _published(name: str, entry: Mapping[str, Any]) -> Published:
+def _parse_row(name: str, entry: Mapping[str, Any]) -> Published:
     if missing := [key for key in ("paper", "where", "text") if not entry.get(key)]:
         raise DesignError(f"published row {name} lacks {', '.join(missing)}: say what is printed, and where")
-    numbers = {key: _printed(name, key, value) for key, value in entry.get("numbers", {}).items()}
+    numbers = {key: _parse_number(name, key, value) for key, value in entry.get("numbers", {}).items()}
     computed = {k: Formula(*[v] if isinstance(v, str) else v) for k, v in entry.get("computed", {}).items()}
     return Published(name, entry["paper"], entry["where"], entry["text"], numbers, entry.get("rule", ""), computed)
 
 
-def _printed(name: str, key: str, value: Any) -> Printed:
+def _parse_number(name: str, key: str, value: Any) -> Printed:
     try:
         digits, unit = value
         number = Decimal(digits)
     except (TypeError, ValueError, InvalidOperation) as cause:
         raise DesignError(
-            f'published row {name}: {key} = {value!r} is no printed number: write ["14.3", "%"], digits in quotes'
+            f'published row {name}: {key} = {value!r} is not a printed number: write ["14.3", "%"], digits in quotes'
         ) from cause
     if not (isinstance(digits, str) and isinstance(unit, str) and number.is_finite()):
         raise DesignError(f"published row {name}: {key} = {value!r} is not as printed: put the digits in quotes")

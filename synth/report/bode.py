@@ -1,9 +1,8 @@
-"""Bode plots of scalar open loops L, with their crossings, and of the sensitivity S = 1/(1 + L).
+"""Bode plots of scalar open loops L with their crossings, and of the sensitivity S = 1/(1 + L); MATLAB `margin`.
 
 gain      20 log10 |L|
-phase     arg L, unwrapped so that a pole on the axis takes 180 degrees off, in (-360, 0] at the highest gain
-          crossing
-|S|       20 log10 |S|, whose greatest value is Ms, the inverse of the modulus margin
+phase     arg L, unwrapped: a pole on the axis reduces it by 180 degrees; in (-360, 0] at the highest gain crossing
+|S|       20 log10 |S|; the maximum of |S| is Ms, the inverse of the modulus margin
 """
 
 from collections.abc import Sequence
@@ -15,22 +14,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 
-from synth.analyse import margins
+from synth.analyse import margins, plots
 from synth.analyse.margins import Margins
 from synth.errors import SignalError
-from synth.report.figures import COLOURS, styled
+from synth.report.figures import COLOURS, style_context
 from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Discrete
 
-DECIBELS = (-60.0, 80.0)  # what is shown: the poles of an internal model are infinitely high
-WIDEST, NARROWEST = 2.6, 0.7  # points: curves that coincide stay visible under each other
+DECIBELS = (-60.0, 80.0)  # limits of the axis; the poles of an internal model are infinitely high
+WIDEST, NARROWEST = 2.6, 0.7  # points; different widths keep coincident curves visible
 MOST = len(COLOURS)  # loops in one plot
-NYQUIST = 0.98  # of pi/T is shown: at pi/T itself L is real, and its phase jumps there
+NYQUIST = 0.98  # upper limit, of pi/T: at pi/T L is real and its phase jumps
 
 
 @dataclass(frozen=True, eq=False)
 class LoopCurve:
-    """An open loop: frequencies (N,) in rad/s, rising, the response L (N,), and its margins."""
+    """An open loop: frequencies (N,) in rad/s, ascending, the response L (N,), and its margins."""
 
     label: str
     frequency: Array
@@ -39,40 +38,38 @@ class LoopCurve:
 
 
 def curve(
-    label: str, loop: StateSpace, found: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
+    label: str, loop: StateSpace, loop_margins: Margins, low: float = 0.5, high: float = 1e4, points: int = 700
 ) -> LoopCurve:
-    """Return a scalar loop's response from `low` rad/s to `high`, a sampled one's nearly to Nyquist, with its margins.
+    """Return the response of a scalar loop from `low` to `high` rad/s, at most NYQUIST pi/T, with its margins.
 
     Raises SignalError when the loop is not scalar.
     """
     top = min(high, NYQUIST * np.pi / loop.time.period_s) if isinstance(loop.time, Discrete) else high
-    crossings = [*(c.frequency for c in found.gain_crossings), *(c.frequency for c in found.phase_crossings)]
+    crossings = [
+        *(c.frequency for c in loop_margins.gain_crossings),
+        *(c.frequency for c in loop_margins.phase_crossings),
+    ]
     w = np.unique([*np.geomspace(low, top, points), *(f for f in crossings if low < f < top)])
-    return LoopCurve(label, w, margins.response(loop)(w), found)
+    return LoopCurve(label, w, margins.response(loop)(w), loop_margins)
 
 
 def phase(curve: LoopCurve) -> Array:
-    """Return the phase of L in degrees (N,), continuous but for poles and zeros on the axis."""
-    angle = np.angle(curve.response)
-    # A step near 180 degrees is a pole on the axis, which lowers the phase: keep steps within -225 .. 135 degrees.
-    steps = (np.diff(angle) + 1.25 * np.pi) % (2 * np.pi) - 1.25 * np.pi
-    degrees = np.degrees(angle[0] + np.concatenate([[0.0], np.cumsum(steps)]))
+    """Return the phase of L in degrees (N,), continuous except at poles and zeros on the axis."""
     crossings = [c.frequency for c in curve.margins.gain_crossings]
-    at = np.interp(max(crossings, default=curve.frequency[-1]), curve.frequency, degrees)
-    return np.asarray(degrees - 360 * np.ceil(at / 360), dtype=np.float64)
+    return plots.unwrapped(curve.frequency, curve.response, max(crossings, default=curve.frequency[-1]))
 
 
 def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
-    """Draw gain, phase and sensitivity over frequency in Hz, one colour a loop, for six loops at most.
+    """Draw gain, phase and sensitivity over frequency in Hz, one colour per loop, for at most six loops.
 
     A dot marks each gain crossing, a diamond each phase crossing.
 
     Raises SignalError when there are none or more than six.
     """
     if not 1 <= len(curves) <= MOST:
-        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MOST}, more could not be told apart")
+        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MOST}, more cannot be distinguished")
     widths = np.linspace(WIDEST, NARROWEST, max(len(curves), 3)).tolist()
-    with styled():
+    with style_context():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")
         gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
         for c, colour, width in zip(curves, COLOURS, widths, strict=False):
@@ -97,8 +94,8 @@ def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, style: d
     look = {"ls": "", "ms": 4.5, "mfc": "white", "mec": style["color"], "zorder": 5}
     gains = [c.frequency for c in curve.margins.gain_crossings]
     phases = [c.frequency for c in curve.margins.phase_crossings]
-    for found, marker in ((gains, "o"), (phases, "D")):
-        at = np.array([w for w in found if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
+    for crossings, marker in ((gains, "o"), (phases, "D")):
+        at = np.array([w for w in crossings if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
         for axes, values in ((gain, level), (angle, degrees)):
             axes.plot(at, np.interp(at, f, values), marker=marker, **look)
 

@@ -1,9 +1,9 @@
-"""Figures and tables of a report whose captions and columns are data, beside what is computed for them.
+"""Captions of figures and tables as data (report.toml), combined with computed drawings and rows.
 
 [blocks."accuracy.places"]         a drawing of this name is a figure, rows of this name are a table
 caption = "Sensors, in pitches of {{ pitch_mm:.1f }} mm."      placeholders as in report.md
-beside = "Fig. 3: ..."             of a figure: what the source's own shows
-columns = ["layout", "X, µm"]      of a table; `digits` that its numbers are shown to, 4 unless given
+beside = "Fig. 3: ..."             of a figure: content of the corresponding figure in the source
+columns = ["layout", "X, µm"]      of a table; `digits` gives the significant digits, default 4
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,21 +19,21 @@ Rows = Sequence[Sequence[page.Cell]]
 Made = Value | Figure | Rows
 
 
-def captioned(made: Mapping[str, Made], described: Mapping[str, Any]) -> dict[str, Value]:
-    """Return what is made as values of report.md: drawings and rows with their captions, all else as it is.
+def with_captions(values: Mapping[str, Made], described: Mapping[str, Any]) -> dict[str, Value]:
+    """Return values for report.md: drawings and rows with their captions, other values unchanged.
 
-    Raises DesignError for a drawing or rows that are not described, and as `prose.filled`.
+    Raises DesignError for a drawing or rows without a description, and as `prose.fill_placeholders`.
     """
-    return {name: _block(name, each, described, made) for name, each in made.items()}
+    return {name: _block(name, each, described, values) for name, each in values.items()}
 
 
-def _block(name: str, each: Made, described: Mapping[str, Any], made: Mapping[str, Any]) -> Value:
+def _block(name: str, each: Made, described: Mapping[str, Any], values: Mapping[str, Any]) -> Value:
     if not isinstance(each, Figure | list | tuple):
         return each  # type: ignore[return-value]
     if name not in described:
         raise DesignError(f"'{name}' has no caption: describe it in report.toml as [blocks.\"{name}\"]")
     words = described[name]
-    caption = prose.filled(words["caption"], made)
+    caption = prose.fill_placeholders(words["caption"], values)
     if isinstance(each, Figure):
         return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("beside", ""))
     return page.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))

@@ -16,9 +16,9 @@ LEVEL = {"color": "#666666", "ls": "--", "lw": 0.9}
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve (n,) in the units shown; `style` is matplotlib's, by default the next of COLOURS, thin.
+    """A curve (n,) in the displayed units; `style` is that of matplotlib, default a thin line in the next of COLOURS.
 
-    One without a label is left out of the legend.
+    A curve without a label is not in the legend.
     """
 
     x: ArrayLike
@@ -29,10 +29,10 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Curves that share axes, and levels across them.
+    """Curves that share axes, and horizontal lines at `levels`.
 
-    `log` names the axes with logarithmic scales, "x", "y" or both; `legend` is a place inside the axes, "above" them,
-    "figure" for one above all charts, or ""; `options` are further arguments of `matplotlib.axes.Axes.set`.
+    `log` names the axes with logarithmic scales, "x", "y" or both; `legend` is a location inside the axes, "above",
+    "figure" for one legend above all charts, or ""; `options` are further arguments of `matplotlib.axes.Axes.set`.
     """
 
     lines: Sequence[Line]
@@ -47,13 +47,13 @@ class Chart:
 
 def draw(charts: Sequence[Chart], height: float, widths: Sequence[float] | None = None) -> Figure:
     """Draw charts side by side, `height` in inches, of equal or relative `widths`."""
-    with maps.panels(height, 1, len(charts), squeeze=False, width_ratios=widths) as (drawn, grid):
+    with maps.panels(height, 1, len(charts), squeeze=False, width_ratios=widths) as (figure, grid):
         for axes, chart in zip(grid.flat, charts, strict=True):
             _draw(axes, chart)
         if charts[0].legend == "figure":
             labelled = grid[0, 0].get_legend_handles_labels()
-            drawn.legend(*labelled, loc="outside upper right", ncols=len(labelled[0]), frameon=False)
-    return drawn
+            figure.legend(*labelled, loc="outside upper right", ncols=len(labelled[0]), frameon=False)
+    return figure
 
 
 def _draw(axes: Any, chart: Chart) -> None:

@@ -1,21 +1,20 @@
-"""Figures of sampled signals v_k at the times t_k, drawn from arrays; the same arrays give the same bytes.
+"""Plots of sampled signals v_k over time t_k as deterministic SVG: equal arrays give equal bytes.
 
-    decimated     each of N/2 equal runs of samples is shown by its least and its greatest, so that no spike is lost
-    error         |v - r| on a logarithmic axis, cut off a thousand times below its level, where it has one
+    decimation    the minimum and the maximum of each of N/2 equal intervals are drawn, which preserves every spike
+    error         |v - r| on a logarithmic axis; it ends a factor of 1000 below the level, if there is a level
 
-Values come in SI units; positions are shown in mm and mrad, errors in um and urad. The figures belong to nobody: no
-state of matplotlib is read or left changed, and `svg` turns each into text.
+Values are in SI units; positions are shown in mm and mrad, errors in um and urad. The global state of matplotlib is
+neither read nor changed; `svg` converts each figure to text.
 """
 
 import io
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import matplotlib.style
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -23,47 +22,27 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import ArrayLike, NDArray
 
+from synth.analyse.plots import COLOURS, style_context
 from synth.errors import SignalError
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array
 
 Window = tuple[float, float]
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # told apart with any colour vision
 REFERENCE_COLOUR = "#000000"
-POINTS = 2000  # drawn for each curve: more than a screen is wide
-DEPTH = 1e-3  # of an encoder's count: below it an error is of no interest
-FLOOR = 1e-5  # of the greatest error, where no level is given
-SMALLEST = 1e-12  # m or rad: what an error of nothing is drawn at
+POINTS = 2000  # for each curve: more than the width of a screen
+DEPTH = 1e-3  # of an encoder's count: smaller errors are irrelevant
+FLOOR = 1e-5  # of the largest error, if there is no level
+SMALLEST = 1e-12  # m or rad: value at which a zero error is drawn
 SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
 COARSE = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
 FINE = {"m": ("µm", 1e6), "rad": ("µrad", 1e6)}
-STYLE = {
-    "font.size": 9.0,
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
-    "axes.grid": True,
-    "axes.edgecolor": "#666666",
-    "axes.linewidth": 0.6,
-    "axes.labelsize": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.xmargin": 0.0,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.1,
-    "xtick.color": "#333333",
-    "ytick.color": "#333333",
-    "legend.fontsize": 8.0,
-    "legend.framealpha": 0.85,
-    "legend.edgecolor": "#cccccc",
-    "svg.fonttype": "none",
-}
 _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A labelled signal (N,) in its panel's SI unit; a set-point is drawn dashed and black."""
+    """A labelled signal (N,) in the SI unit of its panel; a reference is drawn dashed and black."""
 
     label: str
     values: ArrayLike
@@ -72,7 +51,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Curves that share an axis: the quantity, its SI unit, and levels (label, value) to draw across."""
+    """Curves that share an axis: the quantity, its SI unit, and horizontal lines `levels` (label, value)."""
 
     quantity: str
     unit: str
@@ -80,26 +59,21 @@ class Panel:
     levels: tuple[tuple[str, float], ...] = ()
 
 
-def styled() -> AbstractContextManager[None]:
-    """Return the context in which every figure is made and written, whatever the user's own settings."""
-    return matplotlib.style.context(["default", STYLE])
-
-
 def svg(figure: Figure, name: str) -> str:
-    """Return a figure as one <svg> element; its ids begin with `name`, so that many figures can share a page.
+    """Return a figure as one <svg> element; its ids begin with `name`, which keeps them unique on a page.
 
     Raises SignalError when `name` cannot begin an id.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
         raise SignalError(f"figure name '{name}' cannot begin an id: use letters, digits, '_' and '-'")
     text = io.StringIO()
-    with styled(), matplotlib.rc_context({"svg.hashsalt": name}):
+    with style_context(), matplotlib.rc_context({"svg.hashsalt": name}):
         FigureCanvasSVG(figure).print_svg(text, metadata=_NO_METADATA)
-    return _slim(text.getvalue()[text.getvalue().index("<svg") :], name)
+    return _compact_svg(text.getvalue()[text.getvalue().index("<svg") :], name)
 
 
-def _slim(text: str, name: str) -> str:
-    """Drop the ids that nothing refers to, put `name` before the others, and shorten the coordinates of paths."""
+def _compact_svg(text: str, name: str) -> str:
+    """Remove unused ids, prefix the others with `name`, and shorten the coordinates of paths."""
     used = set(re.findall(r"(?:url\(#|href=\"#)([^\")]+)", text))
     text = re.sub(r' id="([^"]*)"', lambda m: f' id="{name}-{m[1]}"' if m[1] in used else "", text)
     text = re.sub(r'(url\(#|href="#)', rf"\g<1>{name}-", text)
@@ -108,7 +82,7 @@ def _slim(text: str, name: str) -> str:
 
 
 def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
-    """Return at most `points` + 2 rising indices of values (N,) that hold the extremes of each run and both ends."""
+    """Return at most `points` + 2 ascending indices of values (N,): the extremes of each interval and both ends."""
     v = np.asarray(values, dtype=np.float64)
     if len(v) <= points:
         return np.arange(len(v))
@@ -119,11 +93,11 @@ def decimate(values: ArrayLike, points: int = POINTS) -> NDArray[np.intp]:
 
 def time_plot(time: ArrayLike, panels: Sequence[Panel], window: Window | None = None) -> Figure:
     """Draw panels (positions, currents, ...) above each other over time in s."""
-    with styled():
+    with style_context():
         figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(panels)), layout="constrained")
         column = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, panel in zip(column, panels, strict=True):
-            _signals(axes, np.asarray(time, dtype=np.float64), panel, window)
+            _plot_signals(axes, np.asarray(time, dtype=np.float64), panel, window)
             _legend(axes)
         _label_time(figure, column[-1:])
     return figure
@@ -135,10 +109,10 @@ def response(
     levels: Mapping[str, float] | None = None,
     window: Window | None = None,
 ) -> Figure:
-    """Draw what an experiment shows: on the left each signal and its set-point, on the right |error|.
+    """Draw the signals of an experiment: on the left each signal and its set-point, on the right |error|.
 
-    `units` gives each signal's SI unit, `levels` a line across its error (an encoder's count, SI), and `window` the
-    part in s that the left side shows.
+    `units` gives the SI unit of each signal, `levels` a horizontal line in its error plot (an encoder's count, SI), and
+    `window` the time range in s of the left side.
 
     Raises SignalError when a unit is missing.
     """
@@ -149,12 +123,12 @@ def response(
     positions, errors = _panels(experiment, units, levels or {})
     if not any(e.curves for e in errors):
         return time_plot(time, positions, window)
-    with styled():
+    with style_context():
         figure = Figure(figsize=(9.0, 0.7 + 1.75 * len(positions)), layout="constrained")
         grid = figure.subplots(len(positions), 2, sharex="col", squeeze=False)
         for (left, right), position, error in zip(grid, positions, errors, strict=True):
-            _signals(left, time, position, window)
-            _errors(right, time, error) if error.curves else right.set_visible(False)
+            _plot_signals(left, time, position, window)
+            _plot_errors(right, time, error) if error.curves else right.set_visible(False)
         for axes in grid[0]:
             _legend(axes)
         _label_time(figure, (*grid[-1],))
@@ -166,12 +140,12 @@ def _panels(
 ) -> tuple[list[Panel], list[Panel]]:
     positions, errors = [], []
     for name in experiment.shown:
-        found, unit = np.asarray(experiment.trajectory[name], dtype=np.float64), units[name]
+        signal, unit = np.asarray(experiment.trajectory[name], dtype=np.float64), units[name]
         reference, symbol = experiment.references.get(name), SYMBOLS.get(name, name)
-        drawn = (Curve("true value", found),) + (() if reference is None else (Curve("set-point", reference, True),))
-        error = () if reference is None else (Curve("|true value − set-point|", found - reference),)
+        curves = (Curve("true value", signal),) + (() if reference is None else (Curve("set-point", reference, True),))
+        error = () if reference is None else (Curve("|true value − set-point|", signal - reference),)
         level = (("one count", levels[name]),) if name in levels else ()
-        positions.append(Panel(symbol, unit, drawn))
+        positions.append(Panel(symbol, unit, curves))
         errors.append(Panel(f"|error| of {symbol}", unit, error, level))
     return positions, errors
 
@@ -179,31 +153,31 @@ def _panels(
 def path_3d(
     set_point: ArrayLike, path: ArrayLike, labels: tuple[str, str, str], unit: str = "m", points: int = 2 * POINTS
 ) -> Figure:
-    """Draw a path (3, N) through space over the broad path (3, N) of its set-point; the third coordinate points up."""
+    """Draw a path (3, N) in space over the wide path (3, N) of its set-point; the third coordinate points up."""
     shown, factor = COARSE.get(unit, (unit, 1.0))
     styles: tuple[dict[str, Any], ...] = ({"color": "#bbbbbb", "lw": 4.5}, {"color": COLOURS[0], "lw": 0.9})
-    with styled():
+    with style_context():
         figure = Figure(figsize=(6.0, 4.6))
         axes: Any = figure.add_axes((0.0, 0.03, 0.94, 0.97), projection="3d")
         for label, xyz, style in zip(("set-point", "true path"), (set_point, path), styles, strict=True):
-            axes.plot(*(factor * _along(np.asarray(xyz, dtype=np.float64), points)), label=label, **style)
+            axes.plot(*(factor * _decimate_path(np.asarray(xyz, dtype=np.float64), points)), label=label, **style)
         axes.set(**dict(zip(("xlabel", "ylabel", "zlabel"), (f"{n}, {shown}" for n in labels), strict=True)))
         axes.legend(loc="upper left")
     return figure
 
 
-def _along(path: Array, points: int) -> Array:
-    """Return about `points` columns of a path (3, N), evenly spread in time, and the extremes of each coordinate."""
+def _decimate_path(path: Array, points: int) -> Array:
+    """Return about `points` columns of a path (3, N), equidistant in time, and the extremes of each coordinate."""
     even = np.linspace(0, path.shape[1] - 1, points).astype(int)
     return path[:, np.unique([*even, *path.argmin(axis=1), *path.argmax(axis=1)])]
 
 
-def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
+def _plot_signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
     unit, factor = COARSE.get(panel.unit, (panel.unit, 1.0))
     low, high = window or _span(time)
     inside = (time >= low) & (time <= high)
     for (k, curve), style in zip(enumerate(panel.curves), _styles(panel.curves), strict=True):
-        _fitting(time, panel, curve)
+        _require_length(time, panel, curve)
         v = factor * np.asarray(curve.values, dtype=np.float64)[inside]
         at = decimate(v)
         axes.plot(time[inside][at], v[at], label=curve.label, zorder=3 + k, **style)
@@ -212,9 +186,9 @@ def _signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> No
     axes.set(ylabel=f"{panel.quantity}, {unit}", xlim=(low, high))
 
 
-def _errors(axes: Axes, time: Array, panel: Panel) -> None:
+def _plot_errors(axes: Axes, time: Array, panel: Panel) -> None:
     unit, factor = FINE.get(panel.unit, (panel.unit, 1.0))
-    sizes = [np.abs(_fitting(time, panel, c)) for c in panel.curves]
+    sizes = [np.abs(_require_length(time, panel, c)) for c in panel.curves]
     greatest = max((float(np.nanmax(v)) for v in sizes if np.isfinite(v).any()), default=0.0)
     least = max(min((DEPTH * level for _, level in panel.levels), default=FLOOR * greatest), SMALLEST)
     for v, curve, style in zip(sizes, panel.curves, _styles(panel.curves), strict=True):
@@ -231,11 +205,11 @@ def _errors(axes: Axes, time: Array, panel: Panel) -> None:
 
 
 def _span(time: Array) -> Window:
-    """Return the whole time, the last sample's period included, so that 60 s of samples end at 60 s."""
+    """Return the time range including the period of the last sample: 60 s of samples end at 60 s."""
     return float(time[0]), float(2 * time[-1] - time[-2]) if len(time) > 1 else float(time[0]) + 1.0
 
 
-def _fitting(time: Array, panel: Panel, curve: Curve) -> Array:
+def _require_length(time: Array, panel: Panel, curve: Curve) -> Array:
     v = np.asarray(curve.values, dtype=np.float64)
     if v.shape != time.shape:
         raise SignalError(f"'{curve.label}' of panel '{panel.quantity}' has {v.shape} values for {time.shape} times")
@@ -249,7 +223,7 @@ def _styles(curves: Iterable[Curve]) -> list[dict[str, Any]]:
 
 
 def _legend(axes: Axes) -> None:
-    """Put the legend of two curves or more above the axes, where it hides none."""
+    """Put a legend above the axes if there are two or more curves."""
     if len(axes.get_legend_handles_labels()[0]) > 1:
         above(axes)
 

@@ -1,10 +1,10 @@
-"""Formulas of an audit: values as expressions of parameters, printed numbers, functions and the values above them.
+"""Formulas of an audit: expressions of parameters, printed numbers, functions and preceding values.
 
-    turns / Y-1.turn_density          a parameter over what row Y-1 prints as turn_density
-    sqrt(K_theta / Kz)                the functions of FUNCTIONS, and those that the audit adds
+    turns / Y-1.turn_density          a parameter divided by the number turn_density that row Y-1 prints
+    sqrt(K_theta / Kz)                a function of FUNCTIONS, or one that the audit adds
 
-An expression is one of Python's without comprehensions. What a value follows from is read off its names, so that it is
-declared nowhere else.
+An expression is a Python expression without comprehensions. The dependencies of a value follow from the names in its
+expression and are not declared separately.
 """
 
 import ast
@@ -21,7 +21,7 @@ from synth.errors import DesignError
 
 
 def near(value: float, relative: float, *others: float) -> bool:
-    """Return whether a value is within a part of each of some others."""
+    """Return whether a value differs from each of the others by less than the fraction `relative`."""
     return all(abs(value / other - 1) < relative for other in others)
 
 
@@ -35,7 +35,7 @@ _PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")
 
 @dataclass(frozen=True)
 class Formula:
-    """An expression; with a name to show, `what`, and a unit it is a figure."""
+    """An expression; with a displayed name `what` and a unit it is a figure of the audit."""
 
     text: str
     unit: str = ""
@@ -43,14 +43,14 @@ class Formula:
 
     @property
     def names(self) -> frozenset[str]:
-        """Parameters, functions, other values and printed numbers, such as F-1.mass, that stand in it."""
+        """Names in the expression: parameters, functions, other values and printed numbers such as F-1.mass."""
         tree = ast.parse(_PRINTED.sub("printed", self.text), mode="eval")
         return frozenset(_PRINTED.findall(self.text)) | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
 
     def value(self, names: Mapping[str, Any], printed: Mapping[str, Any]) -> Any:
         """Return the value for names and printed numbers by "F-1.mass".
 
-        Raises DesignError for a name that is not known or not printed, and where the text is no expression.
+        Raises DesignError for an unknown name, a number that is not printed, and text that is not an expression.
         """
         if absent := [source for source in _PRINTED.findall(self.text) if source not in printed]:
             raise DesignError(
@@ -68,15 +68,15 @@ class Formula:
 
 @cache
 def _code(text: str) -> CodeType:
-    """Compile an expression, in which F-1.mass is printed["F-1.mass"]."""
+    """Compile an expression, with F-1.mass replaced by printed["F-1.mass"]."""
     try:
         return compile(_PRINTED.sub(r'printed["\1"]', text), text, "eval")
     except SyntaxError as cause:
-        raise DesignError(f"the formula '{text}' is no expression: {cause.msg}; mend it") from cause
+        raise DesignError(f"the formula '{text}' is not an expression: {cause.msg}; mend it") from cause
 
 
 def evaluate(formulas: Mapping[str, Formula], names: Mapping[str, Any], printed: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of formulas by name, each of which may use those above it.
+    """Return the values of formulas by name; each may use the preceding ones.
 
     Raises DesignError as `Formula.value`.
     """
@@ -87,7 +87,7 @@ def evaluate(formulas: Mapping[str, Formula], names: Mapping[str, Any], printed:
 
 
 def sources(formulas: Mapping[str, Formula]) -> frozenset[str]:
-    """Return the names that the figures among some formulas follow from, directly or by the values above them."""
+    """Return the names that the figures among the formulas depend on, directly or through other values."""
     reached: dict[str, frozenset[str]] = {}
     for name, formula in formulas.items():
         reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.names))

@@ -1,4 +1,4 @@
-"""gains.json as tables: laws beside each other where what is said of them has the same entries.
+"""Tables of gains.json: control laws with the same entries share a table, one column per law.
 
 {"y": {"K": [1, 2], "certificate": {"residual": 1e-9}}, "x": {...}}   ->   entry                    y      x
                                                                            K                        1, 2   ...
@@ -15,12 +15,12 @@ from synth.report.page import Cell, Table
 
 DIGITS = 6
 _COMPLEX = re.compile(r"[-+.0-9ei]*[0-9]i?")
-WIDE = 5  # laws beside each other in one table
-SHORT = 2  # entries of a list on one line, where laws stand beside each other
+WIDE = 5  # largest number of laws in one table
+SHORT = 2  # largest list on one line in a table of several laws
 
 
 def tables(document: Mapping[str, Any]) -> tuple[Table, ...]:
-    """Return the tables of a document: what is said of the whole first, then the laws."""
+    """Return the tables of a document: entries of the whole design first, then the laws."""
     laws = {label: dict(_entries(law)) for label, law in _laws(document)}
     whole = {name: value for name, value in document.items() if not isinstance(value, Mapping)}
     rows = tuple((name, _cell(value)) for name, value in _entries(whole))
@@ -29,7 +29,7 @@ def tables(document: Mapping[str, Any]) -> tuple[Table, ...]:
 
 
 def _laws(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Yield the laws with their names; what is made of laws alone stands for these. The plant's parameters are none."""
+    """Yield the laws with their names; a group of laws is expanded. The plant parameters are not a law."""
     for name, law in document.items():
         if not isinstance(law, Mapping) or name == "parameters":
             continue
@@ -40,7 +40,7 @@ def _laws(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]
 
 
 def _alike(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[dict[str, Mapping[str, Any]]]:
-    """Yield laws with the same entries together, up to WIDE of them."""
+    """Yield groups of up to WIDE laws with the same entries."""
     waiting = dict(laws)
     while waiting:
         entries = set(next(iter(waiting.values())))
@@ -49,7 +49,7 @@ def _alike(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[dict[str, Mapping[
 
 
 def _tables(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[Table]:
-    """Yield what is said alike of several laws, and what is not, the laws beside each other."""
+    """Yield a table of the entries that are equal in all laws, and one of the others with a column per law."""
     first, names = next(iter(laws.values())), ", ".join(laws)
     alike = [entry for entry in first if len(laws) > 1 and all(law[entry] == first[entry] for law in laws.values())]
     if alike:
@@ -64,7 +64,7 @@ def _tables(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[Table]:
 
 
 def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the entries with their names in words, those inside others behind the name of these."""
+    """Yield the entries with readable names; the name of a nested entry follows that of its parent."""
     for name, value in law.items():
         words = f"{above}{name.replace('_', ' ')}"
         if isinstance(value, Mapping):
@@ -74,7 +74,7 @@ def _entries(law: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 
 
 def _cell(value: Any, narrow: bool = False) -> str:
-    """Return a value as text: a matrix by rows, a longer list one entry a line where the column is `narrow`."""
+    """Return a value as text: a matrix by rows; in a `narrow` column a longer list has one entry per line."""
     if isinstance(value, str):
         return value.replace("-", "−") if _COMPLEX.fullmatch(value) else value
     if isinstance(value, bool) or value is None:

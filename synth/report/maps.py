@@ -1,6 +1,6 @@
-"""Maps over a plane: values on a grid over X and Y as pictures, with one scale for all or one about 0 for each.
+"""Colour maps of values on a grid over X and Y, with one common scale or one symmetric scale each.
 
-Places come as they are shown, in mm unless labels say otherwise.
+Positions are in the displayed unit, mm unless the labels state another.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,12 +23,12 @@ from synth.statespace import Array
 SIGNED, PLAIN = "RdBu_r", "viridis"
 PLANE = ("X, mm", "Y, mm")
 Side = tuple[float, float]
-SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # minus signs as such
+SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # with typographic minus signs
 
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Values (n, n) over X and Y, X changing slowest; marks (m, 2) are places."""
+    """Values (n, n) over X (first index) and Y; marks (m, 2) are positions."""
 
     title: str
     values: Array | NDArray[np.bool_]
@@ -37,10 +37,10 @@ class Map:
 
 @contextmanager
 def panels(height: float, *shape: int, **options: Any) -> Iterator[tuple[Figure, Any]]:
-    """Open a figure of the page's width, a height in inches, and its axes as `Figure.subplots` makes them."""
-    with figures.styled():
-        drawn = Figure(figsize=(9.0, height), layout="constrained")
-        yield drawn, drawn.subplots(*shape, **options)
+    """Yield a figure of page width and given height in inches, and its axes from `Figure.subplots`."""
+    with figures.style_context():
+        figure = Figure(figsize=(9.0, height), layout="constrained")
+        yield figure, figure.subplots(*shape, **options)
 
 
 def maps(
@@ -52,33 +52,33 @@ def maps(
     label: str = "",
     labels: tuple[str, str] = PLANE,
 ) -> Figure:
-    """Draw maps between two `sides` each, as `labels` say, with one scale; what is beyond it has the end's colour."""
+    """Draw maps with axis ranges `sides` and a common colour scale; values beyond it have the colour of its end."""
     norm: Normalize = LogNorm(*scale) if log else Normalize(*scale)
     rows = -(-len(shown) // columns)
-    with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (drawn, grid):
+    with panels(3.0 * rows, rows, columns, sharex=True, sharey=True, squeeze=False) as (figure, grid):
         for axes, each in zip(grid.flat, shown, strict=False):
-            _one(axes, each, sides, labels, cmap=PLAIN, norm=norm)
+            _draw_map(axes, each, sides, labels, cmap=PLAIN, norm=norm)
         for axes in grid.flat[len(shown) :]:
             axes.set_visible(False)
         for axes in grid.flat:
             axes.label_outer()
-        bar = drawn.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
+        bar = figure.colorbar(ScalarMappable(norm, PLAIN), ax=grid, shrink=0.85, extend="both", label=label)
         if log:
             plain_log(bar.ax)
-    return drawn
+    return figure
 
 
-def signed(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
-    """Draw maps of values about 0 between two `sides` each, as `labels` say, each map with its own scale."""
-    with panels(2.9, 1, len(shown)) as (drawn, grid):
+def signed_maps(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, str] = PLANE) -> Figure:
+    """Draw maps with axis ranges `sides`, each with its own colour scale, symmetric about 0."""
+    with panels(2.9, 1, len(shown)) as (figure, grid):
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
-            image = _one(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
-            drawn.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
-    return drawn
+            image = _draw_map(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
+            figure.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
+    return figure
 
 
-def _one(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], **colours: Any) -> AxesImage:
+def _draw_map(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], **colours: Any) -> AxesImage:
     image = axes.imshow(each.values.T, origin="lower", extent=(*sides[0], *sides[1]), aspect="equal", **colours)
     axes.set(title=each.title, xlabel=labels[0], ylabel=labels[1])
     axes.grid(visible=False)
@@ -90,13 +90,13 @@ def _one(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, str], 
 
 
 def plain_log(axes: Axes) -> None:
-    """Label a logarithmic axis by plain numbers, 1, 2 and 5 of each decade."""
+    """Label a logarithmic axis by plain numbers, at 1, 2 and 5 of each decade."""
     axes.yaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(SIGNS)
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def signs(axes: Axes) -> None:
-    """Write minus signs of both axes as such."""
+    """Use typographic minus signs on both axes."""
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(SIGNS)

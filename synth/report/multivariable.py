@@ -1,7 +1,7 @@
 """Plots of loops with several channels: singular values of L, S and T, and disk margins, over frequency in Hz.
 
-L is the loop from where it is opened to where it comes back, 1 + L is closed, S = 1 / (1 + L) and T = L / (1 + L); see
-Skogestad and Postlethwaite, chapter 3, and MATLAB `sigma`.
+L is the open loop with negative feedback, S = (1 + L)^-1 and T = L (1 + L)^-1; see Skogestad and Postlethwaite,
+chapter 3, and MATLAB `sigma`.
 """
 
 from collections.abc import Mapping
@@ -18,15 +18,19 @@ from synth.report.figures import COLOURS
 from synth.statespace import Array, StateSpace, readonly
 from synth.timing import period
 
-DECIBELS = {"L": (-60.0, 60.0), "S": (-40.0, 15.0), "T": (-40.0, 15.0)}  # at least up to the highest of S and T
+DECIBELS = {
+    "L": (-60.0, 60.0),
+    "S": (-40.0, 15.0),
+    "T": (-40.0, 15.0),
+}  # limits; the upper one rises with the peak of S and T
 LINES = ("-", "--", ":")
 HERTZ = "frequency, Hz"
-LOWEST = 1.0  # rad/s, of disk margins
+LOWEST = 1.0  # rad/s, lower limit of the disk margins
 
 
 @dataclass(frozen=True, eq=False)
 class Singular:
-    """Singular values (N, p), falling, of L, S and T at frequencies (N,) in rad/s."""
+    """Singular values (N, p) of L, S and T, descending, at frequencies (N,) in rad/s."""
 
     frequency: Array
     L: Array
@@ -35,7 +39,7 @@ class Singular:
 
 
 def singular(L: StateSpace, frequency: ArrayLike) -> Singular:
-    """Return the singular values of a sampled loop, of its S and of its T."""
+    """Return the singular values of a sampled loop L and of its S and T."""
     w = readonly(np.asarray(frequency, dtype=np.float64))
     response = L.response(np.exp(1j * w * period(L.time)))
     one = np.eye(response.shape[1])
@@ -44,8 +48,8 @@ def singular(L: StateSpace, frequency: ArrayLike) -> Singular:
 
 
 def singular_values(loops: Mapping[str, Singular]) -> Figure:
-    """Draw the singular values of L, S and T, one colour a loop."""
-    drawn = []
+    """Draw the singular values of L, S and T, one colour per loop."""
+    panels = []
     for letter, (low, high) in DECIBELS.items():
         levels = {label: 20 * np.log10(getattr(each, letter)) for label, each in loops.items()}
         highest = max(float(level.max()) for level in levels.values())
@@ -56,12 +60,12 @@ def singular_values(loops: Mapping[str, Singular]) -> Figure:
         ]
         limits = {"ylim": (low, high if letter == "L" else max(high, 5 * np.ceil(highest / 5)))}
         title = f"singular values of {letter}, dB"
-        drawn.append(Chart(lines, HERTZ, "", title, (0.0,), log="x", legend="figure", options=limits))
-    return charts.draw(drawn, 3.8)
+        panels.append(Chart(lines, HERTZ, "", title, (0.0,), log="x", legend="figure", options=limits))
+    return charts.draw(panels, 3.8)
 
 
 def disks(margins: Mapping[str, DiskMargin]) -> Figure:
-    """Draw disk margins by where the loop is opened, those that coincide under each other."""
+    """Draw the disk margins of each loop-breaking point; different widths keep coincident curves visible."""
     lines = []
     for (label, each), colour, width in zip(margins.items(), COLOURS, (3.0, 1.2, 1.2), strict=False):
         inside = (each.frequencies > LOWEST) & np.isfinite(each.frequencies)

@@ -1,4 +1,4 @@
-"""How numbers, quantities and equations are written for a reader."""
+"""Typography of numbers, quantities with units, and equations for the report."""
 
 import math
 import re
@@ -19,7 +19,7 @@ _TOKEN = re.compile(
 
 
 def number(value: float | str, digits: int = 4) -> str:
-    """Return a number to some significant digits as a reader writes it; a text as it is."""
+    """Return a number to `digits` significant digits in typographic form; text is unchanged."""
     if isinstance(value, str):
         return value
     if not math.isfinite(value):
@@ -36,15 +36,15 @@ def number(value: float | str, digits: int = 4) -> str:
 
 
 def readable(text: str) -> str:
-    """Return a unit as a reader writes it: m/s², µm; nothing for the number 1."""
+    """Return a unit in typographic form: m/s², µm; empty for the unit 1."""
     raised = re.sub(r"\^(-?\d+)", lambda m: m[1].translate(_SUPERSCRIPT), text)
     return "" if text == "1" else re.sub(r"\bu(?=(?:m|rad)\b)", "µ", raised)
 
 
 def quantities(values: Iterable[float], unit: str) -> tuple[str, ...]:
-    """Return values in SI `unit` as texts, all under the prefix that suits the greatest: 12.3 µm, not 1.23e-05 m.
+    """Return values in SI `unit` as texts, all with the prefix that suits the largest: 12.3 µm, not 1.23e-05 m.
 
-    Values that differ are given enough digits to differ on paper too, up to nine.
+    Different values get enough digits, up to nine, to differ as text.
     """
     values = tuple(values)
     greatest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
@@ -61,13 +61,13 @@ def quantities(values: Iterable[float], unit: str) -> tuple[str, ...]:
 
 
 def equation(text: str) -> Markup:
-    """Return an equation as HTML: F_V, Kv_{1}, csch^2, e^{-k g}; names are slanted, _ lowers and ^ raises."""
-    found, at = [], 0
+    """Return an equation as HTML: F_V, Kv_{1}, csch^2, e^{-k g}; names are italic, _ lowers and ^ raises."""
+    pieces, at = [], 0
     for match in _TOKEN.finditer(text):
-        found.append(_between(text[at : match.start()]))
-        found.append(_token(match))
+        pieces.append(_between(text[at : match.start()]))
+        pieces.append(_token(match))
         at = match.end()
-    return Markup("").join([*found, _between(text[at:])])
+    return Markup("").join([*pieces, _between(text[at:])])
 
 
 def _between(text: str) -> Markup:

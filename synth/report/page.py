@@ -1,7 +1,7 @@
-"""The page of a report: sections of blocks, rendered as one HTML file that needs no other.
+"""Report page: sections of blocks, rendered as one self-contained HTML file.
 
-A Report is data. `render` numbers its figures and tables, counts its checks, and puts the failed ones at the top. All
-text is escaped; the <svg> of a Figure alone is markup, and a page that would load anything from elsewhere is refused.
+A Report is data. `render` numbers its figures and tables, counts its checks, and lists the failed checks at the top.
+All text is escaped; only the <svg> of a Figure is markup. A page that would load external content is refused.
 """
 
 import re
@@ -26,7 +26,7 @@ _STYLE_LOADS = re.compile(r"url\(\s*['\"]?([^'\")]*)|@import\s+['\"]?([^'\";]*)"
 
 @dataclass(frozen=True)
 class Text:
-    """Paragraphs, parted by empty lines."""
+    """Paragraphs, separated by empty lines."""
 
     text: str
 
@@ -38,16 +38,16 @@ class Text:
 
 @dataclass(frozen=True)
 class Equations:
-    """Displayed equations: the tag, such as F(12), and the text as notation.equation reads it."""
+    """Displayed equations: the tag, such as F(12), and the text in the syntax of notation.equation."""
 
     rows: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
 class Formula:
-    """A derived equation as MathML, its unit and range; of equations that are alike, `likewise` says with what.
+    """A derived equation as MathML, its unit and range.
 
-    `likewise` is markup too.
+    For equations of equal form, `likewise` is markup that states which names replace which.
     """
 
     math: Markup
@@ -58,7 +58,7 @@ class Formula:
 
 @dataclass(frozen=True)
 class Formulas:
-    """Derived equations under a title; `also` names others that are alike, and with what."""
+    """Derived equations under a title; `also` lists groups of equal form with their replaced names."""
 
     title: str
     rows: tuple[Formula, ...]
@@ -67,9 +67,9 @@ class Formulas:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts and numbers under their columns; a number is shown to `digits`, a text as it is.
+    """Rows of texts and numbers under their columns; numbers are shown to `digits` significant digits.
 
-    Raises DesignError when a row has another count of cells than there are columns.
+    Raises DesignError when the number of cells in a row differs from the number of columns.
     """
 
     caption: str
@@ -87,7 +87,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing as one <svg> element, and beside it what the source's own figure shows, if it has one."""
+    """A drawing as one <svg> element; `beside` describes the corresponding figure of the source, if any."""
 
     svg: str
     caption: str
@@ -96,14 +96,14 @@ class Figure:
 
 @dataclass(frozen=True)
 class Prose:
-    """Text as HTML, which `prose.rendered` makes of Markdown."""
+    """Text as HTML, from Markdown by `prose.render_markdown`."""
 
     html: Markup
 
 
 @dataclass(frozen=True)
 class Folded:
-    """Equations and tables that a reader opens when they are wanted; on paper they are open."""
+    """Equations and tables in a collapsible section; printed pages show them."""
 
     title: str
     blocks: tuple[Formulas | Table, ...]
@@ -111,7 +111,7 @@ class Folded:
 
 @dataclass(frozen=True)
 class Checks:
-    """Measured figures with their limits."""
+    """Measured values with their limits."""
 
     caption: str
     checks: tuple[Check, ...]
@@ -122,21 +122,21 @@ Block = Text | Prose | Equations | Formulas | Table | Figure | Folded | Checks
 
 @dataclass(frozen=True)
 class Section:
-    """A titled part: blocks, then parts of its own."""
+    """A titled section: blocks, then subsections."""
 
     title: str
     blocks: tuple[Block, ...] = ()
     sections: tuple["Section", ...] = ()
 
     def checks(self) -> Iterator[Check]:
-        """Yield the checks of this section and of those inside, in reading order."""
+        """Yield the checks of this section and its subsections, in reading order."""
         yield from chain.from_iterable(b.checks for b in self.blocks if isinstance(b, Checks))
         yield from chain.from_iterable(s.checks() for s in self.sections)
 
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report; `facts` are (name, value) pairs that stand at its top, such as the period and the scalar type."""
+    """A whole report; `facts` are (name, value) pairs at the top, such as the period and the scalar type."""
 
     title: str
     about: str
@@ -156,7 +156,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Part:
-    """A section in its place: its number, such as 4.2, how deep it stands, and how many of its checks failed."""
+    """A numbered section: its number, such as 4.2, its depth, and its number of failed checks."""
 
     number: str
     depth: int
@@ -169,12 +169,12 @@ class Part:
 
     @property
     def failed(self) -> int:
-        """How many checks failed here or inside."""
+        """Number of failed checks in the section and its subsections."""
         return sum(not c.passed for c in self.section.checks())
 
 
 def parts(sections: Iterable[Section], above: str = "") -> Iterator[Part]:
-    """Yield the sections with their numbers, each followed by those inside it."""
+    """Yield the sections with their numbers, each followed by its subsections."""
     for k, section in enumerate(sections, 1):
         number = f"{above}{k}"
         yield Part(number, number.count(".") + 1, section)
@@ -182,15 +182,15 @@ def parts(sections: Iterable[Section], above: str = "") -> Iterator[Part]:
 
 
 def failures(parts: Iterable[Part]) -> tuple[tuple[Part, Check], ...]:
-    """Return each check that did not pass, with the part whose own block holds it."""
-    own = ((p, c) for p in parts for b in p.section.blocks if isinstance(b, Checks) for c in b.checks)
-    return tuple((p, c) for p, c in own if not c.passed)
+    """Return each failed check with the section that contains it."""
+    checks = ((p, c) for p in parts for b in p.section.blocks if isinstance(b, Checks) for c in b.checks)
+    return tuple((p, c) for p, c in checks if not c.passed)
 
 
 def render(report: Report) -> str:
     """Return the report as one HTML document.
 
-    Raises DesignError when something in it would be loaded from elsewhere or two elements share an id.
+    Raises DesignError when the page would load external content or two elements share an id.
     """
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -199,19 +199,19 @@ def render(report: Report) -> str:
     environment.filters |= written | {"svg": _inline}
     environment.tests["text"] = lambda cell: isinstance(cell, str)
     template = resources.files(__package__).joinpath("page.html.j2").read_text(encoding="utf-8")
-    placed = tuple(parts(report.sections))
+    numbered = tuple(parts(report.sections))
     html = environment.from_string(template).render(
-        report=report, parts=placed, failures=failures(placed), kind=lambda block: type(block).__name__.lower()
+        report=report, parts=numbered, failures=failures(numbered), kind=lambda block: type(block).__name__.lower()
     )
-    if found := external(html):
-        raise DesignError(f"the report would load {', '.join(found)}: put all that it shows into the page itself")
+    if addresses := external_addresses(html):
+        raise DesignError(f"the report would load {', '.join(addresses)}: embed this content in the page")
     if twice := _repeated_ids(html):
-        raise DesignError(f"the ids {', '.join(twice)} stand twice in the report: give each figure its own name")
+        raise DesignError(f"the ids {', '.join(twice)} are used twice in the report: give each figure a different name")
     return html
 
 
-def external(html: str) -> tuple[str, ...]:
-    """Return what a browser would fetch, or follow, outside the page: addresses in attributes, styles and scripts."""
+def external_addresses(html: str) -> tuple[str, ...]:
+    """Return the external addresses in attributes, styles and scripts that a browser would load or follow."""
     reader = _Reader()
     reader.feed(html)
     reader.close()
@@ -256,7 +256,7 @@ def _repeated_ids(html: str) -> list[str]:
 
 
 def _inline(svg: str) -> Markup:
-    """Return an <svg> for use inside HTML, which knows the namespaces by itself."""
+    """Return an <svg> for use inside HTML, without namespaces, which HTML does not need."""
     if not svg.startswith("<svg") or not svg.rstrip().endswith("</svg>"):
         raise DesignError(f"a figure begins with '{svg[:20]}': give one whole <svg> element")
     return Markup(re.sub(r' (?:xmlns(?::\w+)?|version)="[^"]*"', "", svg))

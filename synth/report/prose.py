@@ -1,11 +1,11 @@
-"""A design's own words in its report: Markdown with {{ placeholders }}, placed among the sections of the page.
+"""Markdown template of a design's report, with {{ placeholders }}, merged with the computed sections of the page.
 
-    # Title          a standard section of this title begins with the text; another title makes a section there
-    ## Title         the same for a section inside
-    {{ name }}       a value, {{ name:.3g }} in a format of Python's, {{ name }} alone in its paragraph also a block
-    $k_s_phi$        a name, written as in equations
+    # Title          text at the start of the standard section of this title, or else a new section
+    ## Title         the same for a subsection
+    {{ name }}       a value, {{ name:.3g }} with a Python format; alone in its paragraph it may be a block
+    $k_s_phi$        a name, typeset as in equations
 
-Text before the first title is left to the caller. HTML is shown as text, and a page loads nothing from elsewhere.
+The caller places the text before the first title. HTML is shown as text, and images are disabled.
 """
 
 import re
@@ -23,26 +23,27 @@ from synth.report.page import Section
 
 Value = str | float | page.Block
 _PLACEHOLDER = re.compile(r"\{\{\s*([A-Za-z]\w*(?:[.-]\w+)*)\s*(?::([^{}]*?))?\s*\}\}")
-_NAME, _OPEN, _CLOSE = re.compile(r"\$([A-Za-z]\w*)\$"), "\ue000", "\ue001"  # the marks mean nothing in Markdown
+_NAME = re.compile(r"\$([A-Za-z]\w*)\$")
+_OPEN, _CLOSE = "\ue000", "\ue001"  # private-use characters, without meaning in Markdown
 _TITLE = re.compile(r"^(#{1,2}) +(.+?)\s*#*$")
 
 
 @dataclass(frozen=True)
 class Part:
-    """A titled part of the prose: its blocks, and the parts inside it."""
+    """A titled part of the text: its blocks, and its subparts."""
 
     title: str
     blocks: tuple[page.Block, ...]
     parts: tuple["Part", ...] = ()
 
 
-def read(text: str, values: Mapping[str, Value]) -> Part:
-    """Return prose as parts, those of the first level inside one without a title.
+def parse(text: str, values: Mapping[str, Value]) -> Part:
+    """Parse the text into parts; the parts of the first level are inside one without a title.
 
-    Raises DesignError for an unknown placeholder, naming the known ones, a block inside a sentence, or a format that
-    does not suit its value.
+    Raises DesignError for an unknown placeholder, for a block inside a sentence, or for a format that does not fit its
+    value.
     """
-    titled = [(level, title, _blocks(body, values)) for level, title, body in _split(text)]
+    titled = [(level, title, _blocks(body, values)) for level, title, body in _split_at_titles(text)]
     first = titled[0][2]
     parts: list[Part] = []
     for level, title, blocks in titled[1:]:
@@ -53,33 +54,33 @@ def read(text: str, values: Mapping[str, Value]) -> Part:
     return Part("", first, tuple(parts))
 
 
-def placed(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
-    """Return sections with prose in front of their blocks; a part of another title follows the one before it."""
-    placed = list(sections)
+def merge(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
+    """Put text before the blocks of sections of the same title; other parts become sections in reading order."""
+    merged = list(sections)
     at = 0
     for part in parts:
-        same = next((k for k, s in enumerate(placed) if s.title == part.title), None)
+        same = next((k for k, s in enumerate(merged) if s.title == part.title), None)
         if same is None:
-            placed.insert(at, Section(part.title, part.blocks, placed_inside(part)))
+            merged.insert(at, Section(part.title, part.blocks, subsections(part)))
             at += 1
         else:
-            old = placed[same]
-            placed[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_inside(old, part))
+            old = merged[same]
+            merged[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_merge_subsections(old, part))
             at = same + 1
-    return tuple(placed)
+    return tuple(merged)
 
 
-def placed_inside(part: Part) -> tuple[Section, ...]:
-    """Return the parts inside one as sections."""
-    return placed((), part.parts)
+def subsections(part: Part) -> tuple[Section, ...]:
+    """Return the subparts of a part as sections."""
+    return merge((), part.parts)
 
 
-def _inside(section: Section, part: Part) -> tuple[Section, ...]:
-    return placed(section.sections, part.parts)
+def _merge_subsections(section: Section, part: Part) -> tuple[Section, ...]:
+    return merge(section.sections, part.parts)
 
 
-def _split(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield (level, title, text) of each part, first what stands before any title."""
+def _split_at_titles(text: str) -> Iterator[tuple[int, str, str]]:
+    """Yield (level, title, text) of each part, first the text before any title."""
     level, title, body = 0, "", list[str]()
     fenced = False
     for line in text.splitlines():
@@ -99,7 +100,7 @@ def _blocks(text: str, values: Mapping[str, Value]) -> tuple[page.Block, ...]:
         match = _PLACEHOLDER.fullmatch(paragraph.strip())
         value = _value(match[1], values) if match else ""
         if isinstance(value, str | float | int):
-            words.append(_PLACEHOLDER.sub(lambda m: _written(m, values), paragraph))
+            words.append(_PLACEHOLDER.sub(lambda m: _escaped(m, values), paragraph))
         else:
             blocks += [*_text(words), value]
             words = []
@@ -108,11 +109,11 @@ def _blocks(text: str, values: Mapping[str, Value]) -> tuple[page.Block, ...]:
 
 def _text(paragraphs: Sequence[str]) -> list[page.Block]:
     text = "\n\n".join(paragraphs).strip()
-    return [rendered(text)] if text else []
+    return [render_markdown(text)] if text else []
 
 
-def rendered(text: str) -> page.Prose:
-    """Return Markdown as HTML, without images, titles and HTML of its own."""
+def render_markdown(text: str) -> page.Prose:
+    """Return Markdown as HTML; images, underlined titles and embedded HTML are disabled."""
     markdown = (
         MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table").disable(["image", "lheading"])
     )
@@ -128,12 +129,12 @@ def _value(name: str, values: Mapping[str, Value]) -> Value:
     return values[name]
 
 
-def filled(text: str, values: Mapping[str, Value]) -> str:
-    """Return a sentence with its placeholders filled in; raise DesignError as `read`."""
+def fill_placeholders(text: str, values: Mapping[str, Value]) -> str:
+    """Return a sentence with its placeholders replaced; raise DesignError as `parse`."""
     return _PLACEHOLDER.sub(lambda m: _plain(m, values), text)
 
 
-def _written(match: re.Match[str], values: Mapping[str, Value]) -> str:
+def _escaped(match: re.Match[str], values: Mapping[str, Value]) -> str:
     return re.sub(r"([\\`*_{}\[\]<>#|!])", r"\\\1", _plain(match, values))
 
 

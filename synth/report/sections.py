@@ -1,4 +1,4 @@
-"""Tables and sections made of the toolkit's own results: parameters, gains, margins, experiments, agreements, files."""
+"""Report tables and sections from results of the toolkit: parameters, margins, experiments, agreements, cost, files."""
 
 import hashlib
 import math
@@ -34,7 +34,7 @@ AGREEMENT = {
 
 
 def parameters(plant: Plant) -> Table:
-    """Return the plant's parameters: value, unit, relative tolerance in %, source."""
+    """Return the parameters of a plant: value, unit, relative tolerance in %, source."""
     rows = tuple(
         (symbol(p.name), p.name, p.value, readable(p.unit), 100 * p.tolerance, p.source) for p in plant.parameters
     )
@@ -48,50 +48,50 @@ def experiment(
     window: figures.Window | None = None,
     beside: str = "",
 ) -> Section:
-    """Return one run: its figure, its measured figures and its checks; the arguments are those of figures.response.
+    """Return one run: its plot, its measured values and its checks; the arguments are those of figures.response.
 
-    `beside` says what the paper's figure shows.
+    `beside` describes the corresponding figure of the paper.
 
     Raises SignalError when a unit is missing.
     """
-    drawn = figures.svg(figures.response(run, units, levels, window), _id(run.name))
+    plot = figures.svg(figures.response(run, units, levels, window), _id(run.name))
     caption = f"{run.title}: {run.about}."
     if run.references and window:
         caption += f" On the left {window[0]:g} to {window[1]:g} s."
-    measured = (Table("Measured", ("figure", "value", "unit"), _measured(run)),) if run.figures else ()
+    measured = (Table("Measured", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
     checks = (Checks("Checks", run.checks),) if run.checks else ()
-    return Section(run.title, (Figure(drawn, caption, beside), *measured, *checks))
+    return Section(run.title, (Figure(plot, caption, beside), *measured, *checks))
 
 
 def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
-    """Return one loop under several conditions: its Bode plot and a table of the worst of its margins.
+    """Return one loop under several conditions: its Bode plot and a table of its worst margins.
 
-    Of more curves than can be told apart those with the least modulus margins are drawn.
+    At most bode.MOST curves are drawn, those with the smallest modulus margins.
 
     Raises SignalError when there is no curve.
     """
     worst = sorted(curves, key=lambda c: c.margins.modulus_margin)[: bode.MOST]
-    drawn = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
-    which = f" The {bode.MOST} loops with the least modulus margins are drawn." if len(curves) > bode.MOST else ""
-    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds L < 0.{which}"
-    return Section(title, (Figure(drawn, caption), margins_table(title, curves)))
+    plot = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
+    which = f" The {bode.MOST} loops with the least modulus margins are shown." if len(curves) > bode.MOST else ""
+    caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds mark negative real L.{which}"
+    return Section(title, (Figure(plot, caption), margins_table(title, curves)))
 
 
 def margins_table(caption: str, curves: Iterable[bode.LoopCurve]) -> Table:
-    """Return the margins of each loop, the worst over all its crossings, and its highest crossover."""
+    """Return the worst margins of each loop over all crossings, and its highest crossover frequency."""
     columns = (
         *("loop", "closed loop", "crossover, Hz", "gain up, ×", "gain down, ×", "phase, °"),
         *("delay, ms", "modulus", "Ms", "Ms at, Hz"),
     )
     return Table(
-        f"Margins, {caption}: the worst of all crossings; the highest crossover",
+        f"Margins, {caption}: worst over all crossings; highest crossover frequency",
         columns,
         tuple(_margins(c) for c in curves),
     )
 
 
 def margins_ranges(margins: Sequence[Margins]) -> tuple[str, ...]:
-    """Return the least and the greatest of each of RANGES over loops."""
+    """Return the smallest and the largest value of each of RANGES over loops."""
     crossovers = [max(c.frequency for c in m.gain_crossings) / (2 * math.pi) for m in margins]
     others = (
         [m.phase_margin for m in margins],
@@ -101,10 +101,10 @@ def margins_ranges(margins: Sequence[Margins]) -> tuple[str, ...]:
     return tuple(f"{min(v):.3g} .. {max(v):.3g}" for v in (crossovers, *others))
 
 
-def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
-    """Return disk margins by loop and by where it is opened, all channels varied at once."""
+def disks(by_loop: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
+    """Return disk margins by loop and loop-breaking point, with simultaneous variation of all channels."""
     rows = []
-    for label, margins in found.items():
+    for label, margins in by_loop.items():
         for cut, m in margins.items():
             gains, hertz = f"{m.gain_low:.3g} .. {m.gain_high:.3g}", m.frequency / (2 * math.pi)
             rows.append((label, cut, m.lower, m.upper, gains, m.phase, hertz, "yes" if m.certified else "NO"))
@@ -112,28 +112,28 @@ def disks(found: Mapping[str, Mapping[str, DiskMargin]]) -> Table:
     return Table("Disk margins of all channels at once", (*columns, "all frequencies"), tuple(rows))
 
 
-def agreements(found: Iterable[Agreement]) -> Table:
-    """Return how far each pair of witnesses is apart."""
-    rows = tuple(tuple(getattr(a, entry) for entry in AGREEMENT.values()) for a in found)
+def agreements(compared: Iterable[Agreement]) -> Table:
+    """Return the agreement of each pair of witnesses."""
+    rows = tuple(tuple(getattr(a, entry) for entry in AGREEMENT.values()) for a in compared)
     return Table("Agreement of the witnesses; differences relative to max(floor, |value|)", tuple(AGREEMENT), rows)
 
 
 def audit(rows: Iterable[Row]) -> Table:
-    """Return the audit: what is printed, what it recomputes to, the verdict and why."""
+    """Return the audit: published values, recomputed values, verdict and reason."""
     columns = ("row", "where", "published", "recomputed", "verdict", "why")
     return Table(
-        "Published figures recomputed. R: reproduces; RC: after the stated correction; N: does not",
+        "Published values recomputed. R: reproduces; RC: reproduces after the stated correction; N: does not reproduce",
         columns,
-        tuple((r.id, r.published.where, r.published.text, _recomputed(r), str(r.verdict), r.why) for r in rows),
+        tuple((r.id, r.published.where, r.published.text, _recomputed_text(r), str(r.verdict), r.why) for r in rows),
     )
 
 
-def cost(found: Cost | None) -> Section:
-    """Return what the emitted step costs on a core, beside the C of other generators; None: nothing measured it."""
-    if found is None:
+def cost(measured: Cost | None) -> Section:
+    """Return the cost of the emitted step on a core, with that of other generators; None if it was not measured."""
+    if measured is None:
         return Section("Cost", (Text("Not measured: no emulator or no cross compiler was installed."),))
-    rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(found))
-    return Section("Cost", (Text(f"{NOTE} {'; '.join(found.absent)}."), *rendered))
+    rendered = (Table(t.caption, t.columns, t.rows, digits=6) for t in tables(measured))
+    return Section("Cost", (Text(f"{NOTE} {'; '.join(measured.absent)}."), *rendered))
 
 
 def files(texts: Mapping[str, str]) -> Table:
@@ -147,10 +147,10 @@ def _id(name: str) -> str:
     return "f-" + re.sub(r"[^A-Za-z0-9_-]", "_", name)
 
 
-def _measured(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
-    """Split 'mean |e_y|, um' into what is measured and its unit."""
+def _measured_rows(run: Experiment) -> tuple[tuple[Cell, ...], ...]:
+    """Split 'mean |e_y|, um' into quantity and unit."""
     named = ((*(name.rsplit(", ", 1) if ", " in name else (name, "1")), value) for name, value in run.figures.items())
-    return tuple((what, value, readable(unit)) for what, unit, value in named)
+    return tuple((quantity, value, readable(unit)) for quantity, unit, value in named)
 
 
 def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
@@ -163,5 +163,5 @@ def _margins(curve: bode.LoopCurve) -> tuple[Cell, ...]:
     )
 
 
-def _recomputed(row: Row) -> str:
+def _recomputed_text(row: Row) -> str:
     return "\n".join(f"{f.name} {number(f.value, 5)} {readable(f.unit)}".rstrip() for f in row.recomputed)

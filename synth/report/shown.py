@@ -1,4 +1,4 @@
-"""How experiments are shown: units, prefixes, the part of a run that is drawn, and figures of many channels."""
+"""Presentation of experiments: units, prefixes, plotted time window, and tables of measured values by channel."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,18 +13,18 @@ from synth.report.notation import readable
 from synth.simulate.experiment import Experiment
 
 HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
-Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and the source's figures
+Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and figures of the source
 FINE = {unit: shown for unit, (shown, _) in figures.FINE.items()}
 
 
 @dataclass(frozen=True)
 class Shown:
-    """How experiments are shown: units of signals by name, levels across their errors, and further figures.
+    """Presentation of experiments: units of signals by name, levels in the plots of their errors, and further blocks.
 
-    `beside` says by name of the experiment what the source's figure shows, `drawn` adds blocks to its section. Runs
-    longer than `longest` s are drawn over `window`; one that latches, from `before` the latch to `after` it in s where
-    `latch` is given. A signal in m or rad that stays below `fine` is shown in um or urad. Figures that are measured for
-    each of `channels`, "noise, V_ax", make a table with a row a channel.
+    By name of the experiment, `beside` describes the corresponding figure of the source, and `drawn` adds blocks. Runs
+    longer than `longest` s are plotted over `window`. With `latch` = (before, after) in s, a run that latches is
+    plotted around the latch. A signal in m or rad that stays below `fine` is shown in um or urad. Values that are
+    measured for each of `channels`, such as "noise, V_ax", form a table with one row per channel.
     """
 
     units: Mapping[str, str]
@@ -39,19 +39,21 @@ class Shown:
 
 
 def beside(figures: Beside, rows: Sequence[Row]) -> dict[str, str]:
-    """Return what rows of the audit print, by experiment; a row that is not among them is left out.
+    """Return the published text of rows of the audit by experiment; a row that is not in `rows` is left out.
 
-    A figure without a name, "", is called by the place where its row is printed.
+    A figure without a name, "", is named by the place where its row is printed.
     """
     printed = {row.id: row.published for row in rows}
     return {
-        name: ". ".join(f"{figure or printed[row].where}: {printed[row].text}" for row, figure in of if row in printed)
-        for name, of in figures.items()
+        name: ". ".join(
+            f"{figure or printed[row].where}: {printed[row].text}" for row, figure in entries if row in printed
+        )
+        for name, entries in figures.items()
     }
 
 
 def window(run: Experiment, shown: Shown) -> figures.Window | None:
-    """Return the times in s between which a run is drawn, None for all of it."""
+    """Return the time window in s in which a run is plotted, None for the whole run."""
     time, faults = run.trajectory.time, np.asarray(run.trajectory.faults)
     latched = np.flatnonzero(faults >> LATCH_BIT & 1)
     if shown.latch and latched.size:
@@ -61,7 +63,7 @@ def window(run: Experiment, shown: Shown) -> figures.Window | None:
 
 
 def in_fine_units(run: Experiment, shown: Shown) -> tuple[Experiment, Shown]:
-    """Return a run whose small signals are in um and urad, and how it is then shown."""
+    """Return a run with small signals in um and urad, and its presentation."""
     units, levels = dict(shown.units), dict(shown.levels)
     states, references = dict(run.trajectory.states), dict(run.references)
     for name in run.shown:
@@ -75,18 +77,18 @@ def in_fine_units(run: Experiment, shown: Shown) -> tuple[Experiment, Shown]:
 
 
 def by_channel(measured: Mapping[str, float], channels: Sequence[str]) -> tuple[page.Table, ...]:
-    """Return figures as one table, a row a channel, none unless each but that of states is measured for a channel."""
+    """Return measured values as a table with one row per channel, nothing if any value has no channel."""
     measured = {name: value for name, value in measured.items() if not name.startswith(HEADROOM)}
-    of = {name: next((c for c in channels if c in name), "") for name in measured}
-    if not measured or not all(of.values()):
+    channel_of = {name: next((c for c in channels if c in name), "") for name in measured}
+    if not measured or not all(channel_of.values()):
         return ()
-    what = {name: readable(name.replace(f", {c}", "").replace(c, "it")) for name, c in of.items()}
-    columns, rows = tuple(dict.fromkeys(what.values())), dict.fromkeys(of.values())
-    values = {(of[name], what[name]): value for name, value in measured.items()}
+    quantity_of = {name: readable(name.replace(f", {c}", "").replace(c, "it")) for name, c in channel_of.items()}
+    columns, rows = tuple(dict.fromkeys(quantity_of.values())), dict.fromkeys(channel_of.values())
+    values = {(channel_of[name], quantity_of[name]): value for name, value in measured.items()}
     cells: list[tuple[page.Cell, ...]] = [(c, *(values.get((c, n), math.nan) for n in columns)) for c in rows]
     return (page.Table("Measured, by channel", ("channel", *columns), tuple(cells)),)
 
 
 def with_units(measured: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
-    """Return figures whose names all end with a unit: one that ends with a signal's name gets 1."""
+    """Return measured values whose names all end with a unit; a name that ends with a signal gets the unit 1."""
     return {f"{n}, 1" if n.rsplit(", ", 1)[-1] in units else n: value for n, value in measured.items()}

@@ -1,8 +1,8 @@
-"""The standard sections of a report, for any design: each a function of what it shows.
+"""Standard sections of a report, one function per section.
 
     facts   model   law   gains   loops   experiments   faults   audit   verification   cost   files
 
-`template` puts them together for a declared stage; a design of another kind calls those that it has use for.
+`template` combines them for a declared stage; other designs call the functions that they need.
 """
 
 from collections import defaultdict
@@ -15,7 +15,7 @@ import numpy as np
 from synth.analyse.margins import Margins
 from synth.block import Block
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
 from synth.report.audit import Row
@@ -34,28 +34,28 @@ MODEL, LAW, GAINS, LOOPS = "Model", "Control law", "Gains and certificates", "Lo
 EXPERIMENTS, FAULTS, AUDIT = "Experiments", "Faults", "Audit of the paper"
 VERIFICATION, COST, FILES = "Verification", "Cost", "Files"
 WITNESSES = (
-    "reference: NumPy, written from the equations, with gains of its own. casadi: CasADi's evaluation. casadi_c: "
-    "CasADi's own C, double. c64, c32: the emitted C in double and single precision."
+    "reference: NumPy, written from the equations, with independently computed gains. casadi: evaluation by CasADi. "
+    "casadi_c: C of CasADi's code generator, double. c64, c32: the emitted C in double and single precision."
 )
 OPENED = (
-    "Each loop is opened at one actuator or sensor, all others closed: the rounded controller as it ships, the delay, "
-    "the hold, and both plant and controller linearised where the loop rests. A gain margin below 1 is the factor down "
-    "to which the gain may fall."
+    "Each loop is opened at one actuator or sensor, with all others closed. It contains the controller with rounded "
+    "constants, the delay and the hold; plant and controller are linearised at rest. A gain margin below 1 is the "
+    "factor to which the gain may fall."
 )
-AROUND = ("guard", "safe_output")  # Blocks that every controller has, folded away
+AROUND = ("guard", "safe_output")  # Blocks that every controller has; their sections are collapsed
 
 
 class Loop(Protocol):
-    """A loop that is opened at a signal, at an operating point."""
+    """A loop opened at a signal, at an operating point."""
 
     @property
     def signal(self) -> str:
-        """Where it is opened."""
+        """The signal at which the loop is opened."""
         ...
 
     @property
     def label(self) -> str:
-        """What tells it from others that are opened there."""
+        """The label that distinguishes it from other loops opened at the same signal."""
         ...
 
     @property
@@ -70,7 +70,7 @@ class Loop(Protocol):
 
 
 def facts(time: Discrete, scalar: type[np.floating], inputs: str, outputs: str) -> tuple[tuple[str, str], ...]:
-    """Return what stands at the top of a report."""
+    """Return the facts at the top of a report."""
     return (
         ("sample period", f"{time.period_s * 1e3:g} ms"),
         ("scalar type", np.dtype(scalar).name),
@@ -80,7 +80,7 @@ def facts(time: Discrete, scalar: type[np.floating], inputs: str, outputs: str) 
 
 
 def model(plant: Plant, named: Named | None = None, blocks: Sequence[page.Block] = ()) -> Section:
-    """Return a plant's derived equations, its signals and parameters, then further `blocks`.
+    """Return the derived equations, signals and parameters of a plant, then further `blocks`.
 
     Raises ModelError as `display.plant`.
     """
@@ -91,7 +91,7 @@ def model(plant: Plant, named: Named | None = None, blocks: Sequence[page.Block]
 
 
 def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
-    """Return a controller's derived equations, its inputs and outputs, then further `blocks`.
+    """Return the derived equations, inputs and outputs of a controller, then further `blocks`.
 
     Raises ModelError as `display.block`.
     """
@@ -104,12 +104,12 @@ def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
 
 
 def gains(document: Mapping[str, Any]) -> Section:
-    """Return what gains.json says of each law: a column a law where their entries are alike, else a table each."""
+    """Return the tables of gains.json: laws with equal entries share a table, one column per law."""
     return Section(GAINS, gains_table.tables(document))
 
 
 def loops(opened: Iterable[Loop], required: Sequence[Check] = (), blocks: Sequence[page.Block] = ()) -> Section:
-    """Return the Bode plots and margins of loops by where they are opened, and the margins that are required."""
+    """Return the Bode plots and margins of loops by loop-breaking point, and the required margins."""
     by_signal: dict[str, list[Loop]] = defaultdict(list)
     for loop in opened:
         by_signal[loop.signal].append(loop)
@@ -125,55 +125,63 @@ def _loop(signal: str, opened: Sequence[Loop]) -> Section:
 
 
 def experiments(runs: Sequence[Experiment], shown: Shown, blocks: Sequence[page.Block] = ()) -> Section:
-    """Return every run with its figure and checks, and how near states came to their bounds where that was measured.
+    """Return every run with its plot and checks, and the headroom of the states where it was measured.
 
     Raises SignalError when a unit is missing.
     """
-    near = _headroom(runs)
-    return Section(EXPERIMENTS, (*blocks, *near), tuple(_experiment(run, shown) for run in runs))
+    headroom = _headroom(runs)
+    return Section(EXPERIMENTS, (*blocks, *headroom), tuple(_experiment(run, shown) for run in runs))
 
 
 def _experiment(run: Experiment, shown: Shown) -> Section:
-    table, drawn, part = by_channel(run.figures, shown.channels), shown.drawn.get(run.name, ()), window(run, shown)
+    table, extra_blocks, time_window = (
+        by_channel(run.figures, shown.channels),
+        shown.drawn.get(run.name, ()),
+        window(run, shown),
+    )
     measured = {} if table else with_units(run.figures, shown.units)
-    fine, by = in_fine_units(replace(run, figures=measured), shown)
-    section = sections.experiment(fine, by.units, by.levels, part, shown.beside.get(run.name, ""))
-    return Section(section.title, (*section.blocks, *table, *drawn), section.sections)
+    fine, fine_shown = in_fine_units(replace(run, figures=measured), shown)
+    section = sections.experiment(
+        fine, fine_shown.units, fine_shown.levels, time_window, shown.beside.get(run.name, "")
+    )
+    return Section(section.title, (*section.blocks, *table, *extra_blocks), section.sections)
 
 
 def _headroom(runs: Sequence[Experiment]) -> tuple[page.Table, ...]:
-    """Return the largest |state| / bound of each run and whose it is."""
+    """Return the largest |state| / bound of each run, and the state."""
     rows: list[tuple[page.Cell, ...]] = []
     for run in runs:
         for name, ratio in run.figures.items():
             if name.startswith(HEADROOM):
                 rows.append((run.title, name.removeprefix(HEADROOM).strip(" ()"), ratio))
-    caption = "How near the states of the laws came to their bounds: largest |state| / bound"
+    caption = "Headroom of the states of the control laws: largest |state| / bound"
     return (page.Table(caption, ("experiment", "state", "ratio"), tuple(rows)),) if rows else ()
 
 
 def audit(rows: Sequence[Row], blocks: Sequence[page.Block] = (page.Text("Verdicts are computed."),)) -> Section:
-    """Return the published figures recomputed, behind other `blocks`."""
+    """Return other `blocks` and the audit of the published values."""
     return Section(AUDIT, (*blocks, sections.audit(rows)))
 
 
-def verification(evidence: Evidence, floor: str = "", apart: Callable[[Check], bool] = lambda check: False) -> Section:
-    """Return how the witnesses agree and the checks drawn from that, without those that are shown `apart`.
+def verification(
+    evidence: Evidence, floor: str = "", shown_elsewhere: Callable[[Check], bool] = lambda check: False
+) -> Section:
+    """Return the agreement of the witnesses and the checks, without the checks that are `shown_elsewhere`.
 
-    `floor` says below what a difference is absolute.
+    `floor` states the value below which a difference is relative to the floor.
     """
     text = page.Text(f"{WITNESSES} {f'The floor is {floor}.' if floor else ''}".strip())
-    checks = tuple(check for check in evidence.checks if not apart(check))
+    checks = tuple(check for check in evidence.checks if not shown_elsewhere(check))
     return Section(VERIFICATION, (text, sections.agreements(evidence.agreements), page.Checks("Limits", checks)))
 
 
-def files(emitted: Mapping[str, Emitted]) -> Section:
+def files(emitted: Mapping[str, EmittedCode]) -> Section:
     """Return the size and hash of each emitted file, by folder."""
     texts = {f"{folder}/{name}": text for folder, each in emitted.items() for name, text in each.files.items()}
     return Section(FILES, (sections.files(texts),))
 
 
-def listed(signals: Iterable[Signal]) -> str:
-    """Return signals as a text: how many, and which."""
+def list_signals(signals: Iterable[Signal]) -> str:
+    """Return the number and the names of signals as text."""
     names = [s.name for s in signals]
     return f"{number(len(names))}: {', '.join(names)}"

@@ -1,7 +1,7 @@
-"""The standard report of a declared stage: every section from the declaration, and the design's own words among them.
+"""Standard report of a declared stage: all sections from the declaration, merged with the text of the design.
 
-A design says more in three ways: by report.md in its folder, see `prose`; by `Extra`, whose values and blocks report.md
-places and whose sections stand in for the standard ones; or by a report of its own from the sections in `standard`.
+A design adds content in three ways: by report.md in its folder, see `prose`; by `Extra`, with values and blocks for
+report.md and sections that replace standard ones; or by a separate report from the sections in `standard`.
 """
 
 import importlib.util
@@ -16,7 +16,7 @@ import numpy as np
 from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Stage
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.report import page, prose, sections, standard
 from synth.report.audit import Row
 from synth.report.equations.derive import Named
@@ -34,11 +34,11 @@ SHORTFALLS = frozenset(f"{name.replace('_', ' ')} falls short by" for name in ro
 
 @dataclass(frozen=True, eq=False)
 class Extra:
-    """What a design adds to the standard report.
+    """Additions of a design to the standard report.
 
-    `values` are further placeholders of report.md; `sections` stand in place of the standard ones of their titles;
-    `named` names what the physics computes, see `derive.plant`; `facts` stand below the standard ones; `shown` says how
-    experiments are shown where units and resolutions of the declaration are not enough.
+    `values` are further placeholders of report.md; `sections` replace standard sections of the same title; `named`
+    names expressions of the physics, see `derive.plant`; `facts` follow the standard ones; `shown` replaces the
+    presentation of experiments that follows from the declaration.
     """
 
     values: Mapping[str, Value] = field(default_factory=dict)
@@ -50,7 +50,7 @@ class Extra:
 
 def report(
     stage: Stage,
-    files: Mapping[str, Emitted],
+    files: Mapping[str, EmittedCode],
     evidence: Evidence,
     runs: Sequence[Experiment],
     rows: Sequence[Row],
@@ -59,24 +59,24 @@ def report(
 ) -> str:
     """Return the report of a stage as one HTML document.
 
-    Raises DesignError for a placeholder that is not known, ModelError for an equation that would be unlike the stage.
+    Raises DesignError for an unknown placeholder, ModelError for a displayed equation that differs from the stage.
     """
     extra = extra or Extra()
     replaced = {s.title: s for s in extra.sections}
-    made = [
-        *_computed(stage, gains(stage.name, files), evidence, replaced, extra),
-        standard.experiments(runs, extra.shown or shown(stage)),
+    computed = [
+        *_computed_sections(stage, gains(stage.name, files), evidence, replaced, extra),
+        standard.experiments(runs, extra.shown or default_style(stage)),
         *((standard.audit(rows),) if rows else ()),
         standard.verification(evidence, FLOOR, is_margin),
         sections.cost(cost),
         standard.files(files),
     ]
     known = {**values(stage, rows), **extra.values}
-    parts = [replaced.get(s.title, s) for s in made]
-    return assembled(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
+    parts = [replaced.get(s.title, s) for s in computed]
+    return assemble(stage.name, stage.about, (*facts(stage), *extra.facts), parts, known)
 
 
-def assembled(
+def assemble(
     name: str,
     about: str,
     facts: Sequence[tuple[str, str]],
@@ -84,61 +84,61 @@ def assembled(
     values: Mapping[str, Value] | None = None,
     shared: Sequence[str] = (),
 ) -> str:
-    """Return a page of sections as one HTML document, with the prose of the design's report.md among them.
+    """Return a page of sections as one HTML document, merged with the text of the design's report.md.
 
-    That of `shared` packages of designs comes first. Prose before the first title makes a section at the top.
+    The text of the `shared` design packages comes first. Text before the first title becomes the summary.
 
-    Raises DesignError as `prose.read`.
+    Raises DesignError as `prose.parse`.
     """
-    words = prose.read("\n\n".join(own_words(folder) for folder in (*shared, name)), values or {})
+    words = prose.parse("\n\n".join(design_prose(folder) for folder in (*shared, name)), values or {})
     summary = (Section("Summary", words.blocks),) if words.blocks else ()
-    placed = prose.placed(parts, words.parts)
-    return page.render(page.Report(name, about, (*summary, *placed), tuple(facts)))
+    merged = prose.merge(parts, words.parts)
+    return page.render(page.Report(name, about, (*summary, *merged), tuple(facts)))
 
 
-def _computed(
+def _computed_sections(
     stage: Stage, gains: Mapping[str, Any], evidence: Evidence, replaced: Mapping[str, Section], extra: Extra
 ) -> list[Section]:
-    """Return the sections that are computed for the report, those left out that the design replaces."""
+    """Return the sections that are computed for the report, except for those that the design replaces."""
     block = stage.controller.block.rounded(stage.scalar)
-    made = {
+    makers = {
         standard.MODEL: lambda: standard.model(stage.plant, extra.named),
         standard.LAW: lambda: standard.law(block),
         standard.GAINS: lambda: standard.gains(gains),
         standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
     }
-    return [replaced[title] if title in replaced else make() for title, make in made.items()]
+    return [replaced[title] if title in replaced else make() for title, make in makers.items()]
 
 
-def gains(name: str, files: Mapping[str, Emitted]) -> Mapping[str, Any]:
-    """Return what the gains.json that is emitted says of the design of a name, nothing where none is."""
+def gains(name: str, files: Mapping[str, EmittedCode]) -> Mapping[str, Any]:
+    """Return the entry `design` of the emitted gains.json, empty if there is none."""
     emitted = files[name].files if name in files else {}
     return dict(json.loads(emitted["gains.json"]).get("design", {})) if "gains.json" in emitted else {}
 
 
 def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
-    """Return what stands at the top of a stage's report."""
-    around, signals = stage.interface, stage.interface.signals
-    points = f"; set-points {', '.join(s.name for s in around.set_points)}" if around.set_points else ""
-    inputs = f"sensors {', '.join(s.name for s in around.sensors)}{points}"
-    outputs = ", ".join(f"{a.name} in {signals[a.name].unit}" for a in around.actuators)
-    shown = outputs or standard.listed(stage.controller.block.outputs)
-    delay = f"{around.delay} sample{'s' if around.delay != 1 else ''} from measurement to actuation"
+    """Return the facts at the top of the report of a stage."""
+    interface, signals = stage.interface, stage.interface.signals
+    points = f"; set-points {', '.join(s.name for s in interface.set_points)}" if interface.set_points else ""
+    inputs = f"sensors {', '.join(s.name for s in interface.sensors)}{points}"
+    outputs = ", ".join(f"{a.name} in {signals[a.name].unit}" for a in interface.actuators)
+    shown = outputs or standard.list_signals(stage.controller.block.outputs)
+    delay = f"{interface.delay} sample{'s' if interface.delay != 1 else ''} from measurement to actuation"
     return (*standard.facts(stage.controller.time, stage.scalar, inputs, shown), ("delay", delay))
 
 
 def loops(stage: Stage, required: Sequence[Check]) -> Section:
-    """Return a stage's loops at its operating points, its margins over them, and the disk margins."""
+    """Return the loops of a stage at its operating points, their margins, and the disk margins."""
     if not stage.operating_points:
-        return Section(standard.LOOPS, (page.Text("No operating points are declared, so no loop is opened."),))
+        return Section(standard.LOOPS, (page.Text("No operating points are declared; there are no loops to show."),))
     opened = verification.loops(stage)
-    disks = {point: robustness.disks(opened, point) for point in opened.points}
+    disks = {point: robustness.disk_margins(opened, point) for point in opened.points}
     blocks = (page.Text(standard.OPENED), sections.disks(disks))
-    return standard.loops(robustness.opened(opened), required, blocks)
+    return standard.loops(robustness.open_loops(opened), required, blocks)
 
 
-def shown(stage: Stage) -> Shown:
-    """Return how a stage's experiments are shown: units and resolutions as declared."""
+def default_style(stage: Stage) -> Shown:
+    """Return the presentation of the experiments of a stage: units and resolutions as declared."""
     plant = stage.plant
     signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
     levels = {s.of: s.resolution for s in stage.interface.sensors if s.resolution}
@@ -146,30 +146,30 @@ def shown(stage: Stage) -> Shown:
 
 
 def is_margin(check: Check) -> bool:
-    """Tell whether a check is that of a required margin."""
+    """Return whether a check belongs to a required margin."""
     return check.name in SHORTFALLS
 
 
 def values(stage: Stage, rows: Sequence[Row]) -> dict[str, Value]:
-    """Return what report.md may ask for of any stage."""
-    around, period = stage.interface, stage.controller.time.period_s
+    """Return the placeholders of report.md that every stage has."""
+    interface, period = stage.interface, stage.controller.time.period_s
     known: dict[str, Value] = {
         "name": stage.name,
         "period_ms": 1e3 * period,
         "rate_hz": 1 / period,
         "scalar": np.dtype(stage.scalar).name,
-        "delay": around.delay,
-        "bad_samples": around.bad_samples,
-        "reason": around.reason,
+        "delay": interface.delay,
+        "bad_samples": interface.bad_samples,
+        "reason": interface.reason,
     }
     known |= {f"plant.{p.name}": p.value for p in stage.plant.parameters}
     return known | {f"audit.{row.id}": row.published.text for row in rows}
 
 
-def own_words(name: str) -> str:
-    """Return the text of a design's report.md, nothing where it has none."""
-    found = importlib.util.find_spec(f"designs.{name}") if importlib.util.find_spec("designs") else None
-    for folder in (found.submodule_search_locations or ()) if found else ():
+def design_prose(name: str) -> str:
+    """Return the text of a design's report.md, empty if it has none."""
+    package = importlib.util.find_spec(f"designs.{name}") if importlib.util.find_spec("designs") else None
+    for folder in (package.submodule_search_locations or ()) if package else ():
         if (path := Path(folder) / "report.md").is_file():
             return path.read_text(encoding="utf-8")
     return ""

@@ -23,13 +23,13 @@ typedef struct {
     int64_t stops;
     const int64_t *stop_position, *stop_velocity;
     const double *stop_low, *stop_high;
-    double *impact; /* (stops): greatest speed taken out by a stop */
+    double *impact; /* (stops): largest speed of an impact */
 
     int64_t sensors;
     const int64_t *sensor_source, *sensor_offset; /* plant output; byte offset in the controller's input */
-    const double *sensor_gain, *sensor_bias;      /* of what is seen: gain y + bias + noise */
+    const double *sensor_gain, *sensor_bias;      /* of the reading: gain y + bias + noise */
     const double *sensor_resolution;              /* 0: ideal */
-    const double *sensor_low, *sensor_high;       /* where it saturates */
+    const double *sensor_low, *sensor_high;       /* saturation limits */
     const double *noise;                          /* (samples, sensors): added before the encoder */
     const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
 
@@ -110,7 +110,7 @@ static void measure(const loop_t *loop, int64_t k, const double *y) {
         const double seen = scaled + loop->noise[k * loop->sensors + i];
         const double resolution = loop->sensor_resolution[i];
         const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
-        /* A plant that is not finite is seen as it is. */
+        /* Non-finite plant outputs are passed on unchanged. */
         const double held = counted > loop->sensor_high[i] ? loop->sensor_high[i] : counted;
         const double value = held < loop->sensor_low[i] ? loop->sensor_low[i] : held;
         const float narrow = (float)value;
@@ -135,7 +135,7 @@ static void mix(const loop_t *loop, const double *commands, int64_t substep, dou
         u[j] = loop->forcing[substep * N_U + j];
         for (int64_t i = 0; i < loop->commands; i++) {
             const double weight = loop->mixing[j * loop->commands + i];
-            /* An infinite command must not reach an input that does not listen to it. */
+            /* 0 times infinity is NaN: an infinite command must not reach an input with weight 0. */
             if (weight != 0.0) u[j] += weight * commands[i];
         }
     }

@@ -1,14 +1,13 @@
-"""Simulate a plant in continuous time under compiled C in sampled time, T apart, with the whole loop in C.
+"""Closed-loop simulation of a continuous-time plant under compiled, sampled-time control; the whole loop runs in C.
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
-    m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the override's sample
+    m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the sample of the override
     c_k = step(state, m_k, references_k)
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
-Forcing is held over each substep, at its value in the middle of it.
-
-A hard stop is inelastic: after each substep the position is put back and the velocity into the stop is taken out. A
-locked coordinate keeps its position and velocity.
+Forcing is held over each substep at its value in the middle of the substep. A hard stop is inelastic: after each
+substep the position is limited to the stop, and the velocity into the stop is set to 0. A locked coordinate keeps its
+position and velocity.
 """
 
 import ctypes
@@ -44,7 +43,7 @@ _MEMBERS = (
 
 
 class _Loop(ctypes.Structure):
-    """`loop_t` of closed_loop.c, member for member."""
+    """`loop_t` of closed_loop.c, with the same members in the same order."""
 
     _fields_ = [
         (m, ctypes.c_int64 if m in _COUNTS else ctypes.c_double if m == "period" else ctypes.c_void_p) for m in _MEMBERS
@@ -58,11 +57,11 @@ def simulate(
     disturbance: ca.Function | None = None,
     flags: Sequence[str] = (),
 ) -> Trajectory:
-    """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) adds to dx/dt, in the states' units per s.
+    """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
 
     The plant's parameters enter at run time: one compilation, with `flags`, serves every `plant.with_parameters(...)`.
 
-    Raises SignalError for a name or value that does not fit and WiringError for a wire that does not.
+    Raises SignalError for an invalid name or value, and WiringError for an invalid connection.
     """
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
@@ -84,22 +83,28 @@ def simulate(
     }
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
-    plant_code.compiled(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, scenario, time, arrays)
+    plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
+    return _trajectory(plant, controller, scenario, time, arrays)
 
 
-def _trajectory(plant: Plant, scenario: Scenario, time: Array, arrays: Arrays) -> Trajectory:
+def _trajectory(
+    plant: Plant, controller: host.Controller, scenario: Scenario, time: Array, arrays: Arrays
+) -> Trajectory:
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
     for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
         array.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, **groups)
+    members = {
+        m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
+    }
+    units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
+    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, units=units, **groups)
 
 
 def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
-    states, start = names(plant.states), _start(plant, scenario)
+    states, start = names(plant.states), _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
     _require_known("stops", scenario.stops, velocity)
@@ -124,7 +129,7 @@ def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
     }
 
 
-def _start(plant: Plant, scenario: Scenario) -> dict[str, float]:
+def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
     _require_known("x0", scenario.x0, names(plant.states))
     for s in plant.states:
         if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
@@ -156,7 +161,7 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
     _require_known("encoders", scenario.encoders, sensors)
     _require_known("noise", scenario.noise, sensors)
     for name, source in sensors.items():
-        _require_like(controller, "input", name, outputs[source])
+        _require_matching_signal(controller, "input", name, outputs[source])
     overridden = np.zeros((n, len(sensors)), dtype=np.uint8)
     for i, name in enumerate(sensors):
         if name in scenario.overrides:
@@ -192,7 +197,7 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
         if name not in rows and name not in scenario.forcing:
             raise WiringError(f"plant input '{name}' has no source: name it in actuators or in forcing")
         for command in rows.get(name, {}):
-            _require_like(controller, "output", command, signal)
+            _require_matching_signal(controller, "output", command, signal)
     hold = np.array([scenario.hold.get(c, 0.0) for c in commands], dtype=np.float64)
     return {
         "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
@@ -203,26 +208,28 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
 
 
 def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return what is added to each input in each substep, (samples, substeps, inputs), in the inputs' units."""
+    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs."""
     n, m = len(time), scenario.substeps
     period = scenario.duration_s / n if n == 1 else time[1]
     middles = time[:, None] + period * (np.arange(m) + 0.5) / m
     forcing = np.zeros((n, m, len(inputs)))
     for j, (name, signal) in enumerate(inputs.items()):
-        given = scenario.forcing.get(name, 0.0)
+        course = scenario.forcing.get(name, 0.0)
         try:
-            values = np.vectorize(given, otypes=[np.float64])(middles) if callable(given) else np.asarray(given, float)
+            values = np.vectorize(course, otypes=[float])(middles) if callable(course) else np.asarray(course, float)
         except (TypeError, ValueError) as error:
-            raise SignalError(f"forcing of '{name}' is no number at some time ({error}): {_give(n, signal)}") from error
-        if not callable(given) and values.shape not in ((), (n,)):
-            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_give(n, signal)}")
+            raise SignalError(
+                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_needed(n, signal)}"
+            ) from error
+        if not callable(course) and values.shape not in ((), (n,)):
+            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_needed(n, signal)}")
         if not np.isfinite(values).all():
-            raise SignalError(f"forcing of '{name}' is not finite: {_give(n, signal)}")
+            raise SignalError(f"forcing of '{name}' is not finite: {_forcing_needed(n, signal)}")
         forcing[:, :, j] = values[:, None] if values.shape == (n,) else values
     return forcing
 
 
-def _give(n: int, signal: Signal) -> str:
+def _forcing_needed(n: int, signal: Signal) -> str:
     return f"give a finite number in {signal.unit}, {n} of them, one a sample, or a function of the time in s"
 
 
@@ -232,32 +239,32 @@ def _offset(struct: np.dtype[np.void], name: str) -> int:
 
 
 def _mask(name: str, mask: NDArray[np.bool_], n: int) -> NDArray[np.bool_]:
-    found = np.asarray(mask)
-    if found.dtype != np.bool_ or found.shape != (n,):
-        raise SignalError(f"override mask of '{name}' is {found.dtype} {found.shape}: give {n} booleans, one a sample")
-    return found
+    flags = np.asarray(mask)
+    if flags.dtype != np.bool_ or flags.shape != (n,):
+        raise SignalError(f"override mask of '{name}' is {flags.dtype} {flags.shape}: give {n} booleans, one a sample")
+    return flags
 
 
 def _noise(name: str, values: ArrayLike, n: int) -> Array:
-    found = np.asarray(values, dtype=np.float64)
-    if found.shape != (n,) or not np.isfinite(found).all():
-        raise SignalError(f"noise of '{name}' is {found.shape}: give {n} finite numbers, one a sample")
-    return found
+    samples = np.asarray(values, dtype=np.float64)
+    if samples.shape != (n,) or not np.isfinite(samples).all():
+        raise SignalError(f"noise of '{name}' is {samples.shape}: give {n} finite numbers, one a sample")
+    return samples
 
 
-def _require_known(what: str, given: Iterable[str], known: Iterable[str]) -> None:
+def _require_known(what: str, requested: Iterable[str], known: Iterable[str]) -> None:
     valid = tuple(known)
-    for name in given:
+    for name in requested:
         if name not in valid:
             raise SignalError(f"{what}: '{name}' is not one of {', '.join(valid) or '(none)'}: correct the name")
 
 
-def _require_like(controller: host.Controller, role: str, name: str, signal: Signal) -> None:
-    """Refuse a wire between signals of unlike units, or to a member that is not one real number."""
-    found = next(f for f in controller.manifest["structs"][role]["fields"] if f["name"] == name)
-    real = (found["ctype"], found["count"]) == ("float" if controller.scalar is np.float32 else "double", 1)
-    if not real or dimension(found["unit"]) != dimension(signal.unit):
+def _require_matching_signal(controller: host.Controller, role: str, name: str, signal: Signal) -> None:
+    """Raise WiringError for a connection of different units, or to a member that is not one real number."""
+    field = next(f for f in controller.manifest["structs"][role]["fields"] if f["name"] == name)
+    real = (field["ctype"], field["count"]) == ("float" if controller.scalar is np.float32 else "double", 1)
+    if not real or dimension(field["unit"]) != dimension(signal.unit):
         raise WiringError(
-            f"controller {role} '{name}' is {found['count']} {found['ctype']} in {found['unit']}, plant signal "
+            f"controller {role} '{name}' is {field['count']} {field['ctype']} in {field['unit']}, plant signal "
             f"'{signal.name}' one real number in {signal.unit}: wire like to like"
         )

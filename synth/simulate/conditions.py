@@ -1,4 +1,4 @@
-"""Conditions of an experiment: courses of set-points and disturbances over time, the start, parameters that differ."""
+"""Conditions of an experiment: time profiles of set-points and disturbances, initial state and changed parameters."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -44,11 +44,11 @@ class Ramp:
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """Under what an experiment runs, beside the declared stage.
+    """Conditions of an experiment that differ from the declared stage.
 
-    `start` has plant states, others are 0; `disturbances` are courses of plant inputs that no actuator drives;
-    `parameters` are values of the plant's parameters that the controller does not know of. `options` are further fields
-    of `scenario.Scenario`.
+    `start` gives plant states, others are 0; `disturbances` are time profiles of plant inputs that no actuator drives;
+    `parameters` are plant parameters that differ from those of the controller design. `options` are further fields of
+    `scenario.Scenario`.
     """
 
     start: Mapping[str, float] = field(default_factory=dict)
@@ -57,16 +57,16 @@ class Conditions:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def text(self) -> str:
-        """Return the conditions in words, with a comma before each."""
+        """Return the conditions as text, each after a comma."""
         changed = [f"{name} = {value:g}" for name, value in {**self.parameters, **self.start}.items()]
         return "".join(f", {part}" for part in (*changed, *(f"{name} acts" for name in self.disturbances)))
 
 
 def values(course: Course, time: Array) -> Array:
-    """Return a course at times (N,) in s; raise SignalError for one that has another count of values."""
-    found = np.asarray(course(time) if callable(course) else course, dtype=np.float64)
-    if found.shape not in ((), time.shape):
+    """Return the values of a time profile at times (N,) in s; raise SignalError for a wrong number of values."""
+    samples = np.asarray(course(time) if callable(course) else course, dtype=np.float64)
+    if samples.shape not in ((), time.shape):
         raise SignalError(
-            f"a course has values of shape {found.shape}: give one, or one for each of {len(time)} samples"
+            f"a course has values of shape {samples.shape}: give one, or one for each of {len(time)} samples"
         )
-    return np.array(np.broadcast_to(found, time.shape))
+    return np.array(np.broadcast_to(samples, time.shape))

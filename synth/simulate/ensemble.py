@@ -1,8 +1,8 @@
-"""Ensembles: N copies of one compiled controller side by side, each on inputs of its own, sample by sample.
+"""Monte Carlo ensembles: N copies of one compiled controller run side by side, each on separate inputs.
 
-Monte Carlo over starts, bodies and motions: what one closed loop or one recording shows of a single case, an ensemble
-shows of its whole distribution. Of estimators, which say when they are valid and by what deviations they may be off,
-`Scores` keep how right they are: wrong is what is valid and off by more than WRONG of its own deviations.
+An ensemble varies initial states, bodies and motions and shows the distribution of an error, where one closed loop or
+one recording shows a single case. `Scores` compare estimates with the truth. An estimator reports when its estimate is
+valid, with standard deviations; an estimate is wrong if it is valid and its error exceeds WRONG of these deviations.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,15 +19,15 @@ WRONG = 10.0  # deviations: Gaussian noise alone exceeds 6 in 2e-9 of samples
 Columns = Mapping[str, NDArray[Any]]
 
 
-def started(controller: host.Controller, n: int) -> host.Records:
-    """Return the states (n,) of as many copies after `init`."""
+def initial_states(controller: host.Controller, n: int) -> host.Records:
+    """Return the states (n,) of n copies after `init`."""
     return np.repeat(controller.init()[np.newaxis], n)
 
 
-def replayed(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]:
-    """Yield what `controller` makes of inputs (samples, N) from `init`, sample by sample."""
+def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]:
+    """Run N copies of `controller` from `init` on inputs (samples, N); yield the results of each sample."""
     samples, n = next(iter(inputs.values())).shape
-    states = started(controller, n)
+    states = initial_states(controller, n)
     for k in range(samples):
         batch = controller.batch(states, {name: np.ascontiguousarray(v[k]) for name, v in inputs.items()})
         states = batch.states
@@ -36,9 +36,9 @@ def replayed(controller: host.Controller, inputs: Columns) -> Iterator[host.Batc
 
 @dataclass(frozen=True, eq=False)
 class Scores:
-    """Estimates of N bodies beside the truth: whether they are valid (.., N), and by how much they are off (.., N).
+    """Scores of estimates of N bodies: validity (.., N), and error `off` from the truth (.., N).
 
-    `deviations` (.., n, N) are the errors of n unknowns over the deviations that the estimates state.
+    `deviations` (.., n, N) are the errors of n unknowns in units of the reported standard deviations.
     """
 
     valid: NDArray[np.bool_]
@@ -47,20 +47,20 @@ class Scores:
 
     @property
     def right(self) -> NDArray[np.bool_]:
-        """Whether estimates are the truth, valid or not."""
+        """Whether each estimate agrees with the truth, whether it is valid or not."""
         return np.asarray(self.deviations.max(axis=-2) <= WRONG)
 
     @property
     def first_valid(self) -> NDArray[np.int_]:
-        """How many of K samples it takes until an estimate is valid (N,), 0 for never."""
+        """Number of samples until the first valid estimate (N,), 0 for never."""
         return np.where(self.valid.any(axis=0), 1 + self.valid.argmax(axis=0), 0)
 
     @property
     def wrong(self) -> NDArray[np.bool_]:
-        """Whether estimates are valid elsewhere."""
+        """Whether each estimate is valid although it differs from the truth."""
         return self.valid & ~self.right
 
 
-def stacked(samples: Sequence[Scores]) -> Scores:
-    """Return the scores of K samples as one, (K, .., N)."""
+def stack(samples: Sequence[Scores]) -> Scores:
+    """Stack the scores of K samples into one, (K, .., N)."""
     return Scores(*(np.array([getattr(each, name) for each in samples]) for name in ("valid", "off", "deviations")))

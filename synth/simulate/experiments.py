@@ -1,12 +1,12 @@
-"""Experiments as data: what is asked of a stage in closed loop, and the checks that this implies.
+"""Closed-loop experiments as data: requirements on the response of a stage, and the checks that follow.
 
-    Step      a set-point steps:          overshoot / step, settling time to a band of 2 % of it or one count
-    Track     set-points move:            mean |y - r| of the true positions, when the start has died out
-    Hold      set-points stand still:     max |y - r| under disturbances, when the start has died out
-    LiftOff   it starts elsewhere:        set-points ramp from there; overshoot / way, max |y - r| at the end
+    Step      step of a set-point:        overshoot / step, settling time to a band of 2 % of the step or one count
+    Track     moving set-points:          mean |y - r| of the true positions, after the initial transient
+    Hold      constant set-points:        max |y - r| under disturbances, after the initial transient
+    LiftOff   start at another position:  set-points ramp from there; overshoot / travel, max |y - r| at the end
 
-Positions are the plant's own, not what sensors show. Each experiment also checks that no fault bit was set and tells
-how far the actuators went. `run` carries experiments out on a rig.
+Positions are the true positions of the plant, not sensor readings. Each experiment also checks that no fault bit was
+set, and reports the largest actuator commands. `run` runs experiments on a rig.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,6 +17,7 @@ import numpy as np
 
 from synth.check import Check
 from synth.errors import SignalError
+from synth.progress import each
 from synth.signals import Signal
 from synth.simulate import conditions, metrics
 from synth.simulate.conditions import Conditions, Course, Ramp
@@ -25,31 +26,31 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
 BAND = 0.02  # of a step: the usual 2 % of the settling time
-END = 0.1  # of a run: its last part, in which the error at the end is taken
+END = 0.1  # of a run: its last part, in which the final error is measured
 
 
 class Runnable(Protocol):
-    """An experiment as data: a stage's own kinds have the same two members."""
+    """An experiment as data; further kinds that a stage defines have the same two members."""
 
     @property
     def name(self) -> str:
-        """A short name, one among all of a stage."""
+        """A short name, unique among the experiments of a stage."""
         ...
 
     def run(self, rig: Rig) -> Experiment:
-        """Carry the experiment out."""
+        """Run the experiment."""
         ...
 
 
 @dataclass(frozen=True)
 class Run:
-    """An experiment of a stage's own: its name, and what carries it out under this name."""
+    """An experiment that a stage defines by a function: its name, and `make(rig, name)`, which runs it."""
 
     name: str
     make: Callable[[Rig, str], Experiment]
 
     def run(self, rig: Rig) -> Experiment:
-        """Carry it out."""
+        """Run the experiment."""
         return self.make(rig, self.name)
 
 
@@ -57,8 +58,8 @@ class Run:
 class Step:
     """The set-point steps by `height` in its unit once the loop has settled.
 
-    `overshoot` is a part of the step, `settles_s` the time after which the position stays within the band; `error` the
-    largest |y - r| at the end, not checked where it is left out. `label` replaces the name.
+    `overshoot` is a fraction of the step, `settles_s` the limit of the settling time, `error` the limit of the final
+    |y - r|, None for no check. `under` gives the conditions of the run, `label` replaces the name.
     """
 
     set_point: str
@@ -77,20 +78,20 @@ class Step:
     def run(self, rig: Rig) -> Experiment:
         """Run for a settling time before the step and four after it."""
         position, unit = _position(rig, self.set_point)
-        start = self.under.start.get(position, _point(rig, self.set_point).initial or 0.0)
+        start = self.under.start.get(position, _set_point(rig, self.set_point).initial or 0.0)
         target, time = start + self.height, sample_times(5 * self.settles_s, rig.period_s)
         course = np.where(time < self.settles_s, start, target)
         trajectory = _trajectory(rig, 5 * self.settles_s, {self.set_point: course}, self.under)
         k = int(np.argmax(time >= self.settles_s))
         y, band = trajectory[position], max(BAND * abs(self.height), _resolution(rig, position))
-        settled = metrics.settling_time(time[k:], y[k:] - target, band)
-        beyond = metrics.overshoot(y[k:], start, target)
+        settling_time = metrics.settling_time(time[k:], y[k:] - target, band)
+        overshoot = metrics.overshoot(y[k:], start, target)
         checks = [
-            Check("overshoot", beyond, self.overshoot, "1", f"of the step of {position}"),
-            Check("settling time", settled, self.settles_s, "s", f"{position} stays within {band:.3g} {unit}"),
+            Check("overshoot", overshoot, self.overshoot, "1", f"of the step of {position}"),
+            Check("settling time", settling_time, self.settles_s, "s", f"{position} stays within {band:.3g} {unit}"),
         ]
         if self.error is not None:
-            checks.append(_at_end(trajectory, position, target, self.error, unit))
+            checks.append(_final_error_check(trajectory, position, target, self.error, unit))
         title = f"{position} steps by {self.height:g} {unit}{self.under.text()}"
         figures = {"rise time, s": metrics.rise_time(time[k:], y[k:], start, target)}
         return _experiment(rig, self.name, title, trajectory, {position: course}, figures, checks)
@@ -98,9 +99,9 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Set-points move on courses; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
+    """Set-points follow profiles; the mean |y - r| after `after_s` is at most `mean_error`, one or {set-point: limit}.
 
-    The run starts at rest where the courses start.
+    The run starts at rest at the start of the profiles.
     """
 
     set_points: Mapping[str, Course]
@@ -116,7 +117,7 @@ class Track:
         return self.label or f"track_{'_'.join(self.set_points)}"
 
     def run(self, rig: Rig) -> Experiment:
-        """Run from rest at the start of the courses."""
+        """Run from rest at the start of the profiles."""
         time = sample_times(self.duration_s, rig.period_s)
         courses = {name: conditions.values(course, time) for name, course in self.set_points.items()}
         positions = {name: _position(rig, name) for name in courses}
@@ -129,14 +130,14 @@ class Track:
             limit = self.mean_error[name] if isinstance(self.mean_error, Mapping) else self.mean_error
             mean = metrics.mean_absolute(time, trajectory[position] - course, self.after_s)
             checks.append(Check(f"mean |e_{position}|", mean, limit, unit, f"from {self.after_s:g} s on"))
-        title = f"{', '.join(p for p, _ in positions.values())} on a course{self.under.text()}"
+        title = f"Tracking of {', '.join(p for p, _ in positions.values())}{self.under.text()}"
         shown = {positions[name][0]: course for name, course in courses.items()}
         return _experiment(rig, self.name, title, trajectory, shown, {}, checks)
 
 
 @dataclass(frozen=True, eq=False)
 class Hold:
-    """Set-points stand where the run starts; |y - r| after `after_s` is at most the `errors` {set-point: limit}."""
+    """Set-points stay at the initial positions; |y - r| after `after_s` is at most `errors` {set-point: limit}."""
 
     errors: Mapping[str, float]
     duration_s: float = 1.0
@@ -150,18 +151,18 @@ class Hold:
         return self.label or f"hold_{'_'.join(self.errors)}"
 
     def run(self, rig: Rig) -> Experiment:
-        """Run from rest at the start."""
+        """Run from rest at the initial positions."""
         trajectory = _trajectory(rig, self.duration_s, {}, self.under)
         late = trajectory.time >= self.after_s
         checks, courses, figures = [], {}, {}
         for name, limit in self.errors.items():
             position, unit = _position(rig, name)
-            r = float(self.under.start.get(position, _point(rig, name).initial or 0.0))
+            r = float(self.under.start.get(position, _set_point(rig, name).initial or 0.0))
             courses[position] = np.full(len(trajectory.time), r)
             error = trajectory[position] - r
             figures[f"largest |e_{position}| from the start, {unit}"] = float(np.abs(error).max())
             checks.append(
-                Check(f"largest |e_{position}|", _largest(error[late]), limit, unit, f"from {self.after_s:g} s on")
+                Check(f"largest |e_{position}|", _peak(error[late]), limit, unit, f"from {self.after_s:g} s on")
             )
         title = f"{', '.join(courses)} held{self.under.text()}"
         return _experiment(rig, self.name, title, trajectory, courses, figures, checks)
@@ -169,9 +170,9 @@ class Hold:
 
 @dataclass(frozen=True, eq=False)
 class LiftOff:
-    """The run starts at rest at `under.start`, at a stop or elsewhere; set-points ramp `to` their ends within `ramp_s`.
+    """The run starts at rest at `under.start`, for example at a stop; set-points ramp to the values `to` in `ramp_s`.
 
-    `overshoot` is a part of the way, `error` the largest |y - r| at the end.
+    `overshoot` is a fraction of the travel, `error` the limit of the final |y - r|.
     """
 
     to: Mapping[str, float]
@@ -188,81 +189,82 @@ class LiftOff:
         return self.label
 
     def run(self, rig: Rig) -> Experiment:
-        """Run with the ramp after a quarter of its time, for four times its time in all."""
+        """Run with a ramp that starts after `ramp_s` / 4, for `duration_s` or else 4 `ramp_s`."""
         duration = 4 * self.ramp_s if self.duration_s is None else self.duration_s
         time = sample_times(duration, rig.period_s)
         checks, shown, courses = [], {}, {}
         for name, end in self.to.items():
-            begin = self.under.start.get(_position(rig, name)[0], _point(rig, name).initial or 0.0)
-            courses[name] = Ramp(_inside(begin, _point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(time)
+            begin = self.under.start.get(_position(rig, name)[0], _set_point(rig, name).initial or 0.0)
+            courses[name] = Ramp(_limited_to_range(begin, _set_point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(
+                time
+            )
         trajectory = _trajectory(rig, duration, courses, self.under)
         for name, end in self.to.items():
             position, unit = _position(rig, name)
             shown[position], begin = courses[name], float(trajectory[position][0])
             if begin != end:
-                beyond = metrics.overshoot(trajectory[position], begin, end)
-                checks.append(Check(f"overshoot of {position}", beyond, self.overshoot, "1", "of the way"))
-            checks.append(_at_end(trajectory, position, end, self.error, unit))
+                overshoot = metrics.overshoot(trajectory[position], begin, end)
+                checks.append(Check(f"overshoot of {position}", overshoot, self.overshoot, "1", "of the travel"))
+            checks.append(_final_error_check(trajectory, position, end, self.error, unit))
         return _experiment(rig, self.name, f"Start{self.under.text()}", trajectory, shown, {}, checks)
 
 
 def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], None]) -> list[Experiment]:
-    """Carry out experiments on a rig, each named to `progress` before it starts.
+    """Run experiments on a rig; `progress` receives the name of each before it starts.
 
     Raises SignalError for a name that is listed twice, or as `Rig.run`.
     """
-    listed = [experiment.name for experiment in experiments]
-    if twice := [name for k, name in enumerate(listed) if name in listed[:k]]:
+    names = [experiment.name for experiment in experiments]
+    if twice := [name for k, name in enumerate(names) if name in names[:k]]:
         raise SignalError(f"two experiments are called '{twice[0]}': give one of them a label")
-    done = []
-    for experiment in experiments:
-        progress(experiment.name)
-        done.append(experiment.run(rig))
-    return done
+    results = []
+    for experiment in each(experiments, progress, lambda e: e.name):
+        results.append(experiment.run(rig))
+    return results
 
 
 def _trajectory(rig: Rig, duration_s: float, courses: Mapping[str, Array], under: Conditions) -> Trajectory:
     time = sample_times(duration_s, rig.period_s)
-    around = rig.stage.interface
-    forcing: dict[str, Any] = dict.fromkeys(around.disturbances, 0.0)
+    interface = rig.stage.interface
+    forcing: dict[str, Any] = dict.fromkeys(interface.disturbances, 0.0)
     forcing |= {n: c if callable(c) else conditions.values(c, time) for n, c in under.disturbances.items()}
     plant = rig.plant.with_parameters(**under.parameters) if under.parameters else rig.plant
     options = {"forcing": forcing} | dict(under.options)
     return replace(rig, plant=plant).run(duration_s, under.start, courses, **options)
 
 
-def _point(rig: Rig, name: str) -> Any:
+def _set_point(rig: Rig, name: str) -> Any:
     points = {s.name: s for s in rig.stage.interface.set_points}
     if name not in points:
         raise SignalError(f"the stage has no set-point '{name}': name one of {', '.join(points) or 'none'}")
     return points[name]
 
 
-def _inside(value: float, point: Any) -> float:
-    """Return a start within the set-point's range: a stop may lie outside it."""
+def _limited_to_range(value: float, point: Any) -> float:
+    """Return an initial value limited to the range of the set-point: a stop may lie outside it."""
     return float(np.clip(value, point.low, point.high))
 
 
 def _position(rig: Rig, set_point: str) -> tuple[str, str]:
-    """Return the plant's state or output that a set-point is for, and its unit."""
-    of = _point(rig, set_point).of
-    of = {s.name: s.of for s in rig.stage.interface.sensors}.get(of, of)
+    """Return the state or output of the plant that a set-point controls, and its unit."""
+    position = _set_point(rig, set_point).of
+    position = {s.name: s.of for s in rig.stage.interface.sensors}.get(position, position)
     known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
-    return of, known[of].unit
+    return position, known[position].unit
 
 
 def _resolution(rig: Rig, position: str) -> float:
     return max((s.resolution for s in rig.stage.interface.sensors if s.of == position), default=0.0)
 
 
-def _largest(error: Array) -> float:
+def _peak(error: Array) -> float:
     return float(np.abs(error).max()) if error.size else np.nan
 
 
-def _at_end(trajectory: Trajectory, position: str, target: float, limit: float, unit: str) -> Check:
+def _final_error_check(trajectory: Trajectory, position: str, target: float, limit: float, unit: str) -> Check:
     last = trajectory.time >= (1 - END) * trajectory.time[-1]
     about = f"in the last {100 * END:g} % of the run"
-    return Check(f"|e_{position}| at the end", _largest(trajectory[position][last] - target), limit, unit, about)
+    return Check(f"|e_{position}| at the end", _peak(trajectory[position][last] - target), limit, unit, about)
 
 
 def _experiment(
@@ -274,15 +276,15 @@ def _experiment(
     figures: Mapping[str, float],
     checks: Sequence[Check],
 ) -> Experiment:
-    """Return the experiment with the check for faults and the actuators' largest values."""
+    """Return the experiment with the check for faults and the largest actuator commands."""
     faulty = Check("samples with a fault bit", float(np.count_nonzero(trajectory.faults)), 0.0, "1")
-    around = rig.stage.interface
+    interface = rig.stage.interface
     used = {
         f"largest |{s.name}|, {s.unit}": float(np.abs(trajectory.commands[s.name]).max())
-        for s in around.outputs
+        for s in interface.outputs
         if s.name in trajectory.commands
     }
-    about = f"the full plant, sensors as declared, {around.delay} samples of delay"
+    about = f"the full plant, sensors as declared, {interface.delay} samples of delay"
     return Experiment(
         name, title, about, trajectory, tuple(courses), dict(courses), dict(figures) | used, (*checks, faulty)
     )

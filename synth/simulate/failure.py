@@ -1,7 +1,7 @@
-"""Failure of one sensor in closed loop: when the controller names it, when it latches, and what the machine does then.
+"""Fault injection: one sensor fails in closed loop; detection, fault latch and response of the machine are measured.
 
-From a sample on the sensor shows a constant, as one that is dead, out of range or not a number, or it sticks at its
-last sound reading. Samples are counted from the first bad one, 0 for that one itself.
+From a given sample on, the sensor shows a constant (dead, out of range, NaN) or sticks at its last valid reading.
+Samples are counted from the first bad sample, which has number 0.
 """
 
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ from synth.simulate.sensors import Override
 
 @dataclass(frozen=True, eq=False)
 class Failure:
-    """A run in which `sensor` fails at `sample`; `bits` are those of the fault word that name each sensor.
+    """A run in which `sensor` fails at `sample`; `bits` are the bits of the fault word that identify each sensor.
 
-    `deviation` (N,) is the largest |position - set-point| among the set-points that were given.
+    `deviation` (N,) is the largest |position - set-point| over the positions that have a set-point.
     """
 
     sensor: str
@@ -32,17 +32,17 @@ class Failure:
 
     @property
     def latched(self) -> int | None:
-        """Samples from the failure to the latch, None if never."""
+        """Samples from the failure to the latch, None without a latch."""
         return self.first(self.run.faults >> LATCH_BIT & 1)
 
     @property
     def named(self) -> int | None:
-        """Samples from the failure to the first in which the sensor is named, None if not up to the latch."""
+        """Samples from the failure until the fault word identifies the sensor, None if it does not before the latch."""
         return self.first(self.words & self.bits[self.sensor])
 
     @property
     def others(self) -> tuple[str, ...]:
-        """The sensors that are named up to the latch though they are sound."""
+        """The sensors that the fault word identifies before the latch although they work."""
         word = int(np.bitwise_or.reduce(self.words))
         return tuple(name for name, bits in self.bits.items() if word & bits and name != self.sensor)
 
@@ -69,7 +69,7 @@ class Failure:
         return 0.0 if self.latched is None else float(np.abs(self._commands()[:, -1]).max())
 
     def first(self, flags: NDArray[Any]) -> int | None:
-        """Return the samples from the failure to the first that is flagged, None where none is."""
+        """Return the samples from the failure to the first flag, None without a flag."""
         samples = np.flatnonzero(flags)
         return int(samples[0]) - self.sample if samples.size else None
 
@@ -86,13 +86,13 @@ def fail(
     courses: Mapping[str, Array],
     start: Mapping[str, float],
 ) -> Failure:
-    """Run a rig from rest at `start` on `courses` of set-points (N,); from `at_s` on a sensor shows only `shown`.
+    """Run a rig from rest at `start` on set-point profiles `courses` (N,); from `at_s` on a sensor shows only `shown`.
 
-    None lets it stick at its last sound reading. Raises SignalError as `Rig.run`.
+    With `shown` None it sticks at its last valid reading. Raises SignalError as `Rig.run`.
     """
     time = sample_times(duration_s, rig.period_s)
     k = int(np.argmax(time >= at_s))
-    value = _reading(rig, sensor, k, courses, start) if shown is None else shown
+    value = _sound_reading(rig, sensor, k, courses, start) if shown is None else shown
     bad = Override(np.arange(len(time)) >= k, np.full(len(time), value))
     run = rig.run(duration_s, start, courses, overrides={sensor: bad})
     positions = {s.name: s.of for s in rig.stage.interface.set_points}
@@ -101,7 +101,7 @@ def fail(
 
 
 def bits(rig: Rig) -> dict[str, int]:
-    """Return the bits of the fault word that name each sensor, as out of range or as a suspect."""
+    """Return the bits of the fault word that identify each sensor, as out of range or as a suspect."""
     words = dict.fromkeys((s.name for s in rig.stage.interface.sensors), 0)
     for fault in rig.controller.manifest["faults"]:
         name = fault.get("input") or fault.get("suspect")
@@ -110,7 +110,7 @@ def bits(rig: Rig) -> dict[str, int]:
     return words
 
 
-def _reading(rig: Rig, sensor: str, k: int, courses: Mapping[str, Array], start: Mapping[str, float]) -> float:
-    """Return what a sound sensor shows at sample k."""
+def _sound_reading(rig: Rig, sensor: str, k: int, courses: Mapping[str, Array], start: Mapping[str, float]) -> float:
+    """Return the reading of a working sensor at sample k."""
     until = {name: course[: k + 1] for name, course in courses.items()}
     return float(rig.run((k + 1) * rig.period_s, start, until).measured[sensor][k])

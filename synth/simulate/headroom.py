@@ -1,10 +1,11 @@
-"""Headroom of a controller's states: how near each came to its bound in a run.
+"""Headroom of the states of a controller: the largest ratio of each state to its bound in a run.
 
-    r = max over k of |x_k - m| / h,    m and h the middle and half the width of the state's declared range
+    r = max over k of |x_k - m| / h,    m and h the centre and half width of the declared range of the state
 
-A state that stands at its bound is not what the law computed any more, and no witness of the C can tell: all of them
-limit it alike. So recorded inputs are replayed through the C in double precision, and r < 1 must hold of every state
-of the laws but those that are limited on purpose. The guard's states, the last outputs and whole numbers are left out.
+A state at its bound is saturated: it no longer has the value that the control law computes. A comparison of
+implementations cannot detect this, because all of them saturate in the same way. Recorded inputs are therefore replayed
+through the C in double precision, and r < 1 must hold for every state of the control laws, except for those that are
+limited on purpose. States of the input guard, stored outputs and integers are ignored.
 """
 
 from collections.abc import Collection, Mapping
@@ -19,18 +20,18 @@ from synth.simulate.experiment import Experiment
 
 LARGEST = 1 - 1e-6
 NAME = "largest |state| / bound"
-_AROUND = ("guard_", "safe_output_")
+_GUARD_PREFIXES = ("guard_", "safe_output_")
 _REAL = ("float", "double")
 
 
 def ratios(controller: host.Controller, inputs: Mapping[str, ArrayLike]) -> dict[str, float]:
-    """Return r by state of the laws, under input columns (N,) from `init`.
+    """Return r of each state of the control laws, under input columns (N,) from `init`.
 
     Raises SignalError as `host.Controller.replay`.
     """
     states = recording.states(controller, inputs)
     fields = controller.manifest["structs"]["state"]["fields"]
-    laws = [f for f in fields if f["ctype"] in _REAL and not f["name"].startswith(_AROUND)]
+    laws = [f for f in fields if f["ctype"] in _REAL and not f["name"].startswith(_GUARD_PREFIXES)]
     return {f["name"]: _ratio(states[f["name"]].astype(np.float64), f["low"], f["high"]) for f in laws}
 
 
@@ -39,17 +40,17 @@ def _ratio(values: np.ndarray, low: float, high: float) -> float:
     return float(np.max(np.abs(values - middle)) / half)
 
 
-def judged(experiment: Experiment, controller: host.Controller, limited: Collection[str] = ()) -> Experiment:
-    """Return an experiment with its largest r as a figure, and a check that no state stood at its bound.
+def with_headroom(experiment: Experiment, controller: host.Controller, limited: Collection[str] = ()) -> Experiment:
+    """Return an experiment with its largest r as a measured value, and a check that no state reached its bound.
 
-    `limited` are states that may; `controller` is the C in double precision.
+    `limited` names states that may reach it; `controller` is the C in double precision.
     """
-    found = ratios(controller, experiment.trajectory.measured)
-    if not found:
+    peaks = ratios(controller, experiment.trajectory.measured)
+    if not peaks:
         return experiment
-    free = {name: r for name, r in found.items() if name not in limited}
-    largest = max(found, key=lambda name: found[name])
-    figures = {**experiment.figures, f"{NAME} ({largest})": found[largest]}
+    free = {name: r for name, r in peaks.items() if name not in limited}
+    largest = max(peaks, key=lambda name: peaks[name])
+    figures = {**experiment.figures, f"{NAME} ({largest})": peaks[largest]}
     if not free:
         return replace(experiment, figures=figures)
     worst = max(free, key=lambda name: free[name])

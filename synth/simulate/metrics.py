@@ -1,4 +1,4 @@
-"""Figures of merit of a response y(t) to a set-point r, from samples of its error e = y - r.
+"""Time-domain performance metrics of a response y(t) to a set-point r, as MATLAB `stepinfo`; error e = y - r.
 
     overshoot     max over t of (y - r) s / |r - y0|, at least 0, with s the sign of the step r - y0
     rise time     from the first sample beyond 10 % of the step to the first beyond 90 %, between samples linearly
@@ -6,10 +6,9 @@
     mean error    the mean of |e_k| over start <= t_k <= stop
 
 A time is infinite when the record does not contain the event: a response that is outside its band at the last sample
-has not settled. A sample that is no number lies outside every band. Settling is judged by the record that is given, so
-the record should go on well beyond it. The paper's t_s is the settling time for 0.1 mm or 0.1 mrad, and its t_enc, "the
-time it takes for the tracking error to reach encoder resolution", is taken in the stricter sense of settling, for
-10 um or 20 urad.
+has not settled. A NaN sample lies outside every band. The record should continue well beyond the settling time. The
+paper's t_s is the settling time for 0.1 mm or 0.1 mrad. Its t_enc, "the time it takes for the tracking error to reach
+encoder resolution", is computed as the stricter settling time for 10 um or 20 urad.
 """
 
 from dataclasses import dataclass
@@ -37,7 +36,7 @@ def step_response(
 
     t_s is for `band`; t_enc is for `resolution`; both in the unit of y.
 
-    Raises SignalError when there is no step, when the arrays do not fit or when a band is not positive.
+    Raises SignalError when the step is 0, when the shapes of the arrays differ or when a band is not positive.
     """
     error = np.asarray(y, dtype=np.float64) - target
     return StepResponse(
@@ -48,9 +47,9 @@ def step_response(
 
 
 def overshoot(y: ArrayLike, start: float, target: float) -> float:
-    """Return how far y (N,) goes beyond `target`, as a fraction of the step from `start`.
+    """Return the overshoot of y (N,) beyond `target`, as a fraction of the step from `start`.
 
-    Raises SignalError when there is no step or no sample.
+    Raises SignalError when the step is 0 or there is no sample.
     """
     values, step = np.asarray(y, dtype=np.float64), target - start
     if step == 0 or not np.isfinite(step):
@@ -61,26 +60,26 @@ def overshoot(y: ArrayLike, start: float, target: float) -> float:
 
 
 def rise_time(time: ArrayLike, y: ArrayLike, start: float, target: float) -> float:
-    """Return the seconds from 10 to 90 % of the step, crossed first; inf if 90 % is never reached.
+    """Return the seconds between the first crossings of 10 and 90 % of the step; inf if 90 % is never reached.
 
-    Raises SignalError when there is no step.
+    Raises SignalError when the step is 0.
     """
     step = target - start
     if step == 0 or not np.isfinite(step):
         raise SignalError(f"step from {start} to {target}: a rise time needs a finite step other than 0; give another")
     t, values = _series(time, y)
-    part = (values - start) / step
-    ends = [_crossed(t, part, level) for level in (0.1, 0.9)]
+    fraction = (values - start) / step
+    ends = [_crossing_time(t, fraction, level) for level in (0.1, 0.9)]
     return ends[1] - ends[0] if np.isfinite(ends[1]) else np.inf
 
 
-def _crossed(t: Array, part: Array, level: float) -> float:
-    """Return when `part` (N,) first reaches `level`, linear between samples; inf if never."""
-    above = np.flatnonzero(part >= level)
+def _crossing_time(t: Array, fraction: Array, level: float) -> float:
+    """Return the time of the first crossing of `level` by `fraction` (N,), linear between samples; inf if never."""
+    above = np.flatnonzero(fraction >= level)
     if not above.size:
         return np.inf
     k = int(above[0])
-    return float(np.interp(level, part[k - 1 : k + 1], t[k - 1 : k + 1])) if k else float(t[0])
+    return float(np.interp(level, fraction[k - 1 : k + 1], t[k - 1 : k + 1])) if k else float(t[0])
 
 
 def settling_time(time: ArrayLike, error: ArrayLike, band: float) -> float:

@@ -1,4 +1,4 @@
-"""The plant as compiled C: its functions by CasADi's code generator, in the loop of closed_loop.c."""
+"""Code generation for the plant: its functions by CasADi's code generator, compiled with closed_loop.c."""
 
 import ctypes
 from collections.abc import Callable, Sequence
@@ -23,25 +23,25 @@ HEADER = """#define N_X {x}
 """
 
 
-def compiled(plant: Plant, disturbance: ca.Function | None, flags: Sequence[str]) -> Callable[..., None]:
-    """Return `synth_closed_loop` of closed_loop.c, compiled around the plant; it takes a pointer to its `loop_t`."""
-    functions = [_dense(plant.f, "synth_plant_f"), _dense(plant.h, "synth_plant_h")]
+def compile_loop(plant: Plant, disturbance: ca.Function | None, flags: Sequence[str]) -> Callable[..., None]:
+    """Compile closed_loop.c with the plant and return `synth_closed_loop`, which takes a pointer to a `loop_t`."""
+    functions = [_with_dense_results(plant.f, "synth_plant_f"), _with_dense_results(plant.h, "synth_plant_h")]
     if disturbance is not None:
         n = len(plant.states)
         shapes = [*map(disturbance.size_in, range(disturbance.n_in())), disturbance.size_out(0)]
         if shapes != [(n, 1), (1, 1), (n, 1)]:
             raise WiringError(f"disturbance has arguments and result of {shapes}: need (x, t) of {(n, 1)}, (1, 1)")
-        functions.append(_dense(disturbance, "synth_plant_disturbance"))
+        functions.append(_with_dense_results(disturbance, "synth_plant_disturbance"))
     loop_c = resources.files("synth.simulate").joinpath("closed_loop.c").read_text(encoding="utf-8")
     sources = {"closed_loop.c": loop_c, "plant.h": _header(plant, functions), **casadi_c.functions(functions, "plant")}
     library = ctypes.CDLL(str(host_compiler.shared_library(sources, flags)))
     return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(("synth_closed_loop", library))
 
 
-def _dense(f: ca.Function, name: str) -> ca.Function:
-    """The function under another name with every entry of its results stored, structural zeros too."""
-    given = f.sx_in()
-    return ca.Function(name, given, ca.cse([ca.densify(result) for result in f.call(given)]))
+def _with_dense_results(f: ca.Function, name: str) -> ca.Function:
+    """Return the function under another name with dense results: structural zeros are stored too."""
+    arguments = f.sx_in()
+    return ca.Function(name, arguments, ca.cse([ca.densify(result) for result in f.call(arguments)]))
 
 
 def _header(plant: Plant, functions: Sequence[ca.Function]) -> str:

@@ -1,4 +1,4 @@
-"""A rig: the plant of a stage under its compiled controller, with sensors, delay and stops, that runs scenarios.
+"""Simulation rig: the plant of a stage with its compiled controller, sensors, delay and stops.
 
 plant --> sensors (noise, resolution) --> compiled controller --> delay --> hold --> plant
 """
@@ -23,10 +23,10 @@ Wires = Mapping[str, str | Mapping[str, float]]
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """A stage's plant under a compiled controller; `plant` may differ from the one that was declared.
+    """The plant of a stage under a compiled controller; `plant` may differ from the declared plant.
 
-    `quantised` False leaves the sensors' resolution out, `noise` scales their declared noise, drawn from `seed`;
-    `actuators` replaces the wires from controller outputs to plant inputs; `disturbance(x, t)` adds to dx/dt.
+    `quantised` False removes the resolution of the sensors; `noise` scales their declared noise, generated from `seed`;
+    `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
     """
 
     stage: Stage
@@ -45,11 +45,11 @@ class Rig:
 
     @property
     def ideal(self) -> "Rig":
-        """The same rig, its sensors without noise and resolution."""
+        """The same rig with ideal sensors: without noise and quantisation."""
         return replace(self, quantised=False, noise=0.0)
 
     def with_interface(self, **fields: Any) -> "Rig":
-        """Return the same rig with some fields of its interface replaced; the controller stays as it is."""
+        """Return the same rig with some fields of its interface replaced; the controller is unchanged."""
         controller = self.stage.controller
         declared = replace(controller, interface=replace(controller.interface, **fields))
         return replace(self, stage=replace(self.stage, controller=declared))
@@ -61,47 +61,47 @@ class Rig:
         references: Mapping[str, ArrayLike] | None = None,
         **options: Any,
     ) -> Trajectory:
-        """Simulate from rest at `start` (plant states, others as the stage starts) under set-points by name.
+        """Simulate from rest at `start` (plant states; others start as declared by the stage) under set-points by name.
 
-        A set-point is a constant or (N,); one that is not given stays where its position starts. `options` are further
-        fields of `Scenario`.
+        A set-point is a constant or (N,); a missing one stays at the initial position. `options` are further fields of
+        `Scenario`.
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
-        around, start = self.stage.interface, {**self.stage.start, **(start or {})}
+        interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
-        rest = {s.name: start.get(s.of, s.initial) for s in around.set_points}
+        default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
         commands = self.controller.outputs.names or ()
         fields: dict[str, Any] = {
-            "sensors": {s.name: s.of for s in around.sensors},
-            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in around.actuators},
-            "references": rest | dict(references or {}),
+            "sensors": {s.name: s.of for s in interface.sensors},
+            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in interface.actuators},
+            "references": default_set_points | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self._noise(n),
-            "hold": {a.name: a.safe for a in around.actuators if a.name in commands},
-            "forcing": dict.fromkeys(around.disturbances, 0.0),
+            "hold": {a.name: a.safe for a in interface.actuators if a.name in commands},
+            "forcing": dict.fromkeys(interface.disturbances, 0.0),
             "velocities": self.stage.velocities,
             "stops": self.stage.stops,
-            "delay": around.delay,
+            "delay": interface.delay,
             "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
 
     def at_rest(self) -> dict[str, float]:
-        """Return the controller's inputs where the stage starts, without currents."""
-        around, start = self.stage.interface, self.stage.start
+        """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
+        interface, start = self.stage.interface, self.stage.start
         outputs = self.plant.output_values(start)
-        sensors = {s.name: float(outputs[s.of][0]) for s in around.sensors}
-        return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in around.set_points}
+        sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
+        return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:
         return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
 
     def _noise(self, n: int) -> dict[str, Array]:
-        """Return n samples of noise for each noisy sensor; fewer are the first of more."""
+        """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""
         sensors = self.stage.interface.sensors
         if not self.noise or not any(s.noise for s in sensors):
             return {}
-        drawn = np.random.default_rng(self.seed).standard_normal((n, len(sensors))).T
-        return {s.name: self.noise * s.noise * row for s, row in zip(sensors, drawn, strict=True) if s.noise}
+        noise = np.random.default_rng(self.seed).standard_normal((n, len(sensors))).T
+        return {s.name: self.noise * s.noise * row for s, row in zip(sensors, noise, strict=True) if s.noise}

@@ -1,34 +1,38 @@
-"""What a closed-loop simulation is given and what it returns; `closed_loop` states the equations.
+"""Arguments and result of a closed-loop simulation; `closed_loop` states the equations.
 
-Wires are named from the receiving end: `sensors[controller input] = plant output`, and
+Connections are keyed by the receiving signal: `sensors[controller input] = plant output`, and
 `actuators[plant input] = controller output` or `{controller output: weight, ...}`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from synth import arguments, show
 from synth.errors import SignalError
 from synth.simulate.sensors import Override, Sensor
 from synth.statespace import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Columns = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """What is simulated: the wires, the start, the set-points and what disturbs the loop; SI units throughout.
+    """A scenario: connections, initial state, set-points and disturbances; SI units throughout.
 
-    Every controller input is in `sensors` or in `references` (a constant or one value for each sample); every plant
-    input is in `actuators` or in `forcing`, or in both: a constant that is added, one value for each sample, or a
-    function of the time in s, in the input's unit, as of a force on the stage. A state that `x0` leaves out starts at
-    0, a command that `hold` leaves out is 0 before the first, and a sensor that `encoders` leaves out is ideal. `noise`
-    (N,) is added to what a sensor sees, before its counts. `velocities` pairs the positions that `stops` (low, high)
-    and `locked` may name with their velocities. `delay` counts samples.
+    Every controller input is in `sensors` or in `references` (a constant or one value for each sample). Every plant
+    input is in `actuators`, in `forcing`, or in both; forcing is added to the command and is a constant, one value for
+    each sample, or a function of the time in s, in the unit of the input. A state that is missing from `x0` is 0,
+    a command that is missing from `hold` is 0 before the first sample, and a sensor that is missing from `encoders` is
+    ideal. `noise` (N,) is added to the measured quantity before quantisation. `velocities` maps each position that
+    `stops` (low, high) and `locked` may name to its velocity. `delay` is in samples.
     """
 
     duration_s: float
@@ -54,13 +58,13 @@ class Scenario:
             )
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class Trajectory:
     """One value for each sample t = kT, k = 0 .. N-1, in read-only columns (N,) by name.
 
-    `states` and `outputs` are the plant's own, before any encoder; `applied` the plant's inputs from t on; `measured`
-    the controller's inputs as it got them, fit for `controller.replay`; `commands` its outputs. `impacts` is the
-    greatest speed that each stop has taken out.
+    `states` and `outputs` are true values of the plant, before any encoder; `applied` are the plant inputs from t on;
+    `measured` are the controller inputs, suitable for `controller.replay`; `commands` are the controller outputs.
+    `impacts` is the largest speed of an impact on each stop. `units` has the unit of each column that is known.
     """
 
     time: Array
@@ -71,11 +75,41 @@ class Trajectory:
     commands: Columns
     faults: NDArray[np.uint32]
     impacts: dict[str, float]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def sheet(self) -> show.Sheet:
+        """Return the range of every column and the impacts."""
+        groups = {"state": self.states, "output": self.outputs, "applied": self.applied}
+        groups |= {"measured": self.measured, "command": self.commands}
+        rows = (
+            (
+                group,
+                show.with_unit(name, self.units.get(name, "")),
+                *(show.number(e) for e in (v.min(), v.max(), v[-1])),
+            )
+            for group, columns in groups.items()
+            for name, v in columns.items()
+        )
+        faults = f"{np.count_nonzero(self.faults)} samples with a fault"
+        stops = (f"impact on the stop of {q}: {show.number(v)}" for q, v in self.impacts.items() if v)
+        title = f"Trajectory of {len(self.time)} samples up to {show.number(self.time[-1])} s"
+        table = show.Table(("", "name", "least", "largest", "last"), tuple(rows))
+        return show.Sheet(title, (faults, *stops), (table,))
+
+    def plot(self, names: Sequence[str] = ()) -> "Figure":
+        """Return a figure of columns over time, one panel each; without `names` the first 12 of the outputs.
+
+        Raises SignalError for a name that the trajectory does not have, and for more than 12 names.
+        """
+        from synth.analyse import plots  # loads matplotlib
+
+        chosen = arguments.names("columns", names) or tuple(self.outputs)[:12]
+        return plots.over_time(self.time, {name: self[name] for name in chosen}, self.units)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the column called `name`: from the first of states, outputs, applied, measured, commands with it.
+        """Return the column `name` from the first of states, outputs, applied, measured, commands that has it.
 
-        Raises SignalError when none has it.
+        Raises SignalError when none of them has it.
         """
         groups = (self.states, self.outputs, self.applied, self.measured, self.commands)
         for columns in groups:

@@ -1,11 +1,11 @@
-"""Sensors: what the controller reads when the plant's output is y.
+"""Sensor models: the reading m of the controller for the plant output y.
 
     seen      s = (1 + gain_error) y + offset + noise          of every sensor
     Encoder   m = r round(s / r), halves to even, so |m - s| <= r/2 for the resolution r;  m = s for r = 0
     Analogue  as an encoder with r = (high - low) / 2^bits, limited to low .. high
-    override  m_k = v_k at every sample k of the mask, whatever the sensor reads
+    override  m_k = v_k at every sample k of the mask, independent of y
 
-Offsets, resolutions, noise and values are in the unit of y; a gain error is a part of 1.
+Offsets, resolutions, noise and values are in the unit of y; a gain error is a fraction.
 """
 
 import math
@@ -21,7 +21,7 @@ Chain = tuple[float, float, float, float, float]  # gain, offset, resolution, lo
 
 @dataclass(frozen=True)
 class Encoder:
-    """An incremental encoder of `resolution`, in the unit of what it measures; 0 makes it ideal."""
+    """An incremental encoder of `resolution`, in the unit of the measured quantity; 0 makes it ideal."""
 
     resolution: float = 0.0
     offset: float = 0.0
@@ -38,7 +38,7 @@ class Encoder:
         return 1 + self.gain_error, self.offset, self.resolution, -math.inf, math.inf
 
     def read(self, y: ArrayLike) -> NDArray[np.float64]:
-        """Return what the encoder shows at y, any shape, in the unit of y."""
+        """Return the reading of the encoder at y, any shape, in the unit of y."""
         return _read(self.chain, y)
 
     def noise_of(self, n: int, stream: int) -> NDArray[np.float64]:
@@ -48,9 +48,9 @@ class Encoder:
 
 @dataclass(frozen=True)
 class Analogue:
-    """An analogue sensor behind a converter of `bits` over low .. high, where it saturates, in the unit of y.
+    """An analogue sensor with a converter of `bits` that saturates at low and high, in the unit of y.
 
-    `noise` is white, Gaussian, rms, and the same at each run with the same `seed`; sensors of one loop differ.
+    `noise` is the rms of white Gaussian noise, repeatable for the same `seed`; each sensor of a loop has a stream.
     """
 
     low: float
@@ -81,11 +81,11 @@ class Analogue:
         return 1 + self.gain_error, self.offset, self.resolution, self.low, self.high
 
     def read(self, y: ArrayLike) -> NDArray[np.float64]:
-        """Return what the converter shows at y without noise, any shape, in the unit of y."""
+        """Return the reading of the converter at y without noise, any shape, in the unit of y."""
         return _read(self.chain, y)
 
     def noise_of(self, n: int, stream: int) -> NDArray[np.float64]:
-        """Return the noise of n samples of the sensor number `stream`, (n,), in the unit of y."""
+        """Return n samples of noise of the sensor with number `stream`, (n,), in the unit of y."""
         return self.noise * np.random.default_rng([self.seed, stream]).standard_normal(n)
 
 
@@ -105,9 +105,9 @@ def _read(chain: Chain, y: ArrayLike) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class Override:
-    """Samples that replace what the controller would read: `values` (N,) where `mask` (N,) is true.
+    """Samples that replace the sensor reading: `values` (N,) where `mask` (N,) is true.
 
-    Given in the controller's own scalar type, any bit pattern arrives as it is.
+    Values in the scalar type of the controller keep their bit pattern.
     """
 
     mask: NDArray[np.bool_]

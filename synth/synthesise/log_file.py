@@ -1,10 +1,10 @@
-"""Measurements in text: a first line of names with units, then a row of numbers for each sample, by commas.
+"""Measurements in a CSV text file: a header of names with units, then one row of numbers for each sample.
 
     X [mm], Y [mm], V_ax [V], V_ay [mV]
     0.0, 0.0, 0.0021, -3.4
 
-Lines that are empty or begin with # are passed over. What is read is a Log in SI units. What cannot be read is refused
-with its line, and nothing is guessed.
+Empty lines and lines that begin with # are skipped. The result is a Log in SI units. A line that cannot be read raises
+an error with its number; nothing is guessed.
 
 Library: no design measures yet; docs/library.md has an example.
 """
@@ -36,12 +36,12 @@ UNITS: dict[
 COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*\[\s*([^\]\s]+)\s*\]\s*", re.ASCII)
 NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 SI = tuple(dict.fromkeys(unit for unit, _, _ in UNITS.values()))
-HUGE = 1e70  # a number whose square is none
+HUGE = 1e70  # upper bound of a magnitude, as in `arguments.SIZES`
 
 
 @arguments.checked
-def read(path: Path | str, wanted: Mapping[str, str]) -> Log:
-    """Return the samples of a file; `wanted` are names and SI units of columns that it must hold.
+def read(path: Path | str, required: Mapping[str, str]) -> Log:
+    """Return the samples of a file; `required` are names and SI units of columns that it must contain.
 
     Raises DesignError for a file that cannot be opened, and SignalError as `parsed`, naming file and line.
     """
@@ -53,23 +53,23 @@ def read(path: Path | str, wanted: Mapping[str, str]) -> Log:
         ) from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise SignalError(f"{path}, line {line}: a byte is no UTF-8 text: write the file as plain text") from error
-    return parsed(text, wanted, str(path))
+        raise SignalError(f"{path}, line {line}: a byte is not UTF-8 text: write the file as plain text") from error
+    return parse(text, required, str(path))
 
 
 @arguments.checked
-def parsed(text: str, wanted: Mapping[str, str], name: str = "measurements") -> Log:
+def parse(text: str, required: Mapping[str, str], name: str = "measurements") -> Log:
     """Return the samples in a text called `name`, in SI units.
 
-    Raises SignalError for a wanted unit that is none of SI, and naming the line: for a text without columns; for a
-    column without unit, of an unknown one or of another than is wanted, that stands twice or is missing; for a row with
-    more or fewer numbers than columns, or with what is not a finite number.
+    Raises SignalError for a required unit that is not an SI unit; and with the line number for a text without columns,
+    a column without unit, with an unknown or wrong unit, a duplicate or missing column, a row with more or fewer
+    numbers than columns, or an entry that is not a finite number.
     """
-    for column, unit in wanted.items():
+    for column, unit in required.items():
         _check_unit(column, unit)
     lines = _lines(text, name)
     where, cells = next(lines, (1, []))
-    columns = _columns(cells, wanted, f"{name}, line {where}")
+    columns = _read_header(cells, required, f"{name}, line {where}")
     samples: dict[str, list[float]] = {column: [] for column, _ in columns}
     for where, cells in lines:
         if len(cells) != len(columns):
@@ -77,7 +77,7 @@ def parsed(text: str, wanted: Mapping[str, str], name: str = "measurements") -> 
                 f"{name}, line {where}: {len(cells)} values for {len(columns)} columns: give one for each, by commas"
             )
         for (column, unit), cell in zip(columns, cells, strict=True):
-            samples[column].append(_number(cell, unit, f"{name}, line {where}: {column}"))
+            samples[column].append(_read_number(cell, unit, f"{name}, line {where}: {column}"))
     if not samples[columns[0][0]]:
         raise SignalError(f"{name}, line {where}: no row of numbers follows the names: give one or more")
     return Log({column: np.array(values) for column, values in samples.items()})
@@ -89,7 +89,7 @@ def _check_unit(column: str, unit: str) -> None:
 
 
 def _lines(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the number and the cells of each line that holds some."""
+    """Yield the number and the cells of each line that is not empty."""
     for where, line in enumerate(text.split("\n"), 1):
         if line.strip() and not line.lstrip().startswith("#"):
             try:
@@ -98,29 +98,29 @@ def _lines(text: str, name: str) -> Iterator[tuple[int, list[str]]]:
                 raise SignalError(f"{name}, line {where}: {error}: write plain numbers by commas") from error
 
 
-def _columns(cells: list[str], wanted: Mapping[str, str], where: str) -> list[tuple[str, str]]:
-    found: dict[str, str] = {}
+def _read_header(cells: list[str], required: Mapping[str, str], where: str) -> list[tuple[str, str]]:
+    units: dict[str, str] = {}
     for cell in cells:
         match = COLUMN.fullmatch(cell)
         if match is None:
-            raise SignalError(f"{where}: '{cell.strip()}' is no column: give a name and its unit, like X [mm]")
+            raise SignalError(f"{where}: '{cell.strip()}' is not a column: give a name and its unit, like X [mm]")
         column, unit = match.groups()
         if unit not in UNITS:
-            raise SignalError(f"{where}: '{column}' has the unit '{unit}', which is none of {', '.join(UNITS)}")
-        if column in found:
-            raise SignalError(f"{where}: the column '{column}' stands twice: name it once")
-        if UNITS[unit][0] != wanted.get(column, UNITS[unit][0]):
-            raise SignalError(f"{where}: '{column}' is in {unit}: give it in {wanted[column]} or a multiple")
-        found[column] = unit
-    for column, unit in wanted.items():
-        if column not in found:
+            raise SignalError(f"{where}: '{column}' has the unit '{unit}', which is not one of {', '.join(UNITS)}")
+        if column in units:
+            raise SignalError(f"{where}: the column '{column}' is listed twice: name it once")
+        if UNITS[unit][0] != required.get(column, UNITS[unit][0]):
+            raise SignalError(f"{where}: '{column}' is in {unit}: give it in {required[column]} or a multiple")
+        units[column] = unit
+    for column, unit in required.items():
+        if column not in units:
             raise SignalError(f"{where}: there is no column '{column}': add '{column} [{unit}]'")
-    if not found:
+    if not units:
         raise SignalError(f"{where}: there are no columns: begin with names and units, like X [mm], V_ax [V]")
-    return list(found.items())
+    return list(units.items())
 
 
-def _number(cell: str, unit: str, where: str) -> float:
+def _read_number(cell: str, unit: str, where: str) -> float:
     if not NUMBER.fullmatch(cell):
         raise SignalError(f"{where} is '{cell.strip()}': give a finite number, with a point and without its unit")
     _, times, by = UNITS[unit]

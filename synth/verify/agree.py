@@ -1,14 +1,16 @@
-"""Agreement of independent witnesses of one step (x, u) -> (x', y, faults).
+"""Back-to-back comparison of independent implementations of one step (x, u) -> (x', y, faults).
 
-    reference   NumPy, written from the paper's equations, with gains of its own
-    casadi      CasADi's evaluation of the Block
-    casadi_c    CasADi's own C of the Block, double
+Each implementation is a witness: it serves as the oracle for the others.
+
+    reference   NumPy, written from the equations of the paper, with independently computed gains
+    casadi      evaluation of the Block by CasADi
+    casadi_c    C of the Block by CasADi's code generator, double precision
     c64, c32    the emitted C in double and in single precision
 
-A difference of the output v from the output r is |v - r| / max(floor, |r|), with the floor in the output's unit: one
-number for all, one for each output by name, or else the largest magnitude of its declared range. A difference of next
-states is relative to the width of the state's declared range. Every witness takes the same bits in: samples are drawn
-once, in the scalar type of the coarser witness.
+The difference of an output v from r is |v - r| / max(floor, |r|). The floor is in the unit of the output: one number
+for all outputs, one for each output by name, or by default the largest magnitude in the declared range. The difference
+of next states is relative to the width of the declared range of the state. Every witness receives the same bits:
+samples are generated once, in the scalar type of the less precise witness.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,11 +30,11 @@ from synth.execute import host
 
 Columns = Mapping[str, NDArray[Any]]
 Floor = float | Mapping[str, float] | None
-IN_A_ROW = 1000  # samples that one call of CasADi steps through: more take memory and no less time
+CHUNK = 1000  # samples per call of CasADi's mapaccum: more samples take more memory and save no time
 
 
 @dataclass(frozen=True)
-class Stepped:
+class StepResults:
     """N steps: outputs and next states as columns (N,) by name, fault words (N,)."""
 
     outputs: Columns
@@ -42,11 +44,11 @@ class Stepped:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far `second` is from `first` over `samples` steps: the worst difference of an output, its signal and sample.
+    """Difference of `second` from `first` over `samples` steps: the worst output difference, its signal and sample.
 
-    `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst difference of an
-    output in units in the last place of the second's scalar type at the value; `faults_differ` counts samples whose
-    fault words are unlike.
+    `state_worst` is the worst difference of a next state, and `state` its name. `ulps` is the worst output difference
+    in units in the last place of the scalar type of `second`; `faults_differ` counts samples with different fault
+    words.
     """
 
     first: str
@@ -62,77 +64,77 @@ class Agreement:
     state: str
 
 
-Witness = Callable[[Columns, Columns], Stepped]
+Witness = Callable[[Columns, Columns], StepResults]
 
 
 def compare(
     what: str,
-    first: tuple[str, Stepped],
-    second: tuple[str, Stepped],
+    first: tuple[str, StepResults],
+    second: tuple[str, StepResults],
     floor: Floor,
     block: Block,
     scalar: type[np.floating] = np.float64,
 ) -> Agreement:
     """Compare outputs, fault words and next states of two witnesses of the same N steps of a Block.
 
-    A value that is no number differs by infinity. A recorded run has the states after its last step only.
+    The difference of a NaN is infinite. A recorded run has the states after its last step only.
 
     Raises SignalError as `floors`.
     """
     (name, r), (other, v) = first, second
-    sizes = _sizes(r, floor, block)
+    sizes = _scales(r, floor, block)
     outputs, states = differences(r, v, floor, block)
     signal, sample, worst = _worst(outputs)
     state, _, state_worst = _worst(states)
-    gaps = {n: _gap(r.outputs[n], v.outputs[n]) for n in sizes}
+    gaps = {n: _absolute_difference(r.outputs[n], v.outputs[n]) for n in sizes}
     ulps = max(float(np.max(gap / np.spacing(sizes[n].astype(scalar)).astype(np.float64))) for n, gap in gaps.items())
-    unlike = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
-    return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, unlike, state_worst, state)
+    faults_differ = int(np.count_nonzero(np.asarray(r.faults) != np.asarray(v.faults)))
+    return Agreement(name, other, what, len(r.faults), worst, signal, sample, ulps, faults_differ, state_worst, state)
 
 
 def differences(
-    first: Stepped, second: Stepped, floor: Floor, block: Block
+    first: StepResults, second: StepResults, floor: Floor, block: Block
 ) -> tuple[dict[str, NDArray[np.float64]], dict[str, NDArray[np.float64]]]:
-    """Return the differences in each step of outputs and of next states (N,) by name, infinite for what is no number.
+    """Return the differences in each step of outputs and of next states (N,) by name, infinite for NaN.
 
     Raises SignalError as `floors`.
     """
-    sizes, widths = _sizes(first, floor, block), {s.name: s.signal.high - s.signal.low for s in block.states}
-    outputs = {n: _gap(first.outputs[n], second.outputs[n]) / size for n, size in sizes.items()}
-    return outputs, {n: _gap(first.states[n], second.states[n]) / width for n, width in widths.items()}
+    sizes, widths = _scales(first, floor, block), {s.name: s.signal.high - s.signal.low for s in block.states}
+    outputs = {n: _absolute_difference(first.outputs[n], second.outputs[n]) / size for n, size in sizes.items()}
+    return outputs, {n: _absolute_difference(first.states[n], second.states[n]) / width for n, width in widths.items()}
 
 
-def _sizes(of: Stepped, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
-    """Return what the differences of outputs are relative to."""
+def _scales(results: StepResults, floor: Floor, block: Block) -> dict[str, NDArray[np.float64]]:
+    """Return the scale (N,) of the relative difference of each output."""
     least = floors(floor, {s.name: (s.low, s.high) for s in block.outputs})
-    return {n: np.maximum(least[n], np.abs(np.asarray(of.outputs[n], dtype=np.float64))) for n in least}
+    return {n: np.maximum(least[n], np.abs(np.asarray(results.outputs[n], dtype=np.float64))) for n in least}
 
 
 def floors(floor: Floor, ranges: Mapping[str, tuple[float, float]]) -> dict[str, float]:
-    """Return the floor of each output, of whose (low, high) the largest magnitude serves where none is given.
+    """Return the floor of each output; the default is the largest magnitude in its range (low, high).
 
-    Raises SignalError for a floor of no output, or one that is not finite and positive.
+    Raises SignalError for a floor of an unknown output, or one that is not finite and positive.
     """
-    own = floor if isinstance(floor, Mapping) else {} if floor is None else dict.fromkeys(ranges, floor)
-    if unknown := [n for n in own if n not in ranges]:
+    by_output = floor if isinstance(floor, Mapping) else {} if floor is None else dict.fromkeys(ranges, floor)
+    if unknown := [n for n in by_output if n not in ranges]:
         raise SignalError(
             f"floor of '{unknown[0]}': it is not one of the outputs {', '.join(ranges)}: correct the name"
         )
-    least = {n: own.get(n, max(abs(low), abs(high)) or 1.0) for n, (low, high) in ranges.items()}
+    least = {n: by_output.get(n, max(abs(low), abs(high)) or 1.0) for n, (low, high) in ranges.items()}
     for name, value in least.items():
         if not 0 < value < np.inf:
             raise SignalError(f"floor of '{name}' is {value}: give a finite positive number in the output's unit")
     return least
 
 
-def _gap(expected: Any, found: Any) -> NDArray[np.float64]:
+def _absolute_difference(expected: Any, actual: Any) -> NDArray[np.float64]:
     with np.errstate(invalid="ignore"):
-        gap = np.abs(np.asarray(found, dtype=np.float64) - np.asarray(expected, dtype=np.float64))
+        gap = np.abs(np.asarray(actual, dtype=np.float64) - np.asarray(expected, dtype=np.float64))
     return np.atleast_1d(np.where(np.isfinite(gap), gap, np.inf))
 
 
 def _worst(differences: Mapping[str, NDArray[np.float64]]) -> tuple[str, int, float]:
-    """Return the name, the sample and the size of the greatest difference."""
+    """Return the name, the sample and the size of the largest difference."""
     name = max(differences, key=lambda n: float(np.max(differences[n])), default="")
     if not name:
         return "", 0, 0.0
@@ -140,100 +142,102 @@ def _worst(differences: Mapping[str, NDArray[np.float64]]) -> tuple[str, int, fl
     return name, k, float(differences[name][k])
 
 
-def emitted(controller: host.Controller) -> Witness:
+def emitted_c(controller: host.Controller) -> Witness:
     """Return emitted C as a witness: one step from each of N states."""
 
-    def step(states: Columns, inputs: Columns) -> Stepped:
+    def step(states: Columns, inputs: Columns) -> StepResults:
         n = len(next(iter(inputs.values())))
         records = np.zeros(n, controller.state)
         for name, values in states.items():
             records[name] = values
         batch = controller.batch(records, inputs)
-        return Stepped(batch.outputs, host.columns(batch.states), batch.faults)
+        return StepResults(batch.outputs, host.columns(batch.states), batch.faults)
 
     return step
 
 
 def casadi(block: Block) -> Witness:
     """Return CasADi's evaluation of the Block as a witness."""
-    return Evaluated(block, _with_faults(block))
+    return CasadiWitness(block, _with_fault_word(block))
 
 
 def casadi_own_c(block: Block, flags: Sequence[str] = ()) -> Witness:
     """Return CasADi's own C of the Block, compiled here, as a witness."""
-    f = _with_faults(block)
+    f = _with_fault_word(block)
     library = host_compiler.shared_library(casadi_c.functions([f], f"{block.name}_casadi"), flags)
-    return Evaluated(block, ca.external(f.name(), str(library)))
+    return CasadiWitness(block, ca.external(f.name(), str(library)))
 
 
 def reference(step: Callable[[Any, Any], tuple[Columns, Columns, Any]]) -> Witness:
     """Return a NumPy step(state, inputs) -> (state', outputs, faults) as a witness."""
 
-    def witness(states: Columns, inputs: Columns) -> Stepped:
+    def witness(states: Columns, inputs: Columns) -> StepResults:
         after, outputs, faults = step(states, inputs)
-        return Stepped(outputs, after, np.asarray(faults, dtype=np.uint32))
+        return StepResults(outputs, after, np.asarray(faults, dtype=np.uint32))
 
     return witness
 
 
-def recorded(witness: Witness, states: Mapping[str, float], inputs: Columns) -> Stepped:
-    """Run a witness over N recorded inputs in a row, (N,) or (N, copies), from one state, by one step at a time."""
+def run(witness: Witness, states: Mapping[str, float], inputs: Columns) -> StepResults:
+    """Run a witness from one state over N consecutive recorded inputs, (N,) or (N, copies), step by step."""
     n, *copies = shape = next(iter(inputs.values())).shape
-    now: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
-    if isinstance(witness, Evaluated) and not copies:
-        return witness.in_a_row(now, inputs)
+    current: Columns = {name: np.full(copies or 1, value) for name, value in states.items()}
+    if isinstance(witness, CasadiWitness) and not copies:
+        return witness.run(current, inputs)
     columns = {name: values.reshape(n, *(copies or [1])) for name, values in inputs.items()}
-    rows: list[Stepped] = []
+    rows: list[StepResults] = []
     for k in range(n):
-        stepped = witness(now, {name: values[k] for name, values in columns.items()})
-        now = stepped.states
-        rows.append(Stepped(stepped.outputs, {}, stepped.faults))
+        stepped = witness(current, {name: values[k] for name, values in columns.items()})
+        current = stepped.states
+        rows.append(StepResults(stepped.outputs, {}, stepped.faults))
     outputs = {name: np.reshape([row.outputs[name] for row in rows], shape) for name in rows[0].outputs}
-    return Stepped(outputs, now, np.reshape([row.faults for row in rows], shape))
+    return StepResults(outputs, current, np.reshape([row.faults for row in rows], shape))
 
 
-def recorded_runs(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[Stepped]:
+def run_each(witness: Witness, states: Mapping[str, float], runs: Sequence[Columns]) -> list[StepResults]:
     """Run a witness over recorded inputs (N,) of several runs, each from the same state.
 
-    A witness that takes one step at a time takes it for all runs that last, side by side.
+    A witness that takes single steps advances all unfinished runs side by side.
     """
-    if isinstance(witness, Evaluated):
-        return [recorded(witness, states, run) for run in runs]
-    lengths = [len(next(iter(run.values()))) for run in runs]
+    if isinstance(witness, CasadiWitness):
+        return [run(witness, states, inputs) for inputs in runs]
+    lengths = [len(next(iter(inputs.values()))) for inputs in runs]
     order, ends = sorted(range(len(runs)), key=lambda j: -lengths[j]), sorted({0, *lengths})
-    parts: list[list[Stepped]] = [[] for _ in runs]
-    now: Mapping[str, Any] = states
+    parts: list[list[StepResults]] = [[] for _ in runs]
+    current: Mapping[str, Any] = states
     for first, last in pairwise(ends):
-        going = [j for j in order if lengths[j] >= last]
-        inputs = {name: np.stack([runs[j][name][first:last] for j in going], axis=1) for name in runs[0]}
-        start = {name: value if first == 0 else value[: len(going)] for name, value in now.items()}
-        both = recorded(witness, start, inputs)
-        now = both.states
-        for k, j in enumerate(going):
-            parts[j].append(_copy(both, k))
-    return [_in_a_row(of_run) for of_run in parts]
+        active = [j for j in order if lengths[j] >= last]
+        inputs = {name: np.stack([runs[j][name][first:last] for j in active], axis=1) for name in runs[0]}
+        start = {name: value if first == 0 else value[: len(active)] for name, value in current.items()}
+        combined = run(witness, start, inputs)
+        current = combined.states
+        for k, j in enumerate(active):
+            parts[j].append(_select_run(combined, k))
+    return [_concatenate(of_run) for of_run in parts]
 
 
-def _copy(both: Stepped, k: int) -> Stepped:
+def _select_run(combined: StepResults, k: int) -> StepResults:
     """Return one of several runs side by side."""
-    outputs = {name: value[:, k] for name, value in both.outputs.items()}
-    return Stepped(outputs, {name: value[k : k + 1] for name, value in both.states.items()}, both.faults[:, k])
+    outputs = {name: value[:, k] for name, value in combined.outputs.items()}
+    return StepResults(
+        outputs, {name: value[k : k + 1] for name, value in combined.states.items()}, combined.faults[:, k]
+    )
 
 
-def _in_a_row(parts: Sequence[Stepped]) -> Stepped:
-    """Return the parts of a run as one."""
+def _concatenate(parts: Sequence[StepResults]) -> StepResults:
+    """Concatenate consecutive parts of a run."""
     outputs = {name: np.concatenate([part.outputs[name] for part in parts]) for name in parts[0].outputs}
-    return Stepped(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
+    return StepResults(outputs, parts[-1].states, np.concatenate([part.faults for part in parts]))
 
 
-def replayed(controller: host.Controller, inputs: Columns) -> Stepped:
-    """Run emitted C over N recorded inputs in a row, from `init`."""
+def replay(controller: host.Controller, inputs: Columns) -> StepResults:
+    """Run emitted C from `init` over N consecutive recorded inputs."""
     replay = controller.replay(inputs)
     state = {name: np.atleast_1d(replay.state[name]) for name in replay.state.dtype.names or ()}
-    return Stepped(replay.outputs, state, replay.faults)
+    return StepResults(replay.outputs, state, replay.faults)
 
 
-def _with_faults(block: Block) -> ca.Function:
+def _with_fault_word(block: Block) -> ca.Function:
     """Return (x, u) -> (x', y, fault word)."""
     f = block.function()
     x, u = f.sx_in()
@@ -247,34 +251,34 @@ def _with_faults(block: Block) -> ca.Function:
 
 
 @dataclass(frozen=True, eq=False)
-class Evaluated:
+class CasadiWitness:
     """A CasADi function (x, u) -> (x', y, fault word) of a Block as a witness."""
 
     block: Block
     function: ca.Function
 
-    def __call__(self, states: Columns, inputs: Columns) -> Stepped:
+    def __call__(self, states: Columns, inputs: Columns) -> StepResults:
         """Return one step from each of N states."""
-        return self._stepped(*(np.asarray(r) for r in self.function(*self._read(states, inputs))))
+        return self._unstack(*(np.asarray(r) for r in self.function(*self._stack(states, inputs))))
 
-    def in_a_row(self, states: Columns, inputs: Columns) -> Stepped:
-        """Return N steps in a row from one state. The loop over them is CasADi's, which starts its machine once."""
-        x, u = self._read(states, inputs)
+    def run(self, states: Columns, inputs: Columns) -> StepResults:
+        """Return N consecutive steps from one state; CasADi's mapaccum runs the loop, which avoids a call per step."""
+        x, u = self._stack(states, inputs)
         x, recorded = x.reshape(-1, 1), []
-        for first in range(0, u.shape[1], IN_A_ROW):
-            part = u[:, first : first + IN_A_ROW]
+        for first in range(0, u.shape[1], CHUNK):
+            part = u[:, first : first + CHUNK]
             after, y, word = (np.asarray(r) for r in self.function.mapaccum(part.shape[1])(x, part))
             x = after[:, -1:]
             recorded.append((y, word))
         outputs, words = (np.hstack(rows) for rows in zip(*recorded, strict=True))
-        return self._stepped(x, outputs, words)
+        return self._unstack(x, outputs, words)
 
-    def _read(self, states: Columns, inputs: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _stack(self, states: Columns, inputs: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         x = [np.asarray(states[s.name], dtype=np.float64) for s in self.block.states]
         u = [np.asarray(inputs[s.name], dtype=np.float64) for s in self.block.inputs]
         return np.array(x), np.array(u)
 
-    def _stepped(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> Stepped:
+    def _unstack(self, after: NDArray[np.float64], y: NDArray[np.float64], word: NDArray[np.float64]) -> StepResults:
         outputs = {s.name: row for s, row in zip(self.block.outputs, y, strict=True)}
         states = {s.name: row for s, row in zip(self.block.states, after, strict=True)}
-        return Stepped(outputs, states, word[0].astype(np.uint32))
+        return StepResults(outputs, states, word[0].astype(np.uint32))

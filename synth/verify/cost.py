@@ -1,10 +1,10 @@
-"""What a step costs on a core: instructions, estimated cycles, bytes, and the decisions that were seen both ways.
+"""Cost of a step on a core: instructions, estimated cycles, bytes, and decision coverage.
 
-    issued      instructions that were fetched: what is predicated false counts, the core spends a cycle on it
-    executed    those that were not predicated false
-    share       issued / (clock x period), as if each took one cycle; instructions are not cycles and no worst case
+    issued      fetched instructions, including those predicated false, because the core spends a cycle on each
+    executed    instructions that were not predicated false
+    share       issued / (clock x period), assuming one cycle per instruction; it is not a worst-case bound
 
-The data alone; `meter` measures it.
+This module holds the data; `meter` measures it.
 """
 
 from collections.abc import Mapping
@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLOCK_HZ = 168e6
-OWN = "synth"
+SYNTH = "synth"
 NOTE = (
-    "Instructions, not cycles, and counted on the steps that were run, not a bound of the worst case. The share of the "
-    "period is that of as many cycles at 168 MHz. The cycles are an estimate from the table that Arm publishes, for "
-    "memory without wait states; nothing was timed."
+    "Instructions, not cycles, counted on the steps that were run; they do not bound the worst case. The share of the "
+    "period assumes one cycle per instruction at 168 MHz. The cycles are estimated from the timing table that Arm "
+    "publishes, for memory without wait states; no time was measured."
 )
 
 
 @dataclass(frozen=True)
-class Spread:
-    """The least, the mean and the most of a figure over some steps."""
+class Summary:
+    """Minimum, mean and maximum of a count over some steps."""
 
     least: int
     mean: float
@@ -37,9 +37,9 @@ class Spread:
 
 @dataclass(frozen=True)
 class Memory:
-    """Bytes: instructions, constants in flash, RAM of the code's own, the caller's state and signals, the stack.
+    """Bytes: instructions, constants in flash, static RAM, state and signals of the caller, and stack.
 
-    Code and constants hold all that the step reaches, libm included; signals are inputs and outputs.
+    Code and constants include every function that the step calls, libm too; signals are inputs and outputs.
     """
 
     code: int
@@ -51,25 +51,25 @@ class Memory:
 
     @property
     def working(self) -> int:
-        """RAM that a step works in: state, inputs, outputs, stack and data."""
+        """RAM that a step uses: state, inputs, outputs, stack and static data."""
         return self.state + self.signals + self.stack + self.data
 
 
 @dataclass(frozen=True)
-class Figures:
-    """One generator's step, by one build, over steps that all generators are given.
+class StepCost:
+    """Cost of the step of one generator by one build, over the steps that all generators share.
 
-    `cycles` are the least and the most of an estimate, each over the steps. `functions` are mean instructions a step,
-    the costliest first. `doubles` are the calls for double arithmetic in the generator's own code. `difference` is the
-    worst difference of an output from the host's, of its range.
+    `cycles` are the low and the high estimate. `functions` are mean instructions per step, the most expensive first.
+    `doubles` counts the symbols of double arithmetic in the generated code. `difference` is the worst difference of an
+    output from the host, relative to its range.
     """
 
     generator: str
     build: str
     steps: int
-    issued: Spread
-    executed: Spread
-    cycles: tuple[Spread, Spread]
+    issued: Summary
+    executed: Summary
+    cycles: tuple[Summary, Summary]
     functions: Mapping[str, float]
     memory: Memory
     doubles: int
@@ -77,18 +77,18 @@ class Figures:
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What the emitted C issues in one named sequence, by one build."""
+class SequenceCost:
+    """Instructions of the emitted C in one named sequence, by one build."""
 
     name: str
     build: str
     steps: int
-    issued: Spread
+    issued: Summary
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Decisions in the step's machine code, by one build, and those of which a direction was never seen."""
+    """Decision coverage of the machine code of a step, by one build; `missing` lists uncovered outcomes."""
 
     build: str
     decisions: int
@@ -96,39 +96,38 @@ class Coverage:
 
     @property
     def both(self) -> int:
-        """How many were seen both ways."""
+        """Number of decisions with both outcomes covered."""
         return self.decisions - len(self.missing)
 
 
 @dataclass(frozen=True)
 class Cost:
-    """All figures of one design on one core.
+    """Cost of one design on one core.
 
-    `operations` counts what the emitted program computes, loads and decides, by kind; `absent` says what was not
-    measured, and why.
+    `operations` counts the operations of the emitted program by kind; `absent` says what was not measured, and why.
     """
 
     design: str
     core: str
     period_s: float
-    compared: tuple[Figures, ...]
-    sequences: tuple[Measured, ...]
+    compared: tuple[StepCost, ...]
+    sequences: tuple[SequenceCost, ...]
     coverage: tuple[Coverage, ...]
     operations: Mapping[str, int]
     absent: tuple[str, ...]
 
     def share(self, issued: float) -> float:
-        """Return the part of the period that so many instructions take, were each one cycle."""
+        """Return the fraction of the period that these instructions take at one cycle each."""
         return issued / (CLOCK_HZ * self.period_s)
 
-    def ratio(self, found: Figures) -> float:
-        """Return mean instructions of a generator over those of the first one by the same build."""
-        first = next(f for f in self.compared if f.build == found.build)
-        return found.issued.mean / first.issued.mean
+    def ratio(self, figures: StepCost) -> float:
+        """Return the mean instructions of a generator relative to the first generator by the same build."""
+        first = next(f for f in self.compared if f.build == figures.build)
+        return figures.issued.mean / first.issued.mean
 
     @property
     def most(self) -> Mapping[str, int]:
-        """The most instructions that any step of the emitted C took, by build."""
+        """Maximum instructions of any step of the emitted C, by build."""
         return {b: max(m.issued.most for m in self.sequences if m.build == b) for b in self.builds}
 
     @property
@@ -138,11 +137,11 @@ class Cost:
 
     @property
     def arithmetic(self) -> int:
-        """Arithmetic operations of the program, both sides of every choice."""
+        """Number of arithmetic operations of the program, both branches of every choice included."""
         return sum(n for name, n in self.operations.items() if not name.startswith(("load", "store", "choice")))
 
     def document(self) -> Mapping[str, Any]:
-        """Return the figures as a JSON document."""
+        """Return the cost as a JSON document."""
         worst = self.most
         return asdict(self) | {
             "clock_hz": CLOCK_HZ,
@@ -151,14 +150,14 @@ class Cost:
             "shares": {build: self.share(most) for build, most in worst.items()},
             "most": worst,
             "instructions_per_operation": {
-                f.build: f.issued.mean / self.arithmetic for f in self.compared if f.generator == OWN
+                f.build: f.issued.mean / self.arithmetic for f in self.compared if f.generator == SYNTH
             },
         }
 
 
-def spread(values: NDArray[np.int64]) -> Spread:
-    """Summarise a figure (N,), N >= 1."""
-    return Spread(int(values.min()), float(values.mean()), int(values.max()))
+def summarise(values: NDArray[np.int64]) -> Summary:
+    """Return minimum, mean and maximum of a count (N,), N >= 1."""
+    return Summary(int(values.min()), float(values.mean()), int(values.max()))
 
 
 class Table(NamedTuple):
@@ -169,69 +168,78 @@ class Table(NamedTuple):
     rows: tuple[tuple[str, ...], ...]
 
 
-def tables(found: Cost) -> tuple[Table, ...]:
-    """Return the figures as tables, for a terminal or a page."""
-    return (_compared(found), _bytes(found), _functions(found), _sequences(found), _coverage(found), _operations(found))
+def tables(cost: Cost) -> tuple[Table, ...]:
+    """Return the cost as tables, for a terminal or a page."""
+    return (
+        _comparison_table(cost),
+        _memory_table(cost),
+        _function_table(cost),
+        _sequence_table(cost),
+        _coverage_table(cost),
+        _operation_table(cost),
+    )
 
 
-def _compared(found: Cost) -> Table:
+def _comparison_table(cost: Cost) -> Table:
     columns = (
         *("generator", "build", "issued", "executed", "ratio", "period, %"),
-        *("cycles, estimate", "outputs off, of range"),
+        *("cycles, estimate", "output error / range"),
     )
     rows = tuple(
         (
             *(f.generator, f.build, str(f.issued), str(f.executed)),
-            *(f"{found.ratio(f):.2f}", f"{100 * found.share(f.issued.mean):.3g}"),
+            *(f"{cost.ratio(f):.2f}", f"{100 * cost.share(f.issued.mean):.3g}"),
             *(f"{f.cycles[0].mean:.0f} .. {f.cycles[1].mean:.0f}", f"{f.difference:.1e}"),
         )
-        for f in found.compared
+        for f in cost.compared
     )
-    steps = found.compared[0].steps
-    caption = f"Instructions a step, least .. mean .. most, {found.core}, over the same {steps} closed-loop steps"
+    steps = cost.compared[0].steps
+    caption = f"Instructions per step, least .. mean .. most, {cost.core}, over the same {steps} closed-loop steps"
     return Table(caption, columns, rows)
 
 
-def _bytes(found: Cost) -> Table:
+def _memory_table(cost: Cost) -> Table:
     columns = (
         *("generator", "build", "code", "constants", "RAM of libm", "state", "inputs, outputs", "stack", "RAM in all"),
         "double symbols",
     )
     rows = []
-    for f in found.compared:
+    for f in cost.compared:
         m = f.memory
         sizes = (m.code, m.constants, m.data, m.state, m.signals, m.stack, m.working)
         rows.append((f.generator, f.build, *map(str, sizes), str(f.doubles)))
-    return Table("Bytes, with all of libm that the step reaches", columns, tuple(rows))
+    return Table("Bytes, including the functions of libm that the step calls", columns, tuple(rows))
 
 
-def _functions(found: Cost) -> Table:
+def _function_table(cost: Cost) -> Table:
     rows = tuple(
         (f.generator, f.build, ", ".join(f"{name} {mean:.0f}" for name, mean in f.functions.items()))
-        for f in found.compared
+        for f in cost.compared
     )
-    return Table("Mean instructions a step by function, the costliest", ("generator", "build", "functions"), rows)
+    return Table(
+        "Mean instructions per step by function, the most expensive first", ("generator", "build", "functions"), rows
+    )
 
 
-def _sequences(found: Cost) -> Table:
-    by_name: dict[str, list[Measured]] = {}
-    for m in found.sequences:
+def _sequence_table(cost: Cost) -> Table:
+    by_name: dict[str, list[SequenceCost]] = {}
+    for m in cost.sequences:
         by_name.setdefault(m.name, []).append(m)
     rows = [(name, str(parts[0].steps), *(str(m.issued) for m in parts)) for name, parts in by_name.items()]
-    rows.append(("most", "", *(f"{n}: {100 * found.share(n):.3g} % of the period" for n in found.most.values())))
+    rows.append(("most", "", *(f"{n}: {100 * cost.share(n):.3g} % of the period" for n in cost.most.values())))
     caption = "Instructions of the emitted C by sequence: least .. mean .. most"
-    return Table(caption, ("sequence", "steps", *found.builds), tuple(rows))
+    return Table(caption, ("sequence", "steps", *cost.builds), tuple(rows))
 
 
-def _coverage(found: Cost) -> Table:
-    rows = tuple((c.build, str(c.decisions), str(c.both), "\n".join(c.missing) or "none") for c in found.coverage)
+def _coverage_table(cost: Cost) -> Table:
+    rows = tuple((c.build, str(c.decisions), str(c.both), "\n".join(c.missing) or "none") for c in cost.coverage)
     caption = "Decisions in the machine code of the emitted step"
     return Table(caption, ("build", "decisions", "seen both ways", "missing"), rows)
 
 
-def _operations(found: Cost) -> Table:
-    own = [f for f in found.compared if f.generator == OWN]
-    caption = f"Operations of the program, both sides of every choice: {found.arithmetic} of arithmetic and logic"
-    rows = [(name, str(n)) for name, n in found.operations.items()]
-    rows += [(f"instructions an operation, {f.build}", f"{f.issued.mean / found.arithmetic:.2f}") for f in own]
+def _operation_table(cost: Cost) -> Table:
+    emitted = [f for f in cost.compared if f.generator == SYNTH]
+    caption = f"Operations of the program, both branches of every choice: {cost.arithmetic} of arithmetic and logic"
+    rows = [(name, str(n)) for name, n in cost.operations.items()]
+    rows += [(f"instructions per operation, {f.build}", f"{f.issued.mean / cost.arithmetic:.2f}") for f in emitted]
     return Table(caption, ("operation", "count"), tuple(rows))

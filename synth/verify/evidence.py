@@ -1,24 +1,38 @@
-"""Evidence: what was measured when a design was verified, with the limits that it had to keep."""
+"""Verification evidence of a design: measured values with their limits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from synth import check as checks
+from synth import show
 from synth.check import Check
 from synth.verify.agree import Agreement
 
 
-@dataclass(frozen=True)
+@show.with_repr
+@dataclass(frozen=True, repr=False)
 class Evidence:
-    """The agreements between witnesses and the checks drawn from them."""
+    """The agreements between witnesses and the checks that follow from them."""
 
     design: str
     agreements: Sequence[Agreement]
     checks: Sequence[Check]
 
+    def sheet(self) -> show.Sheet:
+        """Return the checks and the agreements."""
+        failed = sum(not c.passed for c in self.checks)
+        title = f"Evidence of {self.design}: {len(self.checks)} checks, {failed} failed"
+        agreements = (
+            (f"{a.first}, {a.second}", a.what, str(a.samples), show.number(a.worst), a.signal) for a in self.agreements
+        )
+        columns = ("witnesses", "compared", "samples", "worst difference", "signal")
+        tables = [checks.table(self.checks), show.Table(columns, tuple(agreements))]
+        return show.Sheet(title, tables=tuple(t for t in tables if t.rows))
+
     @property
     def passed(self) -> bool:
-        """Whether every check keeps its limit."""
+        """Whether every check passes."""
         return all(c.passed for c in self.checks)
 
     def document(self) -> Mapping[str, Any]:

@@ -1,6 +1,6 @@
-/* Drive one emitted controller from arbitrary bytes and hold it to its contract after every step.
- * synth_fuzz_tables.h is written from the manifest: INPUTS, OUTPUTS, STATES, FAULTS, SUSPECTS, LATCH, BAD_SAMPLES, the
- * types and the functions. The bytes are read round and round, so that every input gives STEPS_A_RUN steps. */
+/* Fuzz driver: run one emitted controller on arbitrary bytes and check its contract after every step.
+ * synth_fuzz_tables.h is generated from the manifest: INPUTS, OUTPUTS, STATES, FAULTS, SUSPECTS, LATCH, BAD_SAMPLES,
+ * the types and the functions. The bytes are read cyclically; every fuzz input therefore gives STEPS_A_RUN steps. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,7 +36,7 @@ static uint64_t word(bytes_t *bytes, int count)
     return value;
 }
 
-/* Every value of every type is exact as a double; a NaN keeps being one. */
+/* Every value of every type is exact as a double; a NaN stays NaN. */
 static double get(const void *record, const member_t *m)
 {
     const char *at = (const char *)record + m->offset;
@@ -99,7 +99,7 @@ static void draw_state(void *state, bytes_t *bytes)
     }
 }
 
-/* The neighbour just outside a bound; an integer bound has none to spare. */
+/* The next number outside a bound; an integer has no value outside its bound. */
 static double outside(const member_t *m, bool above)
 {
     const double bound = above ? m->high : m->low, towards = above ? INFINITY : -INFINITY;
@@ -107,7 +107,7 @@ static double outside(const member_t *m, bool above)
     return m->type == DOUBLE ? nextafter(bound, towards) : bound;
 }
 
-/* What raw bits seldom are; an integer has no such values. */
+/* Special values that raw bits seldom contain; an integer has none. */
 static void set_special(void *record, const member_t *m, bytes_t *bytes)
 {
     static const double SPECIAL[] = {NAN, -NAN, INFINITY, -INFINITY, 0.0, -0.0, 1e-40, 1e38};
@@ -146,7 +146,7 @@ static void require_bounds(const char *what, const void *record, const member_t 
     }
 }
 
-/* The bits that the inputs call for. */
+/* The expected fault bits of the inputs. */
 static uint32_t expected(const void *input)
 {
     uint32_t bits = 0u;
@@ -161,8 +161,8 @@ static uint32_t expected(const void *input)
     return bits;
 }
 
-/* From init the latch may rise only after BAD_SAMPLES samples in a row with a bad input, and it never falls. Which
- * inputs are suspects the step may say as it likes. */
+/* From init the latch may be set only after BAD_SAMPLES consecutive samples with a bad input; it is never reset. The
+ * step decides freely which inputs are suspects. */
 static void require_faults(uint32_t found, uint32_t before, uint32_t called_for, uint32_t row, bool from_init)
 {
     const double word = (double)(found & ~(LATCH | SUSPECTS)), wanted = (double)called_for;
@@ -182,7 +182,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     bytes_t bytes = {data, size, 0u};
-    /* On the heap, so that the sanitizer sees a step that writes past a struct. */
+    /* On the heap, where the sanitizer detects a step that writes past a struct. */
     state_t *const state = malloc(sizeof *state);
     input_t *const input = malloc(sizeof *input);
     output_t *const output = malloc(sizeof *output);

@@ -1,13 +1,13 @@
-"""Search for a broken contract with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
+"""Fuzz test of the interface contract with libFuzzer, AddressSanitizer and UndefinedBehaviorSanitizer.
 
-Arbitrary bytes become runs of 16 steps, from `init` or from a state forced into its declared bounds S, with inputs of
-every bit pattern: raw bits, values in range, bounds and their neighbours outside. After each step
+The fuzzer turns arbitrary bytes into runs of 16 steps, from `init` or from a state limited to its declared bounds S,
+with inputs of every bit pattern: raw bits, values in range, bounds and the next numbers outside. After each step
 
     outputs in Y, all finite;  states in S;  fault bit k is 1 where input k is not finite or out of range, else 0;
-    the latch never falls, and from init rises only after the declared number of samples in a row with a bad input,
-    or with one that the step says is a suspect.
+    the latch is never reset, and from init it is set only after the declared number of consecutive samples with a
+    bad input, or with an input that the step marks as a suspect.
 
-A campaign finds defects and proves nothing; it runs the machine code, where `eva` reads the C.
+A campaign finds defects but proves nothing. It runs machine code, while `eva` analyses the C.
 """
 
 import re
@@ -46,13 +46,14 @@ _FINDINGS = re.compile(r"^(?:FINDING: .*|.*runtime error: .*|.*ERROR: \w+: .*)$"
 
 @dataclass(frozen=True)
 class Campaign:
-    """How many steps and runs were made, what corpus they left, and the first finding, empty where there is none.
+    """Result of a fuzzing campaign: steps, runs, size of the corpus, and the first finding, empty for none.
 
-    `covered` counts the edges of the program that were reached, `features` what libFuzzer told apart.
+    `requested` is the number of steps asked for, `covered` counts covered edges of the program, `features` those of
+    libFuzzer.
     """
 
     design: str
-    wanted: int
+    requested: int
     steps: int
     runs: int
     covered: int
@@ -61,15 +62,15 @@ class Campaign:
     finding: str
 
     def checks(self) -> tuple[Check, ...]:
-        """Return the campaign as figures that must be zero."""
+        """Return the campaign as counts that must be zero."""
         about = (
             f"{self.steps} steps in {self.runs} runs, {self.covered} edges and {self.features} features reached, "
             f"{self.corpus} inputs kept"
         )
-        told = "; ".join(filter(None, (about, self.finding)))
+        details = "; ".join(filter(None, (about, self.finding)))
         return (
-            Check("fuzzing: findings", int(bool(self.finding)), 0, "findings", told),
-            Check("fuzzing: steps missing", max(0, self.wanted - self.steps), 0, "steps", about),
+            Check("fuzzing: findings", int(bool(self.finding)), 0, "findings", details),
+            Check("fuzzing: steps missing", max(0, self.requested - self.steps), 0, "steps", about),
         )
 
 
@@ -77,7 +78,7 @@ def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Ca
     """Run at least `steps` steps of emitted `{filename: text}`, or until the first finding; the seed is fixed.
 
     Raises CompileError when clang or its libFuzzer is missing, or refuses the C, and DesignError when the manifest is
-    not whole.
+    incomplete.
     """
     runs = -(-steps // STEPS_A_RUN)
     with tempfile.TemporaryDirectory() as work:
@@ -86,7 +87,7 @@ def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Ca
         seeds = _seeds(folder)
         options = (f"-runs={runs}", f"-seed={_SEED}", f"-max_len={_LENGTH}", "-len_control=0", "-detect_leaks=0")
         command = [
-            *_same_addresses(),
+            *_fixed_address_command(),
             str(program),
             *options,
             "-print_final_stats=1",
@@ -94,11 +95,11 @@ def run(files: Mapping[str, str], manifest: Mapping[str, Any], steps: int) -> Ca
             f"-seed_inputs={seeds}",
         ]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace")
-    return _told(manifest["design"], steps, done.returncode, done.stderr)
+    return _parse_log(manifest["design"], steps, done.returncode, done.stderr)
 
 
 def _build(files: Mapping[str, str], tables: str, folder: Path) -> Path:
-    clang = contract.tool("clang", "clang libclang-rt-14-dev")
+    clang = contract.find_tool("clang", "clang libclang-rt-14-dev")
     driver = resources.files("synth.verify").joinpath("fuzz.c").read_text(encoding="utf-8")
     for name, text in {**files, _TABLES: tables, _DRIVER: driver}.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -112,15 +113,15 @@ def _build(files: Mapping[str, str], tables: str, folder: Path) -> Path:
     return folder / "fuzz"
 
 
-def _same_addresses() -> tuple[str, ...]:
-    """What to run the fuzzer under: its choices depend on addresses, which are the same each time where that may be."""
+def _fixed_address_command() -> tuple[str, ...]:
+    """Return the command that fixes memory addresses, if permitted: the choices of the fuzzer depend on addresses."""
     fixed = ("setarch", "-R")
     may = shutil.which("setarch") and subprocess.run([*fixed, "true"], capture_output=True).returncode == 0
     return fixed if may else ()
 
 
 def _seeds(folder: Path) -> str:
-    """Name a few long random inputs to begin with: from nothing, libFuzzer takes long to grow a whole run."""
+    """Write long random inputs as the initial corpus and return their names; libFuzzer alone grows long runs slowly."""
     draw = np.random.default_rng(_SEED)
     names = [f"seed{k:02}" for k in range(_SEEDS)]
     for name in names:
@@ -128,25 +129,25 @@ def _seeds(folder: Path) -> str:
     return ",".join(names)
 
 
-def _told(design: str, wanted: int, status: int, said: str) -> Campaign:
-    finding = found[0] if (found := _FINDINGS.findall(said)) else ""
+def _parse_log(design: str, requested: int, status: int, log: str) -> Campaign:
+    finding = findings[0] if (findings := _FINDINGS.findall(log)) else ""
     if status != 0 and not finding:
-        finding = f"the fuzzer ended with status {status}: {said[-300:]}"
+        finding = f"the fuzzer ended with status {status}: {log[-300:]}"
     return Campaign(
         design=design,
-        wanted=wanted,
-        steps=_last(r"^steps: (\d+)", said),
-        runs=_last(r"^stat::number_of_executed_units: +(\d+)", said),
-        covered=_last(r" cov: (\d+)", said),
-        features=_last(r" ft: (\d+)", said),
-        corpus=_last(r" corp: (\d+)", said),
+        requested=requested,
+        steps=_last_count(r"^steps: (\d+)", log),
+        runs=_last_count(r"^stat::number_of_executed_units: +(\d+)", log),
+        covered=_last_count(r" cov: (\d+)", log),
+        features=_last_count(r" ft: (\d+)", log),
+        corpus=_last_count(r" corp: (\d+)", log),
         finding=finding.strip(),
     )
 
 
-def _last(pattern: str, said: str) -> int:
-    found = re.findall(pattern, said, re.MULTILINE)
-    return int(found[-1]) if found else 0
+def _last_count(pattern: str, log: str) -> int:
+    matches = re.findall(pattern, log, re.MULTILINE)
+    return int(matches[-1]) if matches else 0
 
 
 def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
@@ -179,12 +180,12 @@ def _table(name: str, struct: str, members: tuple[Member, ...]) -> str:
 
 
 def _faults(manifest: Mapping[str, Any], inputs: tuple[Member, ...]) -> list[str]:
-    """The fault table: bit, first member and number of members of each input that has a bit."""
+    """Return the fault table: bit, first member and number of members of each input that has a fault bit."""
     rows = []
     for fault in manifest["faults"]:
         if (name := fault.get("input")) is not None:
             places = [k for k, m in enumerate(inputs) if m.path.split("[")[0] == name]
             if not places:
-                raise DesignError(f"manifest, fault bit {fault['bit']}: there is no input '{name}': emit the C anew")
+                raise DesignError(f"manifest, fault bit {fault['bit']}: there is no input '{name}': emit the C again")
             rows.append(f"{{{1 << fault['bit']:#x}u, {places[0]}u, {len(places)}u}}")
     return rows or ["{0u, 0u, 0u}"]

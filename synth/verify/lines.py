@@ -1,7 +1,7 @@
-"""Which line of which source a machine address comes from: what a compiler writes with -g.
+"""Line table of a linked image: source file and line of a machine address, from the DWARF data of -g (`addr2line`).
 
-The line table names the line of a function's own text also where a compiler has put that text into its caller. `calls`
-are the places in a function where that happened, by the outermost call.
+For inlined code the line table names the line in the inlined function. `calls` gives the lines of the outermost calls
+that were inlined into a function.
 """
 
 from bisect import bisect_right
@@ -18,20 +18,20 @@ from elftools.elf.elffile import ELFFile
 
 @dataclass(frozen=True)
 class Lines:
-    """Rows of the line table in order of address; a row holds up to the next. `read` makes one."""
+    """Rows of the line table in order of address; each row is valid up to the next. `read` returns one."""
 
     addresses: tuple[int, ...]
     places: tuple[tuple[str, int], ...]
 
     def at(self, address: int) -> tuple[str, int]:
-        """Return file name and line, from 1, of what lies at an address; ("", 0) where no row says."""
+        """Return file name and line, from 1, of an address; ("", 0) if no row covers it."""
         k = bisect_right(self.addresses, address) - 1
         return self.places[k] if k >= 0 else ("", 0)
 
 
 def read(path: Path) -> Lines:
-    """Read the line table of a linked image; it is empty where nothing was compiled with -g."""
-    found: dict[int, tuple[str, int]] = {}
+    """Read the line table of a linked image; it is empty without -g."""
+    by_address: dict[int, tuple[str, int]] = {}
     with path.open("rb") as file:
         elf = ELFFile(file)
         if elf.has_dwarf_info():
@@ -40,14 +40,14 @@ def read(path: Path) -> Lines:
                 name = Path(unit.get_top_DIE().get_full_path()).name
                 program = info.line_program_for_CU(unit)
                 rows = [entry.state for entry in program.get_entries() if entry.state] if program else []
-                found |= {row.address: (name, row.line) for row in rows if not row.end_sequence}
-    ordered = sorted(found)
-    return Lines(tuple(ordered), tuple(found[a] for a in ordered))
+                by_address |= {row.address: (name, row.line) for row in rows if not row.end_sequence}
+    ordered = sorted(by_address)
+    return Lines(tuple(ordered), tuple(by_address[a] for a in ordered))
 
 
 @dataclass(frozen=True)
 class Call:
-    """Addresses from `low` up to `high`, without it, whose instructions stand for a call on a line of the caller."""
+    """An inlined call: addresses low <= a < high, and the line of the call in the caller."""
 
     low: int
     high: int
@@ -55,7 +55,7 @@ class Call:
 
 
 def calls(path: Path, function: str) -> tuple[Call, ...]:
-    """Return where other functions' text has been put into a function; none where nothing was compiled with -g."""
+    """Return the calls that were inlined into a function; empty without -g."""
     with path.open("rb") as file:
         elf = ELFFile(file)
         if not elf.has_dwarf_info():
@@ -66,24 +66,24 @@ def calls(path: Path, function: str) -> tuple[Call, ...]:
             for unit in info.iter_CUs()
             for top in unit.get_top_DIE().iter_children()
             if top.tag == "DW_TAG_subprogram" and _name(top) == function
-            for die in _inlined(top)
+            for die in _inlined_calls(top)
             for low, high in _ranges(info, unit, die)
             if low < high
         )
 
 
 def _name(die: DIE) -> str:
-    found = die.attributes.get("DW_AT_name")
-    return found.value.decode() if found else ""
+    attribute = die.attributes.get("DW_AT_name")
+    return attribute.value.decode() if attribute else ""
 
 
-def _inlined(die: DIE) -> Iterator[DIE]:
+def _inlined_calls(die: DIE) -> Iterator[DIE]:
     """Yield the outermost inlined calls below an entry."""
     for child in die.iter_children():
         if child.tag == "DW_TAG_inlined_subroutine":
             yield child
         elif child.tag == "DW_TAG_lexical_block":
-            yield from _inlined(child)
+            yield from _inlined_calls(child)
 
 
 def _ranges(info: DWARFInfo, unit: CompileUnit, die: DIE) -> Iterator[tuple[int, int]]:

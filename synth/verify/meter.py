@@ -1,7 +1,7 @@
-"""Measure steps as machine code on an emulated Cortex-M4F: every generator over the same steps, by the same compilers.
+"""Cost measurement of a step on an emulated Cortex-M4F: every generator over the same steps, by the same toolchains.
 
-Each step starts from the state that it is given, so that all generators see the same (x_k, u_k) and none drifts away.
-Needs the extra `target`.
+Each step starts from its recorded state. All generators therefore see the same (x_k, u_k), and no rounding difference
+accumulates. Needs the extra `target`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,26 +12,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import CompileError
 from synth.execute import cross, elf, host, image, recorder
 from synth.verify import cost, lines, operations, rivals, steps
-from synth.verify.cost import Cost, Coverage, Figures, Measured, Memory
+from synth.verify.cost import Cost, Coverage, Memory, SequenceCost, StepCost
 from synth.verify.rivals import Candidate
 from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
-COMMON = 500  # closed-loop steps that every generator is given: CasADi's as emitted takes 60,000 instructions each
-BRIEF, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps where a few seconds must do
-FUNCTIONS = 8  # that are named
-_LINES = ("-g",)  # the line table alone: the code stays as it is
+COMMON = 500  # closed-loop steps for every generator; CasADi's C takes 60,000 instructions for each
+BRIEF_STEPS, BRIEF_COMMON, DRAWN = 500, 25, 4000  # steps for a measurement of a few seconds
+FUNCTIONS = 8  # functions that are listed
+_LINES = ("-g",)  # adds the line table; the code is unchanged
 
 
 Columns = Mapping[str, NDArray[Any]]
 
 
 class Build(NamedTuple):
-    """A compiler with what follows the flags of `cross.FLAGS`."""
+    """A toolchain: a compiler and its flags after those of `cross.FLAGS`."""
 
     name: str
     compiler: str
@@ -47,7 +47,7 @@ _BUILDS = (
 
 
 class Run(NamedTuple):
-    """One candidate over N steps by one build: the cost, the outputs, the bytes of the image and where it lies."""
+    """Measurement of one candidate over N steps by one build: cost, outputs, size and path of the image."""
 
     cost: image.Cost
     outputs: host.Columns
@@ -67,66 +67,70 @@ def builds() -> tuple[Build, ...]:
 
 
 def measure(
-    emitted: Emitted, block: Block, sequences: Sequence[Steps], told: Callable[[str], None], common: int = COMMON
+    emitted: EmittedCode,
+    block: Block,
+    sequences: Sequence[Steps],
+    progress: Callable[[str], None],
+    common: int = COMMON,
 ) -> Cost:
     """Measure the float32 C of a Block over all sequences, and every generator over `common` steps of closed loops.
 
-    Steps with a fault are not among the common ones: a latched step skips the control law, which flatters the ratio.
+    The common steps exclude steps with a fault, because a latched step skips the control law and distorts the ratio.
 
-    Raises CompileError when no cross compiler is installed or one refuses a text, and SignalError when no sequence is
-    of a closed loop.
+    Raises CompileError when no cross compiler is installed or one refuses a source, and SignalError when no sequence
+    comes from a closed loop.
     """
     controller = host.load(emitted.files, emitted.manifest)
-    loops = steps.joined("closed loops", [s for s in sequences if s.closed_loop])
+    loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
     shared = steps.thinned(steps.without_faults(controller, loops), common)
-    own = rivals.emitted(emitted)
-    candidates = (own, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
-    compared, measured, coverage = [], [], []
+    emitted_c = rivals.emitted_c(emitted)
+    candidates = (emitted_c, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
+    compared, measured, coverages = [], [], []
     for build in builds():
         for candidate in candidates:
-            told(f"{candidate.name} by {build.name}: {len(shared)} steps")
-            compared.append(figures(candidate, shared, build, controller))
-        told(f"{own.name} by {build.name}: {sum(map(len, sequences))} steps")
-        whole = run(own, steps.joined("all", sequences), build)
+            progress(f"{candidate.name} by {build.name}: {len(shared)} steps")
+            compared.append(step_cost(candidate, shared, build, controller))
+        progress(f"{emitted_c.name} by {build.name}: {sum(map(len, sequences))} steps")
+        whole = run(emitted_c, steps.concatenate("all", sequences), build)
         measured += _by_sequence(whole.cost.instructions, sequences, build)
-        coverage.append(covered(own, whole, build))
+        coverages.append(coverage(emitted_c, whole, build))
     return Cost(
         block.name,
         CORE,
         block.time.period_s,
         tuple(compared),
         tuple(measured),
-        tuple(coverage),
+        tuple(coverages),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
-        rivals.absent(),
+        rivals.not_measured(),
     )
 
 
-def brief(emitted: Emitted, block: Block, inputs: Columns) -> Cost:
-    """Measure in a few seconds: some steps of one closed loop, and random states for the decisions.
+def brief(emitted: EmittedCode, block: Block, inputs: Columns) -> Cost:
+    """Measure in a few seconds: some steps of one closed loop, and random states for decision coverage.
 
     Raises CompileError and SignalError as `measure`.
     """
     controller = host.load(emitted.files, emitted.manifest)
-    loop = steps.thinned(steps.recorded(controller, "closed loop", inputs, closed_loop=True), BRIEF)
-    return measure(emitted, block, [loop, steps.drawn(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
+    loop = steps.thinned(steps.record(controller, "closed loop", inputs, closed_loop=True), BRIEF_STEPS)
+    return measure(emitted, block, [loop, steps.random_steps(controller, DRAWN)], lambda _: None, BRIEF_COMMON)
 
 
-def run(candidate: Candidate, given: Steps, build: Build) -> Run:
-    """Measure a candidate over the given steps."""
-    path = linked(candidate, build)
-    machine = booted(candidate, build, path)
-    placed = candidate.placed(machine, given)
-    found = machine.measure(candidate.entry, placed.arguments).cost
-    return Run(found, placed.outputs(), machine.program.size(), path)
+def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
+    """Measure a candidate over a sequence of steps."""
+    path = link(candidate, build)
+    machine = boot(candidate, build, path)
+    layout = candidate.placed(machine, sequence)
+    measured = machine.measure(candidate.entry, layout.arguments).cost
+    return Run(measured, layout.outputs(), machine.program.size(), path)
 
 
-def executed(candidate: Candidate, given: Steps, build: Build) -> NDArray[np.int64]:
-    """Count for each step (N,) the instructions that were not predicated false."""
-    machine = booted(candidate, build, linked(candidate, build))
-    arguments = candidate.placed(machine, given).arguments
+def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
+    """Count the executed instructions of each step (N,), without those that are predicated false."""
+    machine = boot(candidate, build, link(candidate, build))
+    arguments = candidate.placed(machine, sequence).arguments
     counts = []
-    with recorder.attached(machine.engine) as record:
+    with recorder.attach(machine.engine) as record:
         for row in arguments:
             machine.calls(candidate.entry, row[np.newaxis])
             record.call_ended()
@@ -136,47 +140,47 @@ def executed(candidate: Candidate, given: Steps, build: Build) -> NDArray[np.int
     return np.concatenate(counts)
 
 
-def figures(candidate: Candidate, given: Steps, build: Build, controller: host.Controller) -> Figures:
-    """Measure a candidate over the given steps and compare its outputs with those of the emitted C on this machine."""
-    found = run(candidate, given, build)
-    spent, size = found.cost, found.size
-    assert spent.cycles is not None
-    mean = {name: float(n.mean()) for name, n in list(spent.by_function.items())[:FUNCTIONS]}
+def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: host.Controller) -> StepCost:
+    """Measure a candidate over a sequence and compare its outputs with those of the emitted C on the host."""
+    measured = run(candidate, sequence, build)
+    machine_cost, size = measured.cost, measured.size
+    assert machine_cost.cycles is not None
+    mean = {name: float(n.mean()) for name, n in list(machine_cost.by_function.items())[:FUNCTIONS]}
     memory = Memory(
         code=size.code,
         constants=size.constants + size.literals,
         data=size.data,
         state=candidate.state,
         signals=candidate.signals,
-        stack=spent.stack_bytes,
+        stack=machine_cost.stack_bytes,
     )
-    return Figures(
+    return StepCost(
         generator=candidate.name,
         build=build.name,
-        steps=len(given),
-        issued=cost.spread(spent.instructions),
-        executed=cost.spread(executed(candidate, given, build)),
-        cycles=(cost.spread(spent.cycles.low), cost.spread(spent.cycles.high)),
+        steps=len(sequence),
+        issued=cost.summarise(machine_cost.instructions),
+        executed=cost.summarise(count_executed(candidate, sequence, build)),
+        cycles=(cost.summarise(machine_cost.cycles.low), cost.summarise(machine_cost.cycles.high)),
         functions=mean,
         memory=memory,
         doubles=len(cross.double_symbols(candidate.files, build.compiler, build.flags)),
-        difference=_difference(controller, given, found.outputs),
+        difference=_difference(controller, sequence, measured.outputs),
     )
 
 
-def covered(candidate: Candidate, found: Run, build: Build) -> Coverage:
-    """Return the decisions in a candidate's own functions that a run has reached, the missing ones in its words.
+def coverage(candidate: Candidate, measured: Run, build: Build) -> Coverage:
+    """Return the decision coverage of a run in the functions of a candidate, with a text for each missing outcome.
 
-    A decision of an inlined function stands with the line that calls it.
+    For a decision in an inlined function the text gives the line of the call.
     """
-    unseen = found.cost.missing
-    table = lines.read(found.path) if unseen else lines.Lines((), ())
-    inlined = lines.calls(found.path, candidate.entry) if unseen else ()
+    missing_sites = measured.cost.missing
+    table = lines.read(measured.path) if missing_sites else lines.Lines((), ())
+    inlined = lines.calls(measured.path, candidate.entry) if missing_sites else ()
     missing = [
         f"{s.function} at {s.address:#x}: `{s.text}` never {s.missing}{_source(candidate, table, inlined, s.address)}"
-        for s in unseen
+        for s in missing_sites
     ]
-    return Coverage(build.name, len(found.cost.sites), tuple(missing))
+    return Coverage(build.name, len(measured.cost.sites), tuple(missing))
 
 
 def _source(candidate: Candidate, table: lines.Lines, inlined: Sequence[lines.Call], address: int) -> str:
@@ -186,26 +190,28 @@ def _source(candidate: Candidate, table: lines.Lines, inlined: Sequence[lines.Ca
     return f"; {name}:{line}: {text[line - 1].strip()}" if 0 < line <= len(text) else ""
 
 
-def linked(candidate: Candidate, build: Build) -> Path:
-    """Return the image of a candidate by a build, with its line table."""
+def link(candidate: Candidate, build: Build) -> Path:
+    """Link the image of a candidate by a build, with its line table, and return its path."""
     return cross.link(candidate.files, [candidate.entry], CORE, build.compiler, (*build.flags, *_LINES))
 
 
-def booted(candidate: Candidate, build: Build, path: Path) -> image.Image:
-    """Return a fresh core with a candidate's linked image."""
-    own = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
-    return image.boot(elf.read(path), CORE, own)
+def boot(candidate: Candidate, build: Build, path: Path) -> image.Image:
+    """Load the linked image of a candidate into a core after reset."""
+    covered_functions = cross.functions(candidate.files, CORE, build.compiler, (*build.flags, *_LINES))
+    return image.boot(elf.read(path), CORE, covered_functions)
 
 
-def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], build: Build) -> list[Measured]:
+def _by_sequence(instructions: NDArray[np.int64], sequences: Sequence[Steps], build: Build) -> list[SequenceCost]:
     ends = np.cumsum([len(s) for s in sequences])[:-1]
     parts = np.split(instructions, ends)
-    return [Measured(s.name, build.name, len(s), cost.spread(part)) for s, part in zip(sequences, parts, strict=True)]
+    return [
+        SequenceCost(s.name, build.name, len(s), cost.summarise(part)) for s, part in zip(sequences, parts, strict=True)
+    ]
 
 
-def _difference(controller: host.Controller, given: Steps, outputs: Columns) -> float:
-    """Return the worst difference of an output from the emitted C's on this machine, of the output's range."""
-    expected = steps.taken(controller, given).outputs
+def _difference(controller: host.Controller, sequence: Steps, outputs: Columns) -> float:
+    """Return the worst difference of an output from the emitted C on the host, relative to the range of the output."""
+    expected = steps.evaluate(controller, sequence).outputs
     widths = {f["name"]: f["high"] - f["low"] for f in controller.manifest["structs"]["output"]["fields"]}
     gaps = [np.max(np.abs(outputs[n].astype(float) - v.astype(float))) / widths[n] for n, v in expected.items()]
     return float(max(gaps))

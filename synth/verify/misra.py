@@ -1,8 +1,8 @@
-"""Count what cppcheck's misra addon finds in emitted C.
+"""Static analysis of emitted C with the MISRA addon of cppcheck: the number of findings.
 
-The addon covers part of MISRA C:2012 and names rules by number. The claim is that count and no more: no compliance.
-A file that the addon never read has no findings either, so each run also reads a file with one known violation, an
-octal constant (rule 7.1), which must be found.
+The addon covers part of MISRA C:2012 and reports rules by number. The result is this count; it is not a claim of
+compliance. A file that the addon did not read has no findings either. Each run therefore also checks a file with one
+known violation, an octal constant (rule 7.1), which the addon must find.
 """
 
 import subprocess
@@ -16,9 +16,9 @@ from synth.check import Check
 from synth.errors import CompileError
 from synth.verify import contract
 
-_WITNESS = "synth_witness.c"
-_WITNESS_TEXT = "int witness(int a);\nint witness(int a)\n{\n    return a + 010;\n}\n"
-_WITNESS_RULE = "misra-c2012-7.1"
+_KNOWN_FILE = "synth_witness.c"
+_KNOWN_TEXT = "int witness(int a);\nint witness(int a)\n{\n    return a + 010;\n}\n"
+_KNOWN_RULE = "misra-c2012-7.1"
 _OPTIONS = (
     "--addon=misra",
     "--std=c99",
@@ -30,7 +30,7 @@ _OPTIONS = (
 
 @dataclass(frozen=True)
 class Finding:
-    """One place and the rule, as the addon names it, that it breaks."""
+    """A violation: the rule, as the addon names it, and its file and line."""
 
     rule: str
     file: str
@@ -39,13 +39,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class Report:
-    """The files that were read and the findings in them."""
+    """The analysed files and their findings."""
 
     files: tuple[str, ...]
     findings: tuple[Finding, ...]
 
     def checks(self) -> tuple[Check, ...]:
-        """Return the report as a figure that must be zero."""
+        """Return the report as a count that must be zero."""
         counts = Counter(finding.rule for finding in self.findings)
         places = {f.rule: f"{f.file}:{f.line}" for f in reversed(self.findings)}
         by_rule = [f"{rule} {count} times, first at {places[rule]}" for rule, count in sorted(counts.items())]
@@ -59,22 +59,22 @@ def inspect(files: Mapping[str, str]) -> Report:
     Raises CompileError when cppcheck is missing, reports an error, or misses the known violation, and DesignError
     when there is no source.
     """
-    cppcheck = contract.tool("cppcheck", "cppcheck")
+    cppcheck = contract.find_tool("cppcheck", "cppcheck")
     units = contract.units(files)
     with tempfile.TemporaryDirectory() as work:
-        for name, text in {**files, _WITNESS: _WITNESS_TEXT}.items():
+        for name, text in {**files, _KNOWN_FILE: _KNOWN_TEXT}.items():
             (Path(work) / name).write_text(text, encoding="utf-8")
-        done = subprocess.run([cppcheck, *_OPTIONS, *units, _WITNESS], cwd=work, capture_output=True, text=True)
+        done = subprocess.run([cppcheck, *_OPTIONS, *units, _KNOWN_FILE], cwd=work, capture_output=True, text=True)
     rows = [line.split("\t") for line in done.stderr.splitlines() if line.count("\t") == 4]
     errors = [row for row in rows if row[1] == "error"]
     if done.returncode != 0 or errors:
         raise CompileError(
             f"cppcheck: reports an error, need none: mend the C\n{done.stdout[-1000:]}{done.stderr[-1000:]}"
         )
-    found = tuple(Finding(row[0], row[2], int(row[3])) for row in rows if row[0].startswith("misra-"))
-    if not any(f.rule == _WITNESS_RULE and f.file == _WITNESS for f in found):
+    findings = tuple(Finding(row[0], row[2], int(row[3])) for row in rows if row[0].startswith("misra-"))
+    if not any(f.rule == _KNOWN_RULE and f.file == _KNOWN_FILE for f in findings):
         raise CompileError(
-            f"cppcheck: its misra addon did not find the known violation of {_WITNESS_RULE}, need it to: it needs "
+            f"cppcheck: its misra addon did not find the known violation of {_KNOWN_RULE}, need it to: it needs "
             "python3 on the PATH and its addons, `apt-get install cppcheck python3`"
         )
-    return Report(tuple(sorted(files)), tuple(f for f in found if f.file != _WITNESS))
+    return Report(tuple(sorted(files)), tuple(f for f in findings if f.file != _KNOWN_FILE))

@@ -1,12 +1,12 @@
-"""Show that an infinite or NaN input does what a finite input out of range does, by partial evaluation.
+"""Proof by partial evaluation that an infinite or NaN input has the effect of a finite input out of range.
 
-For one input k, let every other input and the whole state stay free. The compiler specialises the step for input k
-held at a constant, and the claim is that the specialised codes are the same text:
+One input k is constant, all other inputs and the whole state are free. The compiler specialises the step for this
+constant, and the specialised functions must be identical as text:
 
     step(x, u; u_k = NaN) = step(x, u; u_k = +inf) = step(x, u; u_k = -inf) = step(x, u; u_k = the largest number).
 
-Replacing the special inputs one after the other, any combination of them does what finite inputs do, for which `eva`
-has the proof. Frama-C 25 cannot do this itself: for a NaN it takes both branches of every comparison.
+Replacing one special input after the other shows that any combination of them has the effect of finite inputs, which
+`eva` covers. Frama-C 25 cannot prove this itself: for a NaN it takes both branches of every comparison.
 """
 
 import re
@@ -52,8 +52,8 @@ _BODY = re.compile(r"^define [^\n]*@input_(\d+)_(\w+)\([^\n]*\n(.*?)^}", re.DOTA
 
 
 @dataclass(frozen=True)
-class Sameness:
-    """Which inputs were compared, how many specialised steps, and those that do otherwise than the largest number."""
+class Equivalence:
+    """Result: the inputs, the number of specialised steps, and those that differ from the largest finite number."""
 
     design: str
     inputs: tuple[str, ...]
@@ -61,28 +61,28 @@ class Sameness:
     different: tuple[str, ...]
 
     def checks(self) -> tuple[Check, ...]:
-        """Return the comparison as a figure that must be zero."""
+        """Return the comparison as a count that must be zero."""
         about = f"{self.compared} steps specialised for NaN or infinity at one of {len(self.inputs)} inputs"
-        named = "; ".join([about, *self.different[:3]])
+        summary = "; ".join([about, *self.different[:3]])
         name = "inputs not finite: steps unlike the one for a finite input out of range"
-        return (Check(name, len(self.different), 0, "steps", named),)
+        return (Check(name, len(self.different), 0, "steps", summary),)
 
 
-def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Sameness:
+def compare(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Equivalence:
     """Compare the specialised steps of emitted `{filename: text}` for every real input of `manifest`.
 
-    Raises CompileError when clang is missing or refuses the C, and DesignError when the manifest is not whole.
+    Raises CompileError when clang is missing or refuses the C, and DesignError when the manifest is incomplete.
     """
-    inputs = [m for m in contract.members(manifest, "input") if m.real]
-    bodies = {(int(k), kind): body for k, kind, body in _BODY.findall(_specialised(files, manifest, inputs))}
+    inputs = [m for m in contract.members(manifest, "input") if m.is_real]
+    bodies = {(int(k), kind): body for k, kind, body in _BODY.findall(_specialise(files, manifest, inputs))}
     special = [(k, kind) for k, m in enumerate(inputs) for kind in _VALUES[m.ctype] if kind != "largest"]
     different = [f"{inputs[k].path} = {kind}" for k, kind in special if bodies[k, kind] != bodies[k, "largest"]]
-    return Sameness(manifest["design"], tuple(m.path for m in inputs), len(special), tuple(different))
+    return Equivalence(manifest["design"], tuple(m.path for m in inputs), len(special), tuple(different))
 
 
-def _specialised(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:
-    """The wrappers as clang's intermediate code, the step inlined into each."""
-    clang = contract.tool("clang", "clang")
+def _specialise(files: Mapping[str, str], manifest: Mapping[str, Any], inputs: list[Member]) -> str:
+    """Return the wrappers as LLVM intermediate code, with the step inlined into each."""
+    clang = contract.find_tool("clang", "clang")
     with tempfile.TemporaryDirectory() as work:
         for name, text in {**files, _FILE: _wrappers(files, manifest, inputs)}.items():
             (Path(work) / name).write_text(text, encoding="utf-8")

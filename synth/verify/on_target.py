@@ -1,11 +1,11 @@
-"""The emitted C as machine code of a Cortex-M against the same C on this machine, bit by bit.
+"""Bit-exact comparison of emitted C on an emulated Cortex-M with the same C on the host.
 
-    unicorn    every step from the recorded state x_k: outputs, fault word and x_{k+1}, so that by induction the
-               replay from `init` is the host's
+    unicorn    every step from the recorded state x_k: outputs, fault word and x_{k+1}; by induction the replay from
+               `init` then equals that of the host
     QEMU       the replay itself, on an M-class core with start-up code: outputs, fault words and the last state
 
-Contraction is off. With it on, the last bits are another compiler's choice: `drift` says how far a replay from `init`
-goes from the host's then, as a figure. Needs the extra `target`; QEMU and arm-none-eabi-gcc serve where they are.
+Contraction is off. With contraction the last bits depend on the compiler; `drift` measures how far a replay from `init`
+then deviates from the host. Needs the extra `target`; QEMU and arm-none-eabi-gcc are used if they are installed.
 """
 
 import shutil
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import cross, host, image, qemu, target
 from synth.verify import agree, steps
@@ -29,9 +29,9 @@ SCALARS = {"cortex-m4f": "float32", "cortex-m7": "float64"}
 
 @dataclass(frozen=True)
 class Drift:
-    """How far a replay goes from the host's with contraction on: worst |i' - i| / max(floor, |i|), its output and step.
+    """Deviation of a replay with contraction from the host: worst |i' - i| / max(floor, |i|), its output and step.
 
-    `faults` counts the samples whose fault words are unlike.
+    `faults` counts the samples with different fault words.
     """
 
     core: str
@@ -44,108 +44,116 @@ class Drift:
 
 
 @dataclass(frozen=True, eq=False)
-class _Host:
-    """What this machine computes: the steps, and outputs, fault words and states (N,) after each."""
+class _HostResults:
+    """Results of the host: the steps, and outputs, fault words and states (N,) after each."""
 
-    given: Steps
+    sequence: Steps
     after: host.Batch
 
 
-def verify(emitted: Emitted, inputs: Columns, core: str, told: Callable[[str], None]) -> tuple[Check, ...]:
-    """Replay inputs (N,) on the core, by every compiler and emulator that is installed; count what differs in any bit.
+def verify(emitted: EmittedCode, inputs: Columns, core: str, progress: Callable[[str], None]) -> tuple[Check, ...]:
+    """Replay inputs (N,) on the core by every installed compiler and emulator; count values that differ in any bit.
 
-    Raises DesignError when the core has no hardware for the scalar type, CompileError when no cross compiler is there
-    or the C is refused, SignalError for inputs that do not fit.
+    Raises DesignError when the core has no hardware for the scalar type, CompileError when no cross compiler is
+    installed or the C is refused, SignalError for invalid inputs.
     """
     scalar = emitted.manifest["scalar"]
     cross.find_core(core)
     if SCALARS[core] != scalar:
         raise DesignError(f"{core}: found C in {scalar}, need {SCALARS[core]}, which it has hardware for: emit that")
     controller = host.load(emitted.files, emitted.manifest)
-    given = steps.recorded(controller, "replay", inputs)
-    expected = _Host(given, steps.taken(controller, given))
+    sequence = steps.record(controller, "replay", inputs)
+    expected = _HostResults(sequence, steps.evaluate(controller, sequence))
     checks: list[Check] = []
     for compiler in cross.available():
         if scalar == "float32":
-            checks.append(_single(emitted, compiler))
-        told(f"{len(given)} steps on {core}, {compiler}, unicorn")
-        found = target.load(emitted.files, emitted.manifest, core, compiler)
-        checks += _unlike(f"{core}, {compiler}, unicorn", expected, _stepped(found, given))
+            checks.append(_double_symbols_check(emitted, compiler))
+        progress(f"{len(sequence)} steps on {core}, {compiler}, unicorn")
+        emulated = target.load(emitted.files, emitted.manifest, core, compiler)
+        checks += _identity_checks(f"{core}, {compiler}, unicorn", expected, _step_each(emulated, sequence))
     if shutil.which("qemu-system-arm") and "gcc" in cross.available():
-        told(f"{len(given)} steps on {core}, gcc, QEMU")
+        progress(f"{len(sequence)} steps on {core}, gcc, QEMU")
         board = qemu.load(emitted.files, emitted.manifest, core)
-        checks += _unlike(f"{core}, gcc, QEMU", expected, _replayed(board.replay(inputs)))
+        checks += _identity_checks(f"{core}, gcc, QEMU", expected, _as_batch(board.replay(inputs)))
     return tuple(checks)
 
 
-def drift(emitted: Emitted, inputs: Columns, core: str, floor: agree.Floor = None, compiler: str = "gcc") -> Drift:
-    """Replay inputs (N,) with contraction on and compare with the host's, where it is off.
+def drift(emitted: EmittedCode, inputs: Columns, core: str, floor: agree.Floor = None, compiler: str = "gcc") -> Drift:
+    """Replay inputs (N,) with contraction and compare with the host, which computes without it.
 
-    Below its floor, as `agree.floors` has it, a difference of an output is absolute.
+    For outputs smaller than their floor, see `agree.floors`, the difference is relative to the floor.
 
-    Raises CompileError when the compiler is not installed, SignalError for inputs or a floor that do not fit.
+    Raises CompileError when the compiler is not installed, SignalError for invalid inputs or an invalid floor.
     """
     expected = host.load(emitted.files, emitted.manifest).replay(inputs)
-    found = target.load(emitted.files, emitted.manifest, core, compiler, cross.CONTRACTED).replay(inputs)
+    contracted = target.load(emitted.files, emitted.manifest, core, compiler, cross.CONTRACTED).replay(inputs)
     fields = emitted.manifest["structs"]["output"]["fields"]
     least = agree.floors(floor, {f["name"]: (f["low"], f["high"]) for f in fields})
     gaps = {}
     for name, i in expected.outputs.items():
         value = i.astype(np.float64)
-        gaps[name] = np.abs(found.outputs[name].astype(np.float64) - value) / np.maximum(least[name], np.abs(value))
+        gaps[name] = np.abs(contracted.outputs[name].astype(np.float64) - value) / np.maximum(
+            least[name], np.abs(value)
+        )
     worst = max(gaps, key=lambda name: float(gaps[name].max()))
     step = int(np.argmax(gaps[worst]))
-    unlike = int(np.count_nonzero(found.faults != expected.faults))
-    return Drift(core, compiler, len(expected.faults), float(gaps[worst][step]), worst, step, unlike)
+    faults_differ = int(np.count_nonzero(contracted.faults != expected.faults))
+    return Drift(core, compiler, len(expected.faults), float(gaps[worst][step]), worst, step, faults_differ)
 
 
-def _single(emitted: Emitted, compiler: str) -> Check:
-    found = cross.double_symbols(host.code(emitted.files), compiler)
-    about = f"undefined symbols of double arithmetic in the object: {', '.join(found) or 'none'}"
-    return Check(f"cortex-m4f, {compiler}: double-precision symbols", len(found), 0, "symbols", about)
+def _double_symbols_check(emitted: EmittedCode, compiler: str) -> Check:
+    symbols = cross.double_symbols(host.code(emitted.files), compiler)
+    about = f"undefined symbols of double arithmetic in the object: {', '.join(symbols) or 'none'}"
+    return Check(f"cortex-m4f, {compiler}: double-precision symbols", len(symbols), 0, "symbols", about)
 
 
-def _stepped(found: target.Target, given: Steps) -> host.Batch:
-    """Take one step from each of the given states on the core."""
-    machine = image.boot(found.program, found.core, found.own)
-    n = len(given)
-    states, inputs, outputs = np.ascontiguousarray(given.states), given.inputs, np.zeros(n, found.outputs)
+def _step_each(emulated: target.Target, sequence: Steps) -> host.Batch:
+    """Take one step on the core from each state of the sequence."""
+    machine = image.boot(emulated.program, emulated.core, emulated.covered)
+    n = len(sequence)
+    states, inputs, outputs = np.ascontiguousarray(sequence.states), sequence.inputs, np.zeros(n, emulated.outputs)
     at = [machine.place(records) for records in (states, inputs, outputs)]
     sizes = [records.itemsize for records in (states, inputs, outputs)]
     arguments = np.array(at) + np.arange(n)[:, np.newaxis] * np.array(sizes)
-    faults = machine.calls(found.manifest["functions"]["step"], arguments)
-    after, taken = (
+    faults = machine.calls(emulated.manifest["functions"]["step"], arguments)
+    after, output_records = (
         np.frombuffer(machine.read(address, records.nbytes), records.dtype)
         for address, records in ((at[0], states), (at[2], outputs))
     )
-    return host.Batch(host.columns(taken), faults, after)
+    return host.Batch(host.columns(output_records), faults, after)
 
 
-def _replayed(replay: host.Replay) -> host.Batch:
+def _as_batch(replay: host.Replay) -> host.Batch:
     return host.Batch(replay.outputs, replay.faults, replay.state.reshape(1))
 
 
-def _unlike(where: str, expected: _Host, found: host.Batch) -> Sequence[Check]:
-    """Count output samples, states and fault words that are not the host's to the last bit."""
-    known = expected.after.states[-len(found.states) :]  # a replay tells the last alone
-    outputs = {n: _other_bits(v, found.outputs[n]) for n, v in expected.after.outputs.items()}
-    states = {n: _other_bits(known[n], found.states[n]) for n in known.dtype.names or ()}
-    faults = _other_bits(expected.after.faults, found.faults)
-    steps = len(expected.given)
+def _identity_checks(where: str, expected: _HostResults, actual: host.Batch) -> Sequence[Check]:
+    """Count output samples, states and fault words that differ from the host in any bit."""
+    states_after = expected.after.states[-len(actual.states) :]  # a replay gives only the last state
+    outputs = {n: _count_differing(v, actual.outputs[n]) for n, v in expected.after.outputs.items()}
+    states = {n: _count_differing(states_after[n], actual.states[n]) for n in states_after.dtype.names or ()}
+    faults = _count_differing(expected.after.faults, actual.faults)
+    steps = len(expected.sequence)
     return (
-        Check(f"{where}: outputs with other bits", sum(outputs.values()), 0, "values", _first(steps, "steps", outputs)),
         Check(
-            f"{where}: states with other bits", sum(states.values()), 0, "values", _first(len(known), "states", states)
+            f"{where}: outputs with other bits", sum(outputs.values()), 0, "values", _summary(steps, "steps", outputs)
+        ),
+        Check(
+            f"{where}: states with other bits",
+            sum(states.values()),
+            0,
+            "values",
+            _summary(len(states_after), "states", states),
         ),
         Check(f"{where}: other fault words", faults, 0, "steps", f"{steps} steps"),
     )
 
 
-def _other_bits(expected: NDArray[Any], found: NDArray[Any]) -> int:
-    a, b = (np.frombuffer(v.tobytes(), np.uint8).reshape(len(v), -1) for v in (expected, found))
+def _count_differing(expected: NDArray[Any], actual: NDArray[Any]) -> int:
+    a, b = (np.frombuffer(v.tobytes(), np.uint8).reshape(len(v), -1) for v in (expected, actual))
     return int(np.count_nonzero((a != b).any(axis=1)))
 
 
-def _first(n: int, of: str, counts: Mapping[str, int]) -> str:
-    unlike = [f"{name} {count} times" for name, count in counts.items() if count]
-    return "; ".join([f"{len(counts)} members of {n} {of}", *unlike[:3]])
+def _summary(n: int, kind: str, counts: Mapping[str, int]) -> str:
+    differing = [f"{name} {count} times" for name, count in counts.items() if count]
+    return "; ".join([f"{len(counts)} members of {n} {kind}", *differing[:3]])

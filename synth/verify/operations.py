@@ -1,7 +1,7 @@
-"""What the emitted program computes, counted by kind: arithmetic, comparisons and logic, choices, loads and stores.
+"""Operation counts of the emitted program by kind: arithmetic, comparisons and logic, choices, loads and stores.
 
-A polynomial counts as the products and sums of its evaluation, a limit to +-h as one operation. Both sides of every
-choice count, though a step takes one.
+A polynomial counts as the products and sums of its evaluation, a limit to +-h as one operation. Both branches of every
+choice count, although a step takes only one.
 """
 
 from collections import Counter
@@ -18,7 +18,7 @@ _KINDS |= {"input": "load input", "state": "load state", "constant": "load const
 
 
 def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
-    """Count the operations of a Block as it is printed in a scalar type, the most frequent kind first.
+    """Count the operations of the C of a Block in a scalar type, the most frequent kind first.
 
     Raises EmitError as `emit`.
     """
@@ -27,11 +27,11 @@ def of_block(block: Block, scalar: type[np.floating]) -> dict[str, int]:
 
 def of_program(program: Program) -> dict[str, int]:
     """Count the operations of a program."""
-    found = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
+    counts = Counter(_KINDS.get(n.op, n.op) for n in program.nodes if n.op != "polynomial")
     for node in program.nodes:
         if node.op == "polynomial":
             c = program.polynomials[node.name].coefficients
-            found += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})
+            counts += Counter({"mul": len(c) - 1, "add": sum(1 for value in c[:-1] if value)})
     kept = sum(program.nodes[k].op == "state" and program.nodes[k].name == name for name, k in program.next.items())
-    found["store"] = len(program.outputs) + len(program.next) - kept
-    return dict(found.most_common())
+    counts["store"] = len(program.outputs) + len(program.next) - kept
+    return dict(counts.most_common())

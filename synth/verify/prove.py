@@ -1,12 +1,12 @@
-"""Every proof about emitted C, in one order and at one of two depths.
+"""All proofs and tests of emitted C, at one of two depths.
 
     Eva            all states in bounds, all finite inputs: the contract holds, no operation is undefined
-    nonfinite      a NaN or infinite input does what a finite one out of range does
+    nonfinite      a NaN or infinite input has the effect of a finite input out of range
     fuzzing        10,000,000 steps (whole) or 300,000 (subset) of machine code under sanitizers
-    misra          cppcheck's addon finds nothing
-    latch          outputs slew to their safe values as declared, from wherever random inputs take them
+    misra          the MISRA addon of cppcheck reports no finding
+    latch          outputs slew to their safe values as declared, after random inputs
 
-The first two are proofs over the whole declared domain at either depth.
+The first two are proofs over the whole declared domain at both depths.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,23 +21,23 @@ SUBSET_STEPS = 300_000
 
 
 def prove(
-    files: Mapping[str, str], manifest: Mapping[str, Any], whole: bool, told: Callable[[str], None]
+    files: Mapping[str, str], manifest: Mapping[str, Any], whole: bool, progress: Callable[[str], None]
 ) -> tuple[Check, ...]:
-    """Run every proof on the .c and .h files of emitted `{filename: text}`; other files are left out.
+    """Run every proof on the .c and .h files of emitted `{filename: text}`; other files are ignored.
 
-    `whole` chooses the depth; `told` hears what begins.
+    `whole` selects the greater depth; `progress` receives the name of each proof before it starts.
 
-    Raises CompileError when a tool is missing or refuses the C, and DesignError when the manifest is not whole.
+    Raises CompileError when a tool is missing or refuses the C, and DesignError when the manifest is incomplete.
     """
     code = {name: text for name, text in files.items() if name.endswith((".c", ".h"))}
     steps = WHOLE_STEPS if whole else SUBSET_STEPS
-    told("Eva: every state in its bounds, all finite inputs")
+    progress("Eva: every state in its bounds, all finite inputs")
     checks = eva.prove(code, manifest).checks()
-    told("partial evaluation: inputs that are not finite")
+    progress("partial evaluation: inputs that are not finite")
     checks += nonfinite.compare(code, manifest).checks()
-    told(f"fuzzing: {steps} steps")
+    progress(f"fuzzing: {steps} steps")
     checks += fuzz.run(code, manifest, steps).checks()
-    told("cppcheck --addon=misra")
+    progress("cppcheck --addon=misra")
     checks += misra.inspect(code).checks()
-    told("latch: slew to the safe output")
+    progress("latch: slew to the safe output")
     return checks + latch.verify(host.load(code, manifest))

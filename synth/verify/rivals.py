@@ -1,14 +1,14 @@
-"""The same step from several code generators, each made ready to be called on an emulated core.
+"""Baselines: the same step from several code generators, prepared for execution on an emulated core.
 
-    synth             faults = step(state, in, out), the emitted C; the state is advanced in place
+    synth             faults = step(state, in, out), the emitted C; it updates the state in place
     casadi            (x, u) -> (x', y) by CasADi's CodeGenerator with casadi_real=float, after ca.cse, as emitted
-    casadi, float     that text with a float shim: sin becomes sinf, .., every double literal a float one
+    casadi, float     the same C with a float shim: sin becomes sinf, .., every double literal becomes a float literal
 
-CasADi's `casadi_real=float` declares floats, but its text still calls the double functions of libm and holds double
-literals. The shim works on the text, so that it serves every compiler (-fsingle-precision-constant is gcc's alone):
-literals get the suffix f, and macros behind `#include <math.h>` rename the functions. fmin and fmax become
-comparisons, as CasADi itself prints them for compilers before C99, since a call of fminf would cost more.
-CasADi's function knows no fault word, and it may not work in place: its state counts twice, x and x'.
+With `casadi_real=float` CasADi declares floats, but its C still calls the double functions of libm and contains double
+literals. The shim changes the C itself and therefore works with every compiler; -fsingle-precision-constant exists only
+in gcc. Literals get the suffix f, and macros after `#include <math.h>` rename the functions. fmin and fmax become
+comparisons, as CasADi prints them for compilers before C99, because a call of fminf would cost more. CasADi's function
+has no fault word and must not work in place; its state memory therefore counts twice, for x and x'.
 """
 
 import importlib.util
@@ -22,18 +22,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import EmitError
 from synth.execute import host
 from synth.execute.image import Image
-from synth.verify.cost import OWN
+from synth.verify.cost import SYNTH
 from synth.verify.steps import Steps
 
 AS_EMITTED, SHIMMED = "casadi", "casadi, float"
-# Generators that were compared once and are not among the pinned packages; nothing here drives them.
+# Generators that were compared once and are not among the pinned packages; no code here runs them.
 OTHERS = ("symforce", "archimedes")
 _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:[eE][+-]?\d+)?|\d+[eE][+-]?\d+)(?![\w.])")
-_WORK = re.compile(r"if \(sz_w\) \*sz_w = (\d+);")  # floats that the caller lends besides
+_WORK = re.compile(r"if \(sz_w\) \*sz_w = (\d+);")  # floats of work memory that the caller provides
 _FUNCTIONS = (
     *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh"),
     *("exp", "log", "expm1", "log1p", "pow", "sqrt", "hypot", "floor", "ceil", "fmod", "copysign", "erf"),
@@ -48,8 +48,8 @@ static inline float synth_fmax(float x, float y) { return x > y ? x : y; }
 _SHIM += "".join(f"#define {name} {name}f\n" for name in _FUNCTIONS)
 
 
-class Placed(NamedTuple):
-    """N calls laid out in a core's memory: their arguments (N, n), and what reads the outputs (N,) after them."""
+class CallLayout(NamedTuple):
+    """N calls in the memory of a core: their arguments (N, n), and a function that reads the outputs (N,)."""
 
     arguments: NDArray[np.int64]
     outputs: Callable[[], host.Columns]
@@ -57,7 +57,7 @@ class Placed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One generator's text of a step: `entry` is called with what `placed(image, steps)` lays out.
+    """The step of one generator: `entry` is called with the arguments that `placed(image, steps)` prepares.
 
     `state` and `signals` are the bytes that a caller keeps for the state, and for inputs and outputs.
     """
@@ -67,30 +67,32 @@ class Candidate:
     entry: str
     state: int
     signals: int
-    placed: Callable[[Image, Steps], Placed]
+    placed: Callable[[Image, Steps], CallLayout]
 
 
-def emitted(made: Emitted) -> Candidate:
-    """Return the emitted C itself."""
-    manifest = made.manifest
-    taken = host.dtype("output", manifest)
-    state, given, out = (manifest["structs"][role]["size"] for role in ("state", "input", "output"))
+def emitted_c(code: EmittedCode) -> Candidate:
+    """Return the emitted C as a candidate."""
+    manifest = code.manifest
+    output_struct = host.dtype("output", manifest)
+    state_size, input_size, output_size = (manifest["structs"][role]["size"] for role in ("state", "input", "output"))
 
-    def placed(image: Image, steps: Steps) -> Placed:
+    def lay_out(image: Image, steps: Steps) -> CallLayout:
         n = len(steps)
-        at = image.reserve(n * taken.itemsize)
-        columns = (image.place(steps.states), state), (image.place(steps.inputs), given), (at, out)
-        return Placed(_rows(n, *columns), lambda: host.columns(_read(image, at, n, taken)))
+        at = image.reserve(n * output_struct.itemsize)
+        columns = (image.place(steps.states), state_size), (image.place(steps.inputs), input_size), (at, output_size)
+        return CallLayout(_rows(n, *columns), lambda: host.columns(_read_array(image, at, n, output_struct)))
 
-    return Candidate(OWN, host.code(made.files), manifest["functions"]["step"], state, given + out, placed)
+    return Candidate(
+        SYNTH, host.code(code.files), manifest["functions"]["step"], state_size, input_size + output_size, lay_out
+    )
 
 
 def casadi(block: Block, shimmed: bool) -> Candidate:
     """Return CasADi's C of a Block with casadi_real=float, as emitted or with the float shim.
 
-    Raises EmitError when the shim finds no place in the text.
+    Raises EmitError when the shim cannot be inserted.
     """
-    # As shipped: constants rounded once, so that all generators compute with the same numbers.
+    # Constants are rounded once, as in the emitted C: all generators compute with the same numbers.
     f = _function(block.rounded(np.float32))
     generator = ca.CodeGenerator(f.name(), {"with_header": False, "casadi_real": "float"})
     generator.add(f)
@@ -99,42 +101,42 @@ def casadi(block: Block, shimmed: bool) -> Candidate:
     work = sum(map(int, _WORK.findall(text)))
     return Candidate(
         SHIMMED if shimmed else AS_EMITTED,
-        {f"{f.name()}.c": in_float(text) if shimmed else text},
+        {f"{f.name()}.c": in_single_precision(text) if shimmed else text},
         f.name(),
         4 * (2 * n_x + work),
         4 * (n_u + n_y),
-        lambda image, steps: _placed(block, f, image, steps),
+        lambda image, steps: _lay_out_casadi(block, f, image, steps),
     )
 
 
-def in_float(text: str) -> str:
-    """Return CasADi's text with float literals and libm's float functions.
+def in_single_precision(text: str) -> str:
+    """Return C of CasADi with float literals and the float functions of libm.
 
-    Raises EmitError when it includes no <math.h>, behind which the macros go.
+    Raises EmitError when it does not include <math.h>, after which the macros are inserted.
     """
     if "#include <math.h>\n" not in text:
         raise EmitError(
-            "CasADi's C: found no `#include <math.h>`, need it to put the float shim behind: adapt the shim"
+            "CasADi's C: found no `#include <math.h>`, need it to insert the float shim after it: adapt the shim"
         )
     return _LITERAL.sub(r"\1f", text).replace("#include <math.h>\n", _SHIM, 1)
 
 
-def absent() -> tuple[str, ...]:
-    """Say of the other generators that are known why they are not measured."""
+def not_measured() -> tuple[str, ...]:
+    """Return for each other known generator why it is not measured."""
     installed = {name: importlib.util.find_spec(name) is not None for name in OTHERS}
-    why = {True: "installed, but nothing here drives it", False: "not installed"}
-    return tuple(f"{name}: {why[found]}; not measured" for name, found in installed.items())
+    reasons = {True: "installed, but not supported here", False: "not installed"}
+    return tuple(f"{name}: {reasons[is_installed]}; not measured" for name, is_installed in installed.items())
 
 
 def _function(block: Block) -> ca.Function:
     f = block.function()
     x, u = f.sx_in()
-    found = ca.cse([ca.densify(e) for e in f.call([x, u])])
-    return ca.Function(f"{block.name}_casadi", [x, u], found, ["x", "u"], ["x_next", "y"])
+    results = ca.cse([ca.densify(e) for e in f.call([x, u])])
+    return ca.Function(f"{block.name}_casadi", [x, u], results, ["x", "u"], ["x_next", "y"])
 
 
-def _placed(block: Block, f: ca.Function, image: Image, steps: Steps) -> Placed:
-    """Lay out `int f(const float **arg, float **res, casadi_int *iw, float *w, int mem)`."""
+def _lay_out_casadi(block: Block, f: ca.Function, image: Image, steps: Steps) -> CallLayout:
+    """Prepare calls of `int f(const float **arg, float **res, casadi_int *iw, float *w, int mem)`."""
     n = len(steps)
     n_x, n_y = len(block.states), len(block.outputs)
     x = image.place(_vectors(steps.states, [s.name for s in block.states]))
@@ -145,10 +147,10 @@ def _placed(block: Block, f: ca.Function, image: Image, steps: Steps) -> Placed:
     scratch = (image.reserve(8 * f.sz_iw()), 0), (image.reserve(4 * f.sz_w()), 0), (0, 0)
 
     def outputs() -> host.Columns:
-        found = _read(image, y, n * n_y, np.dtype(np.float32)).reshape(n, n_y)
-        return {s.name: found[:, k] for k, s in enumerate(block.outputs)}
+        values = _read_array(image, y, n * n_y, np.dtype(np.float32)).reshape(n, n_y)
+        return {s.name: values[:, k] for k, s in enumerate(block.outputs)}
 
-    return Placed(_rows(n, arg, res, *scratch), outputs)
+    return CallLayout(_rows(n, arg, res, *scratch), outputs)
 
 
 def _vectors(records: host.Records, names: list[str]) -> NDArray[np.float32]:
@@ -156,7 +158,7 @@ def _vectors(records: host.Records, names: list[str]) -> NDArray[np.float32]:
 
 
 def _pointers(image: Image, n: int, size: int, *arrays: tuple[int, int]) -> tuple[int, int]:
-    """Place n tables of pointers, `size` each, to the k-th rows of arrays (address, bytes a row)."""
+    """Write n tables of `size` pointers to the k-th rows of arrays (address, bytes per row)."""
     table = np.zeros((n, size), np.uint32)
     for column, (address, stride) in enumerate(arrays):
         table[:, column] = address + stride * np.arange(n)
@@ -169,5 +171,5 @@ def _rows(n: int, *columns: tuple[int, int]) -> NDArray[np.int64]:
     return np.stack([address + stride * k for address, stride in columns], axis=1)
 
 
-def _read(image: Image, address: int, n: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+def _read_array(image: Image, address: int, n: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     return np.frombuffer(image.read(address, n * dtype.itemsize), dtype)

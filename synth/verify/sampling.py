@@ -1,11 +1,10 @@
-"""Sampling of steps (x, u) for verification: anywhere in the bounds, at the edges of the ranges, and in operation.
+"""Random stimuli (x, u) for single steps: uniform in the ranges, at range ends, and near recorded operation.
 
     anywhere      x and u uniform in their declared ranges; integer states uniform among their values
-    at the edges  the same, and a quarter of the inputs on the ends of their range, beyond, or SPECIAL
-    in operation  recorded steps with x and u moved by any order of magnitude, inside their ranges
+    at the edges  the same, with a quarter of the inputs at a range end, at the next number beyond, or SPECIAL
+    in operation  recorded steps with x and u perturbed by various orders of magnitude, inside their ranges
 
-The order in which random numbers are drawn is part of what these functions promise: a seed gives the same steps for
-ever.
+The order of the random draws is part of the interface: a seed permanently gives the same steps.
 """
 
 from collections.abc import Collection
@@ -21,8 +20,8 @@ from synth.verify.steps import Steps
 Columns = dict[str, NDArray[Any]]
 
 SPECIAL = (np.nan, np.inf, -np.inf, 5e-324, -5e-324, 1e-40, -0.0, 0.0, 1e300, -1e300)
-DISTANCES = (-6, -1.5)  # powers of ten, of a signal's range, by which recorded steps are moved
-MARGIN = 1e-6  # of a range, whose ends are other numbers in single precision than in double
+DISTANCES = (-6, -1.5)  # exponents of ten: size of the perturbation of recorded steps, relative to the range
+MARGIN = 1e-6  # of a range, because its ends differ between single and double precision
 
 
 def states_anywhere(
@@ -38,7 +37,7 @@ def states_anywhere(
         if s.integer or s.name in whole:
             columns[s.name] = rng.integers(int(low), int(high) + 1, n).astype(float)
         else:
-            columns[s.name] = inside(s.signal, rng.uniform(low, high, n), margin)
+            columns[s.name] = limited_to_range(s.signal, rng.uniform(low, high, n), margin)
     return columns
 
 
@@ -48,7 +47,7 @@ def inputs_anywhere(block: Block, rng: np.random.Generator, n: int) -> Columns:
 
 
 def anywhere(block: Block, rng: np.random.Generator, n: int, margin: float = 0.0) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs) anywhere in their ranges, states first."""
+    """Draw n independent (states, inputs) uniformly in their ranges, states first."""
     return states_anywhere(block, rng, n, margin), inputs_anywhere(block, rng, n)
 
 
@@ -61,7 +60,7 @@ def edge_values(signal: Signal) -> tuple[float, ...]:
 def at_edges(
     signal: Signal, rng: np.random.Generator, n: int, others: NDArray[Any] | None = None
 ) -> NDArray[np.float64]:
-    """Draw n values of which a quarter are edge values; `others` are used for the rest, or drawn in the range."""
+    """Draw n values, a quarter of them edge values; the rest are `others`, or else uniform in the range."""
     values = edge_values(signal)
     chosen = rng.integers(0, 4 * len(values), n)
     between = rng.uniform(signal.low, signal.high, n) if others is None else others
@@ -69,34 +68,34 @@ def at_edges(
 
 
 def edge_steps(block: Block, rng: np.random.Generator, n: int) -> tuple[Columns, Columns]:
-    """Draw n independent (states, inputs), states anywhere in their bounds, a quarter of the inputs at edge values."""
+    """Draw n independent (states, inputs): states uniform in their bounds, a quarter of the inputs at edge values."""
     states, inputs = anywhere(block, rng, n)
     return states, inputs | {s.name: at_edges(s, rng, n, inputs[s.name]) for s in block.inputs}
 
 
 def in_operation(block: Block, rng: np.random.Generator, n: int, recorded: Steps) -> tuple[Columns, Columns]:
-    """Draw n of the `recorded` steps, real states and inputs moved by up to some hundredths of their ranges.
+    """Draw n of the `recorded` steps; perturb real states and inputs by up to a few percent of their ranges.
 
-    Integer states are as recorded; everything stays inside its range.
+    Integer states are as recorded; all values stay inside their ranges.
     """
     chosen = rng.integers(0, len(recorded), n)
     size = 10.0 ** rng.uniform(*DISTANCES, n)
     x, u = recorded.states[chosen], recorded.inputs[chosen]
     states = {
-        s.name: x[s.name].astype(np.float64) if s.integer else _moved(s.signal, x[s.name], rng, size)
+        s.name: x[s.name].astype(np.float64) if s.integer else _perturbed(s.signal, x[s.name], rng, size)
         for s in block.states
     }
-    return states, {s.name: _moved(s, u[s.name], rng, size) for s in block.inputs}
+    return states, {s.name: _perturbed(s, u[s.name], rng, size) for s in block.inputs}
 
 
-def _moved(
+def _perturbed(
     signal: Signal, values: NDArray[Any], rng: np.random.Generator, size: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     by = size * (signal.high - signal.low) * rng.standard_normal(len(size))
-    return inside(signal, np.nan_to_num(values.astype(np.float64)) + by, MARGIN)
+    return limited_to_range(signal, np.nan_to_num(values.astype(np.float64)) + by, MARGIN)
 
 
-def inside(signal: Signal, values: NDArray[Any], margin: float = MARGIN) -> NDArray[np.float64]:
-    """Return values limited to a signal's range less a `margin` of it on either side."""
-    off = margin * (signal.high - signal.low)
-    return np.clip(values, signal.low + off, signal.high - off)
+def limited_to_range(signal: Signal, values: NDArray[Any], margin: float = MARGIN) -> NDArray[np.float64]:
+    """Return values limited to the range of a signal, reduced by `margin` times its width on both sides."""
+    margin_width = margin * (signal.high - signal.low)
+    return np.clip(values, signal.low + margin_width, signal.high - margin_width)

@@ -1,11 +1,11 @@
-"""The standard verification of a declared stage: all witnesses over drawn steps and over closed loops.
+"""Standard verification of a declared stage: all witnesses over random steps and over closed loops.
 
-    random    steps of the stage's own closed loops, moved by any order of magnitude within their ranges
-    edge      states anywhere in their bounds, inputs on the ends of their ranges, beyond, or no numbers
+    random    steps of the closed loops of the stage, perturbed by various orders of magnitude within their ranges
+    edge      states uniform in their bounds, inputs at the ends of their ranges, beyond, or NaN
     replay    recorded inputs of closed loops from `init`, with bad samples up to the latch
 
-Single precision is held against double from the same bits where both decide alike, and in closed loops with ideal
-sensors by the true path of the plant.
+Single precision is compared with double in two ways: from the same bits in steps where both take the same decisions,
+and by the true path of the plant in closed loops with ideal sensors.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,12 +29,12 @@ WHOLE, QUICK = 5_000, 1_000  # samples of a closed loop that the other witnesses
 SEED = 20_260
 UNIT = "of the output's range or more"
 SINGLE = 1e-3  # of an output's range: single against double in one step
-OTHERWISE = 1e-3  # share of random steps that decide otherwise in single precision
-PATH = 1e-4  # of a sensor's range, where it has no resolution: the plant's path in single against double
+DIVERGENT_SHARE = 1e-3  # fraction of random steps whose decisions differ in single precision
+PATH = 1e-4  # of the range of a sensor without resolution: path of the plant in single against double
 
 
 def require_reference(stage: Stage) -> Reference:
-    """Return a stage's reference; raise DesignError for a stage without one."""
+    """Return the reference of a stage; raise DesignError for a stage without one."""
     if stage.reference is None:
         raise DesignError(
             f"design '{stage.name}' has no reference: give `reference`, a NumPy step (states, inputs) -> (states', "
@@ -44,7 +44,7 @@ def require_reference(stage: Stage) -> Reference:
 
 
 def witnesses(stage: Stage) -> Witnesses:
-    """Return the witnesses of a stage's controller; raise DesignError for a stage without a reference."""
+    """Return the witnesses of the controller of a stage; raise DesignError for a stage without a reference."""
     reference = require_reference(stage)
     return suite.witnesses(stage.controller.block, reference, stage.surrogate_error)
 
@@ -55,24 +55,24 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     Raises DesignError for a stage without a reference.
     """
     progress("witnesses")
-    by = witnesses(stage)
-    rig = Rig(stage, stage.plant, by.c64)
+    witness_set = witnesses(stage)
+    rig = Rig(stage, stage.plant, witness_set.c64)
     runs = _runs(rig, WHOLE if whole else QUICK)
     progress("random and edge steps")
-    agreements, checks = drawn(by, runs)
+    agreements, checks = compare_samples(witness_set, runs)
     progress("replays of closed loops")
-    compared = suite.replay(by, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
-    agreements, checks = [*agreements, *compared], [*checks, *suite.exact(compared, UNIT)]
+    compared = suite.replay(witness_set, {f"replay of {name}": inputs for name, inputs in runs.items()}, None)
+    agreements, checks = [*agreements, *compared], [*checks, *suite.exact_checks(compared, UNIT)]
     progress("single against double")
-    checks += paths(stage, by)
+    checks += compare_paths(stage, witness_set)
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
-        checks += robustness.checks(robustness.opened(over_tolerances(stage)), stage.require)
+        checks += robustness.checks(robustness.open_loops(over_tolerances(stage)), stage.require)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 
 def loops(stage: Stage) -> robustness.Loops:
-    """Return the loops of a stage at its operating points, its constants rounded as they ship."""
+    """Return the loops of a stage at its operating points, with constants rounded as in the emitted C."""
     return robustness.of_controller(
         stage.controller,
         stage.plant,
@@ -84,64 +84,66 @@ def loops(stage: Stage) -> robustness.Loops:
 
 
 def over_tolerances(stage: Stage) -> robustness.Loops:
-    """Return the loops of a stage with its plant as declared and at the corners of the named tolerances."""
+    """Return the loops of a stage for the nominal plant and for the corners of the declared tolerances."""
     return replace(loops(stage), cases=(robustness.NOMINAL, *robustness.corners(stage.plant, stage.tolerances)))
 
 
 def _runs(rig: Rig, n: int) -> dict[str, agree.Columns]:
-    """Return recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
+    """Return the recorded inputs of each experiment, at most n samples, and of a closed loop with faults."""
     runs = {e.name: e.trajectory.measured for e in (e.run(rig) for e in rig.stage.experiments)}
-    found: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
-    return found | {"faults": stimuli.closed_loop(rig, n).measured}
+    shortened: dict[str, agree.Columns] = {name: {s: v[:n] for s, v in u.items()} for name, u in runs.items()}
+    return shortened | {"faults": stimuli.closed_loop(rig, n).measured}
 
 
-def drawn(by: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
+def compare_samples(witness_set: Witnesses, runs: Mapping[str, agree.Columns]) -> tuple[list[Agreement], list[Check]]:
     """Compare the witnesses over random and edge steps, and single with double over the random ones."""
-    pool = steps.joined("closed loops", [steps.recorded(by.c64, name, inputs) for name, inputs in runs.items()])
-    random = sampling.in_operation(by.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
-    edge = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
-    found: list[Agreement] = []
-    for what, drawn in (("random steps", random), ("edge steps", edge)):
-        found += suite.compare(what, by, *drawn, None)
-    single, checks = in_single(by, *random)
-    return [*found, single], [*suite.exact(found, UNIT), *checks]
+    pool = steps.concatenate(
+        "closed loops", [steps.record(witness_set.c64, name, inputs) for name, inputs in runs.items()]
+    )
+    random = sampling.in_operation(witness_set.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
+    edge = sampling.edge_steps(witness_set.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
+    agreements: list[Agreement] = []
+    for what, stimulus in (("random steps", random), ("edge steps", edge)):
+        agreements += suite.compare(what, witness_set, *stimulus, None)
+    single, checks = compare_precisions(witness_set, *random)
+    return [*agreements, single], [*suite.exact_checks(agreements, UNIT), *checks]
 
 
-def in_single(
-    by: Witnesses,
+def compare_precisions(
+    witness_set: Witnesses,
     states: sampling.Columns,
     inputs: sampling.Columns,
     floor: agree.Floor = None,
     counts: Mapping[str, float] | None = None,
 ) -> tuple[Agreement, list[Check]]:
-    """Compare single with double precision from the same bits, where both decide alike.
+    """Compare single with double precision from the same bits, in steps where both take the same decisions.
 
-    `counts` are real states that a decision lets jump, each with its least jump: they decide alike, too.
+    `counts` are real states that jump with a decision, each with its least jump; a smaller difference counts as equal.
     """
-    double, single = suite.in_single(by, states, inputs)
-    alike = suite.decide_alike(by.block, double, single)
+    double, single = suite.in_both_precisions(witness_set, states, inputs)
+    alike = suite.decide_alike(witness_set.block, double, single)
     for name, jump in (counts or {}).items():
         alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
-    pair = ("c64", suite.part(double, alike)), ("c32", suite.part(single, alike))
-    a = agree.compare("random steps", *pair, floor, by.block, np.float32)
+    pair = ("c64", suite.select(double, alike)), ("c32", suite.select(single, alike))
+    a = agree.compare("random steps", *pair, floor, witness_set.block, np.float32)
     share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [
         Check("random steps: single against double", a.worst, SINGLE, unit, a.signal),
-        Check("random steps: decisions otherwise in single precision", share, OTHERWISE, "1"),
+        Check("random steps: decisions otherwise in single precision", share, DIVERGENT_SHARE, "1"),
     ]
 
 
-def paths(stage: Stage, by: Witnesses) -> list[Check]:
-    """Compare the plant's path under both types in each experiment, with ideal sensors."""
-    rigs = [Rig(stage, stage.plant, c).ideal for c in (by.c64, by.c32)]
+def compare_paths(stage: Stage, witness_set: Witnesses) -> list[Check]:
+    """Compare the path of the plant under both scalar types in each experiment, with ideal sensors."""
+    rigs = [Rig(stage, stage.plant, c).ideal for c in (witness_set.c64, witness_set.c32)]
     return [
         check
         for experiment in stage.experiments
-        for check in _path(stage, experiment.name, [experiment.run(rig) for rig in rigs])
+        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in rigs])
     ]
 
 
-def _path(stage: Stage, name: str, runs: Sequence[Experiment]) -> list[Check]:
+def _path_checks(stage: Stage, name: str, runs: Sequence[Experiment]) -> list[Check]:
     checks = []
     for sensor in stage.interface.sensors:
         signal = stage.interface.signals[sensor.name]

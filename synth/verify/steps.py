@@ -1,13 +1,13 @@
-"""Steps to measure: pairs (x_k, u_k), each with a state of its own, so that any of them can be left out.
+"""Stimuli as independent steps (x_k, u_k): each step stores its state and can be omitted.
 
 recorded    x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
-drawn       x anywhere in its declared bounds, u anywhere, on the ends of its range, beyond, or no number
-anew        steps of others with some entries of x drawn anew
-faulty      every input bad alone and all at once, for 1 sample up to the latch, and latched until it rests
-edges       every input alone on an end of its range, on the next number beyond, or on a number like -0 or the largest
-shaken      steps of others, x and u moved a little
-rare        of many steps those whose flags few others have
-at_ends     of many steps those in which an output or x_{k+1} comes to an end of its range, or near it
+drawn       x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
+anew        existing steps with some entries of x resampled
+faulty      every input bad, alone and all at once, for 1 sample up to the latch, and latched until the outputs settle
+edges       every input alone at an end of its range, at the next number beyond, or at a special number such as -0
+shaken      existing steps with x and u perturbed
+rare        the steps with the least frequent flags
+at_ends     the steps in which an output or x_{k+1} reaches, or nearly reaches, an end of its range
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from synth.errors import SignalError
 from synth.execute import host, recording
 
 SEED = 19_680
-GOOD, LATCHED = 4, 80  # samples before and after a run of bad ones, and of a latched step
+GOOD, LATCHED = 4, 80  # samples before and after bad ones, and samples after the latch
 _BEYOND = 0.1  # of the range
 _INTEGERS = ("uint32_t", "int32_t")
 
@@ -30,7 +30,7 @@ _INTEGERS = ("uint32_t", "int32_t")
 class Steps:
     """N steps: `states` (N,) and `inputs` (N,), records of the emitted structs.
 
-    `closed_loop` marks those of a controlled plant.
+    `closed_loop` marks steps of a controlled plant.
     """
 
     name: str
@@ -46,9 +46,7 @@ class Steps:
         return Steps(self.name, self.states[chosen], self.inputs[chosen], self.closed_loop)
 
 
-def recorded(
-    controller: host.Controller, name: str, inputs: Mapping[str, ArrayLike], closed_loop: bool = False
-) -> Steps:
+def record(controller: host.Controller, name: str, inputs: Mapping[str, ArrayLike], closed_loop: bool = False) -> Steps:
     """Return the N steps from `init` under input columns (N,) or constants, with the state before each.
 
     Raises SignalError as `host.Controller.replay`.
@@ -58,8 +56,8 @@ def recorded(
     return Steps(name, states[:n], controller.records(inputs, n), closed_loop)
 
 
-def joined(name: str, parts: Sequence[Steps]) -> Steps:
-    """Return the steps of all parts, one after the other; raise SignalError when there is none."""
+def concatenate(name: str, parts: Sequence[Steps]) -> Steps:
+    """Concatenate steps; raise SignalError for an empty sequence."""
     if not parts:
         raise SignalError(f"steps '{name}': found no part, need at least one: give sequences")
     states, inputs = np.concatenate([p.states for p in parts]), np.concatenate([p.inputs for p in parts])
@@ -72,141 +70,145 @@ def thinned(steps: Steps, n: int) -> Steps:
     return steps.part(chosen)
 
 
-def taken(controller: host.Controller, steps: Steps) -> host.Batch:
-    """Return what the compiled C computes in each step."""
+def evaluate(controller: host.Controller, steps: Steps) -> host.Batch:
+    """Return the results of the compiled C for each step."""
     return controller.batch(np.ascontiguousarray(steps.states), host.columns(steps.inputs))
 
 
 def without_faults(controller: host.Controller, steps: Steps) -> Steps:
     """Return the steps whose fault word is 0."""
-    return steps.part(np.flatnonzero(taken(controller, steps).faults == 0))
+    return steps.part(np.flatnonzero(evaluate(controller, steps).faults == 0))
 
 
 def in_range(controller: host.Controller, n: int) -> Steps:
-    """Record n steps under inputs drawn uniformly from their declared ranges, each sample anew."""
+    """Record n steps under inputs drawn uniformly from their declared ranges, independently for each sample."""
     rng = np.random.default_rng(SEED)
     fields = _fields(controller, "input")
-    return recorded(controller, "random inputs in range", {f["name"]: _uniform(rng, f, n) for f in fields})
+    return record(controller, "random inputs in range", {f["name"]: _uniform(rng, f, n) for f in fields})
 
 
-def drawn(controller: host.Controller, n: int) -> Steps:
-    """Draw n steps, states in their declared bounds and often on their ends, inputs also out of range."""
+def random_steps(controller: host.Controller, n: int) -> Steps:
+    """Draw n steps: states in their declared bounds and often at their ends, inputs also out of range."""
     rng = np.random.default_rng(SEED + 1)
     states, inputs = np.zeros(n, controller.state), np.zeros(n, controller.inputs)
     for f in _fields(controller, "state"):
-        states[f["name"]] = _often(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+        states[f["name"]] = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
     for f in _fields(controller, "input"):
-        inputs[f["name"]] = _often(rng, _uniform(rng, f, n), (f["low"], f["high"], *_bad(f)), 0.1)
+        inputs[f["name"]] = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"], *_invalid_values(f)), 0.1)
     return Steps("random states and inputs", states, inputs)
 
 
-def anew(controller: host.Controller, steps: Steps, name: str) -> Steps:
-    """Return steps with some of their states drawn anew as in `drawn`: in a third none, in others few or half."""
+def resampled(controller: host.Controller, steps: Steps, name: str) -> Steps:
+    """Return steps with some states resampled as in `drawn`: in a third none, in others few or half."""
     rng = np.random.default_rng(SEED + 2)
     n, states = len(steps), steps.states.copy()
     share = rng.choice((0.0, 0.03, 0.5), n)
     for f in _fields(controller, "state"):
-        values = _often(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+        values = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
         chosen = rng.uniform(size=n) < share
         states[f["name"]][chosen] = values[chosen]
     return Steps(name, states, steps.inputs)
 
 
-def edges(controller: host.Controller, steps: Steps) -> Steps:
-    """Return steps with one input each set to a value where decisions about it turn, the others as they are.
+def edge_steps(controller: host.Controller, steps: Steps) -> Steps:
+    """Return steps in which one input has a value at a decision boundary, and the others are unchanged.
 
-    One step of those given serves one value; there are some ten for each input.
+    Each value uses one of the `steps`; there are about ten values for each input.
     """
-    cases = [(f["name"], value) for f in _fields(controller, "input") for value in _edges(controller, f)]
-    found = steps.part(np.arange(len(cases)) % len(steps))
-    inputs = found.inputs.copy()
+    cases = [(f["name"], value) for f in _fields(controller, "input") for value in _edge_values(controller, f)]
+    base = steps.part(np.arange(len(cases)) % len(steps))
+    inputs = base.inputs.copy()
     for k, (name, value) in enumerate(cases):
         inputs[name][k] = value
-    return Steps("edges", found.states, inputs)
+    return Steps("edges", base.states, inputs)
 
 
-def shaken(controller: host.Controller, steps: Steps, name: str, times: int, size: float) -> Steps:
-    """Return steps `times` over, real states and inputs moved by up to `size` of their ranges, often by less.
+def perturbed(controller: host.Controller, steps: Steps, name: str, times: int, size: float) -> Steps:
+    """Repeat the steps `times` times, with real states and inputs perturbed by up to `size` of their ranges.
 
-    They stay within their ranges.
+    Perturbed values stay within their ranges.
     """
     rng = np.random.default_rng(SEED + 3)
-    found = joined(name, [steps] * times)
-    moved, sizes = (found.states.copy(), found.inputs.copy()), size * 10.0 ** rng.uniform(-3, 0, len(found))
-    for role, records in zip(("state", "input"), moved, strict=True):
+    repeated = concatenate(name, [steps] * times)
+    perturbed = repeated.states.copy(), repeated.inputs.copy()
+    sizes = size * 10.0 ** rng.uniform(-3, 0, len(repeated))
+    for role, records in zip(("state", "input"), perturbed, strict=True):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
-            off = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(found))
-            records[f["name"]] = np.clip(records[f["name"]] + off, f["low"], f["high"])
-    return Steps(name, *moved)
+            perturbation = sizes * (f["high"] - f["low"]) * rng.uniform(-1, 1, len(repeated))
+            records[f["name"]] = np.clip(records[f["name"]] + perturbation, f["low"], f["high"])
+    return Steps(name, *perturbed)
 
 
-def rare(controller: host.Controller, steps: Steps, n: int) -> Steps:
-    """Return the n steps whose fault word and integer states, before and after, occur least often among all."""
-    found = taken(controller, steps)
+def rarest(controller: host.Controller, steps: Steps, n: int) -> Steps:
+    """Return the n steps with the least frequent combination of fault word and integer states before and after."""
+    after = evaluate(controller, steps)
     whole = [f["name"] for f in _fields(controller, "state") if f["ctype"] in _INTEGERS]
-    key = found.faults.astype(np.uint64)
-    for states in (steps.states, found.states):
-        for name in whole:  # in whatever wraps around, equal flags stay equal
+    key = after.faults.astype(np.uint64)
+    for states in (steps.states, after.states):
+        for name in whole:  # a hash that may wrap around; equal flags have equal keys
             key = key * np.uint64(0x9E3779B97F4A7C15) + states[name].astype(np.uint64)
     _, which, counts = np.unique(key, return_inverse=True, return_counts=True)
     picked = steps.part(np.sort(np.argsort(counts[which], kind="stable")[:n]))
     return Steps(f"rare among {steps.name}", picked.states, picked.inputs)
 
 
-def at_ends(controller: host.Controller, steps: Steps, each: int, within: float = 0.0) -> Steps:
-    """Return for either end of every output and real next state up to `each` steps that come to it.
+def at_range_ends(controller: host.Controller, steps: Steps, each: int, within: float = 0.0) -> Steps:
+    """Return for both range ends of every output and real next state up to `each` steps that reach the end.
 
-    Or come `within` a part of the range. Raises SignalError when no step does.
+    `within` is the tolerated distance, relative to the range. Raises SignalError when no step reaches an end.
     """
-    found, chosen = taken(controller, steps), []
-    for role, columns in (("output", found.outputs), ("state", host.columns(found.states))):
+    after, chosen = evaluate(controller, steps), []
+    for role, columns in (("output", after.outputs), ("state", host.columns(after.states))):
         for f in (f for f in _fields(controller, role) if f["ctype"] not in _INTEGERS):
-            values, near = columns[f["name"]], within * (f["high"] - f["low"])
-            ends = (values <= values.dtype.type(f["low"]) + near), (values >= values.dtype.type(f["high"]) - near)
+            values, tolerance = columns[f["name"]], within * (f["high"] - f["low"])
+            ends = (
+                (values <= values.dtype.type(f["low"]) + tolerance),
+                (values >= values.dtype.type(f["high"]) - tolerance),
+            )
             chosen += [np.flatnonzero(end)[:each] for end in ends]
     picked = steps.part(np.unique(np.concatenate(chosen)))
-    return joined(f"{steps.name}, at ends", [picked] if len(picked) else [])
+    return concatenate(f"{steps.name}, at ends", [picked] if len(picked) else [])
 
 
-def faulty(controller: host.Controller, good: Mapping[str, float]) -> Steps:
-    """Record bad samples of each input alone and of all, between `good` ones, up to the latch and beyond.
+def fault_steps(controller: host.Controller, good: Mapping[str, float]) -> Steps:
+    """Record bad samples of each input alone and of all inputs, between `good` ones, up to the latch and after it.
 
     Raises SignalError as `recorded`, and DesignError for a manifest without safety.
     """
     guarded = [f["input"] for f in controller.manifest["faults"] if "input" in f]
     runs = [
-        recorded(controller, "faults", columns)
+        record(controller, "faults", columns)
         for names in (*((name,) for name in guarded), guarded)
         for columns in _fault_runs(controller, names, good)
     ]
-    return joined("faults", runs)
+    return concatenate("faults", runs)
 
 
 def _fault_runs(
     controller: host.Controller, names: Sequence[str], good: Mapping[str, float]
 ) -> Iterator[dict[str, NDArray[np.float64]]]:
-    """Yield input columns: GOOD samples, 1 .. limit bad ones and GOOD again; the last run stays bad."""
+    """Yield input columns: GOOD samples, 1 .. limit bad ones, then GOOD again, or LATCHED in the last run."""
     limit = (controller.manifest["safety"] or {}).get("bad_samples", 1)
     fields = {f["name"]: f for f in _fields(controller, "input")}
     for bad in range(1, limit + 1):
         after = LATCHED if bad == limit else GOOD
         columns = {name: np.full(GOOD + bad + after, float(value)) for name, value in good.items()}
         for name in names:
-            columns[name][GOOD : GOOD + bad] = np.resize(_bad(fields[name]), bad)
+            columns[name][GOOD : GOOD + bad] = np.resize(_invalid_values(fields[name]), bad)
         yield columns
 
 
-def _bad(field: Mapping[str, Any]) -> tuple[float, ...]:
+def _invalid_values(field: Mapping[str, Any]) -> tuple[float, ...]:
     low, high = field["low"], field["high"]
     beyond = _BEYOND * (high - low)
     return (np.nan, high + beyond, low - beyond, np.inf, -np.inf)
 
 
-def _edges(controller: host.Controller, field: Mapping[str, Any]) -> tuple[float, ...]:
-    """Return the ends of a field with the next number to either side, both zeros, and numbers at the limits."""
+def _edge_values(controller: host.Controller, field: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the range ends of a field, the next numbers on both sides, both zeros, and the extreme numbers."""
     scalar, info = controller.scalar, np.finfo(controller.scalar)
     ends = [scalar(field[end]) for end in ("low", "high")]
-    beside = [float(np.nextafter(e, scalar(way))) for e in ends for way in (-np.inf, np.inf)]
+    beside = [float(np.nextafter(e, scalar(direction))) for e in ends for direction in (-np.inf, np.inf)]
     return (*map(float, ends), *beside, 0.0, -0.0, float(info.tiny), float(info.max), float(-info.max))
 
 
@@ -221,8 +223,8 @@ def _uniform(rng: np.random.Generator, field: Mapping[str, Any], n: int) -> NDAr
     return rng.uniform(low, high, n)
 
 
-def _often(
+def _replace_some(
     rng: np.random.Generator, values: NDArray[np.float64], others: Sequence[float], share: float
 ) -> NDArray[np.float64]:
-    """Return the values with a share of them replaced by one of the others."""
+    """Return the values with a fraction `share` of them replaced by one of the others."""
     return np.where(rng.uniform(size=len(values)) < share, rng.choice(others, len(values)), values)

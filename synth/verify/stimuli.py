@@ -1,12 +1,12 @@
-"""Stimuli of a compiled controller: which steps are counted, replayed on a target, and committed as test vectors.
+"""Stimuli of a compiled controller, for cost measurement, replay on a target and committed test vectors.
 
-    closed loops     each experiment, and set-points that swing while samples are bad, up to the latch
-    latches          from outputs at their limits on no measurement is good, until every slew has ended
-    faults, edges    every input bad alone and all at once; every input on the last number accepted and on the next
-    random           inputs in range; states and inputs anywhere, and those of closed loops with some states anew
-    rare, at ends    of these, those whose flags few others have, and those that come to the end of a range
+    closed loops     each experiment, and swinging set-points with bad samples, up to the latch
+    latches          loss of all measurements while outputs are at their limits, until every slew has ended
+    faults, edges    every input bad, alone and all at once; every input at the last accepted number and at the next one
+    random           inputs in range; random states and inputs; closed loops with some states resampled
+    rare, at ends    of these steps, those with the least frequent flags, and those that reach the end of a range
 
-All but the closed loops know a controller by its manifest alone.
+All sequences except the closed loops need only the manifest of a controller.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,91 +27,100 @@ from synth.verify.steps import Steps
 
 REPLAY, VECTORS = 10_000, 1000  # steps
 EACH = 1000  # steps of each closed loop
-SWING = 0.2  # of a set-point's range, to either side of rest
-TURNS = 3.0  # of the first set-point in a recording; the others have more
-JUMP = 20  # samples before the latch: the set-points jump, so that the actuators are far from their safe values
+SWING = 0.2  # of the range of a set-point, to both sides of rest
+TURNS = 3.0  # periods of the first set-point in a recording; the others have more
+JUMP = 20  # samples before the latch at which the set-points jump, to move the actuators away from their safe values
 RANDOM, DRAWN, RARE, EACH_END = 2000, 20_000, 1000, 40
-LEADS = (3, 40, 333)  # samples of random inputs before measurements end
+LEADS = (3, 40, 333)  # samples of random inputs before the loss of measurement
 LONGEST = 20_000  # samples of a slew
-BEYOND = 0.5  # of a range: how far beyond its end the bad samples of test vectors are, which JSON has to hold
+BEYOND = 0.5  # of a range: distance of the bad samples of test vectors from its end; JSON cannot hold NaN
 SEED = 2026
 
 
 def closed_loop(rig: Rig, n: int, beyond: float = np.nan) -> Trajectory:
-    """Run n samples in which the set-points swing about rest; sensors and set-points are bad for some, up to the latch.
+    """Run n samples with set-points that swing about rest, and with bad sensor and set-point samples up to a latch.
 
-    The first sensor has a run of bad samples one short of the latch, the others single ones, a set-point ten, and for
-    the last twentieth of the run the last sensor is lost. A bad sample is `beyond` the end of the range, by that part
-    of it, or no number.
+    The first sensor has one bad sample less than the latch needs, the others have single bad samples, a set-point has
+    ten. The last sensor fails for the last twentieth of the run. A bad sample is beyond the end of its range by the
+    fraction `beyond` of the range, or NaN.
     """
-    around = rig.stage.interface
-    k, lost = np.arange(n), n - n // 20
+    interface = rig.stage.interface
+    k, loss_start = np.arange(n), n - n // 20
     rest = rig.at_rest()
-    references = {s.name: _swing(s, i, rest[s.name], k, lost) for i, s in enumerate(around.set_points)}
-    return rig.run(n * rig.period_s, {}, references, overrides=_bad(around, k, lost, beyond))
+    references = {
+        s.name: _swinging_set_point(s, i, rest[s.name], k, loss_start) for i, s in enumerate(interface.set_points)
+    }
+    return rig.run(n * rig.period_s, {}, references, overrides=_bad_samples(interface, k, loss_start, beyond))
 
 
-def _swing(point: SetPoint, i: int, rest: float, k: NDArray[np.int64], lost: int) -> NDArray[np.float64]:
+def _swinging_set_point(
+    point: SetPoint, i: int, rest: float, k: NDArray[np.int64], loss_start: int
+) -> NDArray[np.float64]:
     size = SWING * (min(point.high - rest, rest - point.low) or (point.high - point.low) / 2)
     values = rest + size * np.sin(2 * np.pi * (TURNS + 2 * i) * k / len(k))
-    jump = np.where(k >= lost - JUMP, size, 0.0)
+    jump = np.where(k >= loss_start - JUMP, size, 0.0)
     return np.clip(values + jump, point.low, point.high)
 
 
-def _bad(around: Interface, k: NDArray[np.int64], lost: int, beyond: float) -> dict[str, Override]:
-    n, names = len(k), [s.name for s in around.sensors]
+def _bad_samples(interface: Interface, k: NDArray[np.int64], loss_start: int, beyond: float) -> dict[str, Override]:
+    n, names = len(k), [s.name for s in interface.sensors]
     start = (6 * n) // 10
     masks = {name: k % (n // 10) == (n // 20 + 7 * i) % (n // 10) for i, name in enumerate(names[1:])}
-    masks[names[0]] = (k >= start) & (k < start + around.bad_samples - 1)
-    masks[names[-1]] = masks[names[-1]] | (k >= lost)
-    masks |= {s.name: (k >= (8 * n) // 10) & (k < (8 * n) // 10 + 10) for s in around.set_points[:1]}
-    ends = {name: around.signals[name] for name in masks}
+    masks[names[0]] = (k >= start) & (k < start + interface.bad_samples - 1)
+    masks[names[-1]] = masks[names[-1]] | (k >= loss_start)
+    masks |= {s.name: (k >= (8 * n) // 10) & (k < (8 * n) // 10 + 10) for s in interface.set_points[:1]}
+    ends = {name: interface.signals[name] for name in masks}
     values = {name: s.high + beyond * (s.high - s.low) for name, s in ends.items()}
     return {name: Override(mask, np.full(n, values[name])) for name, mask in masks.items()}
 
 
 def sequences(
-    rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None], own: Sequence[Steps] = ()
+    rig: Rig, experiments: Sequence[Experiment], progress: Callable[[str], None], design_steps: Sequence[Steps] = ()
 ) -> list[Steps]:
-    """Return every sequence for a rig's controller, closed loops first; `experiments` were run with it.
+    """Return every sequence for the controller of a rig, closed loops first; `experiments` were run with it.
 
-    `own` are further steps of the design's.
+    `design_steps` are further steps that the design defines.
     """
     progress("sequences")
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
-    loops = [steps.recorded(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
-    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, own)]
+    loops = [steps.record(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
+    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, design_steps)]
 
 
 def excursions(
-    controller: host.Controller, at_rest: Mapping[str, float], loops: Sequence[Steps], own: Sequence[Steps] = ()
+    controller: host.Controller,
+    at_rest: Mapping[str, float],
+    loops: Sequence[Steps],
+    design_steps: Sequence[Steps] = (),
 ) -> list[Steps]:
     """Return the sequences that need no closed loop, from inputs at rest.
 
-    States of recorded `loops` and of the design's `own` steps are drawn anew.
+    States of recorded `loops` and of `design_steps` are resampled.
     """
-    pools = [*([steps.joined("", loops)] if loops else []), *own]
-    drawn = steps.drawn(controller, DRAWN)
-    wrong = [steps.anew(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
+    pools = [*([steps.concatenate("", loops)] if loops else []), *design_steps]
+    random_steps = steps.random_steps(controller, DRAWN)
+    resampled = [steps.resampled(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
     return [
-        *(steps.thinned(each, RANDOM) for each in own),
+        *(steps.thinned(each, RANDOM) for each in design_steps),
         *latches(controller, SEED),
-        steps.faulty(controller, at_rest),
-        steps.edges(controller, steps.thinned(pools[0], DRAWN)),
+        steps.fault_steps(controller, at_rest),
+        steps.edge_steps(controller, steps.thinned(pools[0], DRAWN)),
         steps.in_range(controller, RANDOM),
-        drawn,
-        *wrong,
-        *(steps.rare(controller, each, RARE) for each in (*own, *wrong)),
-        steps.at_ends(controller, steps.joined("random", [drawn, *wrong, *own]), EACH_END),
+        random_steps,
+        *resampled,
+        *(steps.rarest(controller, each, RARE) for each in (*design_steps, *resampled)),
+        steps.at_range_ends(
+            controller, steps.concatenate("random", [random_steps, *resampled, *design_steps]), EACH_END
+        ),
     ]
 
 
 def latches(controller: host.Controller, seed: int) -> list[Steps]:
-    """Record how the outputs go to their safe values: after random inputs no measurement is good.
+    """Record the slew of the outputs to their safe values: after random inputs all measurements are NaN.
 
-    Inputs anywhere in their ranges take the outputs to their limits, from where the slew is longest. There is none of a
-    controller that has no safe output.
+    Random inputs over their full ranges drive the outputs to their limits, where the slew is longest. The result is
+    empty for a controller without safe outputs.
     """
     safety, rng = controller.manifest["safety"], np.random.default_rng(seed)
     if not safety or not safety["slew_per_s"]:
@@ -121,12 +130,14 @@ def latches(controller: host.Controller, seed: int) -> list[Steps]:
         (f["high"] - f["low"]) / safety["slew_per_s"][n] for n, f in fields.items() if n in safety["slew_per_s"]
     )
     after = safety["bad_samples"] + min(ceil(longest / controller.period_s), LONGEST) + steps.GOOD
-    runs = [steps.recorded(controller, "latches", lost(controller, lead, after, rng)) for lead in LEADS]
-    return [steps.joined("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
+    runs = [steps.record(controller, "latches", loss_of_measurement(controller, lead, after, rng)) for lead in LEADS]
+    return [steps.concatenate("latches", [run.part(slice(lead, None)) for run, lead in zip(runs, LEADS, strict=True)])]
 
 
-def lost(controller: host.Controller, lead: int, after: int, rng: np.random.Generator) -> dict[str, NDArray[Any]]:
-    """Return inputs (lead + after,): anywhere in their ranges, and from `lead` on not a number."""
+def loss_of_measurement(
+    controller: host.Controller, lead: int, after: int, rng: np.random.Generator
+) -> dict[str, NDArray[Any]]:
+    """Return inputs (lead + after,): random in their ranges, and NaN from sample `lead` on."""
     inputs = controller.manifest["structs"]["input"]["fields"]
     columns = {f["name"]: rng.uniform(f["low"], f["high"], lead + after) for f in inputs}
     for values in columns.values():

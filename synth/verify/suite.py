@@ -1,9 +1,9 @@
-"""The independent witnesses of a Block side by side: reference, CasADi, CasADi's own C, and the emitted C.
+"""Back-to-back tests of a Block with independent witnesses: reference, CasADi, C of CasADi, and the emitted C.
 
-    reference, casadi, casadi_c --- against --- c64     exactly: 1e-12 of max(floor, |output|), states of their range
-    c64 ------------------------- against --- c32       from the same bits, where both decide alike
+    reference, casadi, casadi_c --- against --- c64     to 1e-12 of max(floor, |output|), or of the range of a state
+    c64 ------------------------- against --- c32       from the same bits, where both take the same decisions
 
-over steps that are drawn (`sampling`) and over recorded inputs that are replayed from `init`.
+The stimuli are random steps (`sampling`) and recorded inputs that are replayed from `init`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,12 +17,10 @@ from synth.check import Check
 from synth.declaration import Reference
 from synth.execute import build, host
 from synth.verify import agree
-from synth.verify.agree import Agreement, Columns, Stepped
+from synth.verify.agree import Agreement, Columns, StepResults
 
-EXACT = (
-    1e-12  # of max(floor, |output|), and of a state's range: what double precision leaves of some hundred operations
-)
-OTHERS = ("reference", "casadi", "casadi_c")  # that the C in double precision is compared with
+EXACT = 1e-12  # of max(floor, |output|), and of the range of a state: rounding of some hundred operations in double
+OTHERS = ("reference", "casadi", "casadi_c")  # witnesses that are compared with the C in double precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,33 +40,35 @@ class Witnesses:
 
 def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floating], float] | None = None) -> Witnesses:
     """Return all witnesses of a Block; `error` is the relative error of surrogates by scalar type."""
-    c64, c32 = (build.compiled(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
+    c64, c32 = (build.compile_block(block, t, error=(error or {}).get(t)) for t in (np.float64, np.float32))
     others = {"reference": agree.reference(reference), "casadi": agree.casadi(block)}
-    return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted(c64)}, c64, c32)
+    return Witnesses(block, others | {"casadi_c": agree.casadi_own_c(block), "c64": agree.emitted_c(c64)}, c64, c32)
 
 
-def compare(what: str, by: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
+def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over N steps (x, u)."""
-    c64 = by.of["c64"](states, inputs)
+    c64 = witness_set.of["c64"](states, inputs)
     return [
-        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, by.block)
-        for name, witness in by.others.items()
+        agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, witness_set.block)
+        for name, witness in witness_set.others.items()
     ]
 
 
-def replay(by: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
+def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
-    start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.recorded_runs(witness, start, list(runs.values())) for name, witness in by.others.items()}
+    start = {s.name: s.initial for s in witness_set.block.states}
+    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.others.items()}
     return [
-        agree.compare(what, (name, stepped[k]), ("c64", agree.replayed(by.c64, inputs)), floor, by.block)
+        agree.compare(
+            what, (name, stepped[k]), ("c64", agree.replay(witness_set.c64, inputs)), floor, witness_set.block
+        )
         for k, (what, inputs) in enumerate(runs.items())
         for name, stepped in others.items()
     ]
 
 
-def exact(agreements: Sequence[Agreement], unit: str) -> list[Check]:
-    """Return three checks of each agreement in double precision: outputs, in `unit`, next states, and fault words."""
+def exact_checks(agreements: Sequence[Agreement], unit: str) -> list[Check]:
+    """Return three checks for each agreement in double precision: outputs in `unit`, next states, and fault words."""
     checks = []
     for a in agreements:
         about, pair = f"worst of {a.samples} steps, {a.signal}", f"{a.first} and {a.second}"
@@ -80,13 +80,13 @@ def exact(agreements: Sequence[Agreement], unit: str) -> list[Check]:
     return checks
 
 
-def in_single(by: Witnesses, states: Columns, inputs: Columns) -> tuple[Stepped, Stepped]:
-    """Return what the C computes in double and in single precision from the same bits, rounded to single first."""
+def in_both_precisions(witness_set: Witnesses, states: Columns, inputs: Columns) -> tuple[StepResults, StepResults]:
+    """Return the steps of the C in double and in single precision, from the same values rounded to single."""
     x, u = ({n: v.astype(np.float32) for n, v in columns.items()} for columns in (states, inputs))
-    return agree.emitted(by.c64)(x, u), agree.emitted(by.c32)(x, u)
+    return agree.emitted_c(witness_set.c64)(x, u), agree.emitted_c(witness_set.c32)(x, u)
 
 
-def decide_alike(block: Block, first: Stepped, second: Stepped) -> NDArray[np.bool_]:
+def decide_alike(block: Block, first: StepResults, second: StepResults) -> NDArray[np.bool_]:
     """Return for each step (N,) whether fault words and integer states of two witnesses are equal."""
     alike = np.asarray(first.faults) == np.asarray(second.faults)
     for s in (s for s in block.states if s.integer):
@@ -94,7 +94,7 @@ def decide_alike(block: Block, first: Stepped, second: Stepped) -> NDArray[np.bo
     return np.asarray(alike)
 
 
-def part(stepped: Stepped, chosen: NDArray[np.bool_]) -> Stepped:
-    """Return the chosen ones of N steps."""
+def select(stepped: StepResults, chosen: NDArray[np.bool_]) -> StepResults:
+    """Return the chosen steps among N."""
     outputs, states = ({n: v[chosen] for n, v in c.items()} for c in (stepped.outputs, stepped.states))
-    return Stepped(outputs, states, stepped.faults[chosen])
+    return StepResults(outputs, states, stepped.faults[chosen])

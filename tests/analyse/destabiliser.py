@@ -8,7 +8,7 @@ from synth.timing import Continuous
 
 
 def destabiliser(margin: DiskMargin) -> StateSpace:
-    """Return diag(f) as a model with real coefficients: each delta_i an all-pass with the phase that it needs."""
+    """Return diag(f) as a model with real coefficients: each delta_i is an all-pass with the required phase."""
     w, time = margin.frequency, margin.time
     if not isinstance(time, Continuous):
         w = float(np.tan(w * time.period_s / 2))

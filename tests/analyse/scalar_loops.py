@@ -1,4 +1,4 @@
-"""Loops of one input and one output from their coefficients, and what closes them at the edge of stability."""
+"""Scalar loops from their coefficients, and their closed-loop poles at the stability boundary."""
 
 import control
 import numpy as np
@@ -21,20 +21,20 @@ def gain(L: StateSpace, k: float) -> StateSpace:
 
 
 def decays(L: StateSpace) -> bool:
-    """Tell it from the roots of denominator + numerator, whatever the time."""
+    """Tell whether the loop is stable, from the roots of denominator + numerator, in either time."""
     b, a = scipy.signal.ss2tf(L.A, L.B, L.C, L.D)
     roots = np.roots(np.polyadd(a, b[0]))
     return bool((roots.real < 0).all() if isinstance(L.time, Continuous) else (np.abs(roots) < 1).all())
 
 
-def turned(L: StateSpace, factor: complex) -> np.ndarray:
+def closed_loop_poles(L: StateSpace, factor: complex) -> np.ndarray:
     """The poles of the loop closed on `factor` L."""
     return np.linalg.eigvals(L.A - factor * L.B @ L.C / (1 + factor * L.D[0, 0]))
 
 
 def off_boundary(L: StateSpace, factor: complex, frequency: float) -> float:
     """How far, relative to the frequency, a closed-loop pole is from the point of the boundary at `frequency`."""
-    poles = turned(L, factor)
+    poles = closed_loop_poles(L, factor)
     if isinstance(L.time, Discrete):
         poles = np.log(poles[poles != 0]) / L.time.period_s
     return float(np.abs(poles - 1j * frequency).min() / frequency)

@@ -1,4 +1,4 @@
-"""Bounds over intervals hold what is between, and a delayed loop's crossings are those of a fine grid."""
+"""Bounds over intervals against values inside, and crossings of delayed loops against a fine grid."""
 
 import control
 import numpy as np
@@ -46,7 +46,7 @@ def test_values_and_slopes_lie_within_their_bounds(start: float, width: float, h
             assert low[k] - 1e-9 <= size.min() and size.max() <= high[k] + 1e-9
 
 
-def test_a_slope_that_forgets_the_delay_would_be_seen() -> None:
+def test_a_slope_without_the_delay_would_be_detected() -> None:
     """The planted defect."""
     L = loop(0.0)
     a, b = np.array([10.0]), np.array([10.1])
@@ -67,12 +67,12 @@ def test_crossings_are_those_of_a_fine_grid() -> None:
     assert 1 / course.peak == pytest.approx(np.abs(1 + L).min(), rel=1e-6)
 
 
-def test_a_loop_that_hardly_touches_minus_one_is_not_taken_for_far() -> None:
+def test_a_gain_that_only_touches_one_counts_as_a_crossing() -> None:
     """|L| = 1 touched from below by a resonance: an interval that stays undecided counts as a crossing."""
     zeta = 0.05
     touching = control.tf([2 * zeta * np.sqrt(1 - zeta**2)], [1, 2 * zeta, 1])
-    found = margins.of_loop(transfer.delayed(touching, 0.3))
-    assert found.phase_margin < 180 and found.gain_crossings[0].frequency == pytest.approx(
+    loop_margins = margins.of_loop(transfer.delayed(touching, 0.3))
+    assert loop_margins.phase_margin < 180 and loop_margins.gain_crossings[0].frequency == pytest.approx(
         np.sqrt(1 - 2 * zeta**2), rel=1e-6
     )
 
@@ -89,11 +89,11 @@ def test_a_loop_that_hardly_touches_minus_one_is_not_taken_for_far() -> None:
 def test_a_crossing_on_a_node_is_kept(
     numerator: list[float], denominator: list[float], delay: float, crossings: list[float] | None
 ) -> None:
-    found = margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
+    loop_margins = margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
     plain = margins.of_loop(control.tf(numerator, denominator))
     expected = [c.frequency for c in plain.gain_crossings] if crossings is None else crossings
-    assert [c.frequency for c in found.gain_crossings] == pytest.approx(expected, rel=1e-9)
-    for c, d in zip(found.gain_crossings, plain.gain_crossings, strict=True):
+    assert [c.frequency for c in loop_margins.gain_crossings] == pytest.approx(expected, rel=1e-9)
+    for c, d in zip(loop_margins.gain_crossings, plain.gain_crossings, strict=True):
         turned = d.phase_margin - np.degrees(delay * d.frequency)
         assert (c.phase_margin - turned) % 360 == pytest.approx(0, abs=1e-6) or (
             c.phase_margin - turned
@@ -101,21 +101,27 @@ def test_a_crossing_on_a_node_is_kept(
 
 
 @pytest.mark.parametrize("b", [[-1.0, 1.0], [1.0, 1.0], [-2.0, -2.0]])
-def test_a_delayed_loop_of_gain_one_at_all_frequencies_bears_no_delay(b: list[float]) -> None:
-    found = margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
-    assert not found.stable and found.delay_margin == 0 and found.phase_margin == pytest.approx(0, abs=1e-6)
+def test_a_delayed_all_pass_of_gain_one_has_no_delay_margin(b: list[float]) -> None:
+    loop_margins = margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
+    assert (
+        not loop_margins.stable
+        and loop_margins.delay_margin == 0
+        and loop_margins.phase_margin == pytest.approx(0, abs=1e-6)
+    )
 
 
 def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
-    """L = -s / (s + 1), late and held: nearly that of a direct path beside -1."""
-    found, beside = (
+    """L = -s / (s + 1), delayed and held: direct feedthrough of -1, removed by the hold."""
+    loop_margins, beside = (
         margins.of_loop(transfer.delayed(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1)) for d in (-1.0, -1 + 1e-9)
     )
-    assert found.stable and found.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
+    assert loop_margins.stable and loop_margins.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
 
 
-def test_a_loop_that_stays_beside_one_is_refused_before_it_fills_the_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_loop_that_stays_close_to_gain_one_is_refused_in_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(delayed_crossings, "MOST_INTERVALS", 500)
     flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
-    with pytest.raises(ModelError, match="cannot be told apart"):
+    with pytest.raises(ModelError, match="cannot be separated"):
         margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))

@@ -1,4 +1,4 @@
-"""Sampling against SciPy, quadrature, an ODE solver, closed forms and mpmath, which knows nothing of Arb."""
+"""Sampling against SciPy, quadrature, an ODE solver, closed forms and mpmath, which is independent of Arb."""
 
 import mpmath
 import numpy as np
@@ -49,7 +49,7 @@ def test_zero_order_hold_agrees_with_scipy_and_with_quadrature(seed: int) -> Non
 
 @settings(derandomize=True, max_examples=15, deadline=None)
 @given(st.integers(0, 10**6))
-def test_first_order_hold_has_the_response_of_scipys(seed: int) -> None:
+def test_first_order_hold_matches_scipy(seed: int) -> None:
     c = random_model(seed)
     ramp = discretise.first_order_hold(c.A, c.B, T)
     A, B, C, D, _ = scipy.signal.cont2discrete((c.A, c.B, c.C, c.D), T, method="foh")
@@ -71,7 +71,7 @@ def test_first_order_hold_is_the_solution_for_a_linear_input() -> None:
     assert np.abs(ramp.F @ x0 + ramp.G[:, 0] * u0 - solved).max() > 1e3 * tolerances.of("ode")  # H left out
 
 
-def test_a_double_integrator_comes_out_as_its_closed_form() -> None:
+def test_a_double_integrator_has_its_closed_form() -> None:
     held = discretise.zero_order_hold(model([[0, 1], [0, 0]], [[0], [1]]), T)
     ramp = discretise.first_order_hold([[0, 1], [0, 0]], [[0], [1]], T)
     exact = mpmath.mpf(T)
@@ -90,7 +90,7 @@ def test_each_entry_is_rounded_once() -> None:
         exact = np.array([[float(E[i, j]) for j in range(n + m)] for i in range(n)])
     np.testing.assert_array_equal(np.hstack([held.A, held.B]), exact)
     double = scipy.linalg.expm(np.block([[c.A, c.B], [np.zeros((m, n + m))]]) * T)[:n]
-    assert (double != exact).any()  # an exponential in double is not rounded right, and the test sees it
+    assert (double != exact).any()  # an exponential in double is not correctly rounded, and the test detects it
 
 
 def test_decoupled_axes_stay_decoupled() -> None:
@@ -105,12 +105,12 @@ def test_a_mode_that_needs_more_bits_gets_them_and_one_that_needs_too_many_is_re
         E = (precise.matrix([[-a, 1.0], [0.0, a]])).exp()
         return precise.flint.arb_mat([[E[1, 1] * E[0, 0] + E[0, 1] - E[0, 1]]])
 
-    assert precise.resolved(lambda: cancelling(300.0), "the product")[0, 0] == 1
+    assert precise.correctly_rounded(lambda: cancelling(300.0), "the product")[0, 0] == 1
     with pytest.raises(ModelError, match=r"the product is not determined by 4096 bits: .* shorter period"):
-        precise.resolved(lambda: cancelling(1e4), "the product")
+        precise.correctly_rounded(lambda: cancelling(1e4), "the product")
 
 
-def test_an_unknown_ball_is_larger_than_any_number() -> None:
+def test_the_norm_of_an_unbounded_ball_is_infinite() -> None:
     assert precise.norm(precise.flint.arb_mat([[precise.flint.arb(1), precise.flint.arb("nan")]])) == np.inf
 
 
@@ -125,8 +125,8 @@ def test_a_delay_multiplies_the_response_by_a_power_of_z(samples: int) -> None:
     assert late.states[len(held.states) :] == tuple(f"{u}_late{k + 1}" for k in range(samples) for u in held.inputs)
 
 
-def gathered(seed: int, spread: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """F, W >= 0 of low rank and the scaling D^-1 F D, D W D with D of unlike powers of 10."""
+def random_case(seed: int, spread: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """F, W >= 0 of low rank and the scaling D^-1 F D, D W D with D of different powers of 10."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 7))
     F, root = rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-1, 2), rng.normal(size=(n, int(rng.integers(1, n + 1))))
@@ -135,78 +135,80 @@ def gathered(seed: int, spread: float) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return F * D / D[:, None], (W + W.T) / 2, D
 
 
-def off(found: np.ndarray, exact: np.ndarray, D: np.ndarray) -> float:
+def off(computed: np.ndarray, exact: np.ndarray, D: np.ndarray) -> float:
     """The largest error of a quadratic form over its largest entry, both in the units before scaling."""
-    found, exact = (v / D / D[:, None] for v in (found, exact))
-    return float(np.abs(found - exact).max() / np.abs(exact).max())
+    computed, exact = (v / D / D[:, None] for v in (computed, exact))
+    return float(np.abs(computed - exact).max() / np.abs(exact).max())
 
 
 @settings(derandomize=True, max_examples=30, deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from([0.0, 3.0, 6.0]), st.floats(1e-4, 0.3))
-def test_what_gathers_over_a_period_agrees_with_ball_arithmetic(seed: int, spread: float, period_s: float) -> None:
-    F, W, D = gathered(seed, spread)
-    found, exact = discretise.gramian(F, W, period_s), discretise.gramian(F, W, period_s, exact=True)
+def test_gramian_over_a_period_agrees_with_ball_arithmetic(seed: int, spread: float, period_s: float) -> None:
+    F, W, D = random_case(seed, spread)
+    propagation, exact = discretise.gramian(F, W, period_s), discretise.gramian(F, W, period_s, exact=True)
     growth = max(1.0, np.abs(F * D[:, None] / D).sum(axis=1).max() * period_s)
-    assert off(found.W, exact.W, D) <= tolerances.of("folded") * growth
-    M, E = found.M * D[:, None] / D, exact.M * D[:, None] / D
+    assert off(propagation.W, exact.W, D) <= tolerances.of("folded") * growth
+    M, E = propagation.M * D[:, None] / D, exact.M * D[:, None] / D
     assert np.abs(M - E).max() <= tolerances.of("folded") * growth * max(1.0, np.abs(E).max())
-    np.testing.assert_array_equal(found.W, found.W.T)
-    values = np.linalg.eigvalsh(found.W / D / D[:, None])
+    np.testing.assert_array_equal(propagation.W, propagation.W.T)
+    values = np.linalg.eigvalsh(propagation.W / D / D[:, None])
     assert values[0] >= -tolerances.of("folded") * values[-1]
 
 
 @pytest.mark.parametrize("exact", [False, True])
-def test_what_gathers_over_a_period_agrees_with_quadrature(exact: bool) -> None:
-    F, W, _ = gathered(3, 0.0)
+def test_gramian_over_a_period_agrees_with_quadrature(exact: bool) -> None:
+    F, W, _ = random_case(3, 0.0)
     nodes, weights = np.polynomial.legendre.leggauss(24)
     flows = [scipy.linalg.expm(F * T / 2 * (v + 1)) for v in nodes]
     integral = T / 2 * sum(w * M.T @ W @ M for w, M in zip(weights, flows, strict=True))
-    found = discretise.gramian(F, W, T, exact=exact)
-    np.testing.assert_allclose(found.W, integral, rtol=0, atol=tolerances.of("quadrature") * np.abs(integral).max())
-    np.testing.assert_allclose(found.M, scipy.linalg.expm(F * T), rtol=0, atol=tolerances.of("double"))
-    transposed = discretise.gramian(F.T, W, T, exact=exact).W  # another integral unless F is symmetric
+    propagation = discretise.gramian(F, W, T, exact=exact)
+    np.testing.assert_allclose(
+        propagation.W, integral, rtol=0, atol=tolerances.of("quadrature") * np.abs(integral).max()
+    )
+    np.testing.assert_allclose(propagation.M, scipy.linalg.expm(F * T), rtol=0, atol=tolerances.of("double"))
+    transposed = discretise.gramian(F.T, W, T, exact=exact).W  # a different integral unless F is symmetric
     assert np.abs(transposed - integral).max() > 1e-3 * np.abs(integral).max()
 
 
 def test_a_slow_mode_beside_a_fast_one_keeps_its_digits() -> None:
     """Modes a_i: W_ij = (exp((a_i + a_j) T) - 1) / (a_i + a_j); one block exponential in double overflows."""
     a, period_s = np.array([-1e6, -1e-3, 1e-3, -40.0]), 1.0
-    found = discretise.gramian(np.diag(a), np.ones((4, 4)), period_s)
+    propagation = discretise.gramian(np.diag(a), np.ones((4, 4)), period_s)
     rate = a + a[:, None]
     known = np.where(rate == 0, period_s, np.expm1(rate * period_s) / np.where(rate == 0, 1, rate))
-    np.testing.assert_allclose(found.W, known, rtol=tolerances.of("folded"))
-    np.testing.assert_allclose(np.diag(found.M)[1:3], np.exp(a[1:3]), rtol=tolerances.of("folded"))
+    np.testing.assert_allclose(propagation.W, known, rtol=tolerances.of("folded"))
+    np.testing.assert_allclose(np.diag(propagation.M)[1:3], np.exp(a[1:3]), rtol=tolerances.of("folded"))
     with np.errstate(all="ignore"):
         block = scipy.linalg.expm(np.block([[-np.diag(a), np.ones((4, 4))], [np.zeros((4, 4)), np.diag(a)]]))
         assert not np.isfinite(block).all()
 
 
-def test_what_has_decayed_keeps_its_relative_precision() -> None:
-    found = discretise.gramian(np.diag([-300.0, -200.0]), np.eye(2), 1.0)
-    np.testing.assert_allclose(np.diag(found.M), np.exp([-300.0, -200.0]), rtol=1e3 * tolerances.of("folded"))
+def test_decayed_modes_keep_their_relative_precision() -> None:
+    propagation = discretise.gramian(np.diag([-300.0, -200.0]), np.eye(2), 1.0)
+    np.testing.assert_allclose(np.diag(propagation.M), np.exp([-300.0, -200.0]), rtol=1e3 * tolerances.of("folded"))
 
 
-def test_a_chain_of_integrators_gathers_its_closed_form() -> None:
+def test_the_gramian_of_a_chain_of_integrators_has_its_closed_form() -> None:
     """x_i' = x_i+1 with a cost of x_1: W_ij = T^(i+j+1) / (i! j! (i+j+1)), from 0."""
     n = 5
     W, i = np.zeros((n, n)), np.arange(n)
     W[0, 0] = 1
-    found = discretise.gramian(np.diag(np.ones(n - 1), 1), W, T)
+    propagation = discretise.gramian(np.diag(np.ones(n - 1), 1), W, T)
     factorial = np.array([1.0, 1, 2, 6, 24])
     known = T ** (i + i[:, None] + 1) / (factorial * factorial[:, None] * (i + i[:, None] + 1))
-    np.testing.assert_allclose(found.W, known, rtol=1e2 * tolerances.of("last_bit"))
-    np.testing.assert_allclose(found.M, scipy.linalg.expm(np.diag(np.ones(n - 1), 1) * T), rtol=1e-14, atol=1e-25)
+    np.testing.assert_allclose(propagation.W, known, rtol=1e2 * tolerances.of("last_bit"))
+    np.testing.assert_allclose(propagation.M, scipy.linalg.expm(np.diag(np.ones(n - 1), 1) * T), rtol=1e-14, atol=1e-25)
 
 
-def test_nothing_gathers_where_nothing_is_weighted_or_moves() -> None:
+def test_the_gramian_is_zero_without_weight_or_without_states() -> None:
     still = discretise.gramian(np.zeros((2, 2)), np.eye(2), T)
     np.testing.assert_array_equal(still.M, np.eye(2))
     np.testing.assert_array_equal(still.W, T * np.eye(2))
     assert not discretise.gramian([[1.0]], [[0.0]], T).W.any()
 
 
-def test_what_cannot_be_gathered_is_refused() -> None:
-    with pytest.raises(ModelError, match=r"beyond what a double holds within 1 s: take a shorter period"):
+def test_invalid_gramian_arguments_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"a mode overflows double precision within 1 s: take a shorter period"):
         discretise.gramian([[1e3]], [[1.0]], 1.0)
     with pytest.raises(SignalError, match=r"W is not symmetric: \[0, 1\] is 1.0, \[1, 0\] is 0.0"):
         discretise.gramian(np.eye(2), [[1, 1], [0, 1]], T)
@@ -238,7 +240,7 @@ def test_sampling_and_delay_carry_units() -> None:
 def test_time_is_not_mixed() -> None:
     c = random_model(1)
     held = discretise.zero_order_hold(c, T)
-    with pytest.raises(TimingError, match=r"discrete time of 0.02 s was given to be sampled"):
+    with pytest.raises(TimingError, match=r"discrete time of 0.02 s cannot be sampled"):
         discretise.zero_order_hold(held, T)
     for period in (0.0, -1.0, np.nan):
         with pytest.raises(TimingError, match="finite and positive"):
@@ -249,14 +251,14 @@ def test_time_is_not_mixed() -> None:
         discretise.with_delay(held, -1)
 
 
-def test_models_without_states_are_sampled_in_silence(capfd: pytest.CaptureFixture[str]) -> None:
+def test_models_without_states_are_sampled_without_warnings(capfd: pytest.CaptureFixture[str]) -> None:
     empty = np.zeros((0, 0))
     assert discretise.gramian(empty, empty, 0.1).W.shape == (0, 0)
     assert discretise.balancing(empty).shape == (0,)
-    assert capfd.readouterr() == ("", "")  # LAPACK tells of illegal values itself
+    assert capfd.readouterr() == ("", "")  # LAPACK prints illegal values itself
 
 
-def test_periods_and_arrays_are_read_or_refused() -> None:
+def test_periods_and_arrays_are_accepted_or_refused() -> None:
     single = discretise.zero_order_hold(([[0.0]], [[1.0]]), np.float32(0.5))
     assert single.B == 0.5 and type(single.time.period_s) is float
     with pytest.raises(SignalError, match="they are complex"):

@@ -45,21 +45,21 @@ def test_models_may_have_no_states_and_come_as_arrays() -> None:
     assert mine.response(0)[0, 0, 0] == 3
 
 
-def test_what_cannot_be_wired_is_refused() -> None:
-    def connected(models: list[StateSpace], wires: interconnect.Wires, inputs: tuple[str, ...] = ("d",)) -> None:
+def test_invalid_wires_are_refused() -> None:
+    def connect(models: list[StateSpace], wires: interconnect.Wires, inputs: tuple[str, ...] = ("d",)) -> None:
         interconnect.connect(models, inputs, ["y"], wires)
 
     with pytest.raises(SignalError, match="'q' is not one of y, z, d"):
-        connected([PLANT], {"u": {"q": 1.0}})
-    with pytest.raises(SignalError, match="'y' stands 2 times among the models' outputs"):
-        connected([PLANT, PLANT.renamed({"u": "w", "d": "v"})], {})
+        connect([PLANT], {"u": {"q": 1.0}})
+    with pytest.raises(SignalError, match="'y' is listed 2 times among the models' outputs"):
+        connect([PLANT, PLANT.renamed({"u": "w", "d": "v"})], {})
     with pytest.raises(SignalError, match="'y' is an external input and a model's output"):
-        connected([PLANT], {}, ("y",))
+        connect([PLANT], {}, ("y",))
     with pytest.raises(TimingError):
-        connected([PLANT, of(([[0.5]], [[1.0]], Discrete(1e-3)))], {})
+        connect([PLANT, of(([[0.5]], [[1.0]], Discrete(1e-3)))], {})
     short = of(([[-1.0]], [[1.0]], [[1.0]], [[1.0]])).renamed({"y1": "y", "u1": "u"})
     with pytest.raises(ModelError, match="I - W D is singular"):
-        connected([short], {"u": {"y": 1.0}}, ())
+        connect([short], {"u": {"y": 1.0}}, ())
 
 
 @pytest.mark.parametrize("factor", ["x", 1j, np.nan, None])
@@ -68,7 +68,7 @@ def test_a_factor_is_a_finite_number(factor: Any) -> None:
         interconnect.connect([PLANT], ["r", "d"], ["y"], {"u": {"r": factor}})
 
 
-def test_what_connects_nothing_is_refused() -> None:
+def test_unconnected_inputs_are_refused() -> None:
     with pytest.raises(SignalError, match="there are no models to connect"):
         interconnect.connect([], [], [], {})
     with pytest.raises(SignalError, match=r"`wires` of .* is \{'u': 'r'\}: give a mapping from a text to a mapping"):
@@ -89,7 +89,7 @@ def test_a_wire_between_unlike_units_needs_its_factor() -> None:
 
 
 def test_units_make_no_algebraic_loop() -> None:
-    """A loop through two gains of 1e12 and 1e-12 is that of two gains of 1."""
+    """A loop through two gains of 1e12 and 1e-12 equals one of two gains of 1."""
     for scale in (1.0, 1e12):
         first = of((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[scale]])).renamed({"u1": "a", "y1": "b"})
         second = of((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[1 / scale]]))

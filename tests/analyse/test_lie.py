@@ -1,4 +1,4 @@
-"""The affine form is the plant's own equation, and equations that are not affine are named with their inputs."""
+"""The affine form is the plant's own equation, and errors name non-affine equations with their inputs."""
 
 import casadi as ca
 import numpy as np
@@ -43,7 +43,7 @@ def test_derivatives_along_f_and_G_are_finite_differences() -> None:
 @pytest.mark.parametrize(
     "rate", [U**2, U * L * U, ca.fabs(U), ca.sign(U), ca.sin(U), ca.fmin(U, 0.5), L * U + 1e-9 * U**3, ca.exp(U) / L]
 )
-def test_what_is_not_affine_is_refused_with_the_mend(rate: ca.SX) -> None:
+def test_non_affine_plants_are_refused_with_the_mend(rate: ca.SX) -> None:
     with pytest.raises(
         ModelError, match=r"'tank' is not affine .*rate of 'level' in flow\. Put an integrator before f"
     ):
@@ -53,7 +53,7 @@ def test_what_is_not_affine_is_refused_with_the_mend(rate: ca.SX) -> None:
 @pytest.mark.parametrize(
     "rate", [U, U * ca.sin(L), (U + 1) ** 2 - U**2, U * L / U, ca.sqrt(L) * (U - 3), (L + U) ** 2 - U * U]
 )
-def test_what_is_affine_behind_its_form_is_taken(rate: ca.SX) -> None:
+def test_plants_that_are_affine_after_simplification_are_accepted(rate: ca.SX) -> None:
     model = tank(rate)
     parts = ca.Function("p", [model.x], [model.f, ca.densify(model.G)])
     expected = ca.Function("e", [L, U], [-L + rate])
@@ -61,7 +61,7 @@ def test_what_is_affine_behind_its_form_is_taken(rate: ca.SX) -> None:
     assert f + 0.37 * G == pytest.approx(float(expected(0.9, 0.37)), rel=tolerances.of("double"))
 
 
-def test_an_output_that_an_input_bends_is_named() -> None:
+def test_an_output_that_is_not_affine_in_an_input_is_named() -> None:
     plant = textbook_plants.build(
         "tank",
         [textbook_plants.Signal("level", "m", 0.5, 2.0)],
@@ -85,7 +85,7 @@ def test_the_stage_is_not_affine_and_every_equation_is_named() -> None:
         lie.affine(maglev_stage.plant(), held=dict.fromkeys(("i_d1", "i_d2", "i_d3", "i_d4"), 0.5))
 
 
-def test_with_the_thrusts_held_and_one_direct_current_two_equations_bend() -> None:
+def test_with_the_thrusts_held_and_one_direct_current_two_equations_are_not_affine() -> None:
     held = dict.fromkeys(("i_d2", "i_d3", "i_d4", "u_x", "u_z"), 0.0)
     with pytest.raises(ModelError, match=r"the rate of 'vy' in i_d1; the rate of 'wphi' in i_d1\. "):
         lie.affine(maglev_stage.plant(), held=held)

@@ -39,27 +39,27 @@ def differences(stage: Plant, at: OperatingPoint) -> tuple[np.ndarray, ...]:
     return tuple(slope(*pair) for pair in pairs)
 
 
-def agrees(model: StateSpace, found: tuple[np.ndarray, ...]) -> bool:
-    pairs = zip((model.A, model.B, model.C, model.D), found, strict=True)
+def agrees(model: StateSpace, numeric: tuple[np.ndarray, ...]) -> bool:
+    pairs = zip((model.A, model.B, model.C, model.D), numeric, strict=True)
     return all(np.allclose(M, N, rtol=1e-7, atol=1e-6) for M, N in pairs)
 
 
-def tilted() -> tuple[Plant, OperatingPoint]:
+def tilted_plant() -> tuple[Plant, OperatingPoint]:
     stage = maglev_stage.plant()
     return stage, trim(stage, {"y": 0.023, "theta": 0.006, "phi": -0.001}, DIRECT)
 
 
 def test_jacobians_are_the_limits_of_differences() -> None:
-    stage, at = tilted()
+    stage, at = tilted_plant()
     assert agrees(linearise(stage, at), differences(stage, at))
 
 
 def test_a_wrong_sign_or_place_is_found() -> None:
-    stage, at = tilted()
-    model, found = linearise(stage, at), differences(stage, at)
-    assert not agrees(replace(model, B=-model.B), found)
+    stage, at = tilted_plant()
+    model, numeric = linearise(stage, at), differences(stage, at)
+    assert not agrees(replace(model, B=-model.B), numeric)
     elsewhere = trim(stage, {"y": 0.0231, "theta": 0.006, "phi": -0.001}, DIRECT)
-    assert not agrees(linearise(stage, elsewhere), found)
+    assert not agrees(linearise(stage, elsewhere), numeric)
 
 
 @pytest.mark.parametrize(("lv3", "pole"), [("coth2", 37.33), ("csch2", 37.76)])
@@ -79,14 +79,14 @@ def test_magnets_oppose_the_springs_at_25_mm() -> None:
 
 
 def test_names_and_time() -> None:
-    stage, at = tilted()
+    stage, at = tilted_plant()
     model = linearise(stage, at)
     assert (model.states[0], model.inputs[4], model.outputs[-1]) == ("y", "u_x", "g4")
     assert model.time == Continuous()
 
 
 def test_parameters_are_those_of_the_point() -> None:
-    stage, at = tilted()
+    stage, at = tilted_plant()
     softer = replace(at, p=stage.with_parameters(k_s_theta=0.0).values)
     change = linearise(stage, softer).A - linearise(stage, at).A
     row, column = stage.states.index(maglev_stage.STATES[9]), stage.states.index(maglev_stage.STATES[8])

@@ -1,4 +1,4 @@
-"""A loop that is opened and closed again has the poles of one that was never opened."""
+"""A loop that is opened and closed again has the poles of the closed loop."""
 
 import itertools
 from dataclasses import replace
@@ -56,19 +56,19 @@ def controller(signal: str) -> StateSpace:
     outputs = ["force", f"{signal}_out"] if signal != "force" else ["force_out", "rate"]
     inputs = ["encoder", "feed", signal]
     parts = loop.cut(blocks(), signal)
-    if signal == "force":  # the actuator reads what is cut
+    if signal == "force":  # the actuator reads the cut signal
         through = build("through", TIME, lambda u, x, k: Step({"drive": u["force"]}), inputs=[FORCE], outputs=[DRIVE])
         parts, outputs = (*parts, through), ["drive", "force_out"]
     block = compose("pd", parts, inputs=inputs, outputs=outputs)
-    return loop.linearised(block, {}, dict.fromkeys(inputs, 0.0))
+    return loop.linearise_block(block, {}, dict.fromkeys(inputs, 0.0))
 
 
-def opened(signal: str, delay: int = 1) -> StateSpace:
+def open_loop(signal: str, delay: int = 1) -> StateSpace:
     actuators = {"f": "drive"} if signal == "force" else ACTUATORS
-    return loop.opened(plant(), controller(signal), signal, SENSORS, actuators, delay)
+    return loop.open_loop(plant(), controller(signal), signal, SENSORS, actuators, delay)
 
 
-def closed_poles(L: StateSpace) -> np.ndarray:
+def closed_loop_poles(L: StateSpace) -> np.ndarray:
     return np.linalg.eigvals(L.A - L.B @ np.linalg.solve(np.eye(1) + L.D, L.C))
 
 
@@ -90,7 +90,7 @@ def independent_poles(delay: int) -> np.ndarray:
     return np.linalg.eigvals(M)
 
 
-def held(u: np.ndarray, tau: float, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:
+def held_response(u: np.ndarray, tau: float, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> np.ndarray:
     """y at the samples of x' = A x + B u(t - tau), u held, from one exponential for each piece of constant input."""
     n, m = B.shape
     last = len(u) * T
@@ -99,7 +99,7 @@ def held(u: np.ndarray, tau: float, A: np.ndarray, B: np.ndarray, C: np.ndarray,
     for a, b in itertools.pairwise(times):
         k = int(np.floor(((a + b) / 2 - tau) / T))
         value = u[k] if k >= 0 else np.zeros(m)
-        # where u jumps at a sample, the sample sees what was there after the jump
+        # if u jumps at a sample, the sample has the value after the jump
         if abs(a / T - round(a / T)) < 1e-9:
             y.append(C @ x + D @ value)
         E = scipy.linalg.expm(np.block([[A, B], [np.zeros((m, n + m))]]) * (b - a))
@@ -107,7 +107,7 @@ def held(u: np.ndarray, tau: float, A: np.ndarray, B: np.ndarray, C: np.ndarray,
     return np.array(y)
 
 
-def stepped(model: StateSpace, u: np.ndarray) -> np.ndarray:
+def simulate(model: StateSpace, u: np.ndarray) -> np.ndarray:
     x, y = np.zeros(len(model.A)), []
     for value in u:
         y.append(model.C @ x + model.D @ value)
@@ -117,14 +117,14 @@ def stepped(model: StateSpace, u: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("samples", [0.0, 0.3, 1.0, 1.3, 2.7, 3.0])
 def test_a_plant_with_any_delay_is_sampled_exactly(samples: float) -> None:
-    """Two inputs, a direct path, an undamped mode; half a sample more, the planted defect, is seen."""
+    """Two inputs, a direct path, an undamped mode; half a sample more, the planted defect, is detected."""
     rng = np.random.default_rng(3)
     A, B, C = np.array([[0, 1, 0], [-900, 0, 2], [0, 0, -50.0]]), rng.normal(size=(3, 2)), rng.normal(size=(2, 3))
     D, u = rng.normal(size=(2, 2)), rng.normal(size=(15, 2))
-    expected = held(u, samples * T, A, B, C, D)
-    found = stepped(loop.sampled((A, B, C, D), T, samples * T), u)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerances.of("double"))
-    late = stepped(loop.sampled((A, B, C, D), T, (samples + 0.5) * T), u)
+    expected = held_response(u, samples * T, A, B, C, D)
+    y = simulate(loop.sampled((A, B, C, D), T, samples * T), u)
+    np.testing.assert_allclose(y, expected, rtol=0, atol=tolerances.of("double"))
+    late = simulate(loop.sampled((A, B, C, D), T, (samples + 0.5) * T), u)
     assert np.abs(late - expected).max() > 1e-3
 
 
@@ -144,25 +144,25 @@ def test_the_poles_of_a_delayed_sampled_loop_near_those_of_a_finely_sampled_one(
     coarse = loop.sampled(P, T, 1.5 * T)
     closed = coarse.A + coarse.B @ (K @ np.hstack([np.eye(2), np.zeros((2, 2))]))[None]
     fine = loop.sampled(P, T / 10, 0.0)
-    x, commands, told = np.array([1.0, 0.0]), [0.0] * 15, []
+    x, commands, outputs = np.array([1.0, 0.0]), [0.0] * 15, []
     z = np.concatenate([x, [0.0, 0.0]])
     for k in range(200):
         if k % 10 == 0:
-            told.append(np.abs(x - z[:2]).max())
+            outputs.append(np.abs(x - z[:2]).max())
             z, command = closed @ z, float(K @ x)
         x, commands = fine.A @ x + fine.B[:, 0] * commands[0], [*commands[1:], command]
-    assert max(told) < tolerances.of("double") < np.abs(x).max()
+    assert max(outputs) < tolerances.of("double") < np.abs(x).max()
 
 
 def test_a_loop_is_opened_with_a_fraction_of_a_sample_too() -> None:
-    between = [margins.of_loop(opened("q", delay)).phase_margin for delay in (1, 1.5, 2)]
-    crossing = margins.of_loop(opened("q", 1)).gain_crossings[0].frequency
+    between = [margins.of_loop(open_loop("q", delay)).phase_margin for delay in (1, 1.5, 2)]
+    crossing = margins.of_loop(open_loop("q", 1)).gain_crossings[0].frequency
     assert between[0] - between[1] == pytest.approx(np.degrees(crossing * T / 2), rel=0.02)
     assert between[0] - between[2] == pytest.approx(np.degrees(crossing * T), rel=0.02)
 
 
-def test_what_cannot_be_sampled_is_refused() -> None:
-    with pytest.raises(TimingError, match=r"discrete time of 0.01 s was given to be sampled"):
+def test_invalid_sampling_is_refused() -> None:
+    with pytest.raises(TimingError, match=r"discrete time of 0.01 s cannot be sampled"):
         loop.sampled(loop.sampled(plant(), T), T)
     for delay in (-1e-3, np.nan, np.inf):
         with pytest.raises(TimingError, match=r"the delay is .* it must be finite and 0 or more"):
@@ -171,22 +171,22 @@ def test_what_cannot_be_sampled_is_refused() -> None:
         with pytest.raises(TimingError, match=r"the delay is .*: give a number|`delay(_s)?` of .*: give a number"):
             loop.sampled(plant(), T, delay)
         with pytest.raises(TimingError, match=r"the delay is .*: give a number|`delay(_s)?` of .*: give a number"):
-            opened("q", delay)
+            open_loop("q", delay)
     with pytest.raises(TimingError, match="must be finite and positive"):
         loop.sampled(plant(), 0.0)
 
 
 def test_a_delay_of_very_many_samples_is_refused_before_it_is_built() -> None:
-    for call in (lambda: loop.sampled(plant(), T, 1e6), lambda: opened("q", 10**8), lambda: opened("q", 501.5)):
+    for call in (lambda: loop.sampled(plant(), T, 1e6), lambda: open_loop("q", 10**8), lambda: open_loop("q", 501.5)):
         with pytest.raises(TimingError, match=r"samples of 0.01 s for each of 1 inputs: at most 500 .* longer period"):
             call()
     assert len(loop.sampled(plant(), T, 20.3 * T).states) == 2 + 21
 
 
 @pytest.mark.parametrize("delay", [0.0, 1.0, 0.4])
-def test_a_mode_that_no_double_holds_over_a_period_is_refused(delay: float) -> None:
+def test_a_mode_that_overflows_within_a_period_is_refused(delay: float) -> None:
     fast = ([[1e5, 0.0], [0.0, -1.0]], [[1.0], [1.0]], [[1.0, 1.0]], [[0.0]])
-    with pytest.raises(ModelError, match=r"grows beyond what a double holds within 0.01 s: take a shorter period"):
+    with pytest.raises(ModelError, match=r"overflows double precision within 0.01 s: take a shorter period"):
         loop.sampled(fast, T, delay * T)
     assert np.isfinite(loop.sampled(fast, 1e-3, delay * 1e-3).A).all()  # e^100
 
@@ -194,12 +194,12 @@ def test_a_mode_that_no_double_holds_over_a_period_is_refused(delay: float) -> N
 def test_without_a_delay_the_sampled_plant_is_that_of_the_hold() -> None:
     rng = np.random.default_rng(5)
     P = StateSpace(rng.normal(size=(3, 3)), rng.normal(size=(3, 2)), np.eye(3), np.zeros((3, 2)), *NAMES, Continuous())
-    found, expected = loop.sampled(P, T), discretise.zero_order_hold(P, T)
-    assert np.array_equal(found.A, expected.A) and np.array_equal(found.B, expected.B)
-    assert (found.states, found.inputs, found.time) == (expected.states, expected.inputs, TIME)
+    sampled, expected = loop.sampled(P, T), discretise.zero_order_hold(P, T)
+    assert np.array_equal(sampled.A, expected.A) and np.array_equal(sampled.B, expected.B)
+    assert (sampled.states, sampled.inputs, sampled.time) == (expected.states, expected.inputs, TIME)
 
 
-def sorted_like(poles: np.ndarray) -> np.ndarray:
+def sort_poles(poles: np.ndarray) -> np.ndarray:
     return np.sort_complex(np.round(poles[np.abs(poles) > 1e-6], 9))
 
 
@@ -207,30 +207,30 @@ def sorted_like(poles: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("delay", [1, 2])
 def test_closing_the_loop_again_gives_the_poles_of_the_whole(signal: str, delay: int) -> None:
     """`rate` cut leaves the proportional path closed; the whole is the same wherever it is cut."""
-    ours, whole = sorted_like(closed_poles(opened(signal, delay))), sorted_like(independent_poles(delay))
+    ours, whole = sort_poles(closed_loop_poles(open_loop(signal, delay))), sort_poles(independent_poles(delay))
     np.testing.assert_allclose(ours, whole, rtol=0, atol=tolerances.of("pencil"))
-    other = sorted_like(independent_poles(3 - delay))
-    assert len(other) != len(ours) or np.abs(ours - other).max() > 1e-3  # another delay is told apart
+    other = sort_poles(independent_poles(3 - delay))
+    assert len(other) != len(ours) or np.abs(ours - other).max() > 1e-3  # another delay is distinguished
 
 
 def test_the_loop_at_the_position_is_the_product_of_its_parts() -> None:
-    """L = (K_p + K_d (z - 1) / (T z)) z^-1 P(z) at a loop cut where nothing runs beside it."""
+    """L = (K_p + K_d (z - 1) / (T z)) z^-1 P(z) at a cut without a parallel path."""
     z = np.exp(1j * np.linspace(0.05, 3.0, 7))
     c, s = np.cosh(2 * T), np.sinh(2 * T)
     P = ((c - 1) / 4 * (z - c) + s / 2 * s / 2) / ((z - c) ** 2 - s**2)
     expected = (KP + KD * (z - 1) / (T * z)) / z * P
     for signal in ("q", "force"):
-        np.testing.assert_allclose(opened(signal).response(z)[:, 0, 0], expected, rtol=tolerances.of("pencil"))
+        np.testing.assert_allclose(open_loop(signal).response(z)[:, 0, 0], expected, rtol=tolerances.of("pencil"))
 
 
 def test_the_stiffness_of_the_magnet_is_its_lower_gain_margin() -> None:
-    """At rest L = -K_p / 4: the gain may fall to 4/30 before the magnet wins."""
-    found = margins.of_loop(opened("q"))
-    assert found.stable and found.gain_reduction_margin == pytest.approx(4 / KP, rel=1e-6)
+    """At rest L = -K_p / 4: the gain may decrease to 4/30 before the magnet destabilises it."""
+    loop_margins = margins.of_loop(open_loop("q"))
+    assert loop_margins.stable and loop_margins.gain_reduction_margin == pytest.approx(4 / KP, rel=1e-6)
 
 
 def test_inputs_that_are_not_wired_stay_at_rest_and_names_say_what_is_what() -> None:
-    L = opened("q")
+    L = open_loop("q")
     assert (L.inputs, L.outputs, L.time) == (("q",), ("q_out",), TIME)
     assert L.states == ("plant_x", "plant_v", "plant_f_late1", "rater_last")
 
@@ -238,37 +238,37 @@ def test_inputs_that_are_not_wired_stay_at_rest_and_names_say_what_is_what() -> 
 def test_jacobians_agree_with_differences_off_rest() -> None:
     block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
     at, h = {"encoder": 0.3, "feed": 1.0}, 1e-6
-    found, f = loop.linearised(block, {"rater_last": 0.2}, at), block.function()
+    jacobians, f = loop.linearise_block(block, {"rater_last": 0.2}, at), block.function()
     up, down = (np.array(f([0.2], [0.3 + d, 1.0])[1]).item() for d in (h, -h))
-    assert found.D[0, 0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
-    assert found.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
-    np.testing.assert_array_equal(found.A, [[0]])
-    np.testing.assert_allclose(found.C, [[KD / T]])
+    assert jacobians.D[0, 0] == pytest.approx((up - down) / (2 * h), rel=1e-6)
+    assert jacobians.D[0, 0] == pytest.approx(-KP - KD / T - 15 * 0.3**2, rel=tolerances.of("double"))
+    np.testing.assert_array_equal(jacobians.A, [[0]])
+    np.testing.assert_allclose(jacobians.C, [[KD / T]])
 
 
-def test_names_that_are_not_known_are_refused() -> None:
+def test_unknown_names_are_refused() -> None:
     with pytest.raises(SignalError, match="no Block drives 'gap': open the loop at a signal that one drives"):
         loop.cut(blocks(), "gap")
     block = compose("pd", blocks(), inputs=["encoder", "feed"], outputs=["force"])
     with pytest.raises(SignalError, match=r"not known \['spin'\], missing \['feed'\]"):
-        loop.linearised(block, {"spin": 1.0}, {"encoder": 0.0})
+        loop.linearise_block(block, {"spin": 1.0}, {"encoder": 0.0})
     for sensors, actuators in (({"encoder": "height"}, ACTUATORS), ({"eye": "position"}, ACTUATORS)):
         with pytest.raises(SignalError, match=r"'(height|eye)' is not one of"):
-            loop.opened(plant(), controller("q"), "q", sensors, actuators)
+            loop.open_loop(plant(), controller("q"), "q", sensors, actuators)
     with pytest.raises(SignalError, match=r"from 'torque' to 'f': 'torque' is not one of force, q_out"):
-        loop.opened(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
+        loop.open_loop(plant(), controller("q"), "q", SENSORS, {"f": "torque"})
     with pytest.raises(
         SignalError, match="at 'rate', which is neither a sensor nor an actuator: name one of encoder, f"
     ):
-        loop.opened(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
+        loop.open_loop(plant(), controller("q"), "rate", SENSORS, ACTUATORS)
 
 
 def test_time_and_direct_paths_are_checked() -> None:
     with pytest.raises(TimingError, match="continuous"):
-        loop.opened(plant(), plant(), "f", {}, {})
+        loop.open_loop(plant(), plant(), "f", {}, {})
     with pytest.raises(SignalError, match="at least one sample of delay"):
-        loop.opened(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
-    loop.opened(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
+        loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=0)
+    loop.open_loop(plant(1.0), controller("q"), "q", SENSORS, ACTUATORS, delay=1)
 
 
 def test_a_flag_that_is_cut_stays_the_flag_of_its_fault() -> None:

@@ -30,16 +30,16 @@ FIGURES = [
 
 @pytest.mark.parametrize(("lv3", "at_20", "at_30"), FIGURES)
 def test_figures_at_20_and_30_mm(lv3: str, at_20: dict[str, float], at_30: dict[str, float]) -> None:
-    found = of_stage(lv3)
+    magnitudes = of_stage(lv3)
     for k, figures in enumerate((at_20, at_30)):
         for term, figure in figures.items():
-            assert found.of(term)[k] == pytest.approx(figure, rel=5e-5), term
+            assert magnitudes.of(term)[k] == pytest.approx(figure, rel=5e-5), term
 
 
-def dominates(found: magnitude.Magnitudes) -> bool:
+def dominates(magnitudes: magnitude.Magnitudes) -> bool:
     kept = ("a2", "a3", "a7")
     dropped = [n for n in maglev_polynomial.NEGLIGIBLE if n.startswith("a")]
-    return min(found.of(n)[0] for n in kept) > max(found.of(n)[0] for n in dropped)
+    return min(magnitudes.of(n)[0] for n in kept) > max(magnitudes.of(n)[0] for n in dropped)
 
 
 def test_the_kept_terms_dominate_with_csch2_alone() -> None:
@@ -56,15 +56,15 @@ def test_a1_when_level(mm: int, figure: float) -> None:
 
 def test_no_sample_exceeds_a_maximum() -> None:
     model = maglev_polynomial.input_polynomial(maglev_stage.nominal())
-    found = of_stage("csch2")
+    magnitudes = of_stage("csch2")
     symbols = {**model.x, **model.u}
     f = ca.Function("f", [ca.vcat(list(symbols.values()))], [ca.vcat(list(model.coefficients.values()))])
     rng = np.random.default_rng(1)
     angles = np.array([rng.uniform(s.low, s.high, 5000) for s in ANGLES])
     rows = np.vstack([np.full(5000, 0.02), angles, np.zeros((2, 5000))])
-    assert (np.abs(np.asarray(f(rows))).max(axis=1) <= found.maxima[0] * (1 + 1e-12)).all()
-    at_worst = [f([0.02, *found.worst[0, j], 0, 0])[j] for j in range(len(found.terms))]
-    assert np.abs(np.array(at_worst, dtype=float).ravel()) == pytest.approx(found.maxima[0], rel=1e-12)
+    assert (np.abs(np.asarray(f(rows))).max(axis=1) <= magnitudes.maxima[0] * (1 + 1e-12)).all()
+    at_worst = [f([0.02, *magnitudes.worst[0, j], 0, 0])[j] for j in range(len(magnitudes.terms))]
+    assert np.abs(np.array(at_worst, dtype=float).ravel()) == pytest.approx(magnitudes.maxima[0], rel=1e-12)
 
 
 def test_interior_and_vertex_maxima_of_known_functions() -> None:
@@ -74,12 +74,12 @@ def test_interior_and_vertex_maxima_of_known_functions() -> None:
         "corner": X * (1 + Y) * T,
         "nothing": ca.SX(0),
     }
-    found = magnitude.magnitudes(terms, SYMBOLS, BOX, "T", [1.0, 3.0], {})
-    assert found.maxima == pytest.approx(np.array([[1, 1, 4, 0], [3, 3, 12, 0]]), rel=1e-9)
-    assert found.worst[1, 0] == pytest.approx([0.3141, 0.7183], abs=1e-5)
-    assert found.worst[0, 2] == pytest.approx([2.0, 1.0])
+    magnitudes = magnitude.magnitudes(terms, SYMBOLS, BOX, "T", [1.0, 3.0], {})
+    assert magnitudes.maxima == pytest.approx(np.array([[1, 1, 4, 0], [3, 3, 12, 0]]), rel=1e-9)
+    assert magnitudes.worst[1, 0] == pytest.approx([0.3141, 0.7183], abs=1e-5)
+    assert magnitudes.worst[0, 2] == pytest.approx([2.0, 1.0])
     with pytest.raises(SignalError, match="no term 'a1'"):
-        found.of("a1")
+        magnitudes.of("a1")
 
 
 def test_the_grid_alone_would_miss_the_peak(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,11 +90,11 @@ def test_the_grid_alone_would_miss_the_peak(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_decoupling_of_the_stage_over_its_range() -> None:
     model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
-    found = magnitude.conditioning(model.decoupling(), model.x, (STATES["y"], *ANGLES))
-    assert found.min_abs_det == pytest.approx(134.09, abs=5e-3)
-    assert found.max_cond == pytest.approx(3.6821, abs=5e-5)
-    assert found.det_at["y"] == pytest.approx(0.031)
-    assert found.cond_at["y"] == pytest.approx(0.018)
+    conditioning = magnitude.conditioning(model.decoupling(), model.x, (STATES["y"], *ANGLES))
+    assert conditioning.min_abs_det == pytest.approx(134.09, abs=5e-3)
+    assert conditioning.max_cond == pytest.approx(3.6821, abs=5e-5)
+    assert conditioning.det_at["y"] == pytest.approx(0.031)
+    assert conditioning.cond_at["y"] == pytest.approx(0.018)
 
 
 def test_a_swapped_sign_in_the_input_transformation_makes_the_stage_singular(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,9 +110,9 @@ def test_a_swapped_sign_in_the_input_transformation_makes_the_stage_singular(mon
 
 def test_a_change_of_sign_between_grid_points_is_found() -> None:
     matrix = ca.vertcat(ca.horzcat(X - 0.777, 0), ca.horzcat(0, 1 + Y))
-    found = magnitude.conditioning(matrix, SYMBOLS, BOX)
-    assert found.min_abs_det == 0.0
-    assert found.det_at["X"] == pytest.approx(0.777, abs=1e-9)
+    conditioning = magnitude.conditioning(matrix, SYMBOLS, BOX)
+    assert conditioning.min_abs_det == 0.0
+    assert conditioning.det_at["X"] == pytest.approx(0.777, abs=1e-9)
 
 
 def test_a_determinant_that_only_touches_zero_is_found() -> None:
@@ -121,18 +121,18 @@ def test_a_determinant_that_only_touches_zero_is_found() -> None:
     touching = magnitude.conditioning(matrix, SYMBOLS, BOX)
     assert touching.min_abs_det < 1e-9 and touching.det_at == pytest.approx({"X": 0.777, "Y": 0.333}, abs=1e-6)
     lifted = ca.vertcat(ca.horzcat(touches + 0.01, 0), ca.horzcat(0, 1))
-    found = magnitude.conditioning(lifted, SYMBOLS, BOX)
-    assert found.min_abs_det == pytest.approx(0.01, rel=1e-9)
-    assert found.max_cond == pytest.approx(100, rel=1e-6)
+    conditioning = magnitude.conditioning(lifted, SYMBOLS, BOX)
+    assert conditioning.min_abs_det == pytest.approx(0.01, rel=1e-9)
+    assert conditioning.max_cond == pytest.approx(100, rel=1e-6)
 
 
 def test_the_largest_condition_number_is_met_where_a_row_is_largest() -> None:
     matrix = ca.vertcat(ca.horzcat(1 + Y, 0), ca.horzcat(0, 1))
-    found = magnitude.conditioning(matrix, SYMBOLS, BOX)
-    assert found.max_cond == pytest.approx(2.0) and found.cond_at["Y"] == pytest.approx(1.0)
+    conditioning = magnitude.conditioning(matrix, SYMBOLS, BOX)
+    assert conditioning.max_cond == pytest.approx(2.0) and conditioning.cond_at["Y"] == pytest.approx(1.0)
 
 
-def test_bad_requests_are_refused() -> None:
+def test_invalid_arguments_are_refused() -> None:
     with pytest.raises(SignalError, match="contains T"):
         magnitude.conditioning(T, SYMBOLS, BOX)
     with pytest.raises(SignalError, match="no symbol for Z"):

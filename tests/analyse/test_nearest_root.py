@@ -10,7 +10,7 @@ from synth.analyse import nearest_root
 Array = np.ndarray
 
 
-def factored(a: Array, b: Array) -> nearest_root.System:
+def product_system(a: Array, b: Array) -> nearest_root.System:
     """Return f_i = prod_j (a_ij . z - b_ij), a (n, d, n), b (n, d), on the cube |z| <= 1."""
     n, d, _ = a.shape
 
@@ -45,12 +45,12 @@ def test_the_nearest_of_many_roots_is_taken(n: int, d: int) -> None:
         rng = np.random.default_rng(seed)
         a, b = rng.normal(size=(n, d, n)), rng.uniform(-1, 1, (n, d))
         expected = min(known_roots(a, b), key=lambda z: float(np.linalg.norm(z)))
-        (root,) = nearest_root.find(factored(a, b)).roots
+        (root,) = nearest_root.find(product_system(a, b)).roots
         np.testing.assert_allclose(root, expected, rtol=0, atol=1e-6 * np.linalg.norm(expected) + 1e-9)
 
 
-def test_one_start_alone_takes_a_farther_root(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: what the many starts are for."""
+def test_a_single_start_finds_a_farther_root(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: a single start."""
     for name in ("BOX_STARTS", "CLOSE_STARTS", "BALL_STARTS"):
         monkeypatch.setattr(nearest_root, name, 0)
     with pytest.raises((AssertionError, ValueError)):
@@ -113,7 +113,7 @@ def test_the_order_of_ties_does_not_depend_on_rounding() -> None:
         assert (first[1], second[1], third[0]) == (0.5, -0.5, -0.5)
 
 
-def test_a_step_out_of_the_domain_is_shortened_and_nothing_finite_is_told() -> None:
+def test_a_step_out_of_the_domain_is_shortened_and_an_undefined_system_has_no_best() -> None:
     def linear(z: Array) -> tuple[Array, Array]:
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.log(z) + 6, (1 / z)[None]

@@ -58,15 +58,15 @@ def slicot_h2(model: StateSpace) -> float:
 def test_200_random_models_are_certified_and_agree_with_slicot(
     seeds: list[int], by_modes: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    gap = 2e-6 if by_modes else 2e-4  # rounding decides whether seed 31 asks for 1e-5 of the Lyapunov matrix
+    gap = 2e-6 if by_modes else 2e-4  # rounding decides whether seed 31 needs the level 1e-5 of the Lyapunov matrix
     if not by_modes:
         monkeypatch.setattr(modal, "of", lambda *args: None)
     for seed in seeds:
-        model, plain = random_model(seed), random_model(seed, 0.0)  # SLICOT loses digits in unlike units
-        found, theirs = norms.norm_hinf(model), slicot_hinf(plain)
-        assert found.certified and found.upper <= (1 + gap) * found.lower
-        assert found.lower * (1 - 1e-9) <= theirs <= found.upper * (1 + 1e-9)
-        assert found.lower <= found.peak * (1 + 1e-14) and found.peak <= found.upper
+        model, plain = random_model(seed), random_model(seed, 0.0)  # SLICOT loses digits in badly scaled units
+        norm, theirs = norms.norm_hinf(model), slicot_hinf(plain)
+        assert norm.certified and norm.upper <= (1 + gap) * norm.lower
+        assert norm.lower * (1 - 1e-9) <= theirs <= norm.upper * (1 + 1e-9)
+        assert norm.lower <= norm.peak * (1 + 1e-14) and norm.peak <= norm.upper
         if not (isinstance(model.time, Continuous) and model.D.any()):
             square = norms.norm_h2(model)
             assert square.error < 1e-9 and square.value == pytest.approx(slicot_h2(plain), rel=1e-8)
@@ -87,40 +87,38 @@ def test_200_random_models_are_certified_and_agree_with_slicot(
     ids=["light", "heavy", "lighter", "at 0", "at infinity", "at Nyquist", "sampled at 0", "nothing"],
 )
 def test_closed_forms(system: Any, peak: float, frequency: float) -> None:
-    found = norms.norm_hinf(system)
-    assert found.certified and found.lower <= peak * (1 + 1e-12) and peak <= found.upper * (1 + 1e-12)
-    assert found.peak == pytest.approx(peak, rel=1e-9) and found.frequency == pytest.approx(frequency, rel=1e-4)
+    norm = norms.norm_hinf(system)
+    assert norm.certified and norm.lower <= peak * (1 + 1e-12) and peak <= norm.upper * (1 + 1e-12)
+    assert norm.peak == pytest.approx(peak, rel=1e-9) and norm.frequency == pytest.approx(frequency, rel=1e-4)
 
 
 @pytest.mark.parametrize("system", [(S - 1) / (S + 1), (0.5 * Z - 1) / (Z - 0.5)], ids=["continuous", "sampled"])
 def test_an_all_pass_has_its_gain_everywhere(system: Any) -> None:
-    found = norms.norm_hinf(system)
-    assert found.certified and float(found) == pytest.approx(1.0, rel=1e-12)
+    norm = norms.norm_hinf(system)
+    assert norm.certified and float(norm) == pytest.approx(1.0, rel=1e-12)
 
 
 def test_a_static_gain_is_its_largest_singular_value() -> None:
     D = np.array([[3.0, 0.0, 4.0], [0.0, 2.0, 0.0]])
-    found = norms.norm_hinf((np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((2, 0)), D))
-    assert found.certified and float(found) == pytest.approx(5.0, rel=1e-14)
+    norm = norms.norm_hinf((np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((2, 0)), D))
+    assert norm.certified and float(norm) == pytest.approx(5.0, rel=1e-14)
     assert norms.norm_hinf((-np.eye(2), np.zeros((2, 0)))).upper == 0.0
 
 
 def test_a_narrow_peak_is_found_and_proved_as_far_as_rounding_allows() -> None:
-    """1e-6 wide in frequency: any grid that does not know of the pole steps over it."""
+    """1e-6 wide in frequency: any grid without the pole misses it."""
     system = lag(LIGHT) + 100 / (S + 1)
-    found = norms.norm_hinf(system)
+    norm = norms.norm_hinf(system)
     expected = slicot_hinf(of(system))
-    assert (
-        found.certified and found.peak == pytest.approx(expected, rel=1e-6) and found.upper < (1 + 2e-6) * found.lower
-    )
+    assert norm.certified and norm.peak == pytest.approx(expected, rel=1e-6) and norm.upper < (1 + 2e-6) * norm.lower
     assert norms.norm_h2(lag(LIGHT)).value == pytest.approx(1 / np.sqrt(4 * LIGHT), rel=1e-9)
 
 
-def test_a_peak_that_no_pole_tells_of_is_found() -> None:
+def test_a_peak_away_from_all_poles_is_found() -> None:
     """Twelve equal lags in companion form, whose poles scatter by 1 %; a notch below and a lead above."""
     system = (S**2 + 0.02 * S + 1) / (S + 1) ** 2 * 30 * (S + 3) / (S + 100) / (0.1 * S + 1)
-    found = norms.norm_hinf(system)
-    assert found.certified and found.peak == pytest.approx(slicot_hinf(of(system)), rel=1e-7)
+    norm = norms.norm_hinf(system)
+    assert norm.certified and norm.peak == pytest.approx(slicot_hinf(of(system)), rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -133,10 +131,10 @@ def test_a_peak_that_no_pole_tells_of_is_found() -> None:
         (1 / (Z + 1.5), np.pi / 0.5, "the pole at -1.5 does not decay"),
     ],
 )
-def test_a_mode_that_lasts_makes_both_norms_infinite(system: Any, frequency: float, text: str) -> None:
-    found = norms.norm_hinf(system)
-    assert float(found) == found.lower == np.inf and found.frequency == pytest.approx(frequency) and found.certified
-    for norm in (found, norms.norm_h2(system)):
+def test_an_undamped_mode_makes_both_norms_infinite(system: Any, frequency: float, text: str) -> None:
+    hinf = norms.norm_hinf(system)
+    assert float(hinf) == hinf.lower == np.inf and hinf.frequency == pytest.approx(frequency) and hinf.certified
+    for norm in (hinf, norms.norm_h2(system)):
         assert float(norm) == np.inf
         assert re.search(text, norm.reason) and norm.reason in repr(norm)
 
@@ -173,14 +171,14 @@ def test_nothing_proves_a_level_below_the_peak() -> None:
             assert X is None or not bounded_real.is_proof(X, MATRICES, level, continuous=True)
 
 
-def test_no_solution_proves_a_model_stable_that_is_not() -> None:
+def test_no_lyapunov_matrix_proves_an_unstable_model_stable() -> None:
     A = np.diag([-1.0, 1.0])
-    given = A, np.ones((2, 1)), np.ones((1, 2)), np.zeros((1, 1))
-    for X in (np.eye(2), np.diag([1.0, -1.0]), bounded_real.solve(given, 10.0, np.full(2, 1e-3)).X):
-        assert not bounded_real.is_proof(X, given, 10.0, continuous=True)
+    matrices = A, np.ones((2, 1)), np.ones((1, 2)), np.zeros((1, 1))
+    for X in (np.eye(2), np.diag([1.0, -1.0]), bounded_real.solve(matrices, 10.0, np.full(2, 1e-3)).X):
+        assert not bounded_real.is_proof(X, matrices, 10.0, continuous=True)
 
 
-def test_a_matrix_is_definite_only_beyond_what_is_not_known_of_it() -> None:
+def test_a_matrix_is_definite_only_beyond_its_uncertainty() -> None:
     H = np.array([[1.0, 1.0 - 1e-8], [1.0 - 1e-8, 1.0]])  # eigenvalues 1e-8 and 2
     assert bounded_real.is_positive_definite(H, np.zeros((2, 2)))
     assert not bounded_real.is_positive_definite(H, np.full((2, 2), 0.6e-8))
@@ -189,22 +187,22 @@ def test_a_matrix_is_definite_only_beyond_what_is_not_known_of_it() -> None:
     assert bounded_real.is_positive_definite(np.diag([1e-300, 1e300]), np.zeros((2, 2)))
 
 
-def test_a_climb_that_misses_the_peak_is_made_good(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_climb_to_the_wrong_peak_is_corrected(monkeypatch: pytest.MonkeyPatch) -> None:
     """Started far from the higher of two peaks, the search finds it by the eigenvalues of the Hamiltonian."""
     system = of(0.3 * lag(0.01) + 1e4 / (S**2 + 2 * S + 1e4))
     right, start = norms.norm_hinf(system), peak_gain._start
     monkeypatch.setattr(modal, "of", lambda *args: None)
     monkeypatch.setattr(peak_gain, "_start", lambda form: (0.97, start(form)[1]))
-    found = norms.norm_hinf(system)
-    assert found.certified and found.frequency == pytest.approx(right.frequency, rel=1e-4) and right.frequency > 90
+    norm = norms.norm_hinf(system)
+    assert norm.certified and norm.frequency == pytest.approx(right.frequency, rel=1e-4) and right.frequency > 90
 
 
 def test_where_nothing_is_proved_the_norm_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(modal, "of", lambda *args: None)
     monkeypatch.setattr(bounded_real, "is_proof", lambda *args: False)
-    found = norms.norm_hinf(lag(0.1))
-    assert not found.certified and found.upper == np.inf and found.lower == pytest.approx(PEAK, rel=1e-9)
-    assert "no upper bound was proved" in repr(found)
+    norm = norms.norm_hinf(lag(0.1))
+    assert not norm.certified and norm.upper == np.inf and norm.lower == pytest.approx(PEAK, rel=1e-9)
+    assert "no upper bound was proved" in repr(norm)
 
 
 @pytest.mark.parametrize("norm", [norms.norm_h2, norms.norm_hinf])
@@ -216,8 +214,8 @@ def test_numbers_beyond_a_double_are_refused(norm: Any, size: float) -> None:
 
 def test_the_lower_bound_holds_at_its_frequency() -> None:
     model = random_model(7)
-    found = norms.norm_hinf(model)
-    z = np.exp(1j * found.frequency * model.time.period_s)
+    norm = norms.norm_hinf(model)
+    z = np.exp(1j * norm.frequency * model.time.period_s)
     there = float(np.linalg.norm(model.response([z])[0], 2))
-    assert found.lower <= there * (1 + 1e-9) and found.lower == pytest.approx(there, rel=2.5e-7)
-    assert found.peak == pytest.approx(there, rel=1e-9)
+    assert norm.lower <= there * (1 + 1e-9) and norm.lower == pytest.approx(there, rel=2.5e-7)
+    assert norm.peak == pytest.approx(there, rel=1e-9)

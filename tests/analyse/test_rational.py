@@ -1,4 +1,4 @@
-"""A loop as a ratio of integers' polynomials: nothing is rounded."""
+"""A loop as a ratio of polynomials with integer coefficients: nothing is rounded."""
 
 from fractions import Fraction
 
@@ -40,7 +40,7 @@ def exactly(model: StateSpace, s: Fraction) -> Fraction:
 
 @settings(derandomize=True, max_examples=20, deadline=None)
 @given(st.integers(0, 10**6), st.integers(0, 5), st.booleans())
-def test_a_state_space_model_is_taken_without_rounding(seed: int, n: int, sampled: bool) -> None:
+def test_a_state_space_model_is_converted_without_rounding(seed: int, n: int, sampled: bool) -> None:
     rng = np.random.default_rng(seed)
     arrays = [rng.standard_normal(shape) * 10.0 ** rng.uniform(-3, 3, shape) for shape in ((n, n), (n, 1), (1, n))]
     model = of((*arrays, rng.standard_normal((1, 1)), Discrete(0.1))) if sampled else of((*arrays, [[0.5]]))
@@ -49,24 +49,28 @@ def test_a_state_space_model_is_taken_without_rounding(seed: int, n: int, sample
     assert at(loop.N, s) / at(loop.D, s) == exactly(model, point)
 
 
-def test_the_coefficients_of_a_transfer_function_are_taken_as_they_are() -> None:
-    """A leading coefficient of 3 is no divisor that rounds."""
+def test_the_coefficients_of_a_transfer_function_stay_exact() -> None:
+    """A leading coefficient of 3 does not cause a rounded division."""
     loop = rational.of_system(control.tf([0.1, 0.7], [3.0, 0.2, 1.0 / 3]))
     s = Fraction(2)
     expected = (Fraction(0.1) * s + Fraction(0.7)) / (3 * s * s + Fraction(0.2) * s + Fraction(1.0 / 3))
     assert at(loop.N, s) / at(loop.D, s) == expected
 
 
-def test_hidden_modes_are_closed_loop_poles_and_no_part_of_the_loop() -> None:
+def test_cancelled_modes_are_closed_loop_poles_but_not_in_the_loop() -> None:
     hidden = of((np.diag([-1.0, -5.0]), [[1.0], [0.0]], [[2.0, 1.0]], [[0.0]]))
     loop = rational.of_system(hidden)
     assert [p.degree() for p in loop.reduced] == [0, 1]
-    assert sorted(loop.closed.real) == pytest.approx([-5.0, -3.0])
+    assert sorted(loop.closed_loop_poles.real) == pytest.approx([-5.0, -3.0])
 
 
 def test_a_pole_at_minus_one_is_counted() -> None:
     loop = rational.of_system(control.tf([1.0], [1.0, 0.0], 0.1))  # z + 1 = 0
-    assert np.isinf(loop.closed).all() and not perturbation.is_stable(loop) and rational.count_unstable(loop, 1.0) == 1
+    assert (
+        np.isinf(loop.closed_loop_poles).all()
+        and not perturbation.is_stable(loop)
+        and rational.count_unstable(loop, 1.0) == 1
+    )
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.3, 2.0 * I, 3.0 * np.exp(0.7j)])

@@ -21,7 +21,7 @@ def model(A: np.ndarray, time: Continuous | Discrete | None = None) -> StateSpac
 
 
 def worst(i: int, samples: int) -> float:
-    """Return x_i after the input that moves it farthest: each u_j(N - 1 - k) has the sign of (A^k B)_ij."""
+    """Return x_i after its worst input: each u_j(N - 1 - k) has the sign of (A^k B)_ij."""
     x, power, signs = np.zeros(3), np.eye(3), []
     for _ in range(samples):
         signs.append(np.sign(power @ B)[i])
@@ -32,13 +32,13 @@ def worst(i: int, samples: int) -> float:
 
 
 def test_each_bound_is_attained() -> None:
-    bounds = reach.states(model(A), LARGEST)
+    bounds = reach.state_bounds(model(A), LARGEST)
     attained = np.array([worst(i, 3000) for i in range(3)])
-    assert (attained <= bounds).all() and (bounds <= attained * (1 + 2 * reach.SETTLED)).all()
+    assert (attained <= bounds).all() and (bounds <= attained * (1 + 2 * reach.REMAINDER)).all()
 
 
 def test_no_random_input_exceeds_the_bounds() -> None:
-    bounds, rng, x = reach.states(model(A), LARGEST), np.random.default_rng(3), np.zeros(3)
+    bounds, rng, x = reach.state_bounds(model(A), LARGEST), np.random.default_rng(3), np.zeros(3)
     for _ in range(5000):
         x = A @ x + B @ (LARGEST * rng.choice([-1.0, 1.0], 2))
         assert (np.abs(x) <= bounds).all()
@@ -47,19 +47,19 @@ def test_no_random_input_exceeds_the_bounds() -> None:
 def test_a_state_that_nothing_drives_stays_at_zero() -> None:
     still = A.copy()
     still[2, 2] = 0.5
-    bounds = reach.states(model(still), [0.0, 1.0])
+    bounds = reach.state_bounds(model(still), [0.0, 1.0])
     assert bounds[2] == 0 and bounds[1] > 2
 
 
 @pytest.mark.parametrize("grown", [1.0, 1 - 1e-8, 1.01])
 def test_a_model_without_a_bound_is_refused(grown: float) -> None:
     with pytest.raises(ModelError, match="have no bound: a mode"):
-        reach.states(model(np.diag([0.5, 0.5, grown])), LARGEST)
+        reach.state_bounds(model(np.diag([0.5, 0.5, grown])), LARGEST)
 
 
 def test_bounds_of_the_inputs_that_do_not_fit_are_refused() -> None:
     for inputs in ([1.0], [1.0, -1.0], [1.0, np.inf]):
         with pytest.raises(SignalError, match="give 2, one for each of u, v"):
-            reach.states(model(A), inputs)
+            reach.state_bounds(model(A), inputs)
     with pytest.raises(TimingError):
-        reach.states(model(A, Continuous()), LARGEST)
+        reach.state_bounds(model(A, Continuous()), LARGEST)

@@ -20,9 +20,9 @@ Array = np.ndarray
 FLOW = tolerances.of("flow")
 
 
-def evaluated(found: RelativeDegree, x: Sequence[float]) -> tuple[Array, Array]:
+def evaluate(degree: RelativeDegree, x: Sequence[float]) -> tuple[Array, Array]:
     """Return D (p, m) and the drift (p,) at a state."""
-    D, a = ca.Function("D", [found.model.x], [ca.densify(found.decoupling), ca.densify(found.drift)])(x)
+    D, a = ca.Function("D", [degree.model.x], [ca.densify(degree.decoupling), ca.densify(degree.drift)])(x)
     return D.full(), a.full().ravel()
 
 
@@ -55,11 +55,11 @@ def aircraft_by_hand(x: Array) -> tuple[list[list[float]], list[float]]:
 def test_textbook_plants(
     plant: Plant, degrees: tuple[int, ...], by_hand: Callable[[Array], tuple[list[list[float]], list[float]]]
 ) -> None:
-    found = relative_degree.of_plant(plant)
-    found.require_defined()
-    assert found.degrees == degrees
+    degree = relative_degree.of_plant(plant)
+    degree.require_defined()
+    assert degree.degrees == degrees
     for x in box.scatter(plant.states, 20, 11).T:
-        for here, there in zip(evaluated(found, x), by_hand(x), strict=True):
+        for here, there in zip(evaluate(degree, x), by_hand(x), strict=True):
             np.testing.assert_allclose(here, there, rtol=tolerances.of("double"), atol=1e-13)
 
 
@@ -90,17 +90,17 @@ def from_flow(plant: Plant, output: int, order: int, x0: Array, u: Array) -> flo
 
 @pytest.mark.parametrize("name", ["ball_and_beam", "flexible_joint", "aircraft"])
 def test_derivatives_along_simulated_flows(name: str) -> None:
-    """y^(r) = a + D u, and no lower derivative feels the input."""
+    """y^(r) = a + D u, and no lower derivative depends on the input."""
     plant = {
         "ball_and_beam": textbook_plants.ball_and_beam(0.1),
         "flexible_joint": textbook_plants.flexible_joint(),
         "aircraft": textbook_plants.aircraft(0.3),
     }[name]
-    found = relative_degree.of_plant(plant)
+    degree = relative_degree.of_plant(plant)
     x = box.scatter(plant.states, 1, 3)[:, 0]
     inputs = box.scatter(plant.inputs, 2, 4).T
-    D, a = evaluated(found, x)
-    for i, r in enumerate(found.degrees):
+    D, a = evaluate(degree, x)
+    for i, r in enumerate(degree.degrees):
         for u in inputs:
             assert from_flow(plant, i, r, x, u) == pytest.approx((a + D @ u)[i], rel=FLOW)
         lower = [from_flow(plant, i, r - 1, x, u) for u in inputs]
@@ -117,24 +117,24 @@ NOTHING = [
 
 
 @pytest.mark.parametrize("number", range(len(NOTHING)))
-def test_a_cancellation_does_not_pass_for_an_input(number: int) -> None:
-    found = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [NOTHING[number]])))
-    assert found.degrees == (3,) and not found.worst.singular
+def test_a_cancelling_term_does_not_count_as_an_input(number: int) -> None:
+    degree = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [NOTHING[number]])))
+    assert degree.degrees == (3,) and not degree.worst.singular
 
 
 @pytest.mark.parametrize("number", range(len(NOTHING)))
-def test_without_the_bound_on_rounding_the_degree_is_read_too_low(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_bound_on_rounding_the_degree_is_too_low(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rounding, "LIMIT", 0.0)
-    found = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [NOTHING[number]])))
-    assert found.degrees == (1,)
+    degree = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [NOTHING[number]])))
+    assert degree.degrees == (1,)
 
 
 def test_a_small_input_is_an_input() -> None:
-    found = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [1e-12 * X1])))
-    assert found.degrees == (1,)
+    degree = relative_degree.of_plant(textbook_plants.hidden(ca.Function("e", [X1, X2], [1e-12 * X1])))
+    assert degree.degrees == (1,)
 
 
-def test_parameters_that_cancel_do_not_pass_for_an_input() -> None:
+def test_cancelling_parameters_do_not_count_as_an_input() -> None:
     """0.1 + 0.2 - 0.3 in double is 5.6e-17; the terms are 0.3."""
     parameters = [Parameter(n, v, "1", 0.0, "chosen") for n, v in (("a", 0.1), ("b", 0.2), ("c", 0.3))]
     states = [Signal("x1", "m", -1, 1), Signal("x2", "m/s", -1, 1)]
@@ -162,30 +162,28 @@ def test_an_input_that_enters_the_output_itself() -> None:
         [],
         lambda x, u, p: ({"x": -x["x"] + u["u"]}, {"y": ca.sin(x["x"]) + 2 * u["u"]}),
     )
-    found = relative_degree.of_plant(plant)
-    assert found.degrees == (0,) and found.chains[0].shape == (0, 1)
-    D, a = evaluated(found, [0.4])
+    degree = relative_degree.of_plant(plant)
+    assert degree.degrees == (0,) and degree.chains[0].shape == (0, 1)
+    D, a = evaluate(degree, [0.4])
     assert D.item() == 2.0 and a.item() == np.sin(0.4)
 
 
 def test_the_beam_at_rest_is_refused_with_the_point() -> None:
     """L_g L_f^2 h = 2 B r w: no degree at r w = 0."""
-    found = relative_degree.of_plant(textbook_plants.ball_and_beam(-1.0))
-    assert found.degrees == (3,) and found.worst.at["r"] * found.worst.at["w"] == 0
-    with pytest.raises(
-        ModelError, match=r"degree of 'y' is not defined at r = 0 m: no input shows in its derivative 3"
-    ):
-        found.require_defined()
-    assert "decoupling matrix: singular at r = 0 m" in repr(found)
+    degree = relative_degree.of_plant(textbook_plants.ball_and_beam(-1.0))
+    assert degree.degrees == (3,) and degree.worst.at["r"] * degree.worst.at["w"] == 0
+    with pytest.raises(ModelError, match=r"degree of 'y' is not defined at r = 0 m: no input enters its derivative 3"):
+        degree.require_defined()
+    assert "decoupling matrix: singular at r = 0 m" in repr(degree)
 
 
 def test_rows_that_depend_are_named() -> None:
-    found = relative_degree.of_plant(textbook_plants.unicycle())
-    assert found.rows.independent == ("px",) and found.rows.dependent == {"py": ("px",)}
+    degree = relative_degree.of_plant(textbook_plants.unicycle())
+    assert degree.rows.independent == ("px",) and degree.rows.dependent == {"py": ("px",)}
     with pytest.raises(
         ModelError, match=r"depend on others everywhere, that of 'py' on 'px'\. Extend the plant by integ"
     ):
-        found.require_defined()
+        degree.require_defined()
     assert relative_degree.of_plant(textbook_plants.aircraft(0.0)).rows.dependent == {"pz": ("px",)}
     assert not relative_degree.of_plant(textbook_plants.aircraft(1e-6)).rows.dependent
 
@@ -211,9 +209,9 @@ def test_only_the_rows_that_enter_a_dependence_are_named() -> None:
 
 
 def test_more_outputs_than_inputs_and_an_output_that_nothing_moves() -> None:
-    found = relative_degree.of_plant(textbook_plants.aircraft(0.3), held={"M": 0.0})
+    degree = relative_degree.of_plant(textbook_plants.aircraft(0.3), held={"M": 0.0})
     with pytest.raises(ModelError, match=r"2 outputs \(px, pz\) meet 1 inputs \(T\): choose as many outputs"):
-        found.require_defined()
+        degree.require_defined()
     plant = textbook_plants.build(
         "clock",
         [Signal("t", "s", 0, 1), Signal("x", "m", -1, 1)],
@@ -250,17 +248,17 @@ def simplified_stage() -> tuple[Plant, maglev_polynomial.InputPolynomial]:
 
 def test_the_simplified_stage_decouples_as_its_own_model_says() -> None:
     plant, model = simplified_stage()
-    found = relative_degree.of_plant(plant)
-    assert dict(zip(found.outputs, found.degrees, strict=True)) == {"y": 2, "x": 3, "z": 3, "phi": 2, "theta": 2}
-    found.require_defined()
-    own = ca.Function("own", [ca.vcat(list(model.x.values()))], [ca.densify(model.decoupling())])
-    rows = [found.outputs.index(n) for n in ("y", "phi", "theta")]
+    degree = relative_degree.of_plant(plant)
+    assert dict(zip(degree.outputs, degree.degrees, strict=True)) == {"y": 2, "x": 3, "z": 3, "phi": 2, "theta": 2}
+    degree.require_defined()
+    model_decoupling = ca.Function("own", [ca.vcat(list(model.x.values()))], [ca.densify(model.decoupling())])
+    rows = [degree.outputs.index(n) for n in ("y", "phi", "theta")]
     for x in box.scatter(plant.states, 10, 4).T:
         at = dict(zip((s.name for s in plant.states), x, strict=True))
-        D, _ = evaluated(found, x)
-        expected = own([at[n] for n in ("y", "phi", "theta")]).full()
+        D, _ = evaluate(degree, x)
+        expected = model_decoupling([at[n] for n in ("y", "phi", "theta")]).full()
         np.testing.assert_allclose(D[rows, :3], expected, rtol=1e-10, atol=1e-12)
-        assert not D[[found.outputs.index("x"), found.outputs.index("z")], :3].any()
+        assert not D[[degree.outputs.index("x"), degree.outputs.index("z")], :3].any()
 
 
 def test_a_derivative_that_is_not_finite_is_refused() -> None:

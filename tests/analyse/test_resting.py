@@ -1,4 +1,4 @@
-"""A loop rests where plant and controller stand still together; opened there it is the loop of its linear parts."""
+"""The equilibrium of plant and controller together; opened there, the loop is that of the linear parts."""
 
 import casadi as ca
 import numpy as np
@@ -24,8 +24,8 @@ WISH, DRIVE = Signal("wish", "m", -1, 1), Signal("drive", "A", 0, 10)
 SENSORS, ACTUATORS = {"q": "gap"}, {"i": "drive"}
 
 
-def levitated() -> Plant:
-    """1 kg that 2 N/A^2 i^2 holds against its weight and a magnet of 4 N/m; the current acts as its square."""
+def levitation_plant() -> Plant:
+    """A mass of 1 kg with its weight, a force of 2 N/A^2 i^2 and a magnet of -4 N/m."""
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         pull = p["k"] * u["i"] ** 2 - WEIGHT + 4 * x["gap"] + u["push"]
@@ -35,8 +35,8 @@ def levitated() -> Plant:
     return plant_of("levitated", [GAP, SPEED], [CURRENT, PUSH], [GAP], [k], physics)
 
 
-def held(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) -> Block:
-    """PID with an inverse root, whose slope at no force is infinite; `tap` feeds the last command back."""
+def pid_block(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) -> Block:
+    """PID with an inverse root, whose slope is infinite at zero force; `tap` feeds the last command back."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         e = u["q_held"] - u["wish_held"]
@@ -51,7 +51,7 @@ def held(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) -> Bloc
     states = [State(Signal(n, "1", -b, b), 0) for n, b in bounds.items()]
     states += [State(Signal("flag", "1", 0, 1), 0, True)] if toggles else []
     q = Signal("q", "m", -0.5, 0.5)
-    inputs = [safety.Guarded(q, 0.0, True), safety.Guarded(WISH, 0.0, False)]
+    inputs = [safety.GuardedInput(q, 0.0, True), safety.GuardedInput(WISH, 0.0, False)]
     rest = safety.Safety(3, {"drive": 0.0}, {"drive": 100.0}, "it falls on its feet")
     blocks = [
         safety.guard(TIME, inputs, 3),
@@ -68,14 +68,14 @@ def held(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) -> Bloc
     return compose("held", blocks, inputs=["q", "wish"], outputs=["drive"])
 
 
-def at(gap: float, **options: float) -> resting.Rest:
-    near = trim.trim(levitated(), {"gap": gap}, ["i"])
-    closed = resting.ClosedLoop(levitated(), held(**options), SENSORS, ACTUATORS)
+def at(gap: float, **options: float) -> resting.Equilibrium:
+    near = trim.trim(levitation_plant(), {"gap": gap}, ["i"])
+    closed = resting.ClosedLoop(levitation_plant(), pid_block(**options), SENSORS, ACTUATORS)
     return resting.solve(closed, {"wish": gap}, near)
 
 
-def expected(z: np.ndarray, gap: float, tap: float) -> np.ndarray:
-    """L at the current: both slopes of the square and its root cancel, so that forces meet forces."""
+def expected_loop(z: np.ndarray, gap: float, tap: float) -> np.ndarray:
+    """L at the current: the slopes of the square and of its root cancel."""
     c, s = np.cosh(2 * T), np.sinh(2 * T)
     plant = ((c - 1) / 4 * (z - c) + s / 2 * s / 2) / ((z - c) ** 2 - s**2)
     pid = KP + KD * (z - 1) / (T * z) + KI * z / (z - 1)
@@ -83,7 +83,7 @@ def expected(z: np.ndarray, gap: float, tap: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.3, -0.4])
-def test_the_integral_rests_at_the_force_that_the_plant_needs(gap: float) -> None:
+def test_the_integrator_rests_at_the_force_that_the_plant_needs(gap: float) -> None:
     rest = at(gap)
     assert rest.state["law_sum"] == pytest.approx(WEIGHT - 4 * gap, rel=1e-7)
     assert rest.point["i"] == pytest.approx(np.sqrt((WEIGHT - 4 * gap) / 2), rel=1e-7)
@@ -95,19 +95,19 @@ def test_the_integral_rests_at_the_force_that_the_plant_needs(gap: float) -> Non
     np.testing.assert_allclose(np.asarray(next).ravel(), list(rest.state.values()), rtol=0, atol=1e-7)
 
 
-def test_as_after_init_the_same_loop_has_no_slope() -> None:
+def test_at_its_initial_state_the_controller_has_no_finite_slope() -> None:
     with pytest.raises(SignalError, match="all entries must be finite"):
-        loop.linearised(held(), {"guard_ready": 1.0}, {"q": 0.3, "wish": 0.3})
+        loop.linearise_block(pid_block(), {"guard_ready": 1.0}, {"q": 0.3, "wish": 0.3})
 
 
 @pytest.mark.parametrize("tap", [0.0, TAP])
 @pytest.mark.parametrize("signal", ["i", "q"])
 def test_the_opened_loop_is_the_product_of_its_parts(signal: str, tap: float) -> None:
-    """What observes the command stays closed when the loop opens at the actuator behind it."""
+    """The feedback of the command to the controller stays closed if the loop opens at the actuator."""
     z = np.exp(1j * np.linspace(0.05, 3.0, 7))
     L = resting.open_loop(at(0.3, tap=tap), signal)
     assert (L.inputs, L.outputs) == ((signal,), (f"{signal}_out",))
-    np.testing.assert_allclose(L.response(z)[:, 0, 0], expected(z, 0.3, tap), rtol=1e-5)
+    np.testing.assert_allclose(L.response(z)[:, 0, 0], expected_loop(z, 0.3, tap), rtol=1e-5)
     assert margins.of_loop(L).stable
 
 
@@ -127,29 +127,29 @@ def test_without_integral_action_the_loop_rests_off_its_set_point() -> None:
 
 
 def test_disturbances_stay_and_weights_share_a_command() -> None:
-    near = trim.trim(levitated(), {"gap": 0.1, "push": 2.0}, ["i"])
-    closed = resting.ClosedLoop(levitated(), held(), SENSORS, {"i": {"drive": 0.5}})
+    near = trim.trim(levitation_plant(), {"gap": 0.1, "push": 2.0}, ["i"])
+    closed = resting.ClosedLoop(levitation_plant(), pid_block(), SENSORS, {"i": {"drive": 0.5}})
     rest = resting.solve(closed, {"wish": 0.1}, near)
     assert rest.point["push"] == 2.0
     assert rest.state["safe_output_last_drive"] == pytest.approx(2 * rest.point["i"], rel=1e-7)
 
 
 @pytest.mark.slow
-def test_what_does_not_rest_is_refused() -> None:
+def test_a_loop_without_an_equilibrium_is_refused() -> None:
     with pytest.raises(ModelError, match="counts without end"):
         at(0.1, toggles=True)
     with pytest.raises(ModelError, match=r"'held' raises fault_q, latched at rest, with inputs q = .*: rest within"):
         at(0.7)
-    near = trim.trim(levitated(), {"gap": 0.1}, ["i"])
-    closed = resting.ClosedLoop(levitated(), held(), SENSORS, ACTUATORS)
+    near = trim.trim(levitation_plant(), {"gap": 0.1}, ["i"])
+    closed = resting.ClosedLoop(levitation_plant(), pid_block(), SENSORS, ACTUATORS)
     with pytest.raises(SignalError, match=r"missing \['wish'\], not known \['hope'\]: give a value for each of wish"):
         resting.solve(closed, {"hope": 1.0}, near)
 
 
 def test_names_and_ambiguous_openings_are_refused() -> None:
     with pytest.raises(SignalError, match="sensors: 'height' is not one of gap"):
-        resting.ClosedLoop(levitated(), held(), {"q": "height"}, ACTUATORS)
+        resting.ClosedLoop(levitation_plant(), pid_block(), {"q": "height"}, ACTUATORS)
     with pytest.raises(SignalError, match="actuators: 'torque' is not one of drive"):
-        resting.ClosedLoop(levitated(), held(), SENSORS, {"i": "torque"})
+        resting.ClosedLoop(levitation_plant(), pid_block(), SENSORS, {"i": "torque"})
     with pytest.raises(SignalError, match="at 'wish', which is neither a sensor nor an actuator: name one of q, i"):
         resting.open_loop(at(0.1), "wish")

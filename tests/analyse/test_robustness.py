@@ -21,7 +21,7 @@ def loops(points: Any = None, cases: Any = (robustness.NOMINAL,)) -> Loops:
 
 @pytest.fixture(scope="module")
 def nominal() -> list[robustness.OpenLoop]:
-    return robustness.opened(loops())
+    return robustness.open_loops(loops())
 
 
 def test_every_actuator_and_sensor_is_opened_at_every_point(nominal: list[robustness.OpenLoop]) -> None:
@@ -30,8 +30,8 @@ def test_every_actuator_and_sensor_is_opened_at_every_point(nominal: list[robust
     assert nominal[0].label == "at i1, low"
 
 
-def test_the_controller_holds_the_plant_where_it_rests(nominal: list[robustness.OpenLoop]) -> None:
-    rest = robustness.rest(loops(), "side")
+def test_the_equilibrium_is_that_of_the_plant_and_the_controller(nominal: list[robustness.OpenLoop]) -> None:
+    rest = robustness.equilibrium(loops(), "side")
     point = trim.trim(DESIGN.PLANT, {"x": 8e-4}, ["i1", "i2"])
     assert rest.point["i2"] == pytest.approx(400 * 8e-4 / 8, rel=1e-6)
     assert rest.point["i1"] == pytest.approx(point["i1"], rel=1e-6)
@@ -43,10 +43,10 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
     T = DESIGN.TIME.period_s
     model = linearise.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
     servo = DESIGN.X.law(DESIGN.TIME, DESIGN.INTERFACE).blocks[0].rounded(np.float32)
-    K = loop.linearised(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
+    K = loop.linearise_block(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
     P = loop.sampled(model, T, T)
     inputs = {name: i for i, name in enumerate(K.inputs)}
-    # The measurement reaches the error too; the command comes back as limited.
+    # The measurement also enters the error; the limited command is fed back.
     on_y = K.B[:, [inputs["x_held"]]] - K.B[:, [inputs["x_error"]]]
     D = float(K.D[0, inputs["x_held"]] - K.D[0, inputs["x_error"]])
     on_u, C = K.B[:, [inputs["i2_computed"]]], K.C[:1]
@@ -54,36 +54,36 @@ def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[r
     z = np.exp(1j * T * np.geomspace(1.0, 3000.0, 40))
     controller = np.array([(C @ np.linalg.solve(v * np.eye(len(A)) - A, on_y + on_u * D))[0, 0] + D for v in z])
     L = -P.response(z)[:, 0, 0] * controller
-    found = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
-    np.testing.assert_allclose(found, L, rtol=1e-5)
+    response = next(o for o in nominal if (o.point, o.signal) == ("low", "x")).L.response(z)[:, 0, 0]
+    np.testing.assert_allclose(response, L, rtol=1e-5)
 
 
 def test_the_worst_loop_is_named_with_its_parameters() -> None:
     cases = [robustness.NOMINAL, *robustness.corners(DESIGN.PLANT, ["k", "m"])]
-    found = robustness.opened(loops({"mid": {"z": 0.0}}, cases), ["i2"])
-    (check,) = robustness.checks(found, {"modulus_margin": 0.5})
-    least = min(found, key=lambda o: o.margins.modulus_margin)
+    open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, cases), ["i2"])
+    (check,) = robustness.checks(open_loops, {"modulus_margin": 0.5})
+    least = min(open_loops, key=lambda o: o.margins.modulus_margin)
     assert check.passed and check.found == 0.5 - least.margins.modulus_margin
     assert dict(least.case) == {"k": pytest.approx(8.8), "m": pytest.approx(0.285)}  # the largest gain
     assert f"of 5 loops is {least.margins.modulus_margin:.4g} at i2, mid, k = 8.8, m = 0.285" in check.about
 
 
-def test_a_margin_that_is_missed_fails_and_so_does_a_loop_that_is_not_stable() -> None:
-    found = robustness.opened(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
+def test_an_insufficient_margin_fails_and_so_does_an_unstable_loop() -> None:
+    open_loops = robustness.open_loops(loops({"mid": {"z": 0.0}}, [{"K": 80.0}]), ["z"])  # four times the gain
     require = {"phase_margin": 30.0, "gain_margin": 1.5, "modulus_margin": 0.5}
-    lost = {c.name: c for c in robustness.checks(found, require)}
-    assert not found[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
+    lost = {c.name: c for c in robustness.checks(open_loops, require)}
+    assert not open_loops[0].margins.stable and "not stable" in lost["phase margin falls short by"].about
     assert lost["phase margin falls short by"].found == 30.0 and lost["modulus margin falls short by"].found == 0.5
     assert lost["gain margin falls short by"].found == 0.5 and not any(c.passed for c in lost.values())
-    sound = robustness.checks(robustness.opened(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
+    sound = robustness.checks(robustness.open_loops(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
     assert not sound[0].passed and 30 < 80 - sound[0].found < 50
 
 
 def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robustness.OpenLoop]) -> None:
-    found = robustness.disks(loops(), "low")
+    disk_margins = robustness.disk_margins(loops(), "low")
     single = min(disk.of_loop(o.L).upper for o in nominal if o.point == "low" and o.signal in ("i1", "i2"))
-    assert found["actuators"].lower <= single * (1 + 1e-6)
-    assert found["both"].upper < found["sensors"].lower
+    assert disk_margins["actuators"].lower <= single * (1 + 1e-6)
+    assert disk_margins["both"].upper < disk_margins["sensors"].lower
 
 
 def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
@@ -96,16 +96,16 @@ def test_tolerances_are_taken_one_at_a_time_or_in_all_corners() -> None:
     assert robustness.corners(plant, []) == []
 
 
-def test_what_is_not_known_is_refused_by_name(nominal: list[robustness.OpenLoop]) -> None:
+def test_unknown_names_are_refused(nominal: list[robustness.OpenLoop]) -> None:
     with pytest.raises(SignalError, match=r"parameter 'g' is 9.81 .* with the tolerance 0"):
         robustness.corners(DESIGN.PLANT, ["g"])
     with pytest.raises(SignalError, match="2\\^11 corners"):
         robustness.corners(DESIGN.PLANT, ["K"] * 11)
     with pytest.raises(SignalError, match="no operating point 'mid': choose one of low, side"):
-        robustness.rest(loops(), "mid")
+        robustness.equilibrium(loops(), "mid")
     with pytest.raises(SignalError, match="no operating points"):
         loops({})
-    with pytest.raises(SignalError, match="'phase' is no margin"):
+    with pytest.raises(SignalError, match="'phase' is not a known margin"):
         robustness.checks(nominal, {"phase": 1.0})
     with pytest.raises(SignalError, match="no loop to check"):
         robustness.checks([], {"phase_margin": 1.0})
@@ -121,14 +121,14 @@ def coordinates(**weights: dict[str, float]) -> Loops:
     return robustness.of_controller(CONTROLLER, DESIGN.PLANT, {"mid": {"z": 0.0}}, coordinates=weights)
 
 
-def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
+def test_loops_open_at_coordinates_instead_of_sensors() -> None:
     """A scaled sensor is cut as it is; all of them cut at once leave det(1 + L) in any coordinates."""
     z = np.exp(1j * np.array([0.02, 0.3, 1.5]))
-    at = robustness.rest(loops({"mid": {"z": 0.0}}), "mid")
-    scaled = robustness.opened(coordinates(far={"z": 2.0}))
+    at = robustness.equilibrium(loops({"mid": {"z": 0.0}}), "mid")
+    scaled = robustness.open_loops(coordinates(far={"z": 2.0}))
     assert [o.signal for o in scaled] == ["far", "x"]
     np.testing.assert_allclose(scaled[0].L.response(z), resting.open_loop(at, "z").response(z), rtol=1e-9)
-    turned = robustness.rest(coordinates(mean={"z": 0.5, "x": 0.5}, gap={"z": 1.0, "x": -0.7}), "mid")
+    turned = robustness.equilibrium(coordinates(mean={"z": 0.5, "x": 0.5}, gap={"z": 1.0, "x": -0.7}), "mid")
     pairs = resting.open_loop(turned, ["mean", "gap"]), resting.open_loop(at, ["z", "x"])
     new, old = (np.linalg.det(np.eye(2) + L.response(z)) for L in pairs)
     np.testing.assert_allclose(new, old, rtol=1e-9)
@@ -139,17 +139,17 @@ def test_loops_open_at_coordinates_of_sensors_in_place_of_these() -> None:
 @pytest.mark.parametrize(
     ("weights", "message"),
     [
-        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b depend on each other"),
+        ({"a": {"z": 1.0}, "b": {"z": 2.0}}, "the coordinates a, b are linearly dependent"),
         ({"x": {"z": 1.0}}, "at 'x', which is a sensor and a coordinate"),
         ({"a": {"w": 1.0}}, "the wire from 'w' to 'a': 'w' is not one of"),
     ],
 )
 def test_coordinates_that_do_not_fit_are_refused(weights: dict[str, dict[str, float]], message: str) -> None:
     with pytest.raises(SignalError, match=message):
-        robustness.opened(coordinates(**weights), list(weights))
+        robustness.open_loops(coordinates(**weights), list(weights))
 
 
 def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:
-    at = robustness.rest(coordinates(far={"z": 2.0}), "mid")
+    at = robustness.equilibrium(coordinates(far={"z": 2.0}), "mid")
     with pytest.raises(SignalError, match="at 'z' and at a coordinate of it at once"):
         resting.open_loop(at, ["far", "z"])

@@ -42,7 +42,7 @@ def test_zeros_are_found(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_what_is_not_zero_stays(name: str) -> None:
+def test_nonzero_expressions_stay(name: str) -> None:
     assert not rounding.vanish(OTHERS[name], BOX).any()
 
 
@@ -68,7 +68,7 @@ def errors(seed: int) -> tuple[np.ndarray, np.ndarray]:
     terms += [(-c * (1 + 1e-9), i, j) for c, i, j in terms]
     expr = sum((c * A**i * B**j for c, i, j in terms), ca.SX(0))
     points = box.scatter(BOX.signals, 20, seed)
-    values = BOX.evaluated(ca.horzcat(expr, rounding.bound(expr)), points)[0]
+    values = BOX.evaluated(ca.horzcat(expr, rounding.error_bound(expr)), points)[0]
     exact = [exactly(terms, *point) for point in points.T.tolist()]
     off = [abs(float(Fraction(v) - e)) for v, e in zip(values[0].tolist(), exact, strict=True)]
     return np.array(off), np.finfo(float).eps * values[1]
@@ -78,13 +78,13 @@ def errors(seed: int) -> tuple[np.ndarray, np.ndarray]:
 def test_the_error_of_a_polynomial_stays_within_its_bound(seed: int) -> None:
     error, bound = errors(seed)
     assert (error <= bound).all()
-    assert error.max() > 1e-3 * bound.max()  # nor is the bound out of all proportion
+    assert error.max() > 1e-3 * bound.max()  # and the bound is not far too large
 
 
 def test_a_bound_without_the_terms_that_cancel_is_broken() -> None:
-    """The planted defect: only the last value counts, as a relative tolerance would have it."""
+    """The planted defect: a tolerance relative to the last value only."""
     expr = ZEROS["binomial"]
-    columns = ca.horzcat(expr, rounding.bound(expr), ca.fabs(expr))
+    columns = ca.horzcat(expr, rounding.error_bound(expr), ca.fabs(expr))
     value, error, naive = BOX.evaluated(columns, box.scatter(BOX.signals, 16, 1))[0]
     assert (np.abs(value) <= rounding.LIMIT * error).all()
     assert not (np.abs(value) <= rounding.LIMIT * naive).all()
@@ -95,5 +95,5 @@ def test_a_value_that_is_not_finite_is_refused_with_its_place() -> None:
         rounding.vanish(ca.sqrt(A), BOX)
 
 
-def test_without_signals_constants_are_told_apart() -> None:
+def test_without_signals_constants_are_zero_or_nonzero() -> None:
     assert not rounding.vanish(ca.SX(2.0), box.Box(ca.SX(0, 1), ())).any()

@@ -1,4 +1,4 @@
-"""The transfers of a closed loop against matrix algebra, a recursion written out, and python-control."""
+"""Sensitivity functions against matrix algebra, an explicit recursion, and python-control."""
 
 from dataclasses import replace
 
@@ -42,18 +42,18 @@ def test_each_transfer_is_what_its_formula_says(seed: int, sampled: bool) -> Non
     rng = np.random.default_rng(seed)
     m, p, time = int(rng.integers(1, 4)), int(rng.integers(1, 4)), Discrete(T) if sampled else Continuous()
     plant, K = random(rng, 3, m, p, time, 0.2), random(rng, 2, p, m, time, 0.2)
-    found, v = sensitivity.close(plant, replace(K, outputs=tuple("abc"[:m]), inputs=tuple("uvw"[:p]))), 1.7 + 0.9j
+    closed, v = sensitivity.close(plant, replace(K, outputs=tuple("abc"[:m]), inputs=tuple("uvw"[:p]))), 1.7 + 0.9j
     Pv, Kv = plant.response(v)[0], K.response(v)[0]
     S, Si = np.linalg.inv(np.eye(p) + Pv @ Kv), np.linalg.inv(np.eye(m) + Kv @ Pv)
     expected = {"L": Pv @ Kv, "S": S, "T": Pv @ Kv @ S, "PS": Pv @ Si, "CS": Kv @ S}
     expected |= {"Li": Kv @ Pv, "Si": Si, "Ti": Kv @ Pv @ Si}
     for name, value in expected.items():
-        model = getattr(found, name)
+        model = getattr(closed, name)
         assert model.time == time
         np.testing.assert_allclose(model.response(v)[0], value, rtol=0, atol=1e-10 * np.abs(value).max(), err_msg=name)
-    np.testing.assert_allclose(found.S.response(v) + found.T.response(v), np.eye(p)[None], atol=1e-10)
+    np.testing.assert_allclose(closed.S.response(v) + closed.T.response(v), np.eye(p)[None], atol=1e-10)
     if m > 1 or p > 1:
-        assert Pv.shape != Kv.shape or np.abs(Pv @ Kv - Kv @ Pv).max() > 1e-6  # input and output are told apart
+        assert Pv.shape != Kv.shape or np.abs(Pv @ Kv - Kv @ Pv).max() > 1e-6  # input and output are distinguished
 
 
 def test_the_signals_are_those_of_the_diagram() -> None:
@@ -63,7 +63,7 @@ def test_the_signals_are_those_of_the_diagram() -> None:
     """
     rng = np.random.default_rng(8)
     P, K = random(rng, 3, 2, 2, Discrete(T)), random(rng, 2, 2, 2, Discrete(T), 0.1)
-    found = sensitivity.close(P, replace(K, outputs=("a", "b"), inputs=("g", "h")))
+    closed = sensitivity.close(P, replace(K, outputs=("a", "b"), inputs=("g", "h")))
     r, d, n = (rng.normal(size=(12, 2)) for _ in "rdn")
     xp, xk, x = np.zeros(3), np.zeros(2), np.zeros(5)
     for k in range(12):
@@ -72,19 +72,19 @@ def test_the_signals_are_those_of_the_diagram() -> None:
         u = K.C @ xk + K.D @ e
         v = u + d[k]
         outside = np.concatenate([r[k], d[k], n[k]])
-        told = found.whole.C @ x + found.whole.D @ outside
+        signals = closed.whole.C @ x + closed.whole.D @ outside
         stepped = np.concatenate([e, u, v, y])
-        np.testing.assert_allclose(told, stepped, rtol=0, atol=1e-10 * max(1.0, np.abs(stepped).max()))
-        x = found.whole.A @ x + found.whole.B @ outside
+        np.testing.assert_allclose(signals, stepped, rtol=0, atol=1e-10 * max(1.0, np.abs(stepped).max()))
+        x = closed.whole.A @ x + closed.whole.B @ outside
         xp, xk = P.A @ xp + P.B @ v, K.A @ xk + K.B @ e
 
 
 def test_names_and_units_come_from_the_plant() -> None:
-    found = sensitivity.close(stage(), controller())
+    closed = sensitivity.close(stage(), controller())
     ends = {
         name: (
-            getattr(found, name).labels(getattr(found, name).inputs),
-            getattr(found, name).labels(getattr(found, name).outputs),
+            getattr(closed, name).labels(getattr(closed, name).inputs),
+            getattr(closed, name).labels(getattr(closed, name).outputs),
         )
         for name in sensitivity.ARROWS
     }
@@ -98,51 +98,55 @@ def test_names_and_units_come_from_the_plant() -> None:
         "Si": (("f_disturbance [N]",), ("f [N]",)),
         "Ti": (("f_disturbance [N]",), ("f_compensation [N]",)),
     }
-    assert found.whole.labels(found.whole.states) == ("plant_q [m]", "plant_v [m/s]", "controller_lag [m s]")
-    # a unit that only the controller knows is that of the plant's signal too
+    assert closed.whole.labels(closed.whole.states) == ("plant_q [m]", "plant_v [m/s]", "controller_lag [m s]")
+    # a unit given only by the controller applies to the plant's signal as well
     bare = sensitivity.close(replace(stage(), units={}), controller())
     assert bare.T.labels(bare.T.outputs) == ("q [m]",)
 
 
 def test_python_control_closes_the_same_loop() -> None:
-    found = sensitivity.close(stage(), controller())
+    closed = sensitivity.close(stage(), controller())
     P, K = stage().to_control(), controller().to_control()
     four = {"S": (1, P * K), "T": (P * K, 1), "PS": (P, K), "CS": (K, P)}
     for name, (forward, back) in four.items():
         expected = control.feedback(forward, back)
         for s in (2j, 15j, 300j):
-            assert getattr(found, name).response(s)[0, 0, 0] == pytest.approx(
+            assert getattr(closed, name).response(s)[0, 0, 0] == pytest.approx(
                 complex(expected(s)), rel=tolerances.of("pencil")
             )
-    assert found.stable and "stable" in repr(found) and "compliance" in repr(found)
-    np.testing.assert_allclose(np.sort_complex(control.feedback(P * K, 1).poles()), found.poles, rtol=1e-9)
+    assert closed.stable and "stable" in repr(closed) and "compliance" in repr(closed)
+    np.testing.assert_allclose(np.sort_complex(control.feedback(P * K, 1).poles()), closed.poles, rtol=1e-9)
 
 
-def test_margins_are_read_off_l_and_peak_sensitivity_off_s() -> None:
-    found = sensitivity.close(stage(), controller())
-    told = margins.of_loop(found.L)
-    w = np.sort(np.concatenate([np.linspace(1, 100, 2001), told.peak_frequency * np.linspace(0.99, 1.01, 2001)]))
-    assert np.abs(found.S.response(1j * w)).max() == pytest.approx(told.peak_sensitivity, rel=1e-6)
-    assert margins.of_loop(found.Li).gain_crossings[0].phase_margin == pytest.approx(told.phase_margin, rel=1e-9)
+def test_margins_follow_from_L_and_peak_sensitivity_from_S() -> None:
+    closed = sensitivity.close(stage(), controller())
+    loop_margins = margins.of_loop(closed.L)
+    w = np.sort(
+        np.concatenate([np.linspace(1, 100, 2001), loop_margins.peak_frequency * np.linspace(0.99, 1.01, 2001)])
+    )
+    assert np.abs(closed.S.response(1j * w)).max() == pytest.approx(loop_margins.peak_sensitivity, rel=1e-6)
+    assert margins.of_loop(closed.Li).gain_crossings[0].phase_margin == pytest.approx(
+        loop_margins.phase_margin, rel=1e-9
+    )
 
 
-def test_a_loop_with_the_sign_turned_is_not_stable() -> None:
+def test_a_loop_with_the_wrong_sign_is_not_stable() -> None:
     wrong = replace(controller(), C=-controller().C, D=-controller().D)
     assert not sensitivity.close(stage(), wrong).stable
     assert "NOT STABLE" in repr(sensitivity.close(stage(), wrong))
 
 
-def test_a_sampled_controller_asks_for_the_sampled_plant() -> None:
+def test_a_sampled_controller_needs_a_sampled_plant() -> None:
     K = controller(Discrete(T))
     with pytest.raises(TimingError, match=r"sample the plant with loop.sampled\(plant, 0.01, delay_s\)"):
         sensitivity.close(stage(), K)
     with pytest.raises(TimingError, match="discretise or resample"):
         sensitivity.close(loop.sampled(stage(), 2 * T), K)
-    found = sensitivity.close(loop.sampled(stage(), T, 0.3 * T), replace(K, A=[[0.3]], C=[[-30.0]]))
-    assert found.L.time == Discrete(T) and "plant_f_held" in found.whole.states
+    closed = sensitivity.close(loop.sampled(stage(), T, 0.3 * T), replace(K, A=[[0.3]], C=[[-30.0]]))
+    assert closed.L.time == Discrete(T) and "plant_f_held" in closed.whole.states
 
 
-def test_what_does_not_fit_is_refused() -> None:
+def test_mismatched_plants_and_controllers_are_refused() -> None:
     two = random(np.random.default_rng(0), 2, 2, 2, Continuous())
     with pytest.raises(SignalError, match="give the controller an input for each output"):
         sensitivity.close(stage(), two)
@@ -156,7 +160,7 @@ def test_what_does_not_fit_is_refused() -> None:
         sensitivity.close(one, ([[-1.0]], [[1.0]], [[1.0]], [[-2.0]]))
 
 
-def test_each_kind_of_system_is_read() -> None:
+def test_each_kind_of_system_is_accepted() -> None:
     arrays = ([[0.0]], [[1.0]], [[5.0]], [[0.0]])
     systems = (arrays, control.tf([5], [1, 0]))
     values = [sensitivity.close(P, K).T.response(3j)[0, 0, 0] for P in systems for K in systems]

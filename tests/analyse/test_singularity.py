@@ -1,4 +1,4 @@
-"""Singular points are found and named, no sample is worse than the worst, and a map's cells are condition numbers."""
+"""Singular points are found and named; no sample is worse than the worst; maps have the right condition numbers."""
 
 import casadi as ca
 import numpy as np
@@ -20,59 +20,59 @@ def of(matrix: ca.SX, signals: tuple[Signal, ...] = BOX, inputs: tuple[Signal, .
     return singularity.scaled(matrix, X[: len(signals)], signals, inputs[: matrix.size2()], labels)
 
 
-def turned(a: ca.SX, b: ca.SX) -> ca.SX:
+def matrix_of_determinant(a: ca.SX, b: ca.SX) -> ca.SX:
     """Return a matrix of determinant a."""
     return ca.vertcat(ca.horzcat(ca.cos(b), -a * ca.sin(b)), ca.horzcat(ca.sin(b), a * ca.cos(b)))
 
 
 def test_a_determinant_that_changes_sign_names_the_one_signal() -> None:
-    found = singularity.worst(of(turned(X[0] - 0.3217, X[1])))
-    assert found.singular and np.isinf(found.condition)
-    assert found.at["a"] == pytest.approx(0.3217, abs=1e-12)
-    assert found.where == "a = 0.3217 m"
+    worst = singularity.worst(of(matrix_of_determinant(X[0] - 0.3217, X[1])))
+    assert worst.singular and np.isinf(worst.condition)
+    assert worst.at["a"] == pytest.approx(0.3217, abs=1e-12)
+    assert worst.where == "a = 0.3217 m"
 
 
 def test_a_zero_without_a_change_of_sign_is_found_off_the_grid() -> None:
-    found = singularity.worst(of(turned((X[0] - 0.3217) ** 2 + (X[2] - 0.111) ** 2, X[1])))
-    assert found.singular
-    assert (found.at["a"], found.at["c"]) == (pytest.approx(0.3217, abs=1e-4), pytest.approx(0.111, abs=1e-4))
-    assert not singularity.worst(of(turned(1e-3 + (X[0] - 0.3217) ** 2, X[1]))).singular
+    worst = singularity.worst(of(matrix_of_determinant((X[0] - 0.3217) ** 2 + (X[2] - 0.111) ** 2, X[1])))
+    assert worst.singular
+    assert (worst.at["a"], worst.at["c"]) == (pytest.approx(0.3217, abs=1e-4), pytest.approx(0.111, abs=1e-4))
+    assert not singularity.worst(of(matrix_of_determinant(1e-3 + (X[0] - 0.3217) ** 2, X[1]))).singular
 
 
 def test_a_row_that_vanishes_where_both_entries_do() -> None:
-    found = singularity.worst(of(ca.horzcat(X[0] - 0.3217, X[1] - 0.456)))
-    assert found.singular and found.at["b"] == pytest.approx(0.456, abs=1e-8)
-    assert found.where == "a = 0.3217 m, b = 0.456 rad"
+    worst = singularity.worst(of(ca.horzcat(X[0] - 0.3217, X[1] - 0.456)))
+    assert worst.singular and worst.at["b"] == pytest.approx(0.456, abs=1e-8)
+    assert worst.where == "a = 0.3217 m, b = 0.456 rad"
 
 
 def test_six_signals_are_searched() -> None:
-    found = singularity.worst(of(turned(ca.sum1(X) - 2.0, X[1] * X[5]), WIDE))
-    assert found.singular and sum(found.at.values()) == pytest.approx(2.0, abs=1e-9)
-    far = singularity.worst(of(turned(9.0 - ca.sum1(X[[0, 3, 4, 5]]), X[1] + X[2]), WIDE))
+    worst = singularity.worst(of(matrix_of_determinant(ca.sum1(X) - 2.0, X[1] * X[5]), WIDE))
+    assert worst.singular and sum(worst.at.values()) == pytest.approx(2.0, abs=1e-9)
+    far = singularity.worst(of(matrix_of_determinant(9.0 - ca.sum1(X[[0, 3, 4, 5]]), X[1] + X[2]), WIDE))
     assert not far.singular
     assert [far.at[n] for n in "adef"] == [2.0, 1.5, 1.5, 1.5]  # the determinant is least at this vertex
 
 
 def bumpy() -> tuple[float, float]:
     """Return the worst condition of a matrix, and the worst of many samples."""
-    matrix = of(turned(1.2 + ca.sin(3 * X[0]) * X[1], X[2]) + 0.1 * X[0] * X[1])
+    matrix = of(matrix_of_determinant(1.2 + ca.sin(3 * X[0]) * X[1], X[2]) + 0.1 * X[0] * X[1])
     return singularity.worst(matrix).condition, float(matrix.condition(box.scatter(matrix.box, 20000, 5)).max())
 
 
 def test_no_sample_is_worse() -> None:
-    found, sampled = bumpy()
-    assert 0.8 * found < sampled <= found * (1 + 1e-9)
+    worst, sampled = bumpy()
+    assert 0.8 * worst < sampled <= worst * (1 + 1e-9)
 
 
 def test_a_search_of_the_vertices_alone_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(singularity, "GRID", 2)
-    monkeypatch.setattr(singularity, "_refined", lambda matrix, start: (0.0, start))
-    found, sampled = bumpy()
-    assert sampled > found * 1.1
+    monkeypatch.setattr(singularity, "_refine", lambda matrix, start: (0.0, start))
+    worst, sampled = bumpy()
+    assert sampled > worst * 1.1
 
 
 def test_the_condition_does_not_depend_on_units() -> None:
-    matrix = turned(X[0] + 2.0, X[1])
+    matrix = matrix_of_determinant(X[0] + 2.0, X[1])
     here = singularity.worst(of(matrix)).condition
     in_other_units = ca.diag(ca.SX([1e6, 1e-3])) @ matrix @ ca.diag(ca.SX([1e-3, 1e4]))
     inputs = (Signal("u1", "N", -2e3, 2e3), Signal("u2", "A", -1e-5, 3e-5))
@@ -97,37 +97,37 @@ def test_the_stage_agrees_with_the_magnitudes() -> None:
 
 
 def test_a_constant_matrix_and_a_pole() -> None:
-    found = singularity.worst(of(ca.SX([[1.0, 2.0], [3.0, 4.0]])))
-    assert found.where == "every point" and found.condition > 1
+    worst = singularity.worst(of(ca.SX([[1.0, 2.0], [3.0, 4.0]])))
+    assert worst.where == "every point" and worst.condition > 1
     with pytest.raises(ModelError, match=r"has a pole near a = 0\.\d+ m.*changes sign without a zero; shrink"):
-        singularity.worst(of(turned(1 / (X[0] - 0.3217), X[1])))
-    with pytest.raises(ModelError, match="row of 'y2' is zero all over the domain"):
+        singularity.worst(of(matrix_of_determinant(1 / (X[0] - 0.3217), X[1])))
+    with pytest.raises(ModelError, match="row of 'y2' is zero on the whole domain"):
         of(ca.vertcat(ca.horzcat(X[0], 1), ca.SX.zeros(1, 2)))
     with pytest.raises(ModelError, match="not finite at a = 0 m: shrink"):
         of(ca.horzcat(1 / X[0], X[0]), (Signal("a", "m", -1.0, 1.0),))
 
 
 def test_a_map_holds_the_other_signals_and_names_its_worst_cell() -> None:
-    scaled = of(turned(X[0] - 2.5, X[1]) + 0.1 * X[2])
-    found = singularity.mapped(scaled, "a", "c", {"b": 0.9})
-    for k, a in enumerate(found.points[0]):
-        for l, c in enumerate(found.points[1]):
+    scaled = of(matrix_of_determinant(X[0] - 2.5, X[1]) + 0.1 * X[2])
+    condition_map = singularity.condition_map(scaled, "a", "c", {"b": 0.9})
+    for k, a in enumerate(condition_map.points[0]):
+        for l, c in enumerate(condition_map.points[1]):
             at = scaled.at(np.array([[a], [0.9], [c]]))[0]
             expected = scaled.strongest * np.linalg.norm(np.linalg.inv(at), 2)
-            assert found.condition[k, l] == pytest.approx(expected, rel=1e-10)
-    k, l = np.unravel_index(found.condition.argmax(), (9, 9))
-    assert found.worst.at == {"a": found.points[0][k], "c": found.points[1][l], "b": 0.9}
-    text = repr(found).splitlines()
+            assert condition_map.condition[k, l] == pytest.approx(expected, rel=1e-10)
+    k, l = np.unravel_index(condition_map.condition.argmax(), (9, 9))
+    assert condition_map.worst.at == {"a": condition_map.points[0][k], "c": condition_map.points[1][l], "b": 0.9}
+    text = repr(condition_map).splitlines()
     assert text[0] == "Condition of the decoupling matrix" and text[1].startswith("worst cell: ")
-    assert f"at a = {found.points[0][k]:g} m, c = {found.points[1][l]:g} s" in text[1]
+    assert f"at a = {condition_map.points[0][k]:g} m, c = {condition_map.points[1][l]:g} s" in text[1]
     assert text[2] == "held: b = 0.9" and len(text) == 3 + 1 + 9
-    assert singularity.mapped(scaled, "a", "c").held["b"] == pytest.approx(0.55)
+    assert singularity.condition_map(scaled, "a", "c").held["b"] == pytest.approx(0.55)
 
 
 def test_a_singular_cell_is_infinite_in_the_map() -> None:
-    found = singularity.mapped(of(turned(X[0] - 0.5, X[1])), "a", "b")
-    assert np.isinf(found.worst.condition) and found.worst.at["a"] == 0.5
-    assert found.worst.at["b"] == pytest.approx(0.55)  # of equals, the middle one
+    condition_map = singularity.condition_map(of(matrix_of_determinant(X[0] - 0.5, X[1])), "a", "b")
+    assert np.isinf(condition_map.worst.condition) and condition_map.worst.at["a"] == 0.5
+    assert condition_map.worst.at["b"] == pytest.approx(0.55)  # the middle one wins a tie
 
 
 @pytest.mark.parametrize(
@@ -139,6 +139,6 @@ def test_a_singular_cell_is_infinite_in_the_map() -> None:
         ("a", "b", {"c": 1.0}, "does not depend on 'c'"),
     ],
 )
-def test_a_map_of_what_does_not_enter_is_refused(down: str, across: str, held: dict[str, float], text: str) -> None:
+def test_a_map_over_unknown_signals_is_refused(down: str, across: str, held: dict[str, float], text: str) -> None:
     with pytest.raises(SignalError, match=text):
-        singularity.mapped(of(turned(X[0], X[1])), down, across, held)
+        singularity.condition_map(of(matrix_of_determinant(X[0], X[1])), down, across, held)

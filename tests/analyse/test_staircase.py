@@ -1,4 +1,4 @@
-"""Scaling sees neither units nor rounding noise; splits are orthonormal; deflation keeps the zeros of the pencil."""
+"""Scaling is independent of units and rounding noise; splits are orthonormal; deflation keeps the zeros."""
 
 import numpy as np
 import pytest
@@ -39,8 +39,12 @@ def test_rounding_noise_does_not_steer_the_scaling() -> None:
     noise = 1e-17 * np.random.default_rng(0).normal(size=(10, 11)) * 1000
     M = np.block([[A, B], [C, np.zeros((2, 3))]])
     M = np.where(M == 0, noise, M)
-    found = staircase.kalman(staircase.scaled(M[:8, :8], M[:8, 8:], M[8:, :8], M[8:, 8:]))
-    assert found.kept.shape[1] == 4 and len(found.unreached[0]) == 2 and len(found.unseen[0]) == 2
+    decomposition = staircase.kalman(staircase.scaled(M[:8, :8], M[:8, 8:], M[8:, :8], M[8:, 8:]))
+    assert (
+        decomposition.kept.shape[1] == 4
+        and len(decomposition.uncontrollable[0]) == 2
+        and len(decomposition.unobservable[0]) == 2
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -49,55 +53,55 @@ def test_a_split_is_orthonormal_and_keeps_coordinates(seed: int) -> None:
     mixed = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     A = scipy.linalg.block_diag(mixed @ np.diag([-1.0, -1.0, -2.0]) @ mixed.T, [[-3.0]], [[-4.0]])
     B = np.vstack([mixed @ [[1.0], [0.0], [1.0]], [[1.0]], [[0.0]]])
-    found = staircase.split(A, B)
-    both = np.hstack([found.inside, found.outside])
+    split = staircase.controllable_split(A, B)
+    both = np.hstack([split.inside, split.outside])
     np.testing.assert_allclose(both.T @ both, np.eye(5), atol=tolerances.of("double"))
-    np.testing.assert_array_equal(found.inside[:, 0], np.eye(5)[3])
-    np.testing.assert_array_equal(found.outside[:, 0], np.eye(5)[4])
-    assert np.abs(found.outside.T @ B).max() < tolerances.of("double")
-    assert np.abs(found.outside.T @ A @ found.inside).max() < tolerances.of("double")
+    np.testing.assert_array_equal(split.inside[:, 0], np.eye(5)[3])
+    np.testing.assert_array_equal(split.outside[:, 0], np.eye(5)[4])
+    assert np.abs(split.outside.T @ B).max() < tolerances.of("double")
+    assert np.abs(split.outside.T @ A @ split.inside).max() < tolerances.of("double")
 
 
 @settings(derandomize=True, max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
 def test_zeros_come_with_vectors_at_which_the_pencil_is_singular(seed: int) -> None:
     A, B, C, D = matrices(seed)
-    found = staircase.zeros(A, B, C, 0 * D if seed % 2 else D)
-    if not found.right:
+    zeros = staircase.zeros(A, B, C, 0 * D if seed % 2 else D)
+    if not zeros.right:
         A, B, C, D = A.T, C.T, B.T, D.T
     D = 0 * D if seed % 2 else D
-    for s, x, u in zip(found.values, found.x.T, found.u.T, strict=True):
-        if found.rank == min(D.shape):
+    for s, x, u in zip(zeros.values, zeros.x.T, zeros.u.T, strict=True):
+        if zeros.rank == min(D.shape):
             size = np.linalg.norm(np.concatenate([x, u])) * max(1.0, abs(s))
             assert np.linalg.norm(A @ x - s * x + B @ u) < tolerances.of("zeros") * size
             assert np.linalg.norm(C @ x + D @ u) < tolerances.of("zeros") * size
 
 
-def unmoved(A: np.ndarray, B: list[float]) -> list[tuple[complex, tuple[str, ...]]]:
+def uncontrollable_modes(A: np.ndarray, B: list[float]) -> list[tuple[complex, tuple[str, ...]]]:
     names = tuple(f"x{k + 1}" for k in range(len(A)))
-    return [(m.value, m.states) for m in structure.unmoved(A, np.array([B]).T, names, Continuous())]
+    return [(m.value, m.states) for m in structure.uncontrollable_modes(A, np.array([B]).T, names, Continuous())]
 
 
 @pytest.mark.parametrize("fast", [-1e11, 1e11, -1e14])
-def test_beside_a_fast_mode_the_slow_ones_are_told_apart(fast: float) -> None:
-    """The staircase alone takes 1 and 2 for one value, 1.5, of which a combination is out of reach."""
-    assert unmoved(np.diag([fast, 1.0, 2.0]), [1.0, 1.0, 1.0]) == []
-    assert unmoved(np.diag([fast, 1.0, 2.0, 3.0]), [1.0, 1.0, 1.0, 0.0]) == [(3, ("x4",))]
-    twice = unmoved(np.diag([fast, 1.0, 1.0, 2.0]), [1.0, 1.0, 1.0, 1.0])
+def test_slow_modes_beside_a_fast_one_are_resolved(fast: float) -> None:
+    """The staircase alone merges 1 and 2 into one uncontrollable mode at 1.5."""
+    assert uncontrollable_modes(np.diag([fast, 1.0, 2.0]), [1.0, 1.0, 1.0]) == []
+    assert uncontrollable_modes(np.diag([fast, 1.0, 2.0, 3.0]), [1.0, 1.0, 1.0, 0.0]) == [(3, ("x4",))]
+    twice = uncontrollable_modes(np.diag([fast, 1.0, 1.0, 2.0]), [1.0, 1.0, 1.0, 1.0])
     assert [value for value, _ in twice] == pytest.approx([1]) and set(twice[0][1]) == {"x2", "x3"}
     chain = scipy.linalg.block_diag([[0.0, 1.0], [0.0, 0.0]], [[fast]])
-    assert unmoved(chain, [0.0, 1.0, 1.0]) == []
-    assert [value for value, _ in unmoved(chain, [1.0, 0.0, 1.0])] == pytest.approx([0])
+    assert uncontrollable_modes(chain, [0.0, 1.0, 1.0]) == []
+    assert [value for value, _ in uncontrollable_modes(chain, [1.0, 0.0, 1.0])] == pytest.approx([0])
 
 
-def test_a_slow_mode_beside_a_fast_one_decays_where_the_matrix_tells_it() -> None:
+def test_a_slow_mode_beside_a_fast_one_is_resolved_on_the_diagonal() -> None:
     A = np.diag([-1e-4, -1e9])
-    assert unmoved(A, [0.0, 1.0]) == []
-    assert unmoved(A - np.diag([-2e-4, 0.0]), [0.0, 1.0]) == [(1e-4, ("x1",))]
+    assert uncontrollable_modes(A, [0.0, 1.0]) == []
+    assert uncontrollable_modes(A - np.diag([-2e-4, 0.0]), [0.0, 1.0]) == [(1e-4, ("x1",))]
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(2, 2)))[0]
     with pytest.raises(ModelError, match=r"this is within rounding of the fastest mode, 1e.09"):
         structure.check_stabilisable((U @ A @ U.T, U @ [[0.0], [1.0]]))
 
 
 def test_a_direction_in_many_states_is_cut_short() -> None:
-    assert structure.spelled({f"x{k}": 1.0 for k in range(20)}).endswith("1 x7 and 12 more")
+    assert structure.direction_text({f"x{k}": 1.0 for k in range(20)}).endswith("1 x7 and 12 more")

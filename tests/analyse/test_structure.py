@@ -1,4 +1,4 @@
-"""Modes that are not moved or not shown are found, named and told from weakly moved ones."""
+"""Uncontrollable and unobservable modes are found, named and distinguished from weakly coupled ones."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ from tests import tolerances
 CONTINUOUS, SAMPLED = Continuous(), Discrete(1e-3)
 
 
-def named(n: int) -> tuple[str, ...]:
+def state_names(n: int) -> tuple[str, ...]:
     return tuple(f"x{i}" for i in range(n))
 
 
@@ -61,18 +61,18 @@ def test_a_mode_that_does_not_decay_needs_one(value: float, time: Continuous | D
 
 @pytest.mark.parametrize("seed", range(5))
 def test_an_undriven_integrator_beside_driven_ones_is_found_in_any_coordinates(seed: int) -> None:
-    """Computed eigenvalues of the three integrators scatter by 1e-8, at which no input vector is orthogonal."""
+    """Computed eigenvalues of the three integrators scatter by 1e-8 and hide the undriven one."""
     U = orthogonal(3, np.random.default_rng(seed))
     A = U @ np.array([[0, 1, 0], [0, 0, 0], [0, 0, 0.0]]) @ U.T
-    found = structure.unmoved(A, U @ [[0], [1], [0]], named(3), CONTINUOUS)
-    assert [m.value for m in found] == pytest.approx([0], abs=tolerances.of("double"))
-    assert found[0].measure < tolerances.of("double")
-    assert not structure.unmoved(A, U @ [[0, 0], [1, 0], [0, 1]], named(3), CONTINUOUS)
+    modes = structure.uncontrollable_modes(A, U @ [[0], [1], [0]], state_names(3), CONTINUOUS)
+    assert [m.value for m in modes] == pytest.approx([0], abs=tolerances.of("double"))
+    assert modes[0].measure < tolerances.of("double")
+    assert not structure.uncontrollable_modes(A, U @ [[0, 0], [1, 0], [0, 1]], state_names(3), CONTINUOUS)
 
 
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(st.integers(0, 10**6))
-def test_the_modes_planted_out_of_reach_are_those_found(seed: int) -> None:
+def test_planted_uncontrollable_modes_are_found(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n, k, m = rng.integers(1, 5), rng.integers(0, 3), rng.integers(1, 3)
     planted = np.sort(rng.uniform(0.1, 3, k))
@@ -80,28 +80,28 @@ def test_the_modes_planted_out_of_reach_are_those_found(seed: int) -> None:
     B = np.vstack([rng.normal(size=(n, m)), np.zeros((k, m))])
     U, units = orthogonal(n + k, rng), 10.0 ** rng.uniform(-3, 3, n + k)
     A, B = units[:, None] * (U @ A @ U.T) / units, units[:, None] * (U @ B)
-    found = sorted(mode.value.real for mode in structure.unmoved(A, B, named(n + k), CONTINUOUS))
-    assert found == pytest.approx(list(planted), rel=1e-6)
+    rates = sorted(mode.value.real for mode in structure.uncontrollable_modes(A, B, state_names(n + k), CONTINUOUS))
+    assert rates == pytest.approx(list(planted), rel=1e-6)
     with_inputs = np.hstack([B, np.linalg.norm(A) * U[:, n:] * units[:, None]])
-    assert not structure.unmoved(A, with_inputs, named(n + k), CONTINUOUS)
+    assert not structure.uncontrollable_modes(A, with_inputs, state_names(n + k), CONTINUOUS)
 
 
-def test_reach_agrees_with_the_rank_of_the_controllability_matrix() -> None:
+def test_controllability_agrees_with_the_rank_of_the_controllability_matrix() -> None:
     rng = np.random.default_rng(3)
     for _ in range(20):
         A, B = rng.integers(-1, 2, (4, 4)).astype(float), rng.integers(-1, 2, (4, 1)).astype(float)
         out_of_reach = 4 - np.linalg.matrix_rank(control.ctrb(A, B))
-        shifted = A + 10 * np.eye(4)  # no mode decays, so that each counts
-        assert len(structure.unmoved(shifted, B, named(4), CONTINUOUS)) == out_of_reach
+        shifted = A + 10 * np.eye(4)  # no mode decays: each counts
+        assert len(structure.uncontrollable_modes(shifted, B, state_names(4), CONTINUOUS)) == out_of_reach
 
 
 def system(A: object, B: object, C: object) -> StateSpace:
     A, B, C = (np.asarray(M, float) for M in (A, B, C))
     inputs, outputs = tuple(f"u{i}" for i in range(B.shape[1])), tuple(f"y{i}" for i in range(len(C)))
-    return StateSpace(A, B, C, np.zeros((len(C), B.shape[1])), named(len(A)), inputs, outputs, CONTINUOUS)
+    return StateSpace(A, B, C, np.zeros((len(C), B.shape[1])), state_names(len(A)), inputs, outputs, CONTINUOUS)
 
 
-def test_transmission_zeros_are_told_whatever_the_units() -> None:
+def test_transmission_zeros_do_not_depend_on_units() -> None:
     w, A = 7.0, [[0, 1, 0], [0, 0, 1], [-1, -3, -3]]
     for scale in (1e-9, 1.0, 1e9):
         plant = system(A, [[0], [0], [scale]], [[w * w * 1e-6, 0, 1e-6]])  # numerator s^2 + w^2
@@ -109,14 +109,14 @@ def test_transmission_zeros_are_told_whatever_the_units() -> None:
         assert nearest(structure.transmission_zeros(plant).values, np.array([w * 1j, -w * 1j])) < 1e-9 * w
 
 
-def test_what_is_not_connected_goes_and_the_response_stays() -> None:
+def test_unconnected_states_are_removed_and_the_response_stays() -> None:
     A = np.array([[-1.0, 0, 0, 0], [1, -2, 0, 0], [0, 0, -3, 0], [0, 1, 0, -4]])
     whole = system(A, [[1], [0], [0], [0]], [[0, 1, 1, 0]])
-    part = realisation.connected(whole)
+    part = realisation.without_unconnected_states(whole)
     s = 1j * np.array([0.1, 1, 10])
     assert part.states == ("x0", "x1")
     np.testing.assert_allclose(part.response(s), whole.response(s), rtol=tolerances.of("double"))
-    through = realisation.connected(system([[-1.0]], [[0]], [[1]]))
+    through = realisation.without_unconnected_states(system([[-1.0]], [[0]], [[1]]))
     assert through.states == () and not through.response(s).any()
 
 
@@ -128,7 +128,7 @@ def in_units(model: StateSpace, seed: int, decades: float = 3) -> StateSpace:
     return StateSpace(A, B, C, D, model.states, model.inputs, model.outputs, model.time)
 
 
-def turned(model: StateSpace, seed: int) -> StateSpace:
+def rotated(model: StateSpace, seed: int) -> StateSpace:
     U = orthogonal(len(model.A), np.random.default_rng(seed))
     return StateSpace(
         U @ model.A @ U.T, U @ model.B, model.C @ U.T, model.D, model.states, model.inputs, model.outputs, model.time
@@ -136,7 +136,7 @@ def turned(model: StateSpace, seed: int) -> StateSpace:
 
 
 def random_model(seed: int) -> StateSpace:
-    """Return a random model, its direct term nothing, of rank 1 or full, and with chains of integrators at times."""
+    """Return a random model, with direct term zero, of rank 1 or full, and sometimes with chains of integrators."""
     rng = np.random.default_rng(seed)
     n, m, p = rng.integers(2, 7), rng.integers(1, 4), rng.integers(1, 4)
     D = [np.zeros((p, m)), rng.normal(size=(p, 1)) @ rng.normal(size=(1, m)), rng.normal(size=(p, m))][seed % 3]
@@ -145,25 +145,25 @@ def random_model(seed: int) -> StateSpace:
     return StateSpace(plain.A, plain.B, plain.C, D, plain.states, plain.inputs, plain.outputs, CONTINUOUS)
 
 
-def nearest(found: np.ndarray, wanted: np.ndarray) -> float:
+def nearest(roots: np.ndarray, reference: np.ndarray) -> float:
     """Return the largest distance of a pairing by size, relative to the largest value or 1."""
-    assert len(found) == len(wanted)
-    left = list(found)
+    assert len(roots) == len(reference)
+    left = list(roots)
     worst = 0.0
-    for w in wanted:
+    for w in reference:
         k = int(np.argmin(np.abs(np.array(left) - w)))
         worst = max(worst, abs(left.pop(k) - w))
-    return worst / max(1.0, float(np.abs(wanted).max(initial=0.0)))
+    return worst / max(1.0, float(np.abs(reference).max(initial=0.0)))
 
 
 @settings(derandomize=True, max_examples=60, deadline=None)
 @given(st.integers(0, 10**6))
 def test_transmission_zeros_are_those_of_slicot_in_any_units(seed: int) -> None:
     model = random_model(seed)
-    wanted, rank = slicot_zeros(model)
-    found = structure.transmission_zeros(in_units(model, seed))
-    assert nearest(found.values, wanted) < tolerances.of("zeros")
-    assert found.rank == rank and not found.unmoved and not found.unseen
+    reference, rank = slicot_zeros(model)
+    zeros = structure.transmission_zeros(in_units(model, seed))
+    assert nearest(zeros.values, reference) < tolerances.of("zeros")
+    assert zeros.rank == rank and not zeros.unmoved and not zeros.unseen
 
 
 def slicot_zeros(model: StateSpace) -> tuple[np.ndarray, int]:
@@ -181,32 +181,32 @@ def planted_zeros(zeros: list[float], seed: int) -> StateSpace:
     channels = [([[0, 1], [-2, -3]], [[0], [1]], [[-z, 1]]) for z in zeros]
     A, B, C = (scipy.linalg.block_diag(*parts) for parts in zip(*channels, strict=True))
     M, N = (np.eye(2) + 0.4 * rng.uniform(-1, 1, (2, 2)) for _ in range(2))
-    return turned(system(A, B @ M, N @ C), seed)
+    return rotated(system(A, B @ M, N @ C), seed)
 
 
 @pytest.mark.parametrize("zeros", [[3.0, -0.5], [1e4, -1e-3], [2.0, 2.0]])
 def test_planted_zeros_are_found_with_directions(zeros: list[float]) -> None:
     model = planted_zeros(zeros, 1)
-    found = structure.transmission_zeros(model)
-    np.testing.assert_allclose(sorted(found.values.real), sorted(zeros), rtol=1e-9)
-    for root in found.roots:
+    computed = structure.transmission_zeros(model)
+    np.testing.assert_allclose(sorted(computed.values.real), sorted(zeros), rtol=1e-9)
+    for root in computed.roots:
         G = model.response(root.value)[0]
         u = np.array([root.inputs.get(name, 0.0) for name in model.inputs])
-        if len(root.inputs) == 2 and zeros[0] != zeros[1]:  # no component was left out: the inputs as scaled
+        if len(root.inputs) == 2 and zeros[0] != zeros[1]:  # no component was omitted: the inputs as scaled
             u = staircase.of_model(model).u * u
             quiet = np.linalg.svd(G)[2][-1].conj()
-            assert abs(np.vdot(quiet, u)) / np.linalg.norm(u) == pytest.approx(1, abs=1e-6), "told to six digits"
+            assert abs(np.vdot(quiet, u)) / np.linalg.norm(u) == pytest.approx(1, abs=1e-6), "given to six digits"
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_late_response_has_no_spurious_zeros_while_the_bare_pencil_shows_some(seed: int) -> None:
+def test_a_chain_of_integrations_has_no_spurious_zeros_unlike_the_bare_pencil(seed: int) -> None:
     """A force reaches the output after three integrations: the pencil has four infinite roots in one chain.
 
     Whether rounding makes three of them finite depends on the processor. A direct term of ten roundings stands for
     it: the bare pencil then has the roots of 1e-15 s^3 = -1 beside the zero, to leading order, on every processor.
     """
     late = system([[0, 1, 0, 0], [0, 0, 1, 0], [-3, 1, -2, 1], [1, 0, 1, -5]], np.eye(4, 1, -2), np.eye(1, 4))
-    chain = turned(replace(late, D=[[1e-15]]), seed)
+    chain = rotated(replace(late, D=[[1e-15]]), seed)
     (root,) = structure.transmission_zeros(chain).roots
     assert root.value == pytest.approx(-5)
     pencil = np.block([[chain.A, chain.B], [chain.C, chain.D]])
@@ -214,14 +214,14 @@ def test_a_late_response_has_no_spurious_zeros_while_the_bare_pencil_shows_some(
     assert (np.abs(bare[np.isfinite(bare)]) > 1e3).any(), "planted: what deflation is for"
 
 
-def test_modes_outside_the_response_are_no_zeros_and_are_named() -> None:
+def test_uncontrollable_and_unobservable_modes_are_not_zeros_and_are_named() -> None:
     A = np.diag([-1.0, -2.0, -3.0, -4.0])
     model = system(A, [[1], [1], [0], [1]], [[1, 1, 1, 0]])
-    found = structure.transmission_zeros(model)
-    assert found.values == pytest.approx([-1.5])
-    assert [(m.value, m.states) for m in found.unmoved] == [(-3, ("x2",))]
-    assert [(m.value, m.states) for m in found.unseen] == [(-4, ("x3",))]
-    assert "No input moves mode -3 in x2." in str(found) and "No output shows mode -4 in x3." in str(found)
+    zeros = structure.transmission_zeros(model)
+    assert zeros.values == pytest.approx([-1.5])
+    assert [(m.value, m.states) for m in zeros.unmoved] == [(-3, ("x2",))]
+    assert [(m.value, m.states) for m in zeros.unseen] == [(-4, ("x3",))]
+    assert "Uncontrollable mode -3 in x2." in str(zeros) and "Unobservable mode -4 in x3." in str(zeros)
     assert nearest(control.zeros(model.to_control()), np.array([-1.5, -3, -4])) < 1e-9, "the invariant zeros"
 
 
@@ -238,26 +238,26 @@ def test_fewer_outputs_than_inputs_give_the_direction_of_the_outputs() -> None:
 
 def test_a_response_without_full_rank_says_so() -> None:
     twice = system(np.diag([-1.0, -2.0]), np.eye(2), [[1, 1], [2, 2]])
-    found = structure.transmission_zeros(twice)
-    assert found.rank == 1 and "rank 1 at every s though it has 2 outputs and 2 inputs" in str(found)
-    assert all(not (r.states or r.inputs or r.outputs) for r in found.roots)
+    zeros = structure.transmission_zeros(twice)
+    assert zeros.rank == 1 and "rank 1 at every s though it has 2 outputs and 2 inputs" in str(zeros)
+    assert all(not (r.states or r.inputs or r.outputs) for r in zeros.roots)
 
 
 def test_poles_print_damping_frequency_and_states_in_any_units() -> None:
     w = 2 * np.pi * 100
     model = system([[0, 1, 0], [-w * w, -0.02 * w, 0], [0, 0, 0]], [[0], [1], [1]], [[1, 0, 1]])
     for seed in range(4):
-        found = structure.poles(in_units(model, seed))
-        rest, one, other = found.roots
+        poles = structure.poles(in_units(model, seed))
+        rest, one, other = poles.roots
         assert rest.value == 0 and np.isnan(rest.damping) and tuple(rest.states) == ("x2",)
         assert one.value == pytest.approx(other.value.conjugate())
         assert one.damping == pytest.approx(0.01) and one.frequency == pytest.approx(100)
         assert set(one.states) == {"x0", "x1"}
-    assert str(found).splitlines()[1].split() == ["pole", "damping", "frequency", "[Hz]", "states"]
-    assert str(found).splitlines()[3].startswith("-6.2832 +- 628.29i     0.01             100")
+    assert str(poles).splitlines()[1].split() == ["pole", "damping", "frequency", "[Hz]", "states"]
+    assert str(poles).splitlines()[3].startswith("-6.2832 +- 628.29i     0.01             100")
 
 
-def test_sampled_poles_have_the_damping_of_the_rate_that_they_stand_for() -> None:
+def test_sampled_poles_have_the_damping_of_their_continuous_equivalent() -> None:
     s, T = -3 + 40j, SAMPLED.period_s
     z = np.exp(s * T)
     roots = structure.poles(([[z.real, z.imag], [-z.imag, z.real]], np.eye(2), SAMPLED)).roots
@@ -291,7 +291,7 @@ def unseen() -> StateSpace:
     return system(A, np.eye(4), [[1, 0, 0, 0]])
 
 
-def test_every_kind_of_system_is_read() -> None:
+def test_every_kind_of_system_is_accepted() -> None:
     arrays = ([[0, 1], [0, -3]], [[0], [1]], [[4, 1]], [[0.0]])
     for given_as in (arrays, (*arrays, 0), control.ss(*arrays), control.tf([1, 4], [1, 3, 0])):
         assert structure.transmission_zeros(given_as).values == pytest.approx([-4])

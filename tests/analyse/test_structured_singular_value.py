@@ -9,7 +9,7 @@ from tests import tolerances
 
 Complex = np.typing.NDArray[np.complex128]
 EXACT = tolerances.of("double")
-BOUND = 1e-6  # to which `upper` follows the path of centres
+BOUND = 1e-6  # tolerance of `upper` on the central path
 
 
 def matrices(count: int, p: int, seed: int = 0) -> Complex:
@@ -29,9 +29,9 @@ def test_the_upper_bound_is_slicots(p: int) -> None:
     M = matrices(40, p, seed=p)
     structure = np.ones(p, dtype=int), 2 * np.ones(p, dtype=int)
     witness = np.array([slycot.ab13md(m, *structure)[0] for m in M])
-    found = ssv.upper(M)
-    assert found.value == pytest.approx(witness, rel=2 * BOUND)
-    assert found.value == pytest.approx(ssv.gain(M, found.scaling), rel=EXACT)
+    upper = ssv.upper(M)
+    assert upper.value == pytest.approx(witness, rel=2 * BOUND)
+    assert upper.value == pytest.approx(ssv.gain(M, upper.scaling), rel=EXACT)
 
 
 @pytest.mark.parametrize("p", [1, 2, 3])
@@ -53,10 +53,10 @@ def test_the_bounds_enclose_mu_for_more(p: int) -> None:
 @pytest.mark.parametrize("p", [1, 3, 6])
 def test_the_delta_of_the_lower_bound_makes_the_determinant_vanish(p: int) -> None:
     for M in matrices(10, p, seed=30 + p):
-        found = ssv.lower(M)
-        assert np.abs(found.delta) == pytest.approx(1 / found.value, rel=EXACT)
-        assert least_determinant(M, found.delta) < EXACT
-        assert least_determinant(M, 0.99 * found.delta) > 1e-4  # nothing vanishes just inside
+        lower = ssv.lower(M)
+        assert np.abs(lower.delta) == pytest.approx(1 / lower.value, rel=EXACT)
+        assert least_determinant(M, lower.delta) < EXACT
+        assert least_determinant(M, 0.99 * lower.delta) > 1e-4  # no zero just inside
 
 
 def test_matrices_whose_mu_is_known() -> None:
@@ -67,18 +67,18 @@ def test_matrices_whose_mu_is_known() -> None:
     rank_one = np.outer(u, v.conj())
     M, d = matrices(1, 4, seed=3)[0], np.exp(3 * rng.standard_normal(4))
     cases = np.stack([triangular, rank_one, M, M * d[:, None] / d])
-    found = ssv.upper(cases).value
-    # The triangular case is reached as d goes to infinity, of which the search goes as far as 1e-4 asks for.
-    assert found[0] == pytest.approx(np.abs(np.diag(triangular)).max(), rel=1e-4)
-    assert found[1] == pytest.approx(np.abs(u * v.conj()).sum(), rel=BOUND)
-    assert found[2] == pytest.approx(found[3], rel=1e-4)
-    assert [ssv.lower(m).value for m in cases[:2]] == pytest.approx(list(found[:2]), rel=1e-4)
+    bounds = ssv.upper(cases).value
+    # The triangular case needs d -> inf; the search goes far enough for 1e-4.
+    assert bounds[0] == pytest.approx(np.abs(np.diag(triangular)).max(), rel=1e-4)
+    assert bounds[1] == pytest.approx(np.abs(u * v.conj()).sum(), rel=BOUND)
+    assert bounds[2] == pytest.approx(bounds[3], rel=1e-4)
+    assert [ssv.lower(m).value for m in cases[:2]] == pytest.approx(list(bounds[:2]), rel=1e-4)
 
 
 def test_a_matrix_that_no_delta_makes_singular_has_no_mu() -> None:
     assert ssv.upper(np.zeros((1, 3, 3), dtype=complex)).value == 0
-    found = ssv.lower(np.zeros((3, 3), dtype=complex))
-    assert found.value == 0 and np.isinf(found.delta).all()
+    lower = ssv.lower(np.zeros((3, 3), dtype=complex))
+    assert lower.value == 0 and np.isinf(lower.delta).all()
 
 
 def test_parts_that_are_not_coupled_have_the_larger_of_their_mus() -> None:
@@ -89,7 +89,7 @@ def test_parts_that_are_not_coupled_have_the_larger_of_their_mus() -> None:
 
 
 def test_balancing_alone_is_not_enough() -> None:
-    """A planted defect: with the balanced scaling for the least one the bound is too high by per cents."""
+    """A planted defect: with the balanced scaling instead of the optimal one the bound is too high by per cents."""
     M = matrices(40, 6, seed=6)
-    found, balanced = ssv.upper(M).value, ssv.gain(M, ssv.balanced(M))
-    assert (balanced >= found * (1 - EXACT)).all() and (balanced / found).max() > 1.01
+    least, balanced = ssv.upper(M).value, ssv.gain(M, ssv.osborne_scaling(M))
+    assert (balanced >= least * (1 - EXACT)).all() and (balanced / least).max() > 1.01

@@ -21,8 +21,8 @@ def model(time: Any = None) -> StateSpace:
     A, B, C = rng.standard_normal((4, 4)), rng.standard_normal((4, 2)), rng.standard_normal((3, 4))
     A = A - 3 * np.eye(4)
     names = ("a", "b", "c", "d"), ("f", "g"), ("x", "y", "z")
-    found = StateSpace(A, B, C, rng.standard_normal((3, 2)), *names, Continuous(), {"x": "m", "f": "N"})
-    return found if time is None else discretise.zero_order_hold(found, time)
+    continuous = StateSpace(A, B, C, rng.standard_normal((3, 2)), *names, Continuous(), {"x": "m", "f": "N"})
+    return continuous if time is None else discretise.zero_order_hold(continuous, time)
 
 
 def test_closed_forms_of_a_step_and_an_impulse() -> None:
@@ -39,20 +39,20 @@ def test_closed_forms_of_a_step_and_an_impulse() -> None:
 @pytest.mark.parametrize("period", [None, 0.05])
 def test_all_channels_agree_with_python_control(period: float | None) -> None:
     mine = model(period)
-    found = time_response.step_response(mine, 2.0)
-    theirs = control.step_response(mine.to_control(), found.time)
-    np.testing.assert_allclose(found.outputs, theirs.outputs.transpose(2, 0, 1), rtol=0, atol=1e-11)
-    assert (found.output_names, found.input_names) == (mine.outputs, mine.inputs)
-    assert found.output_units == ("m", "", "") and found.input_units == ("N", "")
+    response = time_response.step_response(mine, 2.0)
+    theirs = control.step_response(mine.to_control(), response.time)
+    np.testing.assert_allclose(response.outputs, theirs.outputs.transpose(2, 0, 1), rtol=0, atol=1e-11)
+    assert (response.output_names, response.input_names) == (mine.outputs, mine.inputs)
+    assert response.output_units == ("m", "", "") and response.input_units == ("N", "")
 
 
 def test_the_impulse_of_a_sampled_model_is_one_sample_of_height_1() -> None:
     mine = model(0.05)
-    found, step = time_response.impulse_response(mine, 1.0), time_response.step_response(mine, 1.0)
-    theirs = control.impulse_response(mine.to_control(), found.time)
-    np.testing.assert_allclose(found.outputs, 0.05 * theirs.outputs.transpose(2, 0, 1), rtol=0, atol=1e-11)
-    np.testing.assert_allclose(np.cumsum(found.outputs, axis=0), step.outputs, rtol=0, atol=1e-11)
-    np.testing.assert_array_equal(found.outputs[0], mine.D)
+    response, step = time_response.impulse_response(mine, 1.0), time_response.step_response(mine, 1.0)
+    theirs = control.impulse_response(mine.to_control(), response.time)
+    np.testing.assert_allclose(response.outputs, 0.05 * theirs.outputs.transpose(2, 0, 1), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(np.cumsum(response.outputs, axis=0), step.outputs, rtol=0, atol=1e-11)
+    np.testing.assert_array_equal(response.outputs[0], mine.D)
     markov = time_response.impulse_response((Z + 1) / (Z - 0.5), 0.4).outputs[:, 0, 0]
     np.testing.assert_allclose(markov, [1, 1.5, 0.75, 0.375, 0.1875], rtol=1e-14)
 
@@ -82,20 +82,20 @@ def test_the_figures_of_a_step_are_those_of_the_textbook() -> None:
     ],
 )
 def test_the_duration_follows_the_poles(system: Any, end: float) -> None:
-    found = time_response.step_response(system)
-    assert found.time[0] == 0.0 and found.time[-1] == pytest.approx(end, rel=1e-9)
-    assert np.isfinite(found.outputs).all() and len(found.time) <= 20_001 and "unit step" in repr(found)
+    response = time_response.step_response(system)
+    assert response.time[0] == 0.0 and response.time[-1] == pytest.approx(end, rel=1e-9)
+    assert np.isfinite(response.outputs).all() and len(response.time) <= 20_001 and "unit step" in repr(response)
 
 
 def test_an_oscillation_is_shown_by_twenty_points_in_a_period() -> None:
-    found = time_response.step_response(1 / (S**2 + 0.01 * S + 1))
-    assert 2 * np.pi / found.time[1] == pytest.approx(20, rel=0.01)
+    response = time_response.step_response(1 / (S**2 + 0.01 * S + 1))
+    assert 2 * np.pi / response.time[1] == pytest.approx(20, rel=0.01)
 
 
 def test_fast_and_slow_modes_are_exact_side_by_side() -> None:
-    found = time_response.step_response((np.diag([-1e6, -1e-3]), np.ones((2, 1)), np.eye(2)), 1000.0, 10.0)
-    slow = (1 - np.exp(-1e-3 * found.time)) * 1e3
-    np.testing.assert_allclose(found.outputs[1:, :, 0], np.column_stack([np.full(100, 1e-6), slow[1:]]), rtol=EXACT)
+    response = time_response.step_response((np.diag([-1e6, -1e-3]), np.ones((2, 1)), np.eye(2)), 1000.0, 10.0)
+    slow = (1 - np.exp(-1e-3 * response.time)) * 1e3
+    np.testing.assert_allclose(response.outputs[1:, :, 0], np.column_stack([np.full(100, 1e-6), slow[1:]]), rtol=EXACT)
 
 
 @pytest.mark.parametrize(
@@ -107,18 +107,20 @@ def test_fast_and_slow_modes_are_exact_side_by_side() -> None:
         (lambda f: f(1 / (S + 1), [1.0, 2.0]), TimingError, r"`duration_s` of .* is \[1\.0, 2\.0\]"),
         (lambda f: f(1 / (S + 1), 1.0, 1e-9), TimingError, "hold 1000000000 intervals"),
         (lambda f: f(1 / (S + 1), 1.0, 2.0), TimingError, "hold 0 intervals of 2 s"),
-        (lambda f: f(1 / (Z - 0.5), 1.0, 0.1), TimingError, "an interval of 0.1 s was asked for in discrete time"),
+        (lambda f: f(1 / (Z - 0.5), 1.0, 0.1), TimingError, "has its own interval, but 0.1 s was given"),
         (lambda f: f(1 / (S - 1), 1000.0), ModelError, "beyond what a double holds"),
         (lambda f: f(3.0), SignalError, "no linear model"),
     ],
 )
 @pytest.mark.parametrize("signal", ["step", "impulse"])
-def test_what_has_no_response_is_refused(call: Any, kind: type[SynthError], text: str, signal: str) -> None:
+def test_invalid_time_responses_are_refused(call: Any, kind: type[SynthError], text: str, signal: str) -> None:
     with pytest.raises(kind, match=text):
         call(getattr(time_response, f"{signal}_response"))
 
 
 def test_an_impulse_through_D_is_refused_in_continuous_time_alone() -> None:
-    with pytest.raises(ModelError, match=r"holds an impulse at t = 0, D\[y\[0\], u\[0\]\] is 1: give the model with D"):
+    with pytest.raises(
+        ModelError, match=r"contains an impulse at t = 0, D\[y\[0\], u\[0\]\] is 1: give the model with D"
+    ):
         time_response.impulse_response((S + 2) / (S + 1))
     assert time_response.impulse_response(of(([[0.5]], [[1.0]], [[1.0]], [[2.0]], Discrete(0.1)))).outputs[0, 0, 0] == 2

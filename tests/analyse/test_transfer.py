@@ -42,10 +42,10 @@ def lambert_count(a: float, k: float, tau: float) -> int:
 
 def test_the_response_is_the_product_of_its_factors() -> None:
     w = np.array([0.3, 4.0, 90.0])
-    found = transfer.response(transfer.delayed(tf([5], [1, 2]), 0.03, 0.1))(w)
+    response = transfer.response(transfer.delayed(tf([5], [1, 2]), 0.03, 0.1))(w)
     s = 1j * w
     expected = 5 / (s + 2) * np.exp(-0.03 * s) * (1 - np.exp(-0.1 * s)) / (0.1 * s)
-    np.testing.assert_allclose(found, expected, rtol=DOUBLE)
+    np.testing.assert_allclose(response, expected, rtol=DOUBLE)
     assert transfer.response(transfer.delayed(tf([5], [1, 2]), 0.0, 0.1))(0.0) == pytest.approx(2.5)
 
 
@@ -58,8 +58,8 @@ def test_unstable_poles_are_counted_as_the_lambert_function_counts_them(a: float
     assert count(transfer.delayed(tf([k], [1, a]), tau)) == lambert_count(a, k, tau)
 
 
-def test_a_delay_that_is_forgotten_by_half_a_sample_would_be_seen() -> None:
-    """The planted defect: at the verge of stability 1 % of the delay tells."""
+def test_a_delay_wrong_by_half_a_sample_would_be_detected() -> None:
+    """The planted defect: near the stability boundary 1 % of the delay matters."""
     verge = np.pi / 2 / 5
     assert [count(transfer.delayed(tf([5], [1, 0]), f * verge)) for f in (0.99, 1.01, 5.01)] == [0, 2, 4]
     assert [lambert_count(0.0, 5.0, f * verge) for f in (0.99, 1.01, 5.01)] == [0, 2, 4]
@@ -84,21 +84,21 @@ def test_unstable_poles_are_counted_as_a_pade_delay_counts_them(
 
 
 @pytest.mark.parametrize(("hidden", "unstable"), [(1.0, 1), (-1.0, 0)])
-def test_a_pole_that_the_loop_does_not_show_is_counted(hidden: float, unstable: int) -> None:
+def test_a_cancelled_pole_is_counted(hidden: float, unstable: int) -> None:
     loop = (np.diag([hidden, -2.0]), [[0.0], [1.0]], [[1.0, 5.0]], [[0.0]])
     assert count(transfer.delayed(loop, 0.1)) == unstable
 
 
-def test_a_direct_path_of_one_or_more_leaves_infinitely_many() -> None:
+def test_direct_feedthrough_of_one_or_more_gives_infinitely_many_unstable_poles() -> None:
     for D in (-2.0, 1.0):
         loop = transfer.delayed(tf([D, 2], [1, 1]), 0.1)
-        found = margins.of_loop(loop)
-        assert count(loop) == np.inf and not found.stable and found.delay_margin == 0
+        loop_margins = margins.of_loop(loop)
+        assert count(loop) == np.inf and not loop_margins.stable and loop_margins.delay_margin == 0
     held = transfer.delayed(tf([-0.5, 2], [1, 1]), 0.01, 0.1)
     assert margins.of_loop(held).stable and margins.of_loop(held).direct == 0
 
 
-def test_on_the_verge_the_count_is_refused() -> None:
+def test_the_count_on_the_stability_boundary_is_refused() -> None:
     with pytest.raises(ModelError, match=r"\|1 \+ L\| is .* at 5 rad/s: rounding hides .*; change its gain"):
         margins.of_loop(transfer.delayed(tf([5], [1, 0]), np.pi / 10))
     with pytest.raises(ModelError, match="more than 1000 turns: give `high` below"):
@@ -109,22 +109,22 @@ def test_on_the_verge_the_count_is_refused() -> None:
 def test_a_delayed_loop_of_an_integrator_has_its_closed_form() -> None:
     """L = k exp(-s tau) / s: phase margin 90 - k tau, L < 0 first at pi / (2 tau)."""
     k, tau = 5.0, 0.1
-    found = margins.of_loop(transfer.delayed(tf([k], [1, 0]), tau))
-    (crossing,) = found.gain_crossings
-    assert found.stable and crossing.frequency == pytest.approx(k, rel=EXACT)
+    loop_margins = margins.of_loop(transfer.delayed(tf([k], [1, 0]), tau))
+    (crossing,) = loop_margins.gain_crossings
+    assert loop_margins.stable and crossing.frequency == pytest.approx(k, rel=EXACT)
     assert crossing.phase_margin == pytest.approx(90 - np.degrees(k * tau), rel=EXACT)
     assert crossing.delay_margin == pytest.approx(np.pi / 2 / k - tau, rel=EXACT)
-    assert found.gain_margin == pytest.approx(np.pi / 2 / tau / k, rel=EXACT)
-    assert found.phase_crossings[1].frequency == pytest.approx(5 * np.pi / 2 / tau, rel=EXACT)
+    assert loop_margins.gain_margin == pytest.approx(np.pi / 2 / tau / k, rel=EXACT)
+    assert loop_margins.phase_crossings[1].frequency == pytest.approx(5 * np.pi / 2 / tau, rel=EXACT)
     w = np.linspace(1, 40, 400_001)
     brute = 1 / np.abs(1 + k * np.exp(-1j * w * tau) / (1j * w))
-    assert found.peak_sensitivity == pytest.approx(brute.max(), rel=tolerances.of("peak"))
-    assert found.peak_frequency == pytest.approx(w[brute.argmax()], rel=1e-4)
+    assert loop_margins.peak_sensitivity == pytest.approx(brute.max(), rel=tolerances.of("peak"))
+    assert loop_margins.peak_frequency == pytest.approx(w[brute.argmax()], rel=1e-4)
 
 
-def test_a_small_delay_keeps_its_far_crossing_and_none_at_all_is_the_model_itself() -> None:
-    found = margins.of_loop(transfer.delayed(tf([5], [1, 0]), 1e-3))
-    assert found.gain_margin == pytest.approx(np.pi / 2 / 1e-3 / 5, rel=EXACT)
+def test_a_small_delay_keeps_its_high_crossing_and_no_delay_gives_the_model_itself() -> None:
+    loop_margins = margins.of_loop(transfer.delayed(tf([5], [1, 0]), 1e-3))
+    assert loop_margins.gain_margin == pytest.approx(np.pi / 2 / 1e-3 / 5, rel=EXACT)
     plain, none = (
         margins.of_loop(tf([20, 60], [1, 8, 0])),
         margins.of_loop(transfer.delayed(tf([20, 60], [1, 8, 0]), 0)),
@@ -132,11 +132,11 @@ def test_a_small_delay_keeps_its_far_crossing_and_none_at_all_is_the_model_itsel
     assert none.stable and none.gain_crossings == plain.gain_crossings
 
 
-def test_a_direct_path_below_one_crosses_for_ever() -> None:
-    found = margins.of_loop(transfer.delayed(tf([0.5, 2], [1, 1]), 0.1))
-    assert found.stable and found.phase_crossings[-1].frequency == np.inf
-    assert found.phase_crossings[-1].gain_margin == pytest.approx(2, rel=EXACT)
-    assert found.gain_margin < 2  # at a finite frequency, where |L| is still larger
+def test_direct_feedthrough_below_one_crosses_infinitely_often() -> None:
+    loop_margins = margins.of_loop(transfer.delayed(tf([0.5, 2], [1, 1]), 0.1))
+    assert loop_margins.stable and loop_margins.phase_crossings[-1].frequency == np.inf
+    assert loop_margins.phase_crossings[-1].gain_margin == pytest.approx(2, rel=EXACT)
+    assert loop_margins.gain_margin < 2  # at a finite frequency, where |L| is still larger
 
 
 @pytest.mark.parametrize("axis", list(POSITIONER))
@@ -149,17 +149,17 @@ def test_the_positioners_loops_have_their_recomputed_margins(axis: str) -> None:
     k, a, inertia, *rows = POSITIONER[axis]
     loop = positioner(k, a, inertia)
     for hold, (hertz, degrees) in zip((0.0, 1e-3, 1 / 800), rows, strict=True):
-        found = margins.of_loop(transfer.delayed(loop, 0.0, hold))
-        (crossing,) = found.gain_crossings
-        assert found.stable
+        loop_margins = margins.of_loop(transfer.delayed(loop, 0.0, hold))
+        (crossing,) = loop_margins.gain_crossings
+        assert loop_margins.stable
         assert crossing.frequency / (2 * np.pi) == pytest.approx(hertz, abs=0.5e-3)
         assert crossing.phase_margin == pytest.approx(degrees, abs=0.5e-3)
     late = margins.of_loop(transfer.delayed(loop, 0.5e-3)).gain_crossings[0]
     assert abs(late.frequency / (2 * np.pi) - rows[1][0]) > 5e-3
 
 
-def test_what_is_no_delayed_loop_is_refused() -> None:
-    with pytest.raises(TimingError, match=r"discrete time of 0.1 s was given to be delayed .* sample its plant"):
+def test_invalid_delayed_loops_are_refused() -> None:
+    with pytest.raises(TimingError, match=r"discrete time of 0.1 s cannot be delayed .* sample its plant"):
         transfer.delayed(([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(0.1)), 0.1)
     for times in ((-0.1, 0.0), (np.nan, 0.0), (0.1, -1.0), (0.1, np.inf)):
         with pytest.raises(TimingError, match="it must be finite and 0 or more"):
@@ -172,7 +172,7 @@ def test_what_is_no_delayed_loop_is_refused() -> None:
         margins.of_loop(tf([1], [1, 1]), low=10.0, high=1.0)
 
 
-def test_each_kind_of_system_is_read_and_a_delayed_loop_prints() -> None:
+def test_each_kind_of_system_is_accepted_and_a_delayed_loop_prints() -> None:
     arrays = ([[-2.0]], [[1.0]], [[5.0]], [[0.0]])
     systems = (arrays, (*arrays, Continuous()), tf([5], [1, 2]))
     values = [transfer.response(s)(3.0)[0] for s in systems]
@@ -185,15 +185,15 @@ LIMITS += [{"high": v} for v in (np.nan, -1.0, 0, np.inf)] + [{"low": 10.0, "hig
 
 
 @pytest.mark.parametrize("limits", LIMITS, ids=str)
-def test_limits_that_are_no_range_of_frequencies_are_refused(limits: dict[str, float]) -> None:
-    """In a sampled loop too, though its `high` is Nyquist whatever is given."""
+def test_invalid_frequency_limits_are_refused(limits: dict[str, float]) -> None:
+    """Also for a sampled loop, although its upper limit is always Nyquist."""
     L = tf([3], [1, 1])
-    for found in (L, transfer.delayed(L, 0.1), discretise.zero_order_hold(L, 0.1)):
+    for refused_loop in (L, transfer.delayed(L, 0.1), discretise.zero_order_hold(L, 0.1)):
         with pytest.raises(SignalError, match=r"give a finite frequency above 0|give 0 < low < high|give a number"):
-            margins.of_loop(found, **limits)
+            margins.of_loop(refused_loop, **limits)
 
 
-def test_on_an_undamped_pole_the_response_is_that_beside_it() -> None:
+def test_on_an_undamped_pole_the_response_is_that_just_beside_it() -> None:
     L = transfer.response(([[0, 1], [-1, 0]], [[0], [1]], [[1, 0]], [[0]]))
     assert abs(L(1.0)[0]) > 1e12
     with pytest.raises(ModelError, match="a pole"):

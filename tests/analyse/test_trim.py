@@ -1,4 +1,4 @@
-"""Trim against closed forms, against figures for the stage, and against plants that cannot rest."""
+"""Trim against closed forms, values for the stage, and plants without an equilibrium."""
 
 from collections.abc import Callable
 
@@ -77,33 +77,33 @@ def test_a_purely_quadratic_input_is_found_from_zero() -> None:
     assert abs(trim(toy(law, 1), {}, ["F1"])["F1"]) == pytest.approx(2.0, rel=1e-12)
 
 
-def test_roots_that_tie_are_told_and_the_larger_is_taken() -> None:
+def test_ties_are_listed_and_the_larger_root_is_taken() -> None:
     def law(x: Symbols, u: Symbols) -> dict[str, ca.SX]:
         return {"q": u["F1"] * u["F2"], "v": u["F1"] ** 2 + u["F2"] ** 2 - 4}
 
     point = trim(toy(law), {}, ["F1", "F2"])
     assert (point["F1"], point["F2"]) == pytest.approx((2.0, 0.0), abs=1e-12)
-    told = [(tie["F1"], tie["F2"]) for tie in point.ties]
-    assert told == [pytest.approx(root, abs=1e-12) for root in ((0.0, 2.0), (0.0, -2.0), (-2.0, 0.0))]
+    ties = [(tie["F1"], tie["F2"]) for tie in point.ties]
+    assert ties == [pytest.approx(root, abs=1e-12) for root in ((0.0, 2.0), (0.0, -2.0), (-2.0, 0.0))]
     assert not trim(maglev_stage.plant("coth2"), {"y": 0.018}, DIRECT).ties
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_rounding_does_not_choose_the_root(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Planted: a least-squares solver that errs in the last digits, otherwise in each call."""
+    """Planted: a least-squares solver with random errors in the last digits."""
     rng, exact = np.random.default_rng(seed), np.linalg.lstsq
 
-    def rounded(*arguments: object, **options: object) -> tuple[object, ...]:
+    def perturbed_lstsq(*arguments: object, **options: object) -> tuple[object, ...]:
         solution, *rest = exact(*arguments, **options)
         return solution * (1 + 1e-13 * rng.normal(size=solution.shape)), *rest
 
-    monkeypatch.setattr(np.linalg, "lstsq", rounded)
+    monkeypatch.setattr(np.linalg, "lstsq", perturbed_lstsq)
     point = trim(maglev_stage.plant("coth2"), {"y": 0.018}, DIRECT)
     assert [point[n] for n in DIRECT] == pytest.approx([HELD["coth2"][18]] * 4, rel=2e-5)
 
 
 def tank(low: float = 0.0, high: float = 2.0) -> Plant:
-    """An inflow q fills a tank, which its head drives out: h' = q - a sqrt(h), whose slope is infinite at h = 0."""
+    """A tank with inflow q and gravity outflow: h' = q - a sqrt(h), whose slope is infinite at h = 0."""
     h, q = Signal("h", "m", low, high), Signal("q", "m/s", -1.0, 1.0)
     a = Parameter("a", 0.5, "1", 0.0, "test")
     return plant.build("tank", (h,), (q,), (), (a,), lambda x, u, p: ({"h": u["q"] - p["a"] * ca.sqrt(x["h"])}, {}))

@@ -17,9 +17,9 @@ def double(values: np.ndarray) -> twofold.Twofold:
     return twofold.Twofold(values, np.zeros_like(values))
 
 
-def error(found: twofold.Twofold, balls: object, unit: np.ndarray) -> float:
+def error(product: twofold.Twofold, balls: object, unit: np.ndarray) -> float:
     """The largest error of high + low beside `unit`."""
-    rest = balls - precise.matrix(found.high) - precise.matrix(found.low)
+    rest = balls - precise.matrix(product.high) - precise.matrix(product.low)
     return float((np.abs(exact(rest)) / unit).max())
 
 
@@ -33,12 +33,12 @@ def test_products_have_a_third_more_digits_than_double(seed: int, n: int, spread
     unit = n * np.abs(X).max(axis=1)[:, None] * np.abs(Y).max(axis=0)
     with precise.precision(512):
         balls = precise.matrix(X) * precise.matrix(Y)
-        found = twofold.product(X, Y)
-        assert error(found, balls, unit) <= 2.0**-72
+        product = twofold.product(X, Y)
+        assert error(product, balls, unit) <= 2.0**-72
         assert error(double(X @ Y), balls, unit) <= 2.0**-52  # what the same measure says of double
         Z = rng.normal(size=(4, 3))
         wide = 4 * unit.max(axis=1)[:, None] * np.abs(Z).max(axis=0)
-        assert error(twofold.product(found, Z), balls * precise.matrix(Z), wide) <= 2.0**-70
+        assert error(twofold.product(product, Z), balls * precise.matrix(Z), wide) <= 2.0**-70
 
 
 def test_double_is_not_enough_for_the_bound() -> None:
@@ -55,7 +55,7 @@ def test_sums_that_cancel_keep_what_is_left() -> None:
     tiny = 2.0**-60 * rng.normal(size=(3, 3))
     left = (double(X) + Y + tiny - X - Y).rounded()
     np.testing.assert_allclose(left, tiny, rtol=2.0**-40)
-    assert np.abs(((X + Y) + tiny) - X - Y - tiny).min() > 0  # in double nothing of it is left
+    assert np.abs(((X + Y) + tiny) - X - Y - tiny).min() > 0  # double loses it completely
 
 
 def test_parts_and_transposes_are_those_of_the_sum() -> None:

@@ -1,4 +1,4 @@
-"""Worst cases against closed forms: at a vertex, on an edge, inside; what is not stable; what is printed."""
+"""Worst cases against closed forms: at a vertex, on an edge, inside; unstable loops; printed results."""
 
 from collections.abc import Mapping
 
@@ -34,18 +34,18 @@ def phase_margin(k: float, pole: float) -> float:
 
 def test_the_worst_phase_margin_is_at_the_vertex_of_high_gain_and_slow_pole() -> None:
     parameters = [parameter("k", 5.0, 0.2), parameter("pole", 3.0, 0.1, "1/s")]
-    found = worst.search(lambda v: integrator(v["k"], v["pole"]), parameters, worst.PHASE_MARGIN)
-    assert found.where == pytest.approx({"k": 6.0, "pole": 2.7})
-    assert found.value == pytest.approx(phase_margin(6.0, 2.7), rel=1e-9)
-    assert found.points[0].centre == pytest.approx(phase_margin(5.0, 3.0), rel=1e-9)
-    assert found.value < found.points[0].centre - 3  # the centre alone, the planted defect, would flatter
-    text = repr(found)
+    worst_case = worst.search(lambda v: integrator(v["k"], v["pole"]), parameters, worst.PHASE_MARGIN)
+    assert worst_case.where == pytest.approx({"k": 6.0, "pole": 2.7})
+    assert worst_case.value == pytest.approx(phase_margin(6.0, 2.7), rel=1e-9)
+    assert worst_case.points[0].centre == pytest.approx(phase_margin(5.0, 3.0), rel=1e-9)
+    assert worst_case.value < worst_case.points[0].centre - 3  # the centre alone, the planted defect, is too optimistic
+    text = repr(worst_case)
     assert "with k 6 1, pole 2.7 1/s" in text and "attained, not proved" in text and "worst vertex" in text
-    assert f"{found.evaluations} loops" in text
+    assert f"{worst_case.evaluations} loops" in text
 
 
 def test_each_figure_is_at_its_worst_where_the_gain_is_highest_or_lowest() -> None:
-    """L = k / (s + 1)^3: gain margin 8 / k; the others get worse with k too."""
+    """L = k / (s + 1)^3: gain margin 8 / k; the others get worse with k as well."""
 
     def lags(v: Mapping[str, float]) -> StateSpace:
         A = [[-1, 0, 0], [1, -1, 0], [0, 1, -1]]
@@ -61,9 +61,9 @@ def test_each_figure_is_at_its_worst_where_the_gain_is_highest_or_lowest() -> No
         worst.PEAK_SENSITIVITY: at_most.peak_sensitivity,
     }
     for figure, value in expected.items():
-        found = worst.search(lags, k, figure)
-        assert found.value == pytest.approx(value, rel=1e-6), figure.name
-        assert found.where["k"] == pytest.approx(5.0, rel=1e-6)
+        worst_case = worst.search(lags, k, figure)
+        assert worst_case.value == pytest.approx(value, rel=1e-6), figure.name
+        assert worst_case.where["k"] == pytest.approx(5.0, rel=1e-6)
     # 4 / (s - 1) with the gain k falls to 1 / (4 k)
     magnet = worst.search(
         lambda v: ([[1.0]], [[1.0]], [[4 * v["k"]]], [[0.0]]), [parameter("k", 1.0, 0.5)], worst.GAIN_REDUCTION
@@ -80,8 +80,8 @@ def test_a_loop_that_is_not_stable_has_no_margin() -> None:
     k = [parameter("k", 1.5, 0.5)]
     assert margins.of_loop(magnet({"k": 2.0})).stable and not margins.of_loop(magnet({"k": 0.9})).stable
     for figure, lost in ((worst.PHASE_MARGIN, 0), (worst.GAIN_REDUCTION, 1), (worst.PEAK_SENSITIVITY, np.inf)):
-        found = worst.search(magnet, k, figure)
-        assert found.value == lost and found.where["k"] < 1.0
+        worst_case = worst.search(magnet, k, figure)
+        assert worst_case.value == lost and worst_case.where["k"] < 1.0
 
 
 @pytest.mark.parametrize("inside", [(0.3, -0.4), (1.0, 0.25), (-0.85, 0.9)])
@@ -96,56 +96,56 @@ def test_a_worst_case_inside_the_box_or_on_its_edge_is_found(inside: tuple[float
     def pair(v: Mapping[str, float]) -> object:
         return ([[-1.0]], [[v["a"], v["b"]]])
 
-    found = worst.search(pair, parameters, worst.Figure("bowl", "1", bowl))
-    assert found.value == pytest.approx(7.0, abs=1e-4) and found.points[0].vertex > found.value
-    assert found.where == pytest.approx(at, rel=1e-2)
-    hill = worst.search(pair, parameters, worst.Figure("hill", "1", lambda s: -bowl(s), largest=True))
+    worst_case = worst.search(pair, parameters, worst.Criterion("bowl", "1", bowl))
+    assert worst_case.value == pytest.approx(7.0, abs=1e-4) and worst_case.points[0].vertex > worst_case.value
+    assert worst_case.where == pytest.approx(at, rel=1e-2)
+    hill = worst.search(pair, parameters, worst.Criterion("hill", "1", lambda s: -bowl(s), largest=True))
     assert hill.value == pytest.approx(-7.0, abs=1e-4)
 
 
-def test_each_operating_point_has_its_row_and_the_worst_of_them_is_told() -> None:
+def test_each_operating_point_has_its_row_and_the_worst_is_reported() -> None:
     points = {"slow": {"pole": 1.0}, "fast": {"pole": 9.0}}
-    found = worst.search(
+    worst_case = worst.search(
         lambda v: integrator(v["k"], v["pole"]), [parameter("k", 5.0, 0.2)], worst.PHASE_MARGIN, points
     )
-    assert found.at == "slow" and [p.name for p in found.points] == ["slow", "fast"]
-    assert [p.worst for p in found.points] == pytest.approx([phase_margin(6.0, 1.0), phase_margin(6.0, 9.0)])
-    assert len(found.sheet().tables[0].rows) == 2
+    assert worst_case.at == "slow" and [p.name for p in worst_case.points] == ["slow", "fast"]
+    assert [p.worst for p in worst_case.points] == pytest.approx([phase_margin(6.0, 1.0), phase_margin(6.0, 9.0)])
+    assert len(worst_case.sheet().tables[0].rows) == 2
     alone = worst.search(lambda v: integrator(5.0, v["pole"]), [], worst.PHASE_MARGIN, points)
     assert alone.evaluations == 2 and alone.value == pytest.approx(phase_margin(5.0, 1.0))
 
 
 @pytest.mark.slow
 def test_a_plants_own_tolerances_are_searched() -> None:
-    """A mass on a spring under a sampled PD controller, built and linearised anew at each vertex."""
+    """A mass on a spring under a sampled PD controller, rebuilt and linearised at each vertex."""
     x, v, f = Signal("x", "m", -1, 1), Signal("v", "m/s", -1, 1), Signal("f", "N", -9, 9)
-    given = [parameter("m", 2.0, 0.1, "kg"), parameter("c", 100.0, 0.3, "N/m"), parameter("spare", 1.0, 0.0)]
+    parameters = [parameter("m", 2.0, 0.1, "kg"), parameter("c", 100.0, 0.3, "N/m"), parameter("spare", 1.0, 0.0)]
 
     def physics(x: object, u: object, p: object) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         return {"x": x["v"], "v": (u["f"] - p["c"] * x["x"]) / p["m"]}, {"q": x["x"]}
 
-    mass = plants.build("mass", [x, v], [f], [Signal("q", "m", -1, 1)], given, physics)
+    mass = plants.build("mass", [x, v], [f], [Signal("q", "m", -1, 1)], parameters, physics)
     K = ([[0.0]], [[1.0]], [[-2e4]], [[2.4e4]], 1e-3)  # 4e3 e + 2e4 (e - last e)
 
-    def opened(values: Mapping[str, float]) -> StateSpace:
+    def open_loop(values: Mapping[str, float]) -> StateSpace:
         changed = mass.with_parameters(**values)
         model = linearise.linearise(changed, trim.trim(changed, {"x": 0.0}, ["f"]))
         return sensitivity.close(loop.sampled(model.channel("q", "f"), 1e-3, 0.5e-3), K).L
 
-    found = worst.search(opened, mass.parameters, worst.PHASE_MARGIN)
+    worst_case = worst.search(open_loop, mass.parameters, worst.PHASE_MARGIN)
     corners = {
-        (m, c): margins.of_loop(opened({"m": m, "c": c})).phase_margin for m in (1.8, 2.2) for c in (70.0, 130.0)
+        (m, c): margins.of_loop(open_loop({"m": m, "c": c})).phase_margin for m in (1.8, 2.2) for c in (70.0, 130.0)
     }
     (m, c), least = min(corners.items(), key=lambda item: item[1])
-    assert found.value == pytest.approx(least, rel=1e-6) and found.value <= least * (1 + 1e-12)
-    assert found.where == pytest.approx({"m": m, "c": c, "spare": 1.0}, rel=1e-3)
+    assert worst_case.value == pytest.approx(least, rel=1e-6) and worst_case.value <= least * (1 + 1e-12)
+    assert worst_case.where == pytest.approx({"m": m, "c": c, "spare": 1.0}, rel=1e-3)
 
 
-def test_what_cannot_be_searched_is_refused() -> None:
+def test_invalid_searches_are_refused() -> None:
     k = [parameter("k", 5.0, 0.2)]
     with pytest.raises(SignalError, match=r"parameter 'zero' is 0 N with the relative tolerance 0.1"):
         worst.search(lambda v: integrator(1.0), [parameter("zero", 0.0, 0.1, "N")], worst.PHASE_MARGIN)
-    with pytest.raises(SignalError, match="sets 'k', which is a parameter too"):
+    with pytest.raises(SignalError, match="sets 'k', also a parameter"):
         worst.search(lambda v: integrator(1.0), k, worst.PHASE_MARGIN, {"here": {"k": 1.0}})
     with pytest.raises(SignalError, match="no operating point"):
         worst.search(lambda v: integrator(1.0), k, worst.PHASE_MARGIN, {})
@@ -153,12 +153,12 @@ def test_what_cannot_be_searched_is_refused() -> None:
         worst.search(lambda v: integrator(1.0), [parameter(f"p{i}", 1.0, 0.1) for i in range(11)], worst.PHASE_MARGIN)
     with pytest.raises(ModelError, match=r"no phase margin at k = 5: .* 1 \+ L has no inverse"):
         worst.search(lambda v: ([[-1.0]], [[1.0]], [[1.0]], [[-1.0]]), k, worst.PHASE_MARGIN)
-    with pytest.raises(ModelError, match="the thing is no number at k = 5"):
-        worst.search(lambda v: integrator(1.0), k, worst.Figure("thing", "1", lambda s: np.nan))
+    with pytest.raises(ModelError, match="the thing is NaN at k = 5"):
+        worst.search(lambda v: integrator(1.0), k, worst.Criterion("thing", "1", lambda s: np.nan))
 
 
 @pytest.mark.parametrize("what", ["division", "matrix", "name", "figure"])
-def test_whatever_fails_in_the_loop_is_told_with_the_values(what: str) -> None:
+def test_errors_in_the_loop_are_reported_with_the_values(what: str) -> None:
     """At k = 1, the end of the box, each fails in its own way."""
 
     def loop_of(v: Mapping[str, float]) -> StateSpace:
@@ -168,7 +168,7 @@ def test_whatever_fails_in_the_loop_is_told_with_the_values(what: str) -> None:
             np.linalg.inv(np.array([[v["k"] - 1.0]]))
         return integrator(v["gain"] if what == "name" else v["k"])
 
-    figure = worst.Figure("length", "1", lambda L: L.length) if what == "figure" else worst.PHASE_MARGIN
+    figure = worst.Criterion("length", "1", lambda L: L.length) if what == "figure" else worst.PHASE_MARGIN
     expected = {"division": "ZeroDivisionError", "matrix": "LinAlgError", "name": "KeyError: 'gain'"}
     kind = expected.get(what, "AttributeError")
     with pytest.raises(ModelError, match=rf"no {figure.name} at k = [12]: {kind}.*mend the loop") as raised:
@@ -176,9 +176,9 @@ def test_whatever_fails_in_the_loop_is_told_with_the_values(what: str) -> None:
     assert type(raised.value.__cause__).__name__ == kind.split(":")[0]
 
 
-def test_a_stop_by_the_user_goes_through() -> None:
-    def stopped(v: Mapping[str, float]) -> StateSpace:
+def test_an_interrupt_by_the_user_propagates() -> None:
+    def interrupt(v: Mapping[str, float]) -> StateSpace:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        worst.search(stopped, [parameter("k", 2.0, 0.5)], worst.PHASE_MARGIN)
+        worst.search(interrupt, [parameter("k", 2.0, 0.5)], worst.PHASE_MARGIN)

@@ -1,4 +1,4 @@
-"""Zero dynamics against closed forms, SLICOT's transmission zeros and the planted defects that the pencil must see."""
+"""Zero dynamics against closed forms, SLICOT's transmission zeros and planted defects that the pencil must detect."""
 
 from collections.abc import Sequence
 
@@ -24,36 +24,36 @@ def of_plant(plant: Plant, *outputs: str) -> ZeroDynamics:
     return zero_dynamics.at_point(plant, degree, trim.trim(plant, {}, FREE[plant.name]))
 
 
-def values(found: ZeroDynamics) -> list[complex]:
-    return [mode.value for mode in found.modes]
+def values(dynamics: ZeroDynamics) -> list[complex]:
+    return [mode.value for mode in dynamics.modes]
 
 
-def ordered(found: Sequence[complex]) -> np.ndarray:
+def sorted_values(values: Sequence[complex]) -> np.ndarray:
     """Sort by real parts to seven digits, then by imaginary parts."""
-    return np.array(sorted(found, key=lambda v: (round(v.real, 7), v.imag)))
+    return np.array(sorted(values, key=lambda v: (round(v.real, 7), v.imag)))
 
 
 @pytest.mark.parametrize("eps", [0.04, 0.1, 2.0])
 def test_the_aircraft_falls_over_while_it_hovers(eps: float) -> None:
     """theta'' = sin theta / eps: a saddle at +-eps^-1/2, in the roll angle and its rate."""
-    found = of_plant(textbook_plants.aircraft(eps))
-    np.testing.assert_allclose(values(found), [-(eps**-0.5), eps**-0.5], rtol=1e-10)
-    assert found.verdict == "not minimum phase" and found.agreed
-    assert set(found.modes[1].states) == {"theta", "w"}
-    assert "one grows unseen" in repr(found)
+    dynamics = of_plant(textbook_plants.aircraft(eps))
+    np.testing.assert_allclose(values(dynamics), [-(eps**-0.5), eps**-0.5], rtol=1e-10)
+    assert dynamics.verdict == "not minimum phase" and dynamics.agreed
+    assert set(dynamics.modes[1].states) == {"theta", "w"}
+    assert "a mode grows while" in repr(dynamics)
 
 
 def test_negative_eps_swings() -> None:
-    found = of_plant(textbook_plants.aircraft(-0.25))
-    np.testing.assert_allclose(np.sort_complex(values(found)), [-2j, 2j], atol=1e-10)
-    assert found.verdict == "not hyperbolic" and "does not decide" in repr(found)
+    dynamics = of_plant(textbook_plants.aircraft(-0.25))
+    np.testing.assert_allclose(np.sort_complex(values(dynamics)), [-2j, 2j], atol=1e-10)
+    assert dynamics.verdict == "not hyperbolic" and "does not decide" in repr(dynamics)
 
 
 def test_two_masses() -> None:
-    """With x2 held, m1 swings on the spring: m1 s^2 + d s + k = 0; the chain to x1 leaves nothing."""
-    found = of_plant(textbook_plants.two_masses(0.7), "y2")
-    np.testing.assert_allclose(values(found), np.sort_complex(np.roots([2.0, 0.7, 50.0])), rtol=1e-10)
-    assert found.verdict == "minimum phase" and found.agreed and found.modes[0].states == ("v1", "x1")
+    """With x2 held, m1 swings on the spring: m1 s^2 + d s + k = 0; with the output x1 there are no zero dynamics."""
+    dynamics = of_plant(textbook_plants.two_masses(0.7), "y2")
+    np.testing.assert_allclose(values(dynamics), np.sort_complex(np.roots([2.0, 0.7, 50.0])), rtol=1e-10)
+    assert dynamics.verdict == "minimum phase" and dynamics.agreed and dynamics.modes[0].states == ("v1", "x1")
     assert of_plant(textbook_plants.two_masses(), "y2").verdict == "not hyperbolic"
     assert of_plant(textbook_plants.two_masses(), "y1").verdict == "none"
     assert "none, the degree is full" in repr(of_plant(textbook_plants.flexible_joint()))
@@ -83,15 +83,15 @@ CASES = [(4, 1, (1,)), (5, 1, (3,)), (6, 2, (2, 1)), (8, 2, (2, 3)), (9, 3, (1, 
 @pytest.mark.parametrize("seed", range(4))
 def test_random_models_have_slicots_zeros(n: int, p: int, degrees: tuple[int, ...], seed: int) -> None:
     model = random_model(n, p, degrees, seed)
-    found = zero_dynamics.of_linear(model, degrees)
+    dynamics = zero_dynamics.of_linear(model, degrees)
     expected = control.zeros(model.to_control())
-    assert found.order == len(expected) == n - sum(degrees)
-    np.testing.assert_allclose(ordered(values(found)), ordered(expected), rtol=ROOT, atol=ROOT)
-    assert found.agreed
-    assert found.verdict == ("minimum phase" if expected.real.max() < 0 else "not minimum phase")
+    assert dynamics.order == len(expected) == n - sum(degrees)
+    np.testing.assert_allclose(sorted_values(values(dynamics)), sorted_values(expected), rtol=ROOT, atol=ROOT)
+    assert dynamics.agreed
+    assert dynamics.verdict == ("minimum phase" if expected.real.max() < 0 else "not minimum phase")
 
 
-def test_arrays_and_python_control_systems_are_read() -> None:
+def test_arrays_and_python_control_systems_are_accepted() -> None:
     model = random_model(5, 1, (3,), 7)
     here = zero_dynamics.of_linear(model, (3,))
     for system in (model.to_control(), (model.A, model.B, model.C, model.D)):
@@ -100,25 +100,27 @@ def test_arrays_and_python_control_systems_are_read() -> None:
 
 def test_direct_feedthrough_counts_as_degree_0() -> None:
     """y = x + 2 u, x' = -x + u: held at 0, u = -x / 2 and x' = -1.5 x."""
-    found = zero_dynamics.of_linear(([[-1.0]], [[1.0]], [[1.0]], [[2.0]]), (0,))
-    assert values(found) == [pytest.approx(-1.5)] and found.zeros[0] == pytest.approx(-1.5) and found.agreed
+    dynamics = zero_dynamics.of_linear(([[-1.0]], [[1.0]], [[1.0]], [[2.0]]), (0,))
+    assert values(dynamics) == [pytest.approx(-1.5)] and dynamics.zeros[0] == pytest.approx(-1.5) and dynamics.agreed
 
 
 def test_a_sign_error_in_the_restriction_does_not_pass_the_pencil(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = zero_dynamics._stars
-    monkeypatch.setattr(zero_dynamics, "_stars", lambda model, r: (-right(model, r)[0], right(model, r)[1]))
-    found = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 0), (2, 3))
-    assert not found.agreed and "DISAGREE" in repr(found)
+    right = zero_dynamics._highest_derivatives
+    monkeypatch.setattr(
+        zero_dynamics, "_highest_derivatives", lambda model, r: (-right(model, r)[0], right(model, r)[1])
+    )
+    dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 0), (2, 3))
+    assert not dynamics.agreed and "DISAGREE" in repr(dynamics)
 
 
 @pytest.mark.parametrize("degrees", [(1, 3), (3, 3), (1, 1), (2, 2)])
 def test_wrong_degrees_do_not_pass(degrees: tuple[int, int]) -> None:
     try:
-        found = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 1), degrees)
+        dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 1), degrees)
     except ModelError as error:
         assert "degree" in str(error)
     else:
-        assert not found.agreed
+        assert not dynamics.agreed
 
 
 def test_the_beam_has_no_degree_at_its_equilibrium() -> None:

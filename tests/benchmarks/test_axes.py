@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks import axes
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 
 
 @pytest.fixture(scope="module")
 def grown() -> axes.Growth:
-    return axes.grown(64)
+    return axes.measure_growth(64)
 
 
 def test_sixty_four_axes_compute_what_casadi_does(grown: axes.Growth) -> None:
@@ -21,17 +21,17 @@ def test_sixty_four_axes_compute_what_casadi_does(grown: axes.Growth) -> None:
 
 def test_the_c_grows_with_the_axes_alone(grown: axes.Growth) -> None:
     """What all axes share, the guard of the first one, is spread over four times as many."""
-    text = axes.emitted(16, np.float32).files["axes_16.c"]
+    text = axes.emit(16, np.float32).files["axes_16.c"]
     assert 0.95 <= grown.size / 64 / (len(text) / 16) <= 1.05
     assert 0.90 <= grown.lines / 64 / (text.count("\n") / 16) <= 1.05
 
 
 def test_a_planted_difference_is_found() -> None:
-    made, double = axes.block(4), axes.emitted(4, np.float64)
+    made, double = axes.block(4), axes.emit(4, np.float64)
     text = double.files["axes_4.c"]
     wrong, count = re.subn(r"(filter_3_fade = )([\d.]+)", lambda m: f"{m[1]}{float(m[2]) * (1 + 1e-9)!r}", text)
     assert count == 1
-    planted = Emitted(double.files | {"axes_4.c": wrong}, double.manifest)
+    planted = EmittedCode(double.files | {"axes_4.c": wrong}, double.manifest)
     assert axes.disagreement(made, double) <= 1e-12 < 1e-10 < axes.disagreement(made, planted)
 
 

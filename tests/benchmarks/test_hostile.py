@@ -50,7 +50,7 @@ def test_the_part_is_refused_and_answered_over_the_whole_library(
 
 def judge(function: Callable[..., Any], bad: Any, limit_s: float = PATIENCE_S, how: str = "planted") -> str:
     case = hostile.Case("planted.function", function, {"x": bad}, "x", how)
-    return hostile.judge(case, function(1.0), limit_s).kind
+    return hostile.evaluate(case, function(1.0), limit_s).kind
 
 
 def endless(x: float) -> float:
@@ -109,9 +109,9 @@ def test_every_public_function_that_reads_for_itself_is_checked() -> None:
     for module in hostile.modules():
         short = module.__name__.rpartition(".")[2]
         for name, target in vars(module).items():
-            own = getattr(target, "__module__", "") == module.__name__ and not name.startswith("_")
+            is_public = getattr(target, "__module__", "") == module.__name__ and not name.startswith("_")
             inner = short in INNER or target is readonly  # which copies any array into a frozen field
-            if own and isinstance(target, types.FunctionType) and not inner:
+            if is_public and isinstance(target, types.FunctionType) and not inner:
                 bare += [f"{short}.{name}"] if not hostile.is_checked(target) and is_rim(target) else []
     assert not bare, f"put @arguments.checked before {', '.join(bare)}"
 

@@ -14,11 +14,11 @@ from synth.timing import Discrete
 
 
 def test_no_margin_of_a_hundred_random_loops_is_optimistic() -> None:
-    found = list(search.search(100, seed=3))
-    assert [(o.case.kind, o.worst, o.excess) for o in found if o.excess > search.TOLERANCE] == []
-    answered = [o for o in found if not o.refused]
+    outcomes = list(search.search(100, seed=3))
+    assert [(o.case.kind, o.worst, o.excess) for o in outcomes if o.excess > search.TOLERANCE] == []
+    answered = [o for o in outcomes if not o.refused]
     assert len(answered) >= 85 and {o.case.kind for o in answered} == set(margins_cases.KINDS)
-    assert all("not determined" in o.refused or "hides whether" in o.refused for o in found if o.refused)
+    assert all("not determined" in o.refused or "hides whether" in o.refused for o in outcomes if o.refused)
 
 
 @pytest.mark.parametrize("part", ["gain", "phase", "delay", "modulus"])
@@ -29,7 +29,7 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
     of_loop = margins.of_loop
 
     def optimistic(loop: object) -> Margins:
-        found = of_loop(loop)
+        outcomes = of_loop(loop)
         more = 1.001
         gains = tuple(
             replace(
@@ -37,17 +37,17 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
                 phase_margin=c.phase_margin * (more if part == "phase" else 1),
                 delay_margin=c.delay_margin * (more if part == "delay" else 1),
             )
-            for c in found.gain_crossings
+            for c in outcomes.gain_crossings
         )
-        rising = [c for c in found.phase_crossings if c.gain_margin > 1]
+        rising = [c for c in outcomes.phase_crossings if c.gain_margin > 1]
         phases = tuple(replace(c, gain_margin=c.gain_margin * (more if part == "gain" else 1)) for c in rising)
-        peak = found.peak_sensitivity / (more if part == "modulus" else 1)
-        return replace(found, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
+        peak = outcomes.peak_sensitivity / (more if part == "modulus" else 1)
+        return replace(outcomes, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
 
     monkeypatch.setattr(margins, "of_loop", optimistic)
     cases = [(kind, k) for kind in margins_cases.KINDS[:2] for k in range(12)]
-    found = [search.judged(margins_cases.case(kind, np.random.default_rng(k))) for kind, k in cases]
-    assert any(o.excess > search.TOLERANCE and o.worst == part for o in found)
+    outcomes = [search.compare_with_truth(margins_cases.case(kind, np.random.default_rng(k))) for kind, k in cases]
+    assert any(o.excess > search.TOLERANCE and o.worst == part for o in outcomes)
 
 
 def test_the_judge_answers_at_a_pole() -> None:
@@ -61,5 +61,7 @@ def test_the_judge_answers_at_a_pole() -> None:
 def test_a_crossing_that_is_left_out_is_noticed_by_the_library_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without its phase crossing a loop has no gain margin: the closed loop at a hundredfold gain contradicts."""
     monkeypatch.setattr(crossings, "_phase_crossings", lambda *_: ())
-    found = [search.judged(margins_cases.case("transfer function", np.random.default_rng(k))) for k in range(20)]
-    assert any("fails its verification" in o.refused for o in found)
+    outcomes = [
+        search.compare_with_truth(margins_cases.case("transfer function", np.random.default_rng(k))) for k in range(20)
+    ]
+    assert any("fails its verification" in o.refused for o in outcomes)

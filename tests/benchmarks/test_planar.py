@@ -22,39 +22,39 @@ def costs() -> dict[str, planar.Costs]:
 
 def test_parts_add_up_to_the_mean_and_to_the_costliest_step(costs: dict[str, planar.Costs]) -> None:
     for name, subject in ((s.name, s) for s in planar.cores()):
-        found, own = costs[name], rivals.emitted(subject.emitted)
-        issued = meter.run(own, subject.every, planar.builds()[0]).cost.instructions
-        assert found.most == issued.max() == sum(most for _, most in found.parts.values())
-        small = meter.run(own, steps.thinned(subject.within, 50), planar.builds()[0]).cost.instructions
-        assert found.mean == pytest.approx(small.mean(), abs=2) and found.mean < found.most
+        cost, candidate = costs[name], rivals.emitted_c(subject.emitted)
+        issued = meter.run(candidate, subject.every, planar.builds()[0]).cost.instructions
+        assert cost.most == issued.max() == sum(most for _, most in cost.parts.values())
+        small = meter.run(candidate, steps.thinned(subject.within, 50), planar.builds()[0]).cost.instructions
+        assert cost.mean == pytest.approx(small.mean(), abs=2) and cost.mean < cost.most
 
 
 def test_the_reduced_core_costs_less_and_casadi_more(costs: dict[str, planar.Costs]) -> None:
     reduced, full = costs["reduced core"], costs["full core"]
     assert reduced.mean < 0.8 * full.mean and reduced.most < full.most
-    for found in costs.values():
-        shimmed, plain = found.ratios
-        assert 1.2 < shimmed < plain and found.bar == planar.BARS[found.subject]
+    for cost in costs.values():
+        shimmed, plain = cost.ratios
+        assert 1.2 < shimmed < plain and cost.bar == planar.BARS[cost.subject]
 
 
 def test_lines_hold_what_was_measured(costs: dict[str, planar.Costs]) -> None:
-    title, *rows = planar.compared(list(costs.values()))
+    title, *rows = planar.comparison_lines(list(costs.values()))
     assert title.split()[-2:] == ["float", "CasADi"] and [row[:12].rstrip() for row in rows] == [*costs]
-    found = costs["reduced core"]
-    assert rows[0].split()[-6:-4] == [str(found.most), str(found.bar)]
-    *_, last = planar.apart(found)
-    assert last.split() == ["in", "all", f"{found.mean:.1f}", "100.0", "%", str(found.most), "100.0", "%"]
+    cost = costs["reduced core"]
+    assert rows[0].split()[-6:-4] == [str(cost.most), str(cost.bar)]
+    *_, last = planar.breakdown_lines(cost)
+    assert last.split() == ["in", "all", f"{cost.mean:.1f}", "100.0", "%", str(cost.most), "100.0", "%"]
 
 
 @pytest.mark.parametrize("name", ["planar_6dof_leadlag", "planar_6dof_lqg"])
 def test_every_block_of_a_design_is_in_a_part(name: str) -> None:
     manifest = json.loads((GENERATED / name / "manifest.json").read_text())
-    found = {planar.part_of(tag.split(":")[0]) for tag in manifest["trace"]}
-    assert {"guard", "sensing", "law", "allocation", "commutation", "safe output"} <= found <= PARTS
+    block_parts = {planar.part_of(tag.split(":")[0]) for tag in manifest["trace"]}
+    assert {"guard", "sensing", "law", "allocation", "commutation", "safe output"} <= block_parts <= PARTS
 
 
 def test_within_a_core_no_state_is_at_its_bound() -> None:
     for subject in planar.cores():
-        found = steps.taken(subject.controller, subject.within)
+        stepped = steps.evaluate(subject.controller, subject.within)
         fields = subject.emitted.manifest["structs"]["state"]["fields"]
-        assert all(np.abs(found.states[f["name"]]).max() < 0.9 * f["high"] for f in fields)
+        assert all(np.abs(stepped.states[f["name"]]).max() < 0.9 * f["high"] for f in fields)

@@ -23,7 +23,7 @@ def test_the_tables_have_a_line_for_each_model() -> None:
 
 
 def test_memory_and_bounds_are_measured() -> None:
-    found = response.compared("dense", response.dense(12))
-    assert 0 < found.memory_MB < 200
+    comparison = response.compare("dense", response.dense(12))
+    assert 0 < comparison.memory_MB < 200
     norm = response.norm("dense", response.dense(8))
     assert norm.certified and norm.lower <= norm.upper

@@ -10,14 +10,14 @@ from synth.synthesise.riccati import riccati
 
 # Before SciPy's errors were caught 127, 135, 162, 203, 218 and 230 raised its ValueError.
 SEEDS = (1, 2, 3, 5, 6, 127, 135, 162, 203, 218, 230)
-ENDS = {"right", "gain lost in rounding, told"}
+ENDS = {"right", "gain lost in rounding, reported"}
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_raw_error_and_nothing_wrong_or_refused_that_scipy_gets_right(seed: int) -> None:
-    found = benchmark.outcome(benchmark.problem(seed))
-    assert found.ours in ENDS, found.reason
-    assert found.ours == "right" or found.scipy != "right"
+    outcome = benchmark.outcome(benchmark.problem(seed))
+    assert outcome.ours in ENDS, outcome.reason
+    assert outcome.ours == "right" or outcome.scipy != "right"
 
 
 def test_a_hilbert_matrix_with_weights_over_24_decades_has_a_gain(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -33,11 +33,11 @@ def test_a_hilbert_matrix_with_weights_over_24_decades_has_a_gain(monkeypatch: p
 
 def test_the_judge_tells_right_from_wrong() -> None:
     p = benchmark.problem(3)
-    found = riccati.solve((p.A, p.B, p.time), p.Q, p.R)
-    assert benchmark.is_right(p, found.X, found.L)
-    assert not benchmark.is_right(p, found.X * (1 + 1e-5), found.L)
-    assert not benchmark.is_right(p, found.X, 0.9 * found.L)
-    assert not benchmark.is_right(p, found.X, -found.L)
+    solution = riccati.solve((p.A, p.B, p.time), p.Q, p.R)
+    assert benchmark.is_right(p, solution.X, solution.L)
+    assert not benchmark.is_right(p, solution.X * (1 + 1e-5), solution.L)
+    assert not benchmark.is_right(p, solution.X, 0.9 * solution.L)
+    assert not benchmark.is_right(p, solution.X, -solution.L)
 
 
 def test_the_table_counts() -> None:

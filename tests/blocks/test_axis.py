@@ -183,7 +183,7 @@ def test_a_loop_that_forgets_the_delay_loses_its_margin() -> None:
     late = replace(forgetful, interface=around())
     points = {"mid": {"z": 0.0}}
     require = {"phase_margin": 30.0, "modulus_margin": 0.5}
-    checks = {c.name: robustness.checks(robustness.opened(robustness.of_controller(c, DESIGN.PLANT, points)), require)
+    checks = {c.name: robustness.checks(robustness.open_loops(robustness.of_controller(c, DESIGN.PLANT, points)), require)
              for c in (late, sound)}  # fmt: skip
     assert all(check.passed for check in checks["sound"])
     assert not all(check.passed for check in checks["late"])
@@ -224,9 +224,9 @@ def beam() -> tuple[plants.Plant, Interface, list[axis.ServoLaw]]:
 
 def test_axes_of_one_inverse_are_decoupled_at_every_operating_point() -> None:
     plant, interface, laws = beam()
-    controller = stage.controller("beam", TIME, interface, [axis.decoupled(laws)])
+    controller = stage.controller("beam", TIME, interface, [axis.decouple(laws)])
     points = {"mid": {}, "corner": {"h": 5e-4, "a": 5e-3}}
-    loops = robustness.opened(robustness.of_controller(controller, plant, points), ["h", "a"])
+    loops = robustness.open_loops(robustness.of_controller(controller, plant, points), ["h", "a"])
     by = {(o.point, o.signal): o.margin("modulus_margin") for o in loops}
     for name in ("h", "a"):
         assert by["mid", name] > 0.5 and by["corner", name] == pytest.approx(by["mid", name], rel=1e-3)
@@ -237,9 +237,9 @@ def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
     with pytest.raises(SignalError, match=r"also needs the demand of 'a': join the axes of h, a by axis\.decoupled"):
         laws[0].law(TIME, interface)
     with pytest.raises(SignalError, match="do not share one feedback linearisation"):
-        axis.decoupled([laws[0], beam()[2][1]])
+        axis.decouple([laws[0], beam()[2][1]])
     with pytest.raises(SignalError, match="give one axis for each"):
-        axis.decoupled([laws[0], laws[0]])
+        axis.decouple([laws[0], laws[0]])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 from scipy import optimize
 
 from synth.blocks import glsdc
-from synth.blocks.glsdc import Descent, Named, Vector
+from synth.blocks.glsdc import Descent, NamedExpressions, Vector
 from synth.signals import Signal
 from synth.statespace import Array
 
@@ -23,7 +23,7 @@ USUAL = Descent(6, BOUNDS, slack=1e-8, decrease_tolerance=1e-8)  # of a deviatio
 def solver(of: Descent) -> ca.Function:
     """Return (place, waves) -> (displacement, converged, cost before, variances, Jacobian)."""
     q, V = ca.SX.sym("q", 2), ca.SX.sym("V", len(SOURCES))
-    named: Named = []
+    named: NamedExpressions = []
 
     def waves(d: Vector) -> ca.SX:
         return ca.vcat([ca.sin(ca.sqrt((q[0] + d[0] - x) ** 2 + (q[1] + d[1] - y) ** 2)) for x, y in SOURCES])

@@ -104,7 +104,7 @@ def test_only_entries_that_multiply_are_constants() -> None:
 
 
 def test_the_linearisation_returns_the_model() -> None:
-    linear = loop.linearised(make_block(), {}, {"u": 0.0, "v": 0.0})
+    linear = loop.linearise_block(make_block(), {}, {"u": 0.0, "v": 0.0})
     for letter in "ABCD":
         np.testing.assert_array_equal(getattr(linear, letter), getattr(MODEL, letter))
 

@@ -67,7 +67,7 @@ def test_a_sine_outside_the_exosystem_leaves_an_error() -> None:
 def test_the_block_is_the_sampled_internal_model() -> None:
     """By xi = T eta it is xi' = Phi_d xi + N_d e + E_d excess, w = K (e, de, xi), sampled by SciPy's exponential."""
     E = np.array([0.1, -0.2, 0.3])
-    linear = loop.linearised(block(anti_windup=(EXCESS, E)), {}, {"e": 0, "de": 0, "excess": 0})
+    linear = loop.linearise_block(block(anti_windup=(EXCESS, E)), {}, {"e": 0, "de": 0, "excess": 0})
     model, to_xi = internal_model.exosystem(FREQUENCIES), internal_model.leapfrog(FREQUENCIES, T).T
     M = np.zeros((5, 5))
     M[:3, :3], M[:3, 3:] = model.Phi, np.column_stack([model.N[:, 0], E])
@@ -77,7 +77,7 @@ def test_the_block_is_the_sampled_internal_model() -> None:
     np.testing.assert_allclose(to_xi @ linear.B[:, [0, 2]], held[:3, 3:], rtol=tolerances.of("settled"))
     np.testing.assert_allclose(np.hstack([linear.D[:, :2], linear.C @ back]), gain().K, rtol=tolerances.of("settled"))
     assert linear.inputs == ("e", "de", "excess") and linear.D[0, 2] == 0 and not linear.B[:, 1].any()
-    without = loop.linearised(block(), {}, {"e": 0, "de": 0})
+    without = loop.linearise_block(block(), {}, {"e": 0, "de": 0})
     assert without.inputs == ("e", "de") and without.states == ("sum", "p1", "q1")
     np.testing.assert_array_equal(without.A, linear.A)
 
@@ -88,14 +88,14 @@ def test_a_regulator_of_two_sines_has_a_pair_for_each() -> None:
     wide = lqr.lqr(augmented, np.diag([1e4, 1e2, 1e8, 1e5, 1e6, 1e5]), [[1.0]])
     two_sines = block(gain=wide, frequencies=frequencies, bounds=(100.0,) * 4)
     assert [s.name for s in two_sines.states] == ["p1", "q1", "p2", "q2"]
-    A = loop.linearised(two_sines, {}, {"e": 0, "de": 0}).A
+    A = loop.linearise_block(two_sines, {}, {"e": 0, "de": 0}).A
     poles = np.linalg.eigvals(A)
     np.testing.assert_allclose(np.sort(np.angle(poles)) / T, [-OMEGA, -2.0, 2.0, OMEGA], rtol=tolerances.of("settled"))
 
 
 @pytest.mark.parametrize("omega", [3.0, OMEGA, 12.0])
 def test_the_closed_loop_is_stable_and_infinite_gain_sits_at_the_exosystem(omega: float) -> None:
-    linear = loop.linearised(block(), {}, {"e": 0, "de": 0})
+    linear = loop.linearise_block(block(), {}, {"e": 0, "de": 0})
     at = abs(linear.response(np.exp(1j * omega * T) * (1 + 1e-9))[0, 0, 0])
     assert (at > 1e6) == (omega == OMEGA)
 

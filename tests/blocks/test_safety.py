@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from synth.block import Block, Exprs, State, Step, build, clip
-from synth.blocks.safety import LATCH_BIT, Guarded, Safety, frozen, guard, safe_output
+from synth.blocks.safety import LATCH_BIT, GuardedInput, Safety, frozen, guard, safe_output
 from synth.compose import compose
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.errors import SignalError
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -30,9 +30,9 @@ pytestmark = pytest.mark.slow
 f32 = np.float32
 TIME = Discrete(1e-3)
 INPUTS = [
-    Guarded(Signal("reading", "m", 0.0168, 0.0322), 0.031, True),
-    Guarded(Signal("angle", "rad", -0.1, 0.3), 0.2, True),
-    Guarded(Signal("wish", "m", 0.018, 0.031), 0.02, False),
+    GuardedInput(Signal("reading", "m", 0.0168, 0.0322), 0.031, True),
+    GuardedInput(Signal("angle", "rad", -0.1, 0.3), 0.2, True),
+    GuardedInput(Signal("wish", "m", 0.018, 0.031), 0.02, False),
 ]
 FORCE = Signal("force", "A", -4.9497, 4.9497)
 SAFE = Safety(5, {"force": 2.5}, {"force": 100.0}, "the stage rests on its feet")
@@ -361,7 +361,7 @@ def test_once_latched_only_the_guard_and_the_slew_change() -> None:
     np.testing.assert_allclose(np.abs(np.diff(outputs[7:])), 0.1, rtol=1e-5)
 
 
-def emit_self_limited(width: float) -> Emitted:
+def emit_self_limited(width: float) -> EmittedCode:
     """Emit a law that limits the force itself, possibly to more than the output's range."""
     wide, wish = Signal("force_computed", "A", -width, width), Signal("wish_held", "m", -1, 1)
     law = build(
@@ -396,8 +396,8 @@ def test_the_c_is_free_of_warnings() -> None:
     compiler.check({n: t for n, t in files.items() if n.endswith((".c", ".h"))})
 
 
-def many(count: int) -> list[Guarded]:
-    return [Guarded(Signal(f"u{i}", "1", 0, 1), 0, True) for i in range(count)]
+def many(count: int) -> list[GuardedInput]:
+    return [GuardedInput(Signal(f"u{i}", "1", 0, 1), 0, True) for i in range(count)]
 
 
 @pytest.mark.parametrize(
@@ -406,12 +406,16 @@ def many(count: int) -> list[Guarded]:
         (many(32), 5, "32 inputs are guarded and 0 may be suspects, but the fault word has 31 bits: split"),
         (many(2), 0, "bad_samples is 0: a latch needs at least 1"),
         (many(1) * 2, 5, "'u0' is declared 2 times|'u0_held' is declared 2 times"),
-        ([Guarded(Signal("u", "1", 0, 1), 2, True)], 5, "'last_u' starts at 2, outside"),
-        ([Guarded(Signal("u", "1", 0, 1), 2, True, held=False)], 5, "initial value 2 of 'u' is outside 0 .. 1: choose"),
-        ([Guarded(Signal("u", "1", 0, 1), np.nan, True, held=False)], 5, "initial value nan of 'u' is outside"),
+        ([GuardedInput(Signal("u", "1", 0, 1), 2, True)], 5, "'last_u' starts at 2, outside"),
+        (
+            [GuardedInput(Signal("u", "1", 0, 1), 2, True, held=False)],
+            5,
+            "initial value 2 of 'u' is outside 0 .. 1: choose",
+        ),
+        ([GuardedInput(Signal("u", "1", 0, 1), np.nan, True, held=False)], 5, "initial value nan of 'u' is outside"),
     ],
 )
-def test_invalid_guards_are_refused(inputs: list[Guarded], bad_samples: int, text: str) -> None:
+def test_invalid_guards_are_refused(inputs: list[GuardedInput], bad_samples: int, text: str) -> None:
     with pytest.raises(SignalError, match=text):
         guard(TIME, inputs, bad_samples)
     assert len(guard(TIME, many(31), 1).faults) == len(guard(TIME, many(16), 1, [f"u{i}" for i in range(15)]).faults)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.execute import compile as compiler
 from synth.execute import host
 from tests.emit import dyadic
@@ -44,7 +44,7 @@ def by_casadi(block: Block, x: NDArray[np.float64], u: NDArray[np.float64]) -> S
 
 
 def by_c(
-    library: ctypes.CDLL, block: Block, made: Emitted, x: NDArray[np.float64], u: NDArray[np.float64]
+    library: ctypes.CDLL, block: Block, made: EmittedCode, x: NDArray[np.float64], u: NDArray[np.float64]
 ) -> StepResult:
     """Take one step of a Block's C from each state."""
     count = x.shape[1]
@@ -62,7 +62,7 @@ def by_c(
     return StepResult(next, {s.name: out[s.name].astype(np.float64) for s in block.outputs}, np.array(word, np.uint32))
 
 
-def compile_together(made: Sequence[Emitted], change: Change = str) -> ctypes.CDLL:
+def compile_together(made: Sequence[EmittedCode], change: Change = str) -> ctypes.CDLL:
     """Compile the C of designs with unique names into one library; warnings are errors. `change` plants a defect."""
     files = {name: text for e in made for name, text in host.code(e.files).items()}
     files = {name: change(text) if name.endswith(".c") else text for name, text in files.items()}

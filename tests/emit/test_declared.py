@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks.safety import Guarded, guard
+from synth.blocks.safety import GuardedInput, guard
 from synth.compose import compose
 from synth.emit.proof import safe
 from synth.emit.write import emit
@@ -28,7 +28,7 @@ def make_block(law: Callable[[ca.SX], Any], guarded: bool = False) -> Block:
         return Step({"y": law(u[seen.name])})
 
     block = build("made", TIME, step, inputs=[seen], outputs=[Y])
-    parts = [guard(TIME, [Guarded(A, 0.0, False)], 3), block]
+    parts = [guard(TIME, [GuardedInput(A, 0.0, False)], 3), block]
     return compose("whole", parts, inputs=["a"], outputs=["y"]) if guarded else block
 
 

@@ -13,7 +13,7 @@ from synth.block import Block, Constant, State, Step, build
 from synth.blocks import safety
 from synth.emit import pipeline
 from synth.emit.proof import ranges
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.errors import EmitError
 from synth.execute import host
 from synth.signals import Signal
@@ -32,11 +32,11 @@ def make_block(law: Any, states: tuple[State, ...] = (), low: float = -1.0, **fi
     return build("made", TIME, law, inputs=[signal("a", low)], outputs=[signal("y", -50, 50)], states=states, **fields)
 
 
-def text(emitted: Emitted) -> str:
+def text(emitted: EmittedCode) -> str:
     return emitted.files["made.c"].partition("made_step(")[2]
 
 
-def run(emitted: Emitted, a: np.ndarray) -> host.Replay:
+def run(emitted: EmittedCode, a: np.ndarray) -> host.Replay:
     return host.load(emitted.files, emitted.manifest).replay({"a": a})
 
 
@@ -132,7 +132,7 @@ def test_constants_are_folded_but_keep_their_meaning() -> None:
 
 
 def test_every_line_of_the_step_has_a_tag_and_every_tag_its_lines() -> None:
-    guard = safety.guard(TIME, [safety.Guarded(signal("u"), 0.0, True)], 3)
+    guard = safety.guard(TIME, [safety.GuardedInput(signal("u"), 0.0, True)], 3)
     emitted = emit(guard, np.float32)
     lines = emitted.files["guard.c"].split("\n")
     start = next(i for i, line in enumerate(lines, 1) if "guard_step(" in line)

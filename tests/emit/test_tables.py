@@ -10,7 +10,7 @@ import pytest
 from synth.block import Block, Constant, State, Step, build, clip, table
 from synth.emit import lower
 from synth.emit.proof.interval import Interval, lookup
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.errors import EmitError, SignalError
 from synth.execute import host
 from synth.signals import Signal
@@ -33,7 +33,7 @@ def lookup_block(low: float = 0, high: float = LAST, name: str = "numbers") -> B
     return build("lookup", Discrete(1e-3), law, inputs=[PLACE], outputs=[OUT])
 
 
-def answers(made: Emitted, place: np.ndarray) -> np.ndarray:
+def answers(made: EmittedCode, place: np.ndarray) -> np.ndarray:
     return host.load(made.files, made.manifest).replay({"place": place}).outputs["value"]
 
 

@@ -1,4 +1,4 @@
-"""Small sources for the tests of machine code: functions in assembly, and a step without any libm call."""
+"""Small sources for tests of machine code: functions in assembly, and a step without calls of libm."""
 
 import shutil
 from collections.abc import Mapping, Sequence
@@ -52,7 +52,7 @@ uint32_t lag_step(lag_state_t *state, const lag_input_t *in, lag_output_t *out) 
 
 
 def assembly(name: str, body: str) -> dict[str, str]:
-    """C text of one file that defines the Thumb function `name`; instructions of `body` are separated by `;`."""
+    """Return C of one file that defines the Thumb function `name`; instructions of `body` are separated by `;`."""
     lines = [
         f'.section .text.{name},\\"ax\\",%progbits',
         *(".syntax unified", ".thumb", f".global {name}", f".type {name},%function", ".thumb_func", f"{name}:"),
@@ -63,7 +63,7 @@ def assembly(name: str, body: str) -> dict[str, str]:
 
 
 def lag(scalar: str) -> tuple[dict[str, str], dict[str, Any]]:
-    """Sources and manifest of the step in a scalar type."""
+    """Return sources and manifest of the step in a scalar type."""
     n, real = (4, "float") if scalar == "float32" else (8, "double")
     layout = {
         "input": [("u", 0, 1, real), ("gain", n, 1, real)],
@@ -86,13 +86,13 @@ def lag(scalar: str) -> tuple[dict[str, str], dict[str, Any]]:
 def loaded(
     sources: Mapping[str, str], entries: Sequence[str], core: str = "cortex-m4f", compiler: str = "zig"
 ) -> Image:
-    """Sources built for a core, with what the functions `entries` reach in an emulator."""
+    """Build sources for a core and load them into an emulator; `entries` are the roots of the image."""
     program = elf.read(cross.link(sources, entries, core, compiler))
     return boot(program, core, cross.functions(sources, core, compiler))
 
 
 def size(sources: Mapping[str, str], entry: str, core: str = "cortex-m4f", compiler: str = "zig") -> elf.Size:
-    """The bytes that a function reaches: it is the only root of the image."""
+    """Return the size of an image with a function as its only root."""
     program = elf.read(cross.link(sources, [entry], core, compiler))
     program.address(entry)
     return program.size()

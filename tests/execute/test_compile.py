@@ -1,4 +1,4 @@
-"""Compiled code must be the code that was given, and a refused source must say why."""
+"""Compiled code must correspond to its source, and a refused source must give the reason."""
 
 import ctypes
 import shlex
@@ -38,9 +38,9 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(scope="module", params=["host", "zig"])
 def compiler(request: pytest.FixtureRequest) -> host.Compiler:
-    found = host.find_compiler() if request.param == "host" else host.zig_compiler()
-    assert found is not None, "the ziglang wheel belongs to the development extra: pip install -e .[dev]"
-    return found
+    chosen = host.find_compiler() if request.param == "host" else host.zig_compiler()
+    assert chosen is not None, "the ziglang wheel belongs to the development extra: pip install -e .[dev]"
+    return chosen
 
 
 def call(library: Path, name: str, *arguments: float) -> float:
@@ -61,7 +61,7 @@ def test_products_are_rounded_before_they_are_added(compiler: host.Compiler) -> 
 
 
 @needs_fma
-def test_code_is_for_any_processor_of_the_kind_not_for_this_one(compiler: host.Compiler) -> None:
+def test_code_runs_on_every_processor_of_the_architecture(compiler: host.Compiler) -> None:
     e = 2.0**-30
     assert call(host.shared_library(RESIDUE, ("-ffp-contract=fast",), compiler), "residue", 1 + e, 1 - e) == 0.0
 
@@ -104,8 +104,8 @@ def test_builders_at_the_same_time_agree_and_leave_nothing_behind(cache: Path, m
     # The usual place for temporary files may be another disk, from which no file moves whole.
     monkeypatch.setattr(tempfile, "tempdir", str(cache / "absent"))
     with ThreadPoolExecutor(4) as pool:
-        found = set(pool.map(lambda _: host.shared_library(AMPLIFY, compiler=compiler), range(8)))
-    assert len(found) == 1 and call(found.pop(), "amplify", 1.0) == 3.0
+        libraries = set(pool.map(lambda _: host.shared_library(AMPLIFY, compiler=compiler), range(8)))
+    assert len(libraries) == 1 and call(libraries.pop(), "amplify", 1.0) == 3.0
     assert not list(cache.glob("building-*"))
 
 

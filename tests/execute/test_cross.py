@@ -1,4 +1,4 @@
-"""Machine code must be for the core that was named, hold what is reached and no more, and betray double arithmetic."""
+"""Cross-compiled code is for the named core, contains only reachable functions, and reveals double arithmetic."""
 
 import shutil
 from pathlib import Path
@@ -26,7 +26,7 @@ MATH = "#include <math.h>\n" + SUM
         ("#include <math.h>\ndouble f(double x);\ndouble f(double x) { return sqrt(x); }\n", {"sqrt"}),
     ],
 )
-def test_planted_doubles_are_found(text: str, symbols: set[str], compiler: str) -> None:
+def test_double_arithmetic_is_detected(text: str, symbols: set[str], compiler: str) -> None:
     assert set(cross.double_symbols({"f.c": text}, compiler)) == symbols
 
 
@@ -68,30 +68,32 @@ def test_names_of_double_arithmetic(name: str, double: bool) -> None:
 @pytest.mark.parametrize(("core", "in_hardware"), [("cortex-m4f", False), ("cortex-m7", True)])
 def test_the_core_decides_what_is_hardware(core: str, in_hardware: bool, compiler: str) -> None:
     text = "double f(double x, double y);\ndouble f(double x, double y) { return x * y; }\n"
-    needed = set().union(*(elf.undefined(path) for path in cross.objects({"f.c": text}, core, compiler)))
+    needed = set().union(*(elf.undefined_symbols(path) for path in cross.objects({"f.c": text}, core, compiler)))
     assert ("__aeabi_dmul" in needed) is not in_hardware
     # Neither core falls back to software for a float.
     single = {"f.c": SUM % "x * y"}
-    assert not any(n.startswith("__aeabi_f") for p in cross.objects(single, core, compiler) for n in elf.undefined(p))
+    assert not any(
+        n.startswith("__aeabi_f") for p in cross.objects(single, core, compiler) for n in elf.undefined_symbols(p)
+    )
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_an_image_holds_what_is_reached(compiler: str) -> None:
+def test_an_image_contains_only_reachable_functions(compiler: str) -> None:
     text = """#include <math.h>
     float reached(float x); float unreached(float x); float entry(float x);
     float __attribute__((noinline)) reached(float x) { return tanhf(x); }
     float unreached(float x) { return cbrtf(x); }
     float entry(float x) { return 2.0f * reached(x); }
     """
-    found = elf.read(cross.link({"f.c": text}, ["entry"], "cortex-m4f", compiler))
-    names = {function.name for function in found.functions}
+    program = elf.read(cross.link({"f.c": text}, ["entry"], "cortex-m4f", compiler))
+    names = {function.name for function in program.functions}
     assert {"entry", "reached", "tanhf"} <= names and not {"unreached", "cbrtf", "main", "_start"} & names
     assert cross.functions({"f.c": text}, "cortex-m4f", compiler) == {"entry", "reached", "unreached"}
     with pytest.raises(CompileError, match="no function 'absent'"):
-        found.address("absent")
+        program.address("absent")
 
 
-def test_products_are_kept_and_told_apart() -> None:
+def test_products_are_cached_by_their_inputs() -> None:
     plain = cross.link({"f.c": SUM % "x * y"}, ["f"], "cortex-m4f")
     built = plain.stat().st_mtime_ns
     assert cross.link({"f.c": SUM % "x * y"}, ["f"], "cortex-m4f") == plain and plain.stat().st_mtime_ns == built
@@ -134,7 +136,7 @@ def test_unknown_cores_and_absent_compilers_are_named(monkeypatch: pytest.Monkey
         cross.find_compiler("cortex-m4f", "zig")
 
 
-def test_what_is_installed() -> None:
+def test_installed_compilers() -> None:
     assert cross.available() == (("zig", "gcc") if shutil.which("arm-none-eabi-gcc") else ("zig",))
 
 

@@ -78,7 +78,7 @@ ALL = {**CORE, **FPU, **PAIRS, **WAITS, **DIVISIONS, **PREDICATED}
 
 @pytest.fixture(scope="module")
 def planted() -> image.Image:
-    """Every body as a function of its own, in one image."""
+    """Return one image with each body as a separate function."""
     names = [f"f{k}" for k in range(len(ALL))]
     texts = [text for n, body in zip(names, ALL, strict=True) for text in assembly(n, f"{body}; bx lr").values()]
     return loaded({"all.c": "".join(texts)}, names)
@@ -87,24 +87,24 @@ def planted() -> image.Image:
 @pytest.mark.parametrize("body", ALL)
 def test_sums_by_hand(planted: image.Image, body: str) -> None:
     at = planted.reserve(64)
-    found = planted.measure(f"f{list(ALL).index(body)}", np.array([[at, at + 16]])).cost.cycles
-    assert found is not None
-    assert (found.low[0] - BACK_LOW, found.high[0] - BACK_HIGH) == ALL[body]
+    estimate = planted.measure(f"f{list(ALL).index(body)}", np.array([[at, at + 16]])).cost.cycles
+    assert estimate is not None
+    assert (estimate.low[0] - BACK_LOW, estimate.high[0] - BACK_HIGH) == ALL[body]
 
 
 def test_every_call_is_estimated_by_itself() -> None:
-    found = loaded(assembly("f", "1: vadd.f32 s0, s0, s1; subs r0, #1; bne 1b; bx lr"), ["f"])
-    cost = found.measure("f", np.array([[n] for n in (1, 4, 2)])).cost
+    machine = loaded(assembly("f", "1: vadd.f32 s0, s0, s1; subs r0, #1; bne 1b; bx lr"), ["f"])
+    cost = machine.measure("f", np.array([[n] for n in (1, 4, 2)])).cost
     assert cost.cycles is not None
     assert cost.cycles.low.tolist() == [2 * n + 2 * (n - 1) + 1 + BACK_LOW for n in (1, 4, 2)]
     assert cost.cycles.high.tolist() == [2 * n + 4 * (n - 1) + 1 + BACK_HIGH for n in (1, 4, 2)]
 
 
-def path_of(found: image.Image) -> trace.Trace:
-    with recorder.attached(found.engine) as record:
-        found.call("f")
+def path_of(machine: image.Image) -> trace.Trace:
+    with recorder.attach(machine.engine) as record:
+        machine.call("f")
         record.call_ended()
-        return trace.follow(found.code, record.take())
+        return trace.reconstruct_path(machine.code, record.take())
 
 
 @pytest.mark.parametrize(
@@ -115,16 +115,16 @@ def path_of(found: image.Image) -> trace.Trace:
     ],
 )
 def test_no_call_depends_on_the_one_before(body: str, low: int) -> None:
-    found = loaded(assembly("f", body), ["f"])
-    cost = found.measure("f", np.array([[found.reserve(8)]] * 3)).cost
+    machine = loaded(assembly("f", body), ["f"])
+    cost = machine.measure("f", np.array([[machine.reserve(8)]] * 3)).cost
     assert cost.cycles is not None and cost.cycles.low.tolist() == [low] * 3
 
 
 @pytest.mark.parametrize("line", ["vrintz.f32 s0, s1", "vadd.f64 d0, d1, d2", "vcvt.f64.f32 d0, s1"])
-def test_what_a_cortex_m4_does_not_have_is_named(line: str) -> None:
-    found = loaded(assembly("f", f".fpu fpv5-d16; {line}; bx lr"), ["f"], core="cortex-m7")
+def test_instructions_without_a_row_are_named(line: str) -> None:
+    machine = loaded(assembly("f", f".fpu fpv5-d16; {line}; bx lr"), ["f"], core="cortex-m7")
     with pytest.raises(SynthError, match=f"`{line}` at .* has no row"):
-        cycles.estimate(cycles.timing(found.code), path_of(found))
+        cycles.estimate(cycles.timing(machine.code), path_of(machine))
 
 
 def test_no_estimate_without_a_published_table() -> None:

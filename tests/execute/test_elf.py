@@ -23,9 +23,9 @@ unsigned tick(unsigned i) { zeroed[i & 7u] += ++counter; return started += zeroe
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_instructions_and_literals_are_told_apart(compiler: str) -> None:
     sources = assembly("f", "ldr r0, 1f; bx lr; .align 2; 1: .word 12345678; .word 2; .word 3")
-    found = planted.size(sources, "f", compiler=compiler)
-    assert (found.code, found.literals, found.constants, found.data) == (4, 12, 0, 0)
-    assert found.functions == {"f": 16}
+    size = planted.size(sources, "f", compiler=compiler)
+    assert (size.code, size.literals, size.constants, size.data) == (4, 12, 0, 0)
+    assert size.functions == {"f": 16}
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
@@ -70,4 +70,8 @@ def test_segments_hold_the_instructions(compiler: str) -> None:
 def test_objects_name_what_they_define_and_need(tmp_path: Path) -> None:
     text = "int g(int); int f(int); static int __attribute__((noinline)) h(int x) { return g(x) + 1; }\n"
     (path,) = cross.objects({"f.c": text + "int f(int x) { return h(x) * 2; }\n"}, "cortex-m4f")
-    assert elf.defined(path) == {"f", "h"} and "g" in elf.undefined(path) and "f" not in elf.undefined(path)
+    assert (
+        elf.defined_functions(path) == {"f", "h"}
+        and "g" in elf.undefined_symbols(path)
+        and "f" not in elf.undefined_symbols(path)
+    )

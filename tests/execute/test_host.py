@@ -1,4 +1,4 @@
-"""The compiled step must see the very bits it is given, and a manifest that lies must be refused."""
+"""The compiled step receives inputs bit for bit, and a wrong manifest is refused."""
 
 from copy import deepcopy
 from typing import Any
@@ -82,12 +82,12 @@ def test_init_and_step(blend: host.Controller) -> None:
 
 def test_replay_is_the_recursion_bit_for_bit(blend: host.Controller) -> None:
     u = np.random.default_rng(1).normal(size=500)
-    found = blend.replay({"u": u, "taps": np.tile(TAPS, (500, 1))})
+    replay = blend.replay({"u": u, "taps": np.tile(TAPS, (500, 1))})
     expected = recursion(u, blend.scalar(0.25), blend.scalar)
-    assert found.outputs["y"].tobytes() == expected.tobytes()
-    assert found.outputs["y"].tobytes() != recursion(u, blend.scalar(0.26), blend.scalar).tobytes()
-    assert np.array_equal(found.faults, 2 * np.arange(8, 508))
-    assert found.state["ticks"] == 507
+    assert replay.outputs["y"].tobytes() == expected.tobytes()
+    assert replay.outputs["y"].tobytes() != recursion(u, blend.scalar(0.26), blend.scalar).tobytes()
+    assert np.array_equal(replay.faults, 2 * np.arange(8, 508))
+    assert replay.state["ticks"] == 507
 
 
 def test_replay_in_two_parts_leaves_the_given_state(blend: host.Controller) -> None:
@@ -101,9 +101,9 @@ def test_replay_in_two_parts_leaves_the_given_state(blend: host.Controller) -> N
 def test_batch_steps_each_state_once(blend: host.Controller) -> None:
     states = np.repeat(blend.init()[None], 3)
     states["xi"], states["ticks"] = [1.0, 2.0, 3.0], [1, 2, 3]
-    found = blend.batch(states, {"u": np.array([0.0, 0.5, -0.5]), "taps": 0.0})
-    assert np.array_equal(found.outputs["y"], blend.scalar(0.9) * states["xi"] + np.array([0, 0.5, -0.5], blend.scalar))
-    assert found.faults.tolist() == [4, 6, 8] and found.states["ticks"].tolist() == [2, 3, 4]
+    batch = blend.batch(states, {"u": np.array([0.0, 0.5, -0.5]), "taps": 0.0})
+    assert np.array_equal(batch.outputs["y"], blend.scalar(0.9) * states["xi"] + np.array([0, 0.5, -0.5], blend.scalar))
+    assert batch.faults.tolist() == [4, 6, 8] and batch.states["ticks"].tolist() == [2, 3, 4]
     assert states["ticks"].tolist() == [1, 2, 3]
     assert blend.batch(states[:0], {"u": 0.0, "taps": 0.0}).faults.size == 0
 
@@ -113,8 +113,8 @@ def test_any_bit_pattern_passes(blend: host.Controller) -> None:
     bits = np.random.default_rng(3).integers(0, np.iinfo(word).max, 2000, word, endpoint=True)
     signalling = {4: 0x7F812345, 8: 0x7FF0000000012345}[word.itemsize]
     bits[:3] = signalling, np.iinfo(word).max, 1
-    found = blend.replay({"u": bits.view(blend.scalar), "taps": 0.0})
-    assert np.array_equal(found.outputs["echo"].view(word), bits)
+    replay = blend.replay({"u": bits.view(blend.scalar), "taps": 0.0})
+    assert np.array_equal(replay.outputs["echo"].view(word), bits)
     with np.errstate(all="ignore"):
         rounded = bits.view(blend.scalar) + blend.scalar(0)  # what a stray operation on the way would do
     assert not np.array_equal(rounded.view(word), bits)
@@ -162,7 +162,7 @@ def test_a_manifest_that_disagrees_with_the_struct_is_refused(document: dict[str
         ({**manifest("float32"), "structs": {}}, "struct 'input'"),
     ],
 )
-def test_a_manifest_that_is_not_whole_is_refused(document: dict[str, Any], says: str) -> None:
+def test_an_incomplete_manifest_is_refused(document: dict[str, Any], says: str) -> None:
     with pytest.raises(DesignError, match=says):
         host.load(files("float32"), document)
 

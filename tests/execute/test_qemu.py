@@ -23,11 +23,11 @@ installed = pytest.mark.skipif(
 def test_host_and_both_emulators_give_the_same_bits(core: str) -> None:
     files, manifest = lag(SCALARS[core])
     inputs = samples(1000, SCALARS[core])
-    found = qemu.load(files, manifest, core)
+    board = qemu.load(files, manifest, core)
     expected = host.load(files, manifest).replay(inputs)
-    require_same_bits(found.replay(inputs), expected)
+    require_same_bits(board.replay(inputs), expected)
     require_same_bits(target.load(files, manifest, core, "gcc").replay(inputs), expected)
-    assert found.init().tobytes() == host.load(files, manifest).init().tobytes()
+    assert board.init().tobytes() == host.load(files, manifest).init().tobytes()
 
 
 @installed
@@ -41,21 +41,21 @@ def test_a_contracted_product_is_seen() -> None:
 
 @installed
 def test_both_emulators_agree_on_a_design_with_its_libm() -> None:
-    """The same compiler's libm runs in both, so that even its last bits are the same."""
+    """Both emulators run the libm of the same compiler, so even the last bits are equal."""
     files = {path.name: path.read_text() for path in MAGLEV.glob("*.[ch]")}
     manifest = json.loads((MAGLEV / "manifest.json").read_text())
     inputs = json.loads((MAGLEV / "vectors.json").read_text())["inputs"]
-    found = qemu.load(files, manifest).replay(inputs)
-    require_same_bits(found, target.load(files, manifest, "cortex-m4f", "gcc").replay(inputs))
+    replay = qemu.load(files, manifest).replay(inputs)
+    require_same_bits(replay, target.load(files, manifest, "cortex-m4f", "gcc").replay(inputs))
 
 
 @installed
 def test_replay_in_two_parts_leaves_the_given_state() -> None:
     files, manifest = lag("float32")
-    found, inputs = qemu.load(files, manifest), samples(30, "float32")
-    whole, first = found.replay(inputs), found.replay({n: v[:11] for n, v in inputs.items()})
+    board, inputs = qemu.load(files, manifest), samples(30, "float32")
+    whole, first = board.replay(inputs), board.replay({n: v[:11] for n, v in inputs.items()})
     before = first.state.tobytes()
-    second = found.replay({n: v[11:] for n, v in inputs.items()}, first.state)
+    second = board.replay({n: v[11:] for n, v in inputs.items()}, first.state)
     assert np.array_equal(whole.outputs["y"], np.concatenate([first.outputs["y"], second.outputs["y"]]))
     assert first.state.tobytes() == before and second.state.tobytes() == whole.state.tobytes()
 
@@ -66,9 +66,9 @@ def test_variables_of_the_c_are_started() -> None:
     files, manifest = lag("float32")
     text = "static unsigned started = 40u, cleared;\nunsigned next(void) { return started++ + cleared++; }\n"
     step = files["lag.c"].replace("return state->ticks << 1", "extern unsigned next(void); return next() << 1")
-    found = qemu.load(files | {"next.c": text, "lag.c": step}, manifest)
+    board = qemu.load(files | {"next.c": text, "lag.c": step}, manifest)
     for _ in range(2):
-        assert found.replay({"u": np.zeros(3), "gain": 1.0}).faults.tolist() == [80, 84, 88]
+        assert board.replay({"u": np.zeros(3), "gain": 1.0}).faults.tolist() == [80, 84, 88]
 
 
 @installed
@@ -83,7 +83,7 @@ def test_variables_of_the_c_are_started() -> None:
         ),
     ],
 )
-def test_code_that_goes_astray_is_refused(statement: str, says: str) -> None:
+def test_code_that_faults_is_refused(statement: str, says: str) -> None:
     files, manifest = lag("float32")
     broken = files["lag.c"].replace("    const int good", f"    {statement}\n    const int good")
     with pytest.raises(SynthError, match=f"QEMU's cortex-m4f.*{says}"):
@@ -91,8 +91,8 @@ def test_code_that_goes_astray_is_refused(statement: str, says: str) -> None:
 
 
 @installed
-def test_a_run_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(qemu, "_PATIENCE_S", 1.0)
+def test_a_run_that_does_not_terminate_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(qemu, "_TIMEOUT_S", 1.0)
     files, manifest = lag("float32")
     endless = files["lag.c"].replace("    const int good", "    for (;;) state->ticks = 0u;\n    const int good")
     with pytest.raises(SynthError, match="found no end after 1 s"):
@@ -112,7 +112,7 @@ def test_inputs_and_manifests_that_do_not_fit_are_named() -> None:
         qemu.load(files, manifest, "cortex-m0")
 
 
-def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_missing_emulator_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CompileError, match=r"no qemu-system-arm on the PATH.*install"):
         qemu.load(*lag("float32"))

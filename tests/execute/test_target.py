@@ -32,11 +32,11 @@ def samples(n: int, scalar: str) -> dict[str, Any]:
     return {"u": u.astype(scalar), "gain": gain.astype(scalar)}
 
 
-def require_same_bits(found: host.Replay, expected: host.Replay) -> None:
+def require_same_bits(actual: host.Replay, expected: host.Replay) -> None:
     for name, column in expected.outputs.items():
-        assert found.outputs[name].dtype == column.dtype
-        assert found.outputs[name].tobytes() == column.tobytes(), name
-    assert np.array_equal(found.faults, expected.faults) and found.state.tobytes() == expected.state.tobytes()
+        assert actual.outputs[name].dtype == column.dtype
+        assert actual.outputs[name].tobytes() == column.tobytes(), name
+    assert np.array_equal(actual.faults, expected.faults) and actual.state.tobytes() == expected.state.tobytes()
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
@@ -45,11 +45,11 @@ def test_the_core_gives_the_bits_of_the_host(core: str, compiler: str) -> None:
     files, manifest = lag(SCALARS[core])
     inputs = samples(2000, SCALARS[core])
     expected = host.load(files, manifest).replay(inputs)
-    found = target.load(files, manifest, core, compiler)
-    require_same_bits(found.replay(inputs), expected)
-    require_same_bits(found.measure(inputs).replay, expected)
+    emulated = target.load(files, manifest, core, compiler)
+    require_same_bits(emulated.replay(inputs), expected)
+    require_same_bits(emulated.measure(inputs).replay, expected)
     assert 0 < np.count_nonzero(expected.faults & 1) < 200  # the guard was at work
-    assert found.init().tobytes() == host.load(files, manifest).init().tobytes()
+    assert emulated.init().tobytes() == host.load(files, manifest).init().tobytes()
 
 
 def test_a_contracted_product_is_seen() -> None:
@@ -75,10 +75,10 @@ def test_a_core_that_flushes_to_zero_is_refused() -> None:
 
 def test_replay_in_two_parts_leaves_the_given_state() -> None:
     files, manifest = lag("float32")
-    found, inputs = target.load(files, manifest), samples(40, "float32")
-    whole, first = found.replay(inputs), found.replay({n: v[:17] for n, v in inputs.items()})
+    emulated, inputs = target.load(files, manifest), samples(40, "float32")
+    whole, first = emulated.replay(inputs), emulated.replay({n: v[:17] for n, v in inputs.items()})
     before = first.state.tobytes()
-    second = found.replay({n: v[17:] for n, v in inputs.items()}, first.state)
+    second = emulated.replay({n: v[17:] for n, v in inputs.items()}, first.state)
     assert np.array_equal(whole.outputs["y"], np.concatenate([first.outputs["y"], second.outputs["y"]]))
     assert first.state.tobytes() == before and second.state.tobytes() == whole.state.tobytes()
 
@@ -102,21 +102,21 @@ def test_an_emitted_block_in_double_on_the_cortex_m7(compiler: str) -> None:
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_recorded_steps_of_a_design(compiler: str) -> None:
-    """As long as the C calls libm, which is another on every machine, its last bits are too."""
+    """Libm differs between machines; as long as the C calls it, the last bits differ."""
     files = {path.name: path.read_text() for path in MAGLEV.glob("*.[ch]")}
     manifest = json.loads((MAGLEV / "manifest.json").read_text())
     inputs = json.loads((MAGLEV / "vectors.json").read_text())["inputs"]
     expected = host.load(files, manifest).replay(inputs)
-    found, cost = target.load(files, manifest, "cortex-m4f", compiler).measure(inputs)
+    replay, cost = target.load(files, manifest, "cortex-m4f", compiler).measure(inputs)
     assert cost.instructions.shape == (1000,) and cost.stack_bytes > 0 and cost.cycles is not None
     assert np.all(cost.instructions < cost.cycles.high) and np.all(cost.cycles.low <= cost.cycles.high)
     if not set(MATH_CALL.findall(files["maglev_5dof.c"])) - {"sqrtf", "fabsf", "sizeof"}:
-        require_same_bits(found, expected)
+        require_same_bits(replay, expected)
         return
-    assert np.array_equal(found.faults, expected.faults)
+    assert np.array_equal(replay.faults, expected.faults)
     for field in manifest["structs"]["output"]["fields"]:
         # A feedback through a few libm calls, each off by an ulp or two: 1e-5 of the range is a hundred ulps.
-        gap = np.abs(found.outputs[field["name"]] - expected.outputs[field["name"]])
+        gap = np.abs(replay.outputs[field["name"]] - expected.outputs[field["name"]])
         assert gap.max() <= 1e-5 * (field["high"] - field["low"])
 
 
@@ -135,13 +135,13 @@ def test_cost_of_a_step(compiler: str) -> None:
     assert len(lively.cost.sites) == len(cost.sites)
 
 
-def test_what_init_alone_reaches_is_no_part_of_the_step() -> None:
+def test_functions_reached_only_by_init_are_not_counted() -> None:
     files, manifest = lag("float32")
     pick = "unsigned pick(unsigned n);\nunsigned pick(unsigned n) { return n > 9u ? n * n : 7u; }\n"
     init = files["lag.c"].replace("state->ticks = 7u", "unsigned pick(unsigned n); state->ticks = pick(state->bad)")
-    found = target.load(files | {"pick.c": pick, "lag.c": init}, manifest)
-    assert found.init()["ticks"] == 7
-    cost = found.measure({"u": np.zeros(2), "gain": 1.0}).cost
+    emulated = target.load(files | {"pick.c": pick, "lag.c": init}, manifest)
+    assert emulated.init()["ticks"] == 7
+    cost = emulated.measure({"u": np.zeros(2), "gain": 1.0}).cost
     assert {site.function for site in cost.sites} <= {"lag_step", "root"} and "pick" not in cost.by_function
 
 
@@ -160,8 +160,8 @@ def test_a_layout_that_the_core_does_not_have_is_refused() -> None:
 
 def test_inputs_and_states_that_do_not_fit_are_named() -> None:
     files, manifest = lag("float32")
-    found = target.load(files, manifest)
-    for run in (found.replay, found.measure):
+    emulated = target.load(files, manifest)
+    for run in (emulated.replay, emulated.measure):
         with pytest.raises(SignalError, match=r"missing \['gain'\]"):
             run({"u": np.zeros(3)})
         with pytest.raises(SignalError, match="lengths"):
@@ -169,5 +169,5 @@ def test_inputs_and_states_that_do_not_fit_are_named() -> None:
         with pytest.raises(SignalError, match="state of 'lag'"):
             run({"u": np.zeros(3), "gain": 0.0}, np.zeros(2))
     with pytest.raises(SignalError, match="found 0 calls"):
-        found.measure({"u": np.zeros(0), "gain": np.zeros(0)})
-    assert found.replay({"u": np.zeros(0), "gain": np.zeros(0)}).faults.size == 0
+        emulated.measure({"u": np.zeros(0), "gain": np.zeros(0)})
+    assert emulated.replay({"u": np.zeros(0), "gain": np.zeros(0)}).faults.size == 0

@@ -21,22 +21,22 @@ def directions(cost: image.Cost) -> list[tuple[str, int, int]]:
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_what_is_predicated_false_counts(compiler: str) -> None:
+def test_instructions_predicated_false_count(compiler: str) -> None:
     results, cost = loaded("clamp", CLAMP, compiler).measure("clamp", np.array([[5, 0], [2, 1], [2, 0]]))
     # cmp, ite, both moves, cbz and bx always; adds only where r1 is not 0.
     assert cost.instructions.tolist() == [6, 7, 6] and results.tolist() == [10, 21, 20]
     assert {name: n.tolist() for name, n in cost.by_function.items()} == {"clamp": [6, 7, 6]}
 
 
-def test_the_emulators_own_record_leaves_them_out() -> None:
-    """Why `follow` must put them back: were the hook ahead of the test, it would count 6 instructions here, not 5."""
-    found = loaded("clamp", CLAMP)
-    with recorder.attached(found.engine) as record:
-        found.call("clamp", 5, 0)
+def test_the_record_of_the_emulator_omits_them() -> None:
+    """The emulator records 5 of these 6 instructions: its hook runs after the test of the condition."""
+    machine = loaded("clamp", CLAMP)
+    with recorder.attach(machine.engine) as record:
+        machine.call("clamp", 5, 0)
         record.call_ended()
         taken = record.take()
     assert len(taken.addresses) == 5
-    assert trace.follow(found.code, taken).passed.tolist() == [True, True, True, False, True, True]
+    assert trace.reconstruct_path(machine.code, taken).passed.tolist() == [True, True, True, False, True, True]
 
 
 def test_a_whole_block_of_the_fpu_may_be_skipped() -> None:
@@ -58,18 +58,18 @@ def test_loops_and_calls_count_by_function() -> None:
     assert directions(cost) == [("bne", 3, 2)]
 
 
-def test_missing_directions_are_listed() -> None:
-    found = loaded("clamp", CLAMP)
-    cost = found.measure("clamp", np.array([[5, 0], [6, 0]])).cost
+def test_uncovered_outcomes_are_listed() -> None:
+    machine = loaded("clamp", CLAMP)
+    cost = machine.measure("clamp", np.array([[5, 0], [6, 0]])).cost
     assert directions(cost) == [("movgt", 2, 0), ("cbz", 2, 0)]
     assert [site.missing for site in cost.missing] == ["not taken", "not taken"]
-    where = found.program.address("clamp")
+    where = machine.program.address("clamp")
     assert [site.address - where for site in cost.missing] == [4, 8] and cost.missing[0].function == "clamp"
-    both = found.measure("clamp", np.array([[5, 0], [2, 1]])).cost
+    both = machine.measure("clamp", np.array([[5, 0], [2, 1]])).cost
     assert not both.missing and len(both.sites) == 2
 
 
-def test_what_is_never_reached_is_missing() -> None:
+def test_unreached_decisions_are_missing() -> None:
     body = "cmp r0, #0; beq 1f; cmp r1, #0; beq 1f; movs r0, #1; 1: bx lr"
     cost = loaded("both", body).measure("both", np.array([[0, 0]])).cost
     assert [site.missing for site in cost.sites] == ["not taken", "reached"]
@@ -92,26 +92,26 @@ def test_every_condition_is_a_decision_once(body: str, decisions: list[str]) -> 
 
 
 def test_a_long_record_is_evaluated_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, calls = loaded("sum", LOOP), np.array([[3, n] for n in (1, 30, 2, 30, 30, 1, 5)])
-    whole = found.measure("sum", calls).cost
-    monkeypatch.setattr(recorder.attached.__wrapped__, "__defaults__", (200,))  # two calls of 30 rounds and a bit
-    parts = found.measure("sum", calls).cost
+    machine, calls = loaded("sum", LOOP), np.array([[3, n] for n in (1, 30, 2, 30, 30, 1, 5)])
+    whole = machine.measure("sum", calls).cost
+    monkeypatch.setattr(recorder.attach.__wrapped__, "__defaults__", (200,))  # two calls of 30 rounds and a bit
+    parts = machine.measure("sum", calls).cost
     assert parts.instructions.tolist() == whole.instructions.tolist() == [3 + 3 * n for n in calls[:, 1]]
-    assert found.measure("sum", calls[:4]).cost.instructions.tolist() == whole.instructions[:4].tolist()  # ends full
+    assert machine.measure("sum", calls[:4]).cost.instructions.tolist() == whole.instructions[:4].tolist()  # ends full
     assert parts.sites == whole.sites and parts.cycles is not None and whole.cycles is not None
     assert parts.cycles.high.tolist() == whole.cycles.high.tolist()
     with pytest.raises(SynthError, match="303 instructions"):
-        found.measure("sum", np.array([[1, 100]]))
+        machine.measure("sum", np.array([[1, 100]]))
 
 
-def test_measuring_does_not_hang_on() -> None:
-    """Code that ran without a record is measured, and after the measurement it runs without one."""
-    found = loaded("sum", LOOP)
-    assert found.call("sum", 2, 3) == 6
-    assert found.measure("sum", np.array([[2, 3]])).cost.instructions.tolist() == [12]
-    with recorder.attached(found.engine) as record:
+def test_measurement_ends_with_the_call() -> None:
+    """Code can be measured after it ran without a recorder, and runs without one after the measurement."""
+    machine = loaded("sum", LOOP)
+    assert machine.call("sum", 2, 3) == 6
+    assert machine.measure("sum", np.array([[2, 3]])).cost.instructions.tolist() == [12]
+    with recorder.attach(machine.engine) as record:
         pass
-    assert found.call("sum", 2, 3) == 6 and record.take().addresses.size == 0
+    assert machine.call("sum", 2, 3) == 6 and record.take().addresses.size == 0
 
 
 def test_an_impossible_path_is_refused() -> None:
@@ -120,10 +120,10 @@ def test_an_impossible_path_is_refused() -> None:
     for offsets, says in (((0, 4), "not predicated"), ((0, 1), "need an instruction"), ((0, 2, 0), "not predicated")):
         wrong = recorder.Record(np.array([start + o for o in offsets], np.uint32), np.array([len(offsets)]))
         with pytest.raises(SynthError, match=says):
-            trace.follow(code, wrong)
+            trace.reconstruct_path(code, wrong)
 
 
-def test_addresses_are_told_apart_by_function() -> None:
+def test_addresses_map_to_functions() -> None:
     program = loaded("sum", LOOP).program
     first = program.functions[[f.name for f in program.functions].index("sum")]
     inside = program.function_at(np.array([first.address, first.address + first.size - 2]))

@@ -29,29 +29,29 @@ class Conductors:
 
 def single(matrix: finite_matrix.Blocks) -> magpylib.Collection:
     """Return a matrix block by block."""
-    found, s = magpylib.Collection(), l / 4
+    magnets, s = magpylib.Collection(), l / 4
     for x, row in zip(matrix.places, matrix.remanence, strict=True):
         for y, J in zip(matrix.places, row, strict=True):
             if J.any():
-                found.add(magpylib.magnet.Cuboid(polarization=J, dimension=(s, s, s), position=(x, y, -s / 2)))
-    return found
+                magnets.add(magpylib.magnet.Cuboid(polarization=J, dimension=(s, s, s), position=(x, y, -s / 2)))
+    return magnets
 
 
 def bars(m: float) -> magpylib.Collection:
     """Return two ideal arrays of 24 bars each, from -11.5 to 12.5 widths of a bar, one through the other."""
-    found, s, middle = magpylib.Collection(), l / 4, l / 8
+    magnets, s, middle = magpylib.Collection(), l / 4, l / 8
     for i in range(-11, 13):
         along, up = [(0, 1), (-1, 0), (0, -1), (1, 0)][i % 4]
         for polarization, size, at in (
             ((along, 0, up), (s, 24 * s, s), (i * s, middle)),
             ((0, along, up), (24 * s, s, s), (middle, i * s)),
         ):
-            found.add(
+            magnets.add(
                 magpylib.magnet.Cuboid(
                     polarization=m * np.array(polarization, float), dimension=size, position=(*at, -s / 2)
                 )
             )
-    return found
+    return magnets
 
 
 def conductors(flat: bool, along: int = 3, across: int = 20, up: int = 4) -> Conductors:
@@ -80,11 +80,11 @@ def wrenches(
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     middle = np.array([*place, V["z0"] + Gamma / 2 + lift])
     B = matrix.getB(wires.at @ turn.T + middle) @ turn
-    found = []
+    columns = []
     for j in wires.j:
         force = wires.volume[:, None] * np.cross(np.column_stack([j, np.zeros(len(j))]), B)
-        found.append(np.concatenate([force.sum(axis=0), np.cross(wires.at, force).sum(axis=0)]))
-    return np.array(found)
+        columns.append(np.concatenate([force.sum(axis=0), np.cross(wires.at, force).sum(axis=0)]))
+    return np.array(columns)
 
 
 def _bands(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

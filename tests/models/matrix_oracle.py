@@ -24,11 +24,11 @@ def remanence(name: str, strong: float, weak: float) -> np.ndarray:
 
 def blocks(strong: float = 1.43, weak: float = 1.10, pitches: int = 6) -> magpylib.Collection:
     """Return the matrix, its faces at z = 0, the origin in a strong block that is the first one past the middle."""
-    found, side, n = magpylib.Collection(), l / 4, 2 * pitches
+    collection, side, n = magpylib.Collection(), l / 4, 2 * pitches
     for i in range(-n, n):
         for j in range(-n, n):
             J = remanence(PITCH[j % 4][i % 4], strong, weak)
             if J.any():
                 at = (i * side, j * side, -side / 2)
-                found.add(magpylib.magnet.Cuboid(polarization=J, dimension=(side,) * 3, position=at))
-    return found
+                collection.add(magpylib.magnet.Cuboid(polarization=J, dimension=(side,) * 3, position=at))
+    return collection

@@ -8,9 +8,9 @@ from models import axis_figures
 
 def test_a_step_that_never_settles_has_no_time() -> None:
     time = np.arange(100) * 1e-3
-    found = axis_figures.measured(time, np.full(100, 0.5))
-    assert found.settled == np.inf and found.rise == np.inf
-    assert axis_figures.measured(time, np.ones(100)).settled == 0
+    figures = axis_figures.of_response(time, np.full(100, 0.5))
+    assert figures.settling == np.inf and figures.rise == np.inf
+    assert axis_figures.of_response(time, np.ones(100)).settling == 0
 
 
 def test_time_constants_and_zeros_and_poles_make_the_same_axis() -> None:

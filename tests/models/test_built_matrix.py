@@ -1,4 +1,4 @@
-"""The truth field against magpylib's blocks, each moved and turned as drawn, and the stage that stands over it."""
+"""The true field against magpylib's displaced and tilted blocks, and the stage above it."""
 
 from dataclasses import replace
 from math import pi, radians
@@ -21,9 +21,9 @@ EXACT = Tolerances(0.0, 0.0, 0.0)
 AT = np.random.default_rng(1).uniform(-built_matrix.REACH, built_matrix.REACH, (2, 60))
 
 
-def oracle(made: AsBuilt, z: float = 3e-3) -> np.ndarray:
+def oracle(as_built: AsBuilt, z: float = 3e-3) -> np.ndarray:
     """Return B_X and B_Y (2, N) in T at AT by magpylib."""
-    blocks, off = made.blocks, made.off
+    blocks, off = as_built.blocks, as_built.off
     cuboids = [
         magpylib.magnet.Cuboid(
             dimension=(SIDE, SIDE, HEIGHT),
@@ -42,24 +42,24 @@ def ours(spread: Tolerances) -> np.ndarray:
 
 
 def test_the_field_is_that_of_the_blocks_as_they_were_made() -> None:
-    drawn, meant = built_matrix.made(), built_matrix.made(EXACT)
-    theirs, exact = oracle(drawn), oracle(meant)
-    found = ours(built_matrix.USUAL)[:2]
-    assert np.abs(found - theirs).max() < LATTICE
-    assert np.abs((found - ours(EXACT)[:2]) - (theirs - exact)).max() < DRAWN
+    as_built, meant = built_matrix.draw_blocks(), built_matrix.draw_blocks(EXACT)
+    theirs, exact = oracle(as_built), oracle(meant)
+    flux = ours(built_matrix.USUAL)[:2]
+    assert np.abs(flux - theirs).max() < LATTICE
+    assert np.abs((flux - ours(EXACT)[:2]) - (theirs - exact)).max() < DRAWN
     # What a defect would be: places counted the other way.
-    planted = oracle(replace(drawn, off=-drawn.off))
-    assert np.abs((found - ours(EXACT)[:2]) - (planted - exact)).max() > 50 * DRAWN
+    planted = oracle(replace(as_built, off=-as_built.off))
+    assert np.abs((flux - ours(EXACT)[:2]) - (planted - exact)).max() > 50 * DRAWN
 
 
 def test_the_slope_is_that_along_z() -> None:
-    slope = (oracle(built_matrix.made(), 3.01e-3) - oracle(built_matrix.made(), 2.99e-3)) / 2e-5
+    slope = (oracle(built_matrix.draw_blocks(), 3.01e-3) - oracle(built_matrix.draw_blocks(), 2.99e-3)) / 2e-5
     np.testing.assert_allclose(ours(built_matrix.USUAL)[2:], slope, rtol=0, atol=2e-3 * np.abs(slope).max())
 
 
 def test_the_tables_add_little() -> None:
-    fine = built_matrix.series(built_matrix.made(), built_matrix.HARMONICS * 3 // 2)
-    points, true = fine.grid(built_matrix.REACH), built_matrix.tabulated(fine)
+    fine = built_matrix.series(built_matrix.draw_blocks(), built_matrix.HARMONICS * 3 // 2)
+    points, true = fine.grid(built_matrix.REACH), built_matrix.tabulate(fine)
     X, Y = np.meshgrid(points, points, indexing="ij")
     at = built_matrix.field().at.map(X.size)(X.ravel()[None], Y.ravel()[None]).full()
     error = np.abs(at.reshape(true.shape) - true).max(axis=(1, 2))[:2]
@@ -67,17 +67,17 @@ def test_the_tables_add_little() -> None:
 
 
 def test_blocks_are_spread_as_far_as_they_should_be_and_no_further() -> None:
-    drawn, meant = built_matrix.made(), finite_matrix.made()
-    sizes = [np.linalg.norm(m, axis=2) for m in (drawn.blocks.remanence, meant.remanence)]
+    as_built, meant = built_matrix.draw_blocks(), finite_matrix.fabricated_blocks()
+    sizes = [np.linalg.norm(m, axis=2) for m in (as_built.blocks.remanence, meant.remanence)]
     there = sizes[1] > 0
     ratio = sizes[0][there] / sizes[1][there]
-    cosine = (drawn.blocks.remanence * meant.remanence).sum(axis=2)[there] / (sizes[0] * sizes[1])[there]
+    cosine = (as_built.blocks.remanence * meant.remanence).sum(axis=2)[there] / (sizes[0] * sizes[1])[there]
     tilt = np.arccos(np.clip(cosine, -1, 1))
-    for found, bound in ((np.abs(ratio - 1), 0.02), (tilt, radians(1)), (np.abs(drawn.off), 1e-4)):
-        assert 0.95 * bound < found.max() <= bound * (1 + 1e-9)
-    assert not drawn.blocks.remanence[~there].any()
-    assert np.array_equal(built_matrix.made().off, drawn.off)
-    assert not np.array_equal(built_matrix.made(Tolerances(seed=1)).off, drawn.off)
+    for errors, bound in ((np.abs(ratio - 1), 0.02), (tilt, radians(1)), (np.abs(as_built.off), 1e-4)):
+        assert 0.95 * bound < errors.max() <= bound * (1 + 1e-9)
+    assert not as_built.blocks.remanence[~there].any()
+    assert np.array_equal(built_matrix.draw_blocks().off, as_built.off)
+    assert not np.array_equal(built_matrix.draw_blocks(Tolerances(seed=1)).off, as_built.off)
 
 
 def test_the_stage_reads_the_field_at_its_sensors_behind_a_filter() -> None:
@@ -100,7 +100,7 @@ def test_the_stage_reads_the_field_at_its_sensors_behind_a_filter() -> None:
 
 
 def test_what_makes_no_sense_is_refused() -> None:
-    with pytest.raises(ModelError, match="the spread's tilt is -1"):
+    with pytest.raises(ModelError, match="the tolerance of tilt is -1"):
         Tolerances(tilt=-1.0)
     with pytest.raises(ModelError, match="2 places: the stage reads three"):
         built_matrix.plant(closed_loop.PLACES[:2], built_matrix.field(), Chain())

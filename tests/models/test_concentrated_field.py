@@ -13,13 +13,13 @@ from tests.models import matrix_oracle
 
 P = cf.values()
 l = matrix_oracle.l
-MADE, IDEAL = cf.fabricated(P["strong"], P["weak"]), cf.ideal(P["strong"])
+FABRICATED, IDEAL = cf.fabricated_matrix(P["strong"], P["weak"]), cf.ideal_matrix(P["strong"])
 ENDS = 2e-3  # T: what a matrix of six pitches lacks of an infinite one within a pitch of its middle, B_Z included
 TABLE = (  # n = 1, 3, 5, 7, 9 and (2, +-1), to 1e-5 T
     (IDEAL, 0.0, (0.50991, 0, -0.12870, 0, 0.07153, 0)),
     (IDEAL, 3e-3, (0.35184, 0, -0.02013, 0, 0.00254, 0)),
-    (MADE, 0.0, (0.54351, -0.00467, -0.13718, 0.00202, 0.07624, -0.00781)),
-    (MADE, 3e-3, (0.37502, -0.00153, -0.02146, 0.00015, 0.00270, -0.00341)),
+    (FABRICATED, 0.0, (0.54351, -0.00467, -0.13718, 0.00202, 0.07624, -0.00781)),
+    (FABRICATED, 3e-3, (0.37502, -0.00153, -0.02146, 0.00015, 0.00270, -0.00341)),
 )
 
 
@@ -27,9 +27,9 @@ def amplitudes(cell: cf.Cell, orders: Iterable[cf.Order], z: float) -> list[floa
     return [float(cf.amplitude(wave, z)) for wave in cf.waves(cell, orders, P)]
 
 
-def evaluated(found: tuple[cf.Wave, ...], points: np.ndarray) -> np.ndarray:
+def evaluate(waves: tuple[cf.Wave, ...], points: np.ndarray) -> np.ndarray:
     r = ca.SX.sym("r", 3)
-    B = cf.field(found, r[0], r[1], r[2])
+    B = cf.field(waves, r[0], r[1], r[2])
     return ca.Function("B", [r], [ca.vertcat(B.x, B.y, B.z)]).map(len(points))(points.T).full().T
 
 
@@ -41,17 +41,17 @@ def middle(count: int = 60) -> np.ndarray:
 @pytest.mark.parametrize(("cell", "z", "expected"), TABLE)
 def test_amplitudes_are_the_known_ones(cell: cf.Cell, z: float, expected: tuple[float, ...]) -> None:
     for cross in cf.CROSS[:2]:
-        found = amplitudes(cell, [*((n, 0) for n in (1, 3, 5, 7, 9)), cross], z)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=5.01e-6)
-    both_axes = amplitudes(cell, cf.on_axes((1, 3, 5, 7, 9)), z)
+        sizes = amplitudes(cell, [*((n, 0) for n in (1, 3, 5, 7, 9)), cross], z)
+        np.testing.assert_allclose(sizes, expected, rtol=0, atol=5.01e-6)
+    both_axes = amplitudes(cell, cf.orders_on_axes((1, 3, 5, 7, 9)), z)
     np.testing.assert_array_equal(both_axes[::2], both_axes[1::2])
 
 
 def test_grades_taken_for_one_another_or_turned_are_caught() -> None:
     """With ideal blocks the fundamental is 0.034 T less, with the wrong side up a fiftieth."""
     assert abs(amplitudes(IDEAL, [(1, 0)], 0.0)[0] - 0.54351) > 0.03
-    turned = cf.Cell(-MADE.x, -MADE.y, MADE.z)
-    assert abs(amplitudes(turned, [(1, 0)], 0.0)[0]) == pytest.approx(0.0112, abs=5e-5)
+    rotated = cf.Cell(-FABRICATED.x, -FABRICATED.y, FABRICATED.z)
+    assert abs(amplitudes(rotated, [(1, 0)], 0.0)[0]) == pytest.approx(0.0112, abs=5e-5)
 
 
 @pytest.fixture(scope="module")
@@ -67,15 +67,15 @@ def test_the_fundamental_of_six_pitches_is_within_a_thousandth(pitch: tuple[np.n
     for axis in range(2):
         theirs = 2 * np.mean(flux[:, axis] * np.sin(2 * np.pi / l * at[:, axis]))
         assert theirs == pytest.approx(0.37480, abs=6e-6)
-        assert amplitudes(MADE, [(1, 0)], 3e-3)[0] == pytest.approx(theirs, rel=1e-3)
+        assert amplitudes(FABRICATED, [(1, 0)], 3e-3)[0] == pytest.approx(theirs, rel=1e-3)
 
 
 def test_all_three_components_are_those_of_finite_blocks() -> None:
     points = middle()
     theirs = matrix_oracle.blocks().getB(points)
-    ours = evaluated(cf.waves(MADE, cf.up_to(9), P), points)
+    ours = evaluate(cf.waves(FABRICATED, cf.orders_up_to(9), P), points)
     assert np.abs(ours - theirs).max() < ENDS
-    without = evaluated(cf.waves(MADE, cf.on_axes(range(1, 10)), P), points)
+    without = evaluate(cf.waves(FABRICATED, cf.orders_on_axes(range(1, 10)), P), points)
     assert np.abs(without - theirs).max() > 4 * ENDS  # what the cross terms are good for
 
 
@@ -87,17 +87,17 @@ def test_most_of_what_the_fitted_model_leaves_are_cross_terms(pitch: tuple[np.nd
     fit = np.linalg.lstsq(basis, volts, rcond=None)[0]
     np.testing.assert_allclose(fit / 8.4, [0.00037, 0.37480, -0.02150], rtol=0, atol=1e-5)
     assert np.abs(volts - basis @ fit).max() == pytest.approx(0.123, abs=1e-3)
-    waves = cf.waves(MADE, cf.on_axes((1, 5, 9)) + cf.CROSS, P)
-    assert np.abs(volts - 8.4 * evaluated(waves, at)[:, 0]).max() == pytest.approx(0.042, abs=1e-3)
+    waves = cf.waves(FABRICATED, cf.orders_on_axes((1, 5, 9)) + cf.CROSS, P)
+    assert np.abs(volts - 8.4 * evaluate(waves, at)[:, 0]).max() == pytest.approx(0.042, abs=1e-3)
 
 
 def test_the_matrix_is_two_arrays_superposed() -> None:
     one, points = cf.halbach_array(P["strong"] / 2), middle()
-    parts = [evaluated(cf.waves(each, cf.on_axes((1, 5, 9)), P), points) for each in (one, cf.across(one))]
-    both = evaluated(cf.waves(IDEAL, cf.on_axes((1, 5, 9)), P), points)
+    parts = [evaluate(cf.waves(each, cf.orders_on_axes((1, 5, 9)), P), points) for each in (one, cf.across(one))]
+    both = evaluate(cf.waves(IDEAL, cf.orders_on_axes((1, 5, 9)), P), points)
     np.testing.assert_allclose(both, parts[0] + parts[1], rtol=0, atol=1e-15)
     np.testing.assert_array_equal(parts[0][:, 1], 0.0)
-    assert [wave.order for wave in cf.waves(one, cf.up_to(3), P)] == [(1, 0), (2, 0), (3, 0)]
+    assert [wave.order for wave in cf.waves(one, cf.orders_up_to(3), P)] == [(1, 0), (2, 0), (3, 0)]
 
 
 def test_ideal_blocks_have_the_closed_form() -> None:
@@ -106,7 +106,7 @@ def test_ideal_blocks_have_the_closed_form() -> None:
     B = halbach.field(X, Y, z, p)
     points = middle()
     theirs = ca.Function("B", [X, Y, z], [ca.vertcat(B.x, B.y, B.z)]).map(len(points))(*points.T[:, None, :])
-    ours = evaluated(cf.waves(IDEAL, cf.on_axes(range(1, 10)), P), points)
+    ours = evaluate(cf.waves(IDEAL, cf.orders_on_axes(range(1, 10)), P), points)
     np.testing.assert_allclose(ours, theirs.full().T, rtol=0, atol=1e-15)
 
 
@@ -119,7 +119,7 @@ def test_a_halbach_array_is_stronger_by_the_root_of_two() -> None:
 def test_any_blocks_have_neither_divergence_nor_curl() -> None:
     rng, r = np.random.default_rng(7), ca.SX.sym("r", 3)
     cell = cf.Cell(*(ca.SX(rng.normal(size=(3, 5))) for _ in range(3)))
-    B = cf.field(cf.waves(cell, cf.up_to(3), P), r[0], r[1], r[2])
+    B = cf.field(cf.waves(cell, cf.orders_up_to(3), P), r[0], r[1], r[2])
     J = ca.Function("J", [r], [ca.jacobian(ca.vertcat(B.x, B.y, B.z), r)])
     for point in middle(10):
         gradient = J(point).full()
@@ -129,7 +129,7 @@ def test_any_blocks_have_neither_divergence_nor_curl() -> None:
 
 def test_a_whole_matrix_as_one_cell_has_the_coefficients_of_the_other_series() -> None:
     """Twelve pitches with a matrix of six at a place without symmetry, so that sines count as well as cosines."""
-    matrix, size = finite_matrix.made(), 4 * finite_matrix.CELL
+    matrix, size = finite_matrix.fabricated_blocks(), 4 * finite_matrix.CELL
     J = np.zeros((size, size, 3))
     index = np.arange(-finite_matrix.BEFORE, finite_matrix.BLOCKS - finite_matrix.BEFORE) % size
     J[np.ix_(index, index)] = matrix.remanence
@@ -147,41 +147,41 @@ def test_a_whole_matrix_as_one_cell_has_the_coefficients_of_the_other_series() -
 
 def test_every_parameter_may_be_a_symbol() -> None:
     p, z = {name: ca.SX.sym(name) for name in P}, ca.SX.sym("z")
-    made = cf.fabricated(p["strong"], p["weak"])
+    fabricated = cf.fabricated_matrix(p["strong"], p["weak"])
     orders = [(1, 0), (3, 0), (2, -1), (1, 2)]
-    found = ca.vertcat(*(cf.amplitude(wave, z) for wave in cf.waves(made, orders, p)))
+    sizes = ca.vertcat(*(cf.amplitude(wave, z) for wave in cf.waves(fabricated, orders, p)))
     at = [float(value) for value in P.values()]
-    of = ca.Function("A", [*p.values(), z], [found, ca.jacobian(found, z)])
+    of = ca.Function("A", [*p.values(), z], [sizes, ca.jacobian(sizes, z)])
     value, slope = (each.full().ravel() for each in of(*at, 3e-3))
-    np.testing.assert_allclose(value, amplitudes(MADE, orders, 3e-3), rtol=1e-14)
+    np.testing.assert_allclose(value, amplitudes(FABRICATED, orders, 3e-3), rtol=1e-14)
     kappa = 2 * np.pi / l * np.array([1, 3, np.sqrt(5), np.sqrt(5)])
     np.testing.assert_allclose(slope, -kappa * value, rtol=1e-13)
 
 
 def test_fitted_amplitudes_are_those_at_their_height() -> None:
-    given = {1: 0.375, 5: -0.0215}
-    found = cf.fitted(given, 3e-3, P)
-    assert [float(cf.amplitude(wave, 3e-3)) for wave in found] == pytest.approx([0.375, 0.375, -0.0215, -0.0215])
-    B = evaluated(found, np.array([[4e-3, 7e-3, 3e-3]]))[0]
-    expected = [sum(A * np.sin(2 * np.pi * n / l * x) for n, A in given.items()) for x in (4e-3, 7e-3)]
+    sizes = {1: 0.375, 5: -0.0215}
+    waves = cf.waves_from_amplitudes(sizes, 3e-3, P)
+    assert [float(cf.amplitude(wave, 3e-3)) for wave in waves] == pytest.approx([0.375, 0.375, -0.0215, -0.0215])
+    B = evaluate(waves, np.array([[4e-3, 7e-3, 3e-3]]))[0]
+    expected = [sum(A * np.sin(2 * np.pi * n / l * x) for n, A in sizes.items()) for x in (4e-3, 7e-3)]
     np.testing.assert_allclose(B[:2], expected, rtol=1e-13)
 
 
 def test_orders_that_blocks_do_not_make_are_left_out() -> None:
-    assert not cf.waves(MADE, [(4, 0), (0, 8), (4, 3)], P)
-    assert len(cf.up_to(2)) == 12  # (5 x 5 - 1) / 2
-    assert all((-a, -b) not in cf.up_to(2) for a, b in cf.up_to(2))
+    assert not cf.waves(FABRICATED, [(4, 0), (0, 8), (4, 3)], P)
+    assert len(cf.orders_up_to(2)) == 12  # (5 x 5 - 1) / 2
+    assert all((-a, -b) not in cf.orders_up_to(2) for a, b in cf.orders_up_to(2))
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: cf.waves(MADE, [(0, 0)], P), "no field"),
-        (lambda: cf.waves(MADE, [(1, 0), (1, 0)], P), "stands twice"),
-        (lambda: cf.waves(MADE, [(2, 1), (-2, -1)], P), "stands twice"),
+        (lambda: cf.waves(FABRICATED, [(0, 0)], P), "no field"),
+        (lambda: cf.waves(FABRICATED, [(1, 0), (1, 0)], P), "listed twice"),
+        (lambda: cf.waves(FABRICATED, [(2, 1), (-2, -1)], P), "listed twice"),
         (lambda: cf.array([1.0, 0.0], [1.0]), "one of each for every block"),
         (lambda: cf.array([], []), "one of each for every block"),
-        (lambda: cf.superposed(cf.array([1, 0], [0, 1]), cf.halbach_array(0.7)), "do not fit"),
+        (lambda: cf.superpose(cf.array([1, 0], [0, 1]), cf.halbach_array(0.7)), "do not fit"),
     ],
 )
 def test_refusals_name_the_mend(call: object, message: str) -> None:
@@ -192,11 +192,13 @@ def test_refusals_name_the_mend(call: object, message: str) -> None:
 
 def test_the_amplitudes_are_those_of_figure_3() -> None:
     numbers, p = range(1, 10), cf.values()
-    made = cf.fabricated(p["strong"], p["weak"])
-    of_ideal, of_made = (np.array(cf.amplitudes(cell, numbers, 0.0)) for cell in (cf.ideal(p["strong"]), made))
+    fabricated = cf.fabricated_matrix(p["strong"], p["weak"])
+    of_ideal, of_made = (
+        np.array(cf.amplitudes(cell, numbers, 0.0)) for cell in (cf.ideal_matrix(p["strong"]), fabricated)
+    )
     odd = [0, 2, 4, 6, 8]
     np.testing.assert_allclose(of_ideal[odd], [0.50991, 0, -0.12870, 0, 0.07153], rtol=0, atol=5.01e-6)
     np.testing.assert_allclose(of_made[odd], [0.54351, -0.00467, -0.13718, 0.00202, 0.07624], rtol=0, atol=5.01e-6)
     assert not of_ideal[1::2].any() and not of_made[1::2].any()
-    assert float(cf.amplitude(cf.waves(made, cf.CROSS, p)[0], 0.0)) == pytest.approx(-0.00781, abs=5e-6)
+    assert float(cf.amplitude(cf.waves(fabricated, cf.CROSS, p)[0], 0.0)) == pytest.approx(-0.00781, abs=5e-6)
     assert (1 + np.argsort(-np.abs(of_made))[:3]).tolist() == [1, 5, 9]

@@ -11,11 +11,11 @@ LATTICE = 1e-4  # T: other matrices of the lattice add 4.7e-5 T, harmonics beyon
 
 
 @pytest.fixture(scope="module")
-def made() -> finite_matrix.Series:
-    return finite_matrix.series(finite_matrix.made(), 24)
+def fabricated() -> finite_matrix.Series:
+    return finite_matrix.series(finite_matrix.fabricated_blocks(), 24)
 
 
-BLOCKS = finite_oracle.single(finite_matrix.made())
+BLOCKS = finite_oracle.single(finite_matrix.fabricated_blocks())
 
 
 def difference(series: finite_matrix.Series, z: float = 3e-3) -> float:
@@ -27,14 +27,14 @@ def difference(series: finite_matrix.Series, z: float = 3e-3) -> float:
     return float(np.abs(np.transpose(ours) - theirs).max())
 
 
-def test_the_series_is_the_field_of_the_blocks(made: finite_matrix.Series) -> None:
-    assert difference(made) < LATTICE
-    assert difference(made, 8e-3) < LATTICE
+def test_the_series_is_the_field_of_the_blocks(fabricated: finite_matrix.Series) -> None:
+    assert difference(fabricated) < LATTICE
+    assert difference(fabricated, 8e-3) < LATTICE
 
 
-def test_the_slope_along_z_is_the_difference_of_two_heights(made: finite_matrix.Series) -> None:
-    flux = {z: made.summed(finite_matrix.flux_density(made, z)[0], 0.05) for z in (2.9e-3, 3e-3, 3.1e-3)}
-    slope = made.summed(finite_matrix.flux_density(made, 3e-3, 1)[0], 0.05)
+def test_the_slope_along_z_is_the_difference_of_two_heights(fabricated: finite_matrix.Series) -> None:
+    flux = {z: fabricated.summed(finite_matrix.flux_density(fabricated, z)[0], 0.05) for z in (2.9e-3, 3e-3, 3.1e-3)}
+    slope = fabricated.summed(finite_matrix.flux_density(fabricated, 3e-3, 1)[0], 0.05)
     third = 7e-4 * np.abs(slope).max()  # (13 k h)^2 / 6 of what the 13th harmonic has of the slope, a twentieth
     np.testing.assert_allclose(slope, (flux[3.1e-3] - flux[2.9e-3]) / 2e-4, rtol=0, atol=third)
 
@@ -47,7 +47,10 @@ def test_blocks_turned_the_wrong_way_are_caught(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_what_blocks_there_are() -> None:
-    for matrix, strong, weak in ((finite_matrix.made(), 1.43, 1.10), (finite_matrix.ideal(), 1.42, 1.0041)):
+    for matrix, strong, weak in (
+        (finite_matrix.fabricated_blocks(), 1.43, 1.10),
+        (finite_matrix.ideal_blocks(), 1.42, 1.0041),
+    ):
         sizes = np.linalg.norm(matrix.remanence, axis=2)
         counts = [int(np.isclose(sizes, size, atol=1e-4).sum()) for size in (strong, weak, 0.0)]
         assert counts == [72, 432, 72]  # an eighth each, and the rest, of 24 x 24
@@ -56,12 +59,12 @@ def test_what_blocks_there_are() -> None:
         assert np.ptp(matrix.places) + finite_matrix.SIDE == pytest.approx(304.8e-3)
 
 
-def test_harmonics_in_the_middle_pitch(made: finite_matrix.Series) -> None:
+def test_harmonics_in_the_middle_pitch(fabricated: finite_matrix.Series) -> None:
     """Of an infinite matrix of these blocks 0.37502 and 0.02146 T, and 0.34932 T of ideal ones of 0.71 T; ends add."""
     for series, n, expected in (
-        (made, 1, 0.37502),
-        (made, 5, -0.02146),
-        (finite_matrix.series(finite_matrix.ideal(), 24), 1, ideal(1)),
+        (fabricated, 1, 0.37502),
+        (fabricated, 5, -0.02146),
+        (finite_matrix.series(finite_matrix.ideal_blocks(), 24), 1, ideal(1)),
     ):
         pitch = series.summed(finite_matrix.flux_density(series, 3e-3)[0], 25.4e-3)[:-1, :-1]
         wave = np.sin(2 * np.pi * n / 50.8e-3 * series.grid(25.4e-3)[:-1])

@@ -8,7 +8,7 @@ import pytest
 from models import finite_matrix, finite_motor, lorentz_motor
 from tests.models import finite_oracle as oracle
 
-SERIES = finite_matrix.series(finite_matrix.ideal(), 16)
+SERIES = finite_matrix.series(finite_matrix.ideal_blocks(), 16)
 V = finite_matrix.VALUES
 P = {name: ca.SX(value) for name, value in V.items()}
 K = float(lorentz_motor.force_constant(P))
@@ -23,7 +23,7 @@ def bars() -> magpylib.Collection:
     return oracle.bars(V["mu0_M0"])
 
 
-def mapped(series: finite_matrix.Series, order: finite_motor.Order, flat: bool) -> np.ndarray:
+def maps_of_phases(series: finite_matrix.Series, order: finite_motor.Order, flat: bool) -> np.ndarray:
     return np.array([finite_motor.maps(series, p, order, REACH, float(flat)) for p in "ABC"])
 
 
@@ -39,31 +39,31 @@ def assert_close(ours: np.ndarray, theirs: np.ndarray, scale: float = 1.0) -> No
 
 @pytest.mark.parametrize("flat", [True, False])
 def test_maps_are_the_lorentz_integral(bars: magpylib.Collection, flat: bool) -> None:
-    values = mapped(SERIES, "value", flat)
+    values = maps_of_phases(SERIES, "value", flat)
     for place in PLACES:
         x, y = (n * SERIES.spacing for n in place)
         assert_close(at(values, place), oracle.wrenches(bars, WIRES[flat], (x, y)))
 
 
 def test_maps_of_blocks_as_made_are_the_lorentz_integral() -> None:
-    series, place = finite_matrix.series(finite_matrix.made(), 16), (60, -74)
-    blocks, wires = oracle.single(finite_matrix.made()), oracle.conductors(True, 3, 16, 4)
+    series, place = finite_matrix.series(finite_matrix.fabricated_blocks(), 16), (60, -74)
+    blocks, wires = oracle.single(finite_matrix.fabricated_blocks()), oracle.conductors(True, 3, 16, 4)
     theirs = oracle.wrenches(blocks, wires, (60 * series.spacing, -74 * series.spacing))
-    assert_close(at(mapped(series, "value", True), place), theirs)
+    assert_close(at(maps_of_phases(series, "value", True), place), theirs)
 
 
 def test_what_end_turns_matter_lies_between_none_and_flat() -> None:
-    none, flat = (mapped(SERIES, "value", f)[1] for f in (False, True))
+    none, flat = (maps_of_phases(SERIES, "value", f)[1] for f in (False, True))
     raised = finite_motor.maps(SERIES, "B", "value", REACH)
-    np.testing.assert_allclose(raised, none + finite_motor.RAISED * (flat - none), rtol=0, atol=1e-12)
-    assert pytest.approx(np.exp(-2 * np.pi / 50.8 * 10.22), rel=1e-4) == finite_motor.RAISED
+    np.testing.assert_allclose(raised, none + finite_motor.RAISED_END_TURNS * (flat - none), rtol=0, atol=1e-12)
+    assert pytest.approx(np.exp(-2 * np.pi / 50.8 * 10.22), rel=1e-4) == finite_motor.RAISED_END_TURNS
 
 
 def test_the_change_with_lift_and_yaw_is_that_of_the_integral(bars: magpylib.Collection) -> None:
     """By differences over 0.1 mm and 2 mrad, whose third orders are 1e-5 of the whole."""
     place, d, phi = (13, -40), 1e-4, 2e-3
     where = tuple(n * SERIES.spacing for n in place)
-    value, lifted, yawed = (at(mapped(SERIES, order, True), place) for order in finite_motor.ORDERS)
+    value, lifted, yawed = (at(maps_of_phases(SERIES, order, True), place) for order in finite_motor.ORDERS)
     theirs = {s: oracle.wrenches(bars, WIRES[True], where, lift=s * d) for s in (-1, 1)}
     slope = (theirs[1] - theirs[-1]) / (2 * d)
     assert_close(lifted - finite_motor.DECAY * value, slope, 1000)  # N/(A m), of 1700: over 0.3 mm 3e-4 N/A
@@ -76,8 +76,11 @@ def test_bands_in_another_order_are_caught(
     bars: magpylib.Collection, order: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(lorentz_motor, "OFFSETS", order)
-    series, theirs = finite_matrix.series(finite_matrix.ideal(), 16), oracle.wrenches(bars, WIRES[False], (0.0, 0.0))
-    assert np.abs(at(mapped(series, "value", False), (0, 0)) - theirs).max() > 5
+    series, theirs = (
+        finite_matrix.series(finite_matrix.ideal_blocks(), 16),
+        oracle.wrenches(bars, WIRES[False], (0.0, 0.0)),
+    )
+    assert np.abs(at(maps_of_phases(series, "value", False), (0, 0)) - theirs).max() > 5
 
 
 # The closed law
@@ -85,12 +88,12 @@ def test_bands_in_another_order_are_caught(
 
 def driven(bars: magpylib.Collection) -> np.ndarray:
     """Return by quadrature the wrenches (2, 8, 6) per A of i_Q and of i_D at eight places of the middle pitch."""
-    found = []
+    wrenches = []
     for y in np.arange(8) * V["l"] / 8 - V["l"] / 2:
         phases = oracle.wrenches(bars, WIRES[False], (3e-3, y))
-        currents = [lorentz_motor.commutated(ca.SX(q), ca.SX(1 - q), ca.SX(y), P).values() for q in (1, 0)]
-        found.append([sum(float(i) * w for i, w in zip(each, phases, strict=True)) for each in currents])
-    return np.transpose(found, (1, 0, 2))
+        currents = [lorentz_motor.phase_currents(ca.SX(q), ca.SX(1 - q), ca.SX(y), P).values() for q in (1, 0)]
+        wrenches.append([sum(float(i) * w for i, w in zip(each, phases, strict=True)) for each in currents])
+    return np.transpose(wrenches, (1, 0, 2))
 
 
 def test_the_closed_law_is_the_force_over_a_finite_matrix_of_ideal_blocks(bars: magpylib.Collection) -> None:
@@ -108,11 +111,11 @@ def test_the_closed_law_is_the_force_over_a_finite_matrix_of_ideal_blocks(bars: 
 def test_ripple_is_that_of_the_fifth_harmonic() -> None:
     """It makes a sixth of the pitch: the closed law with harmonics has it, but for 0.1 % of the windings' ends."""
     pitch = np.arange(-16, 16)
-    by_q = finite_motor.commutated(mapped(SERIES, "value", False), SERIES.grid(REACH))[0]
+    by_q = finite_motor.commutated_wrenches(maps_of_phases(SERIES, "value", False), SERIES.grid(REACH))[0]
     middle = by_q.shape[-1] // 2
     ours = by_q[1, middle, middle + pitch]
     y, i = ca.SX.sym("y"), ca.SX(1)
-    closed = lorentz_motor.forces(y, ca.SX(0), lorentz_motor.commutated(i, ca.SX(0), y, P), P, (1, 5, 9))
+    closed = lorentz_motor.forces(y, ca.SX(0), lorentz_motor.phase_currents(i, ca.SX(0), y, P), P, (1, 5, 9))
     theirs = np.array(ca.Function("f", [y], [closed.y]).map(32)(pitch * SERIES.spacing)).ravel()
     spectrum = [np.abs(np.fft.rfft(f)) / 16 / K for f in (ours, theirs)]
     assert spectrum[1][6] == pytest.approx(0.0045, abs=1e-4) and spectrum[0][6] == pytest.approx(
@@ -125,19 +128,19 @@ def test_the_winding_twists_the_platen_about_its_own_centre() -> None:
     """By up to 0.1 N m/A, where a motor's arm makes 0.25: the closed law knows nothing of it. Flat end turns: 0.28."""
     y = SERIES.grid(REACH)
     middle = np.abs(y) <= V["l"] / 2
-    for share, motion in ((0.0, 0.0), (1.0, 0.280), (finite_motor.RAISED, 0.079)):
+    for share, motion in ((0.0, 0.0), (1.0, 0.280), (finite_motor.RAISED_END_TURNS, 0.079)):
         phases = np.array([finite_motor.maps(SERIES, p, "value", REACH, share) for p in "ABC"])
-        torque = finite_motor.commutated(phases, y)[:, 3:][:, :, middle][:, :, :, middle]
-        found = np.abs(torque).max(axis=(0, 2, 3))
-        np.testing.assert_allclose(found[:2], [0.095, motion], rtol=0, atol=2e-3)
-        assert found[2] < 2e-4
+        torque = finite_motor.commutated_wrenches(phases, y)[:, 3:][:, :, middle][:, :, :, middle]
+        largest = np.abs(torque).max(axis=(0, 2, 3))
+        np.testing.assert_allclose(largest[:2], [0.095, motion], rtol=0, atol=2e-3)
+        assert largest[2] < 2e-4
 
 
 def test_force_near_the_edge_falls_off() -> None:
     """Half the winding is over the edge at y = -158.75 + 12.7 / 2 mm: half the force, within what an end adds."""
     y = SERIES.grid(0.165)
     phases = np.array([finite_motor.maps(SERIES, p, "value", 0.165, 0.0) for p in "ABC"])
-    force = finite_motor.commutated(phases, y)[0, 1, len(y) // 2] / K
+    force = finite_motor.commutated_wrenches(phases, y)[0, 1, len(y) // 2] / K
     edge = -finite_matrix.SIDE * (finite_matrix.BEFORE + 0.5)
     assert force[np.argmin(np.abs(y - edge))] == pytest.approx(0.5, abs=0.1)
     assert np.abs(force[np.abs(y) < 0.08] - 1).max() < 0.02

@@ -21,7 +21,7 @@ def bars() -> magpylib.Collection:
     return oracle.bars(V["mu0_M0"])
 
 
-def stated(values: np.ndarray, lift: float, phi: float) -> np.ndarray:
+def tabulated_map(values: np.ndarray, lift: float, phi: float) -> np.ndarray:
     value, lifted, yawed = values.reshape(3, 3, 6)
     return np.exp(-finite_motor.DECAY * lift) * (value + lift * lifted) + phi * yawed
 
@@ -34,31 +34,31 @@ def test_tables_keep_their_stated_error(bars: magpylib.Collection, seed: int) ->
     x, y = rng.uniform(-0.12, 0.12, 2)
     for lift, phi, force, torque in ERRORS:
         for way in (-1, 1):
-            found = stated(np.array(motor(x, y)), lift, way * phi)
-            off = np.abs(found - oracle.wrenches(bars, WIRES, (x, y), way * phi, lift))
+            tabulated = tabulated_map(np.array(motor(x, y)), lift, way * phi)
+            off = np.abs(tabulated - oracle.wrenches(bars, WIRES, (x, y), way * phi, lift))
             assert off[:, :3].max() < force and off[:, 3:].max() < torque
 
 
 def test_a_spline_that_is_too_coarse_is_caught(bars: magpylib.Collection, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twelve points a pitch instead of 32."""
     monkeypatch.setattr(finite_stage, "FORCE_HARMONICS", 6)
-    motor = finite_stage._motor(finite_matrix.ideal(), 0.0)
+    motor = finite_stage._motor(finite_matrix.ideal_blocks(), 0.0)
     x, y = 0.0123, -0.0457
-    off = np.abs(stated(np.array(motor(x, y)), 0.0, 0.0) - oracle.wrenches(bars, WIRES, (x, y)))
+    off = np.abs(tabulated_map(np.array(motor(x, y)), 0.0, 0.0) - oracle.wrenches(bars, WIRES, (x, y)))
     assert off[:, :3].max() > 2 * ERRORS[0][2]
 
 
-def accelerated(bars: magpylib.Collection, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+def accelerations_by_quadrature(bars: magpylib.Collection, x: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Return the accelerations x, y, phi, z, theta, psi of a level platen, from quadrature alone."""
     X, Y, phi, z, theta, psi = x[:6]
     c, s = np.cos(phi), np.sin(phi)
     force, torque = np.zeros(3), np.zeros(3)
     for motor, i in zip("ABC", u.reshape(3, 3), strict=True):
         a, b = CENTRES[motor]
-        own = -np.pi / 2 if motor == "C" else 0.0  # C's motion, its y, is along the platen's x
+        angle = -np.pi / 2 if motor == "C" else 0.0  # C's motion, its y, is along the platen's x
         place = (X + c * a - s * b, Y + s * a + c * b)
-        w = i @ oracle.wrenches(bars, WIRES, place, phi + own, z + theta * b - psi * a)
-        turn = np.array([[np.cos(own), -np.sin(own), 0], [np.sin(own), np.cos(own), 0], [0, 0, 1]])
+        w = i @ oracle.wrenches(bars, WIRES, place, phi + angle, z + theta * b - psi * a)
+        turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
         force += turn @ w[:3]
         torque += np.cross([a, b, 0.0], turn @ w[:3]) + turn @ w[3:]
     plane = np.array([c * force[0] - s * force[1], s * force[0] + c * force[1]]) / V["M"]
@@ -72,21 +72,21 @@ def test_the_plant_is_the_quadrature_of_its_three_motors(bars: magpylib.Collecti
     """Motor C among them, turned by -90 degrees as it is. Within what tables leave and tilt does beside lifting."""
     plant = finite_stage.plant(made=False, end_turns=0.0)
     x, u = np.array([*pose, *np.zeros(6)]), np.random.default_rng(5).uniform(-0.5, 0.5, 9)
-    found = np.array(plant.f(x, u, plant.values)).ravel()
-    second = [found[names(plant.states).index(planar_stage.RATE[axis])] for axis in planar_stage.AXES]
+    derivative = np.array(plant.f(x, u, plant.values)).ravel()
+    second = [derivative[names(plant.states).index(planar_stage.RATE[axis])] for axis in planar_stage.AXES]
     inertia = np.array([V["M"], V["M"], V["Izz"], V["M"], V["Ixx"], V["Iyy"]])
-    off = np.abs(second - accelerated(bars, x, u)) * inertia
+    off = np.abs(second - accelerations_by_quadrature(bars, x, u)) * inertia
     assert off[[0, 1, 3]].max() < 0.01 and off[[2, 4, 5]].max() < 5e-4  # N of 6, N m of 0.2
 
 
 def test_hall_voltages_are_the_field_of_the_blocks() -> None:
-    plant, blocks = finite_stage.plant(), oracle.single(finite_matrix.made())
+    plant, blocks = finite_stage.plant(), oracle.single(finite_matrix.fabricated_blocks())
     nominal = {n: ca.SX(v) for n, v in V.items()}
     gain = V["sensitivity"] * float(halbach.amplitude(1, ca.SX(3e-3), nominal)) / 0.375
     for X, Y, phi, z in ((0.0, 0.0, 0.0, 0.0), (0.021, -0.047, 0.01, 1e-4), (-0.1, 0.1, -0.01, -1e-4)):
         c, s = np.cos(phi), np.sin(phi)
-        found = np.array(plant.h([X, Y, phi, z, *np.zeros(8)], np.zeros(9), plant.values)).ravel()
-        seen = dict(zip(names(plant.outputs), found, strict=True))
+        outputs = np.array(plant.h([X, Y, phi, z, *np.zeros(8)], np.zeros(9), plant.values)).ravel()
+        seen = dict(zip(names(plant.outputs), outputs, strict=True))
         for name, r in (("a", (0, 0)), ("b", (V["spacing"], 0)), ("c", (0, V["spacing"]))):
             B = blocks.getB([X + c * r[0] - s * r[1], Y + s * r[0] + c * r[1], 3e-3 + z])
             expected = gain * np.array([c * B[0] + s * B[1], c * B[1] - s * B[0]])

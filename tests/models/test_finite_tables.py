@@ -26,9 +26,9 @@ def test_a_table_keeps_its_bound_on_the_grid_and_a_spline_between(bound: float) 
         (np.random.default_rng(1).uniform(-1, 1, (2, 9)), 1e-6),
     ):
         for x, y in zip(*places, strict=False):
-            found = np.array(w(x, y)).ravel()
+            values = np.array(w(x, y)).ravel()
             np.testing.assert_allclose(
-                found, functions(x, y), rtol=0, atol=2 * bound * (spline > 1e-9) + bound + spline
+                values, functions(x, y), rtol=0, atol=2 * bound * (spline > 1e-9) + bound + spline
             )
 
 

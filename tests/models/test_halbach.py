@@ -12,7 +12,7 @@ P = {"l": ca.SX(l), "Delta": ca.SX(l / 4), "mu0_M0": ca.SX(m)}
 CYCLE = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)])  # (along the array, up) of successive blocks
 
 
-def evaluated(points: np.ndarray) -> np.ndarray:
+def evaluate(points: np.ndarray) -> np.ndarray:
     X, Y, z = (ca.SX.sym(name) for name in "XYz")
     B = halbach.field(X, Y, z, P)
     return np.array(ca.Function("B", [X, Y, z], [B.x, B.y, B.z]).map(len(points))(*points.T)).reshape(3, -1).T
@@ -21,29 +21,29 @@ def evaluated(points: np.ndarray) -> np.ndarray:
 def blocks(pitches: int = 6) -> magpylib.Collection:
     """Return a matrix of ideal blocks whose middle is a block +z of both arrays; its strong side is z = 0."""
     n = 4 * pitches
-    found = magpylib.Collection()
+    magnets = magpylib.Collection()
     for i in range(-n // 2, n // 2 + 1):
         for j in range(-n // 2, n // 2 + 1):
             (x, up_x), (y, up_y) = CYCLE[i % 4], CYCLE[j % 4]
             polarization = m * np.array([x, y, up_x + up_y], float)
             if polarization.any():
                 at = (i * l / 4, j * l / 4, -l / 8)
-                found.add(magpylib.magnet.Cuboid(polarization=polarization, dimension=(l / 4,) * 3, position=at))
-    return found
+                magnets.add(magpylib.magnet.Cuboid(polarization=polarization, dimension=(l / 4,) * 3, position=at))
+    return magnets
 
 
 def test_a_finite_matrix_of_blocks_has_this_field_at_its_middle() -> None:
     rng = np.random.default_rng(1)
     points = np.column_stack([rng.uniform(-l / 2, l / 2, (40, 2)), rng.uniform(2e-3, 8e-3, 40)])
     theirs = blocks().getB(points)
-    difference = np.abs(evaluated(points) - theirs).max()
+    difference = np.abs(evaluate(points) - theirs).max()
     assert difference < 0.01 * 2 * float(halbach.amplitude(1, ca.SX(2e-3), P))  # what the ends of the matrix leave
 
 
 def test_amplitudes_are_the_known_ones() -> None:
-    found = [float(halbach.amplitude(n, ca.SX(z), P)) for z in (0, 3e-3) for n in (1, 3, 5, 7, 9)]
+    amplitudes = [float(halbach.amplitude(n, ca.SX(z), P)) for z in (0, 3e-3) for n in (1, 3, 5, 7, 9)]
     expected = [0.50991, 0, -0.12870, 0, 0.07153, 0.35184, 0, -0.02013, 0, 0.00254]
-    np.testing.assert_allclose(found, expected, atol=5.1e-6)
+    np.testing.assert_allclose(amplitudes, expected, atol=5.1e-6)
 
 
 def test_the_field_has_neither_divergence_nor_curl() -> None:

@@ -22,13 +22,13 @@ SIZES = hall_accuracy.sizes(6, hall_accuracy.LEVER)
 
 def test_deviations_are_those_of_the_sensor_model() -> None:
     at = places(200, 0)
-    own, of = (
+    in_body, of = (
         hall_accuracy.spatial(FOUR, at),
         hall_accuracy.of_sensors(*hall_two_waves.model(FOUR), at, hall_accuracy.LEVER),
     )
-    np.testing.assert_allclose(own.deviations, of.deviations, rtol=1e-9)
-    np.testing.assert_allclose(own.condition, of.condition, rtol=1e-9)
-    assert own.condition.max() < 12
+    np.testing.assert_allclose(in_body.deviations, of.deviations, rtol=1e-9)
+    np.testing.assert_allclose(in_body.condition, of.condition, rtol=1e-9)
+    assert in_body.condition.max() < 12
 
 
 def test_least_squares_scatter_as_much() -> None:
@@ -44,45 +44,45 @@ def test_least_squares_scatter_as_much() -> None:
     assert (np.abs(ratio - 1) < 0.15).all()
 
 
-def worst(found: Mapping[str, Accuracy]) -> np.ndarray:
-    return np.array([each.deviations.max(axis=0) for each in found.values()])
+def worst(accuracy: Mapping[str, Accuracy]) -> np.ndarray:
+    return np.array([each.deviations.max(axis=0) for each in accuracy.values()])
 
 
-def median(found: Mapping[str, Accuracy]) -> np.ndarray:
-    return np.array([np.median(each.deviations, axis=0) for each in found.values()])
+def median(accuracy: Mapping[str, Accuracy]) -> np.ndarray:
+    return np.array([np.median(each.deviations, axis=0) for each in accuracy.values()])
 
 
 def test_the_map_of_four_sensors() -> None:
     """At worst under all conditions 4.9 um in X and Y, 5.5 um in Z, 0.21 mrad; half of that is usual."""
-    found = hall_accuracy.conditions(FOUR, 40)
-    assert tuple(found) == tuple(hall_accuracy.CONDITIONS) and worst(found).shape == (8, 6)
-    assert (worst(found)[:, :3] < 5.6e-6).all() and (worst(found)[:, 3:] < 2.1e-4).all()
-    assert (median(found)[:, :3] < 2.6e-6).all() and (median(found)[:, 3:] < 1.0e-4).all()
-    assert all(each.condition.max() < 10 for each in found.values())
+    accuracy = hall_accuracy.conditions(FOUR, 40)
+    assert tuple(accuracy) == tuple(hall_accuracy.CONDITIONS) and worst(accuracy).shape == (8, 6)
+    assert (worst(accuracy)[:, :3] < 5.6e-6).all() and (worst(accuracy)[:, 3:] < 2.1e-4).all()
+    assert (median(accuracy)[:, :3] < 2.6e-6).all() and (median(accuracy)[:, 3:] < 1.0e-4).all()
+    assert all(each.condition.max() < 10 for each in accuracy.values())
     # Further away less is seen.
-    near, far = (np.median(found[f"0.5 mm {where}"].deviations, axis=0) for where in ("nearer", "further"))
+    near, far = (np.median(accuracy[f"0.5 mm {where}"].deviations, axis=0) for where in ("nearer", "further"))
     assert (near < far).all()
 
 
 def test_the_map_after_the_loss_of_a_sensor() -> None:
-    found = hall_accuracy.losses(FIVE, points=40)
-    assert tuple(found) == ("all", *(f"without {k}" for k in "abcde"))
-    assert np.isfinite(worst(found)).all() and (worst(found)[1:] > worst(found)[0]).all()
-    assert (median(found)[1:, :3] < 5e-6).all() and (median(found)[1:, 3:] < 3e-4).all()
-    with pytest.raises(ModelError, match="4 sensors have none to spare"):
+    accuracy = hall_accuracy.losses(FIVE, points=40)
+    assert tuple(accuracy) == ("all", *(f"without {k}" for k in "abcde"))
+    assert np.isfinite(worst(accuracy)).all() and (worst(accuracy)[1:] > worst(accuracy)[0]).all()
+    assert (median(accuracy)[1:, :3] < 5e-6).all() and (median(accuracy)[1:, 3:] < 3e-4).all()
+    with pytest.raises(ModelError, match="4 sensors have no redundant one"):
         hall_accuracy.losses(FOUR)
 
 
 def test_lost_rank_is_infinite() -> None:
     """Of sensors a half pitch apart where the fields of all are level or upright: none has a slope along X."""
     array = replace(FOUR, positions=((0.0, 0.0, 0.0), (L / 2, 0.0, 0.0), (0.0, L / 2, 0.0)), beta=0.0)
-    found = hall_accuracy.spatial(array, [[L / 4, L / 4, 3e-3, 0.0, 0.0, 0.0]])
-    assert np.isinf(found.deviations).all() and np.isinf(found.condition).all()
+    accuracy = hall_accuracy.spatial(array, [[L / 4, L / 4, 3e-3, 0.0, 0.0, 0.0]])
+    assert np.isinf(accuracy.deviations).all() and np.isinf(accuracy.condition).all()
 
 
-def averaged(sensors: HallArray, waves: Sequence[cf.Wave]) -> Array:
+def average_volume(sensors: HallArray, waves: Sequence[cf.Wave]) -> Array:
     """Return FOUR with the mean of the waves of number 1 and 5 over the sensors' volume."""
-    of = {w.order: hall_array.averaged(w, ca.SX.eye(3), sensors.volume) for w in waves}
+    of = {w.order: hall_array.average_over_volume(w, ca.SX.eye(3), sensors.volume) for w in waves}
     alpha, beta = (sensors.chain.gain * float(ca.DM(ca.evalf(cf.amplitude(of[n, 0], 3e-3)))) for n in (1, 5))
     return replace(FOUR, alpha=alpha, beta=beta)
 
@@ -90,11 +90,11 @@ def averaged(sensors: HallArray, waves: Sequence[cf.Wave]) -> Array:
 def test_what_the_field_has_beyond_the_model_moves_the_pose() -> None:
     """By a tenth of a millimetre and 4 mrad, rms, of the fabricated blocks: thirty times the noise of a sample."""
     p = cf.values()
-    cell = cf.fabricated(p["strong"], p["weak"])
-    orders = cf.on_axes((1, 3, 5, 7, 9)) + cf.CROSS
+    cell = cf.fabricated_matrix(p["strong"], p["weak"])
+    orders = cf.orders_on_axes((1, 3, 5, 7, 9)) + cf.CROSS
     waves = cf.waves(cell, orders, p)
     sensors = hall_array.HallArray(tuple(hall_array.Sensor(r) for r in FOUR.positions))
-    array, at = averaged(sensors, waves), places(200, 2)
+    array, at = average_volume(sensors, waves), places(200, 2)
     rms = np.sqrt((hall_accuracy.misfit(array, sensors, waves, at) ** 2).mean(axis=0))
     assert (rms[:3] > 3e-5).all() and (rms[:3] < 1.5e-4).all() and (rms[3:] > 1e-3).all() and (rms[3:] < 6e-3).all()
     model = [w for w in waves if w.order in ((1, 0), (0, 1), (5, 0), (0, 5))]
@@ -132,7 +132,7 @@ def test_maps_of_no_points_are_refused(points: Any) -> None:
 
 
 def test_an_error_of_other_sensors_or_without_rank_is_refused() -> None:
-    with pytest.raises(ModelError, match="5 sensors meet 4 of the model"):
+    with pytest.raises(ModelError, match="5 sensors and 4 of the model"):
         hall_accuracy.misfit(FOUR, *hall_two_waves.model(FIVE), places(1, 0))
     still = replace(FOUR, positions=((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)))
     with pytest.raises(ModelError, match="rank is lost at 1 of the places"):
@@ -142,44 +142,44 @@ def test_an_error_of_other_sensors_or_without_rank_is_refused() -> None:
 l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
 P = cf.values()
 PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l), (0.640 * l, 0.613 * l))
-FITTED = cf.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, P)
+FITTED = cf.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, P)
 POINTS = (0.0, 0.0, 0.0)
 
 
 def test_two_sensors_are_as_published() -> None:
-    pair = hall_array.points(PLACES[:2])
-    found = hall_accuracy.of_sensors(pair, FITTED, hall_two_waves.poses(l, 60).T, 0.05)
-    assert abs(found.condition.min() - 1.376) < 5e-4
-    assert abs(np.median(found.condition) - 4.14) < 0.03  # a median moves with the grid by as much
-    larger = found.deviations[:, :2].max(axis=1)
+    pair = hall_array.point_sensors(PLACES[:2])
+    accuracy = hall_accuracy.of_sensors(pair, FITTED, hall_two_waves.poses(l, 60).T, 0.05)
+    assert abs(accuracy.condition.min() - 1.376) < 5e-4
+    assert abs(np.median(accuracy.condition) - 4.14) < 0.03  # a median moves with the grid by as much
+    larger = accuracy.deviations[:, :2].max(axis=1)
     assert abs(np.median(larger) - 4.22e-6) < 0.03e-6
     assert abs((larger > 10e-6).mean() - 0.111) < 0.01
 
 
 @pytest.mark.parametrize("waves", ["9th", "cross"])
 def test_waves_beyond_the_model_change_the_worst_little(waves: str) -> None:
-    orders = cf.on_axes((1, 5, 9)) + (cf.CROSS if waves == "cross" else ())
-    made = cf.waves(cf.fabricated(P["strong"], P["weak"]), orders, P)
+    orders = cf.orders_on_axes((1, 5, 9)) + (cf.CROSS if waves == "cross" else ())
+    fabricated = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), orders, P)
     of = hall_array.sensors(PLACES)
-    found = hall_accuracy.of_sensors(of, made, hall_two_waves.poses(l, 60).T, hall_accuracy.spread(of)).deviations.max(
-        axis=0
-    )
-    assert (found < [5.3e-6, 5.3e-6, 200e-6]).all() and found[0] > 4.5e-6
+    accuracy = hall_accuracy.of_sensors(
+        of, fabricated, hall_two_waves.poses(l, 60).T, hall_accuracy.rms_radius(of)
+    ).deviations.max(axis=0)
+    assert (accuracy < [5.3e-6, 5.3e-6, 200e-6]).all() and accuracy[0] > 4.5e-6
 
 
 def test_misaligned_sensors_are_seen() -> None:
     crooked = HallArray(tuple(Sensor((x, y, 0.0), 0.3, (0.5, 0.5)) for x, y in PLACES), volume=POINTS)
-    straight = hall_array.points(PLACES)
+    straight = hall_array.point_sensors(PLACES)
     cell = hall_two_waves.poses(l, 8, 0.2).T
     ours, theirs = (hall_accuracy.of_sensors(each, FITTED, cell, 0.01).deviations for each in (crooked, straight))
     np.testing.assert_allclose(ours, 2 * theirs, rtol=1e-9)  # half the gain; turned axes see as much
 
 
 def test_a_quarter_turn_exchanges_the_axes() -> None:
-    array = hall_array.points(PLACES)
+    array = hall_array.point_sensors(PLACES)
     q = hall_two_waves.poses(l, 7, 0.3).T
-    turned = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
-    ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, turned))
+    rotated = np.column_stack([-q[:, 1], q[:, 0], q[:, 2] + np.pi / 2])
+    ours, theirs = (hall_accuracy.of_sensors(array, FITTED, each, 0.01) for each in (q, rotated))
     np.testing.assert_allclose(theirs.deviations, ours.deviations[:, [1, 0, 2]], rtol=1e-9)
 
 
@@ -191,4 +191,4 @@ def test_places_and_sensors_that_are_none_are_refused() -> None:
     with pytest.raises(ModelError, match="two voltages for three"):
         hall_accuracy.of_sensors(hall_array.sensors(PLACES[:1]), FITTED, hall_two_waves.poses(l, 2).T, 0.01)
     with pytest.raises(ModelError, match="the lever is 0"):
-        hall_accuracy.of_sensors(same, FITTED, hall_two_waves.poses(l, 2).T, hall_accuracy.spread(same))
+        hall_accuracy.of_sensors(same, FITTED, hall_two_waves.poses(l, 2).T, hall_accuracy.rms_radius(same))

@@ -19,10 +19,10 @@ from tests.models import matrix_oracle
 P = cf.values()
 l = matrix_oracle.l
 w = 2 * np.pi / l
-MADE = cf.fabricated(P["strong"], P["weak"])
-WAVES = cf.waves(MADE, cf.on_axes((1, 5, 9)) + cf.CROSS, P)
+FABRICATED = cf.fabricated_matrix(P["strong"], P["weak"])
+WAVES = cf.waves(FABRICATED, cf.orders_on_axes((1, 5, 9)) + cf.CROSS, P)
 ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V
-FITTED = cf.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, P)
+FITTED = cf.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, P)
 PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l), (0.640 * l, 0.613 * l))
 POINTS = (0.0, 0.0, 0.0)  # m, no volume
 CROOKED = HallArray(
@@ -70,7 +70,7 @@ def differences(f: ca.Function, q: np.ndarray, h: float) -> np.ndarray:
 
 
 def test_the_plane_is_the_formula() -> None:
-    f = hall_array.planar(hall_array.points(PLACES), FITTED).function()
+    f = hall_array.planar(hall_array.point_sensors(PLACES), FITTED).function()
     for q in poses(30, six=False):
         volts, jacobian = (each.full() for each in f(q))
         expected, rows = formula(q, PLACES)
@@ -80,8 +80,8 @@ def test_the_plane_is_the_formula() -> None:
 
 @pytest.mark.parametrize("six", [False, True])
 def test_jacobians_are_differences_of_the_voltages(six: bool) -> None:
-    found = hall_array.spatial(CROOKED, WAVES) if six else hall_array.planar(CROOKED, WAVES)
-    f = found.function()
+    prediction = hall_array.spatial(CROOKED, WAVES) if six else hall_array.planar(CROOKED, WAVES)
+    f = prediction.function()
     for q in poses(8, six):
         jacobian = f(q)[1].full()
         off = np.abs(differences(f, q, 2e-6) - jacobian).max(axis=0) / np.abs(jacobian).max(axis=0)
@@ -91,28 +91,28 @@ def test_jacobians_are_differences_of_the_voltages(six: bool) -> None:
 def test_a_yaw_turned_the_wrong_way_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     right = hall_array._about_z
     monkeypatch.setattr(hall_array, "_about_z", lambda angle: right(-angle))
-    f = hall_array.planar(hall_array.points(PLACES), FITTED).function()
+    f = hall_array.planar(hall_array.point_sensors(PLACES), FITTED).function()
     q = poses(1, six=False)[0]
     assert np.abs(f(q)[1].full() - formula(q, PLACES)[1]).max() > 10
 
 
 def of_magpylib(q: np.ndarray) -> np.ndarray:
     """Return the voltages (3 k, 2) of CROOKED at poses (k, 6): rotations are SciPy's, sensors and blocks magpylib's."""
-    own, sensors = [], []
+    volts, sensors = [], []
     for pose in q:
         turn = Rotation.from_euler("ZYX", pose[[5, 4, 3]])
         for s in CROOKED.sensors:
             tilt = Rotation.from_euler("Z", s.angle) * Rotation.from_euler("ZYX", s.misalignment[::-1])
             sensors.append(magpylib.Sensor(position=pose[:3] + turn.apply(s.position), orientation=turn * tilt))
-            own.append(s)
+            volts.append(s)
     u, v, _ = magpylib.getB(matrix_oracle.blocks(), sensors).T
-    skew, gain, offset = (np.array([getattr(s, name) for s in own]) for name in ("skew", "gain", "offset"))
+    skew, gain, offset = (np.array([getattr(s, name) for s in volts]) for name in ("skew", "gain", "offset"))
     return offset + gain * 8.4 * np.column_stack([u, np.cos(skew) * v - np.sin(skew) * u])
 
 
 def test_six_axes_are_what_sensors_of_another_library_read_above_blocks() -> None:
     q = poses(12, six=True) * [0.4, 0.4, 1, 1, 1, 1]
-    theirs, waves = of_magpylib(q), cf.waves(MADE, cf.up_to(5) + cf.on_axes((7, 9)), P)
+    theirs, waves = of_magpylib(q), cf.waves(FABRICATED, cf.orders_up_to(5) + cf.orders_on_axes((7, 9)), P)
 
     def off(array: HallArray) -> float:
         pose = ca.SX.sym("pose", 6)
@@ -153,7 +153,7 @@ def test_the_mean_over_the_sensitive_volume_is_exact(factor: int) -> None:
     volume = factor * np.array([250e-6, 250e-6, 200e-6])
     for at, angles in (((3e-3, -7e-3, 4e-3), (0, 0, 0)), ((1e-3, 2e-3, 5e-3), (0.7, 0.4, -1.1))):
         turn = Rotation.from_euler("ZYX", angles).as_matrix()
-        seen = [hall_array.averaged(wave, ca.SX(turn), tuple(volume)) for wave in waves]
+        seen = [hall_array.average_over_volume(wave, ca.SX(turn), tuple(volume)) for wave in waves]
         B = cf.field(seen, *(ca.SX(value) for value in at))
         ours = np.array([float(value) for value in (B.x, B.y, B.z)])
         theirs, point = (mean(waves, np.array(at), turn, volume * each) for each in (1, 0))
@@ -161,16 +161,16 @@ def test_the_mean_over_the_sensitive_volume_is_exact(factor: int) -> None:
         assert np.abs(point - theirs).max() > 1e-6 * factor**2  # what the field at the middle is off by
 
 
-@pytest.mark.parametrize(("n", "less", "moved"), [(1, 1.434e-5, 2e-10), (5, 3.588e-4, 1.1e-7), (9, 1.1639e-3, 1.1e-6)])
-def test_what_the_volume_takes_from_each_harmonic(n: int, less: float, moved: float) -> None:
-    wave, volume = cf.waves(MADE, [(n, 0)], P)[0], CROOKED.volume
+@pytest.mark.parametrize(("n", "less", "by_yaw"), [(1, 1.434e-5, 2e-10), (5, 3.588e-4, 1.1e-7), (9, 1.1639e-3, 1.1e-6)])
+def test_what_the_volume_takes_from_each_harmonic(n: int, less: float, by_yaw: float) -> None:
+    wave, volume = cf.waves(FABRICATED, [(n, 0)], P)[0], CROOKED.volume
     factors = [
-        hall_array.averaged(wave, hall_array._about_z(ca.SX(yaw)), volume).cosine / wave.cosine
+        hall_array.average_over_volume(wave, hall_array._about_z(ca.SX(yaw)), volume).cosine / wave.cosine
         for yaw in np.linspace(0, np.pi / 4, 9)
     ]
-    found = 1 - np.array([float(each) for each in factors])
-    assert found[0] == pytest.approx(less, rel=1e-3)
-    assert np.ptp(found) < moved
+    losses = 1 - np.array([float(each) for each in factors])
+    assert losses[0] == pytest.approx(less, rel=1e-3)
+    assert np.ptp(losses) < by_yaw
 
 
 def test_two_sensors_go_blind_at_a_place_and_three_do_not() -> None:
@@ -186,7 +186,7 @@ def test_two_sensors_go_blind_at_a_place_and_three_do_not() -> None:
 
 def deviations(count: int, columns: int, at: np.ndarray) -> np.ndarray:
     """Return standard deviations (k, columns) for 1 mV at places (k, 2) in pitches and yaw 0, Cramer-Rao."""
-    f = hall_array.planar(hall_array.points(PLACES[:count]), FITTED).function()
+    f = hall_array.planar(hall_array.point_sensors(PLACES[:count]), FITTED).function()
     q = np.column_stack([l * at, np.zeros(len(at))])
     rows = f.map(len(q))(q.T)[1].full().reshape(2 * count, len(q), 3).transpose(1, 0, 2)[:, :, :columns]
     return 1e-3 * np.sqrt(np.linalg.inv(rows.transpose(0, 2, 1) @ rows).diagonal(axis1=1, axis2=2))
@@ -205,9 +205,9 @@ def test_known_accuracies_follow_from_the_jacobian() -> None:
 
 
 def test_a_line_is_the_plane_along_x() -> None:
-    found = hall_array.along(0.75 * l, FITTED).function()
+    line = hall_array.prediction_along_x(0.75 * l, FITTED).function()
     for X in (0.0, 3e-3, 0.4 * l):
-        volts, slopes = (each.full().ravel() for each in found(X))
+        volts, slopes = (each.full().ravel() for each in line(X))
         expected, rows = formula(np.array([X, 0.0, 0.0]), ((0.0, 0.0), (0.75 * l, 0.0)))
         np.testing.assert_allclose(volts, expected[::2], rtol=4e-4)  # of the volume
         np.testing.assert_allclose(slopes, rows[::2, 0], rtol=4e-3)  # five times as much where alpha and beta cancel
@@ -215,10 +215,10 @@ def test_a_line_is_the_plane_along_x() -> None:
 
 def test_gain_offset_and_height_may_be_chosen_and_the_field_symbolic() -> None:
     strong, height = ca.SX.sym("strong"), ca.SX.sym("height")
-    waves = cf.waves(cf.fabricated(strong, P["weak"]), cf.on_axes((1, 5)), P)
+    waves = cf.waves(cf.fabricated_matrix(strong, P["weak"]), cf.orders_on_axes((1, 5)), P)
     array = HallArray((Sensor((0.0, 0.0, 0.0), gain=(2.0, 1.0), offset=(0.5, 0.0)),), Chain(sensitivity=0.1), POINTS)
     f = hall_array.planar(array, waves, height).function(strong, height)
-    q, A = [l / 4, 0.0, 0.0], {n: float(cf.amplitude(cf.waves(MADE, [(n, 0)], P)[0], 5e-3)) for n in (1, 5)}
+    q, A = [l / 4, 0.0, 0.0], {n: float(cf.amplitude(cf.waves(FABRICATED, [(n, 0)], P)[0], 5e-3)) for n in (1, 5)}
     assert float(f(q, 1.43, 5e-3)[0][0]) == pytest.approx(0.5 + 2 * 2.1 * (A[1] + A[5]))
     assert float(f(q, 1.50, 5e-3)[0][0]) > float(f(q, 1.43, 5e-3)[0][0])
 

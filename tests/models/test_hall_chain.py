@@ -32,13 +32,13 @@ def test_the_filter_is_of_first_order() -> None:
 
 
 def test_noise_is_of_its_size_and_correlated_from_the_first_sample_on() -> None:
-    found = hall_chain.noise(CHAIN, TIME, (20000, 4), seed=5)
-    assert found.std(axis=0) == pytest.approx(4 * [1e-3], rel=0.02)  # 4 times the standard error of 0.5 %
+    noise = hall_chain.noise(CHAIN, TIME, (20000, 4), seed=5)
+    assert noise.std(axis=0) == pytest.approx(4 * [1e-3], rel=0.02)  # 4 times the standard error of 0.5 %
     for lag in (1, 2):
-        product = (found[:, lag:] * found[:, :-lag]).mean() / 1e-6
+        product = (noise[:, lag:] * noise[:, :-lag]).mean() / 1e-6
         assert product == pytest.approx(np.exp(-np.pi / 2 * lag), abs=0.02)
-    np.testing.assert_array_equal(found, hall_chain.noise(CHAIN, TIME, (20000, 4), seed=5))
-    assert abs(np.corrcoef(found[0:2000, 0], found[2000:4000, 0])[0, 1]) < 0.1  # channels are on their own
+    np.testing.assert_array_equal(noise, hall_chain.noise(CHAIN, TIME, (20000, 4), seed=5))
+    assert abs(np.corrcoef(noise[0:2000, 0], noise[2000:4000, 0])[0, 1]) < 0.1  # channels are on their own
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from synth.errors import ModelError
 l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
 PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l), (0.640 * l, 0.613 * l))
 THREE = Array(PLACES, 0.0, ALPHA, BETA)
-WAVES = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
+WAVES = concentrated_field.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
 
 
 def poses(count: int, seed: int = 3) -> np.ndarray:
@@ -25,8 +25,8 @@ def poses(count: int, seed: int = 3) -> np.ndarray:
 
 def test_deviations_are_those_of_the_sensor_model() -> None:
     q = poses(500)
-    sensors = hall_array.points(PLACES)
-    expected = hall_accuracy.of_sensors(sensors, WAVES, q.T, hall_accuracy.spread(sensors))
+    sensors = hall_array.point_sensors(PLACES)
+    expected = hall_accuracy.of_sensors(sensors, WAVES, q.T, hall_accuracy.rms_radius(sensors))
     sound = expected.condition < 1e3
     np.testing.assert_allclose(hall_fisher.deviations(THREE, q).T[sound], expected.deviations[sound], rtol=1e-8)
     assert sound.sum() > 450
@@ -38,12 +38,12 @@ def test_the_constant_counts() -> None:
 
     def volts(at: np.ndarray) -> np.ndarray:
         c, s = np.cos(at[2]), np.sin(at[2])
-        found = []
+        rows = []
         for x, y in PLACES:
             p = 2 * np.pi / l * np.array([at[0] + c * x - s * y, at[1] + s * x + c * y])
             B = 0.3 + ALPHA * np.sin(p) + BETA * np.sin(5 * p)
-            found += [c * B[0] + s * B[1], c * B[1] - s * B[0]]
-        return np.array(found)
+            rows += [c * B[0] + s * B[1], c * B[1] - s * B[0]]
+        return np.array(rows)
 
     H = np.column_stack([(volts(q + step) - volts(q - step)) / (2 * d) for step in d * np.eye(3)])
     expected = 1e-3 * np.sqrt(np.diag(np.linalg.inv(H.T @ H)))
@@ -51,27 +51,27 @@ def test_the_constant_counts() -> None:
 
 
 def test_the_worst_without_yaw_is_that_of_the_added_sensor() -> None:
-    found = hall_fisher.worst(THREE)
-    np.testing.assert_allclose(found.met * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
-    assert (found.met <= found.bound).all() and (found.bound <= 1.0011 * found.met).all()
-    at = hall_fisher.deviations(THREE, found.at.T)
-    np.testing.assert_allclose(np.diag(at), found.met, rtol=1e-9)
+    worst = hall_fisher.worst(THREE)
+    np.testing.assert_allclose(worst.met * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
+    assert (worst.met <= worst.bound).all() and (worst.bound <= 1.0011 * worst.met).all()
+    at = hall_fisher.deviations(THREE, worst.at.T)
+    np.testing.assert_allclose(np.diag(at), worst.met, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("yaw", "largest"), [(5.0, 7.745), (15.0, 22.82), (45.0, 119.6)])
 def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
-    found = hall_fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
-    assert max(found.met[:2]) * 1e6 <= largest * 1.001
-    assert max(found.bound[:2]) * 1e6 >= largest * 0.999
-    assert (found.bound <= 1.011 * found.met).all()
+    worst = hall_fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
+    assert max(worst.met[:2]) * 1e6 <= largest * 1.001
+    assert max(worst.bound[:2]) * 1e6 >= largest * 0.999
+    assert (worst.bound <= 1.011 * worst.met).all()
 
 
-def exceeded(array: Array, half: np.ndarray, count: int = 4000) -> int:
-    """Return how many poses drawn in drawn cells exceed the cell's bound."""
+def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
+    """Return how many random poses in random cells exceed the cell's bound."""
     rng = np.random.default_rng(5)
     q = rng.uniform(0, 2 * np.pi, (3, count))
-    _, bound = worst_deviation.bounded(
-        partial(hall_fisher.of_phases, array), partial(hall_fisher.changes, array), q, half
+    _, bound = worst_deviation.bound_cells(
+        partial(hall_fisher.of_phases, array), partial(hall_fisher.column_changes, array), q, half
     )
     s = hall_fisher.of_phases(array, q + half * np.sign(rng.uniform(-1, 1, q.shape)))
     assert np.isfinite(bound).all(axis=0).sum() > count / 10
@@ -81,14 +81,14 @@ def exceeded(array: Array, half: np.ndarray, count: int = 4000) -> int:
 @pytest.mark.parametrize("array", [THREE, replace(THREE, c=0.5)])
 @pytest.mark.parametrize("half", [(0.01, 0.01, 0.002), (0.001, 0.001, 0.001), (0.02, 0.0, 0.0), (0.0, 0.0, 0.01)])
 def test_no_pose_in_a_cell_exceeds_its_bound(array: Array, half: tuple[float, float, float]) -> None:
-    assert exceeded(array, np.array(half)[:, None]) == 0
+    assert count_exceeding(array, np.array(half)[:, None]) == 0
 
 
 @pytest.mark.parametrize("part", [0, 1, 2])
 def test_a_bound_that_forgets_a_column_is_caught(part: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    right, kept = hall_fisher.changes, np.where(np.arange(3) == part, 0.0, 1.0)[:, None]
-    monkeypatch.setattr(hall_fisher, "changes", lambda *of: right(*of) * kept)
-    assert any(exceeded(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
+    right, kept = hall_fisher.column_changes, np.where(np.arange(3) == part, 0.0, 1.0)[:, None]
+    monkeypatch.setattr(hall_fisher, "column_changes", lambda *of: right(*of) * kept)
+    assert any(count_exceeding(THREE, np.array(half)[:, None]) for half in ((0.01, 0, 0), (0, 0.01, 0), (0, 0, 0.01)))
 
 
 def test_two_sensors_have_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:

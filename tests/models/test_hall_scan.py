@@ -15,10 +15,10 @@ from synth.synthesise.identify.logs import Log
 
 l = 50.8e-3
 P = cf.values()
-MADE = cf.waves(cf.fabricated(P["strong"], P["weak"]), cf.on_axes((1, 3, 5, 9)) + cf.CROSS, P)
-MODEL = cf.fitted({1: 0.37502, 5: -0.02146}, 3e-3, P)
-TURNED = HallArray((Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, 0.02)),), volume=(0.0, 0.0, 0.0))
-EXACT = replace(TURNED, chain=Chain(noise=0.0))
+FABRICATED = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), cf.orders_on_axes((1, 3, 5, 9)) + cf.CROSS, P)
+MODEL = cf.waves_from_amplitudes({1: 0.37502, 5: -0.02146}, 3e-3, P)
+MISALIGNED = HallArray((Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, 0.02)),), volume=(0.0, 0.0, 0.0))
+EXACT = replace(MISALIGNED, chain=Chain(noise=0.0))
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)
 
 
@@ -31,72 +31,70 @@ def formula(at: dict[str, np.ndarray], k: dict[str, float]) -> np.ndarray:
 
 @pytest.mark.parametrize(("channel", "along", "sign"), [("V_ax", "X", 1), ("V_ay", "Y", -1)])
 def test_a_turned_sensor_is_the_model_exactly(channel: str, along: str, sign: int) -> None:
-    found = hall_scan.fit(hall_scan.scanned(EXACT, MODEL, hall_scan.places(l, 16), 0), channel, l, along)
+    fit = hall_scan.fit(hall_scan.simulate_scan(EXACT, MODEL, hall_scan.places(l, 16), 0), channel, l, along)
     c, s = np.cos(0.02), sign * np.sin(0.02)
     expected = [0.0, 8.4 * 0.37502 * c, -8.4 * 0.02146 * c, 8.4 * 0.37502 * s, -8.4 * 0.02146 * s]
-    np.testing.assert_allclose(found.estimate.values, expected, rtol=0, atol=1e-12)
-    assert np.abs(found.residual).max() < 1e-12
+    np.testing.assert_allclose(fit.estimate.values, expected, rtol=0, atol=1e-12)
+    assert np.abs(fit.residual).max() < 1e-12
 
 
 def test_the_residual_above_blocks_is_as_published() -> None:
-    aligned = replace(TURNED, sensors=(Sensor((0.0, 0.0, 0.0)),))
-    waves = cf.waves(cf.fabricated(P["strong"], P["weak"]), cf.up_to(5) + cf.on_axes((7, 9)), P)
-    found = hall_scan.fit(hall_scan.scanned(aligned, waves, hall_scan.places(l, 40), 1), "V_ax", l)
-    assert abs(found.estimate["alpha"] - 8.4 * 0.37502) < 1e-3 and abs(found.estimate["beta"] + 8.4 * 0.02146) < 1e-3
-    assert 0.11 < np.abs(found.residual).max() < 0.2  # V: "less than 200 mV"; of (2, +-1), the 9th and the 3rd
-    np.testing.assert_allclose(found.measured, found.modelled + found.residual, rtol=0, atol=1e-15)
-    np.testing.assert_allclose(
-        found.modelled, formula({"X": found.X, "Y": found.Y}, found.estimate.by_name), atol=1e-12
-    )
-    assert "and nowhere more" in repr(found)
+    aligned = replace(MISALIGNED, sensors=(Sensor((0.0, 0.0, 0.0)),))
+    waves = cf.waves(cf.fabricated_matrix(P["strong"], P["weak"]), cf.orders_up_to(5) + cf.orders_on_axes((7, 9)), P)
+    fit = hall_scan.fit(hall_scan.simulate_scan(aligned, waves, hall_scan.places(l, 40), 1), "V_ax", l)
+    assert abs(fit.estimate["alpha"] - 8.4 * 0.37502) < 1e-3 and abs(fit.estimate["beta"] + 8.4 * 0.02146) < 1e-3
+    assert 0.11 < np.abs(fit.residual).max() < 0.2  # V: "less than 200 mV"; of (2, +-1), the 9th and the 3rd
+    np.testing.assert_allclose(fit.measured, fit.modelled + fit.residual, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(fit.modelled, formula({"X": fit.X, "Y": fit.Y}, fit.estimate.by_name), atol=1e-12)
+    assert "and nowhere more" in repr(fit)
 
 
-def covered(noise: float, told: float) -> float:
+def coverage(noise: float, stated: float) -> float:
     """Return the part of intervals, of the level 0.9, that hold the truth."""
     k = {"c": 0.01, "alpha": 3.15, "beta": -0.18, "gamma": 0.03, "delta": -0.002}
     at, inside = hall_scan.places(l, 9), []
     for seed in range(80):
         rng = np.random.default_rng(seed)
         volts = formula(at, k) + noise * rng.standard_normal(81)
-        found = hall_scan.fit(Log({"X": at["X"], "Y": at["Y"], "V": volts}), "V", l, level=0.9).estimate
-        low, high = (found.values[:, None] + told * (found.intervals - found.values[:, None])).T
+        estimate = hall_scan.fit(Log({"X": at["X"], "Y": at["Y"], "V": volts}), "V", l, level=0.9).estimate
+        low, high = (estimate.values[:, None] + stated * (estimate.intervals - estimate.values[:, None])).T
         inside.append((low <= list(k.values())) & (list(k.values()) <= high))
     return float(np.mean(inside))
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
-    assert abs(covered(1e-3, 1.0) - 0.9) < 0.045  # three deviations of 400 draws
-    assert covered(1e-3, 0.7) < 0.85  # intervals too short by a third would be seen
+    assert abs(coverage(1e-3, 1.0) - 0.9) < 0.045  # three deviations of 400 draws
+    assert coverage(1e-3, 0.7) < 0.85  # intervals too short by a third would be seen
 
 
 def test_a_line_does_not_tell_the_coefficients_apart() -> None:
-    log = hall_scan.scanned(TURNED, MODEL, hall_scan.places(l, 32), 0)
+    log = hall_scan.simulate_scan(MISALIGNED, MODEL, hall_scan.places(l, 32), 0)
     line = log.samples["Y"] == log.samples["Y"][3]
     with pytest.raises(ModelError, match=r"gamma"):
         hall_scan.fit(Log({name: v[line] for name, v in log.samples.items()}), "V_ax", l)
 
 
 def by_height(waves: tuple[cf.Wave, ...], noise: float = 1e-3) -> dict[float, hall_scan.Fit]:
-    array = replace(TURNED, chain=Chain(noise=noise))
+    array = replace(MISALIGNED, chain=Chain(noise=noise))
     return {
-        z: hall_scan.fit(hall_scan.scanned(array, waves, hall_scan.places(l, 20, (z,)), seed), "V_ax", l)
+        z: hall_scan.fit(hall_scan.simulate_scan(array, waves, hall_scan.places(l, 20, (z,)), seed), "V_ax", l)
         for seed, z in enumerate(HEIGHTS)
     }
 
 
 @pytest.mark.parametrize("coefficient", ["alpha", "beta", "gamma"])
 def test_coefficients_decay_by_the_law(coefficient: str) -> None:
-    found = hall_scan.decay(by_height(MADE), coefficient, l)
-    low, high = found.estimate.intervals[1]
-    assert low <= found.law <= high and high - low < 0.1 * found.law
+    decay = hall_scan.decay(by_height(FABRICATED), coefficient, l)
+    low, high = decay.estimate.intervals[1]
+    assert low <= decay.law <= high and high - low < 0.1 * decay.law
 
 
 def test_a_field_that_decays_otherwise_is_seen() -> None:
     slow = tuple(replace(wave, kappa=0.99 * wave.kappa) for wave in MODEL)
-    found = hall_scan.decay(by_height(slow), "alpha", l)
-    low, high = found.estimate.intervals[1]
-    assert not low <= found.law <= high
-    assert low <= 0.99 * found.law <= high
+    decay = hall_scan.decay(by_height(slow), "alpha", l)
+    low, high = decay.estimate.intervals[1]
+    assert not low <= decay.law <= high
+    assert low <= 0.99 * decay.law <= high
 
 
 def test_refusals() -> None:
@@ -104,20 +102,20 @@ def test_refusals() -> None:
     with pytest.raises(SignalError, match="give X or Y"):
         hall_scan.fit(Log(dict.fromkeys("XYV", np.zeros(1))), "V", l, "Z")
     with pytest.raises(SignalError, match="no signal 'V_bx'"):
-        hall_scan.fit(hall_scan.scanned(TURNED, MODEL, hall_scan.places(l, 8), 0), "V_bx", l)
+        hall_scan.fit(hall_scan.simulate_scan(MISALIGNED, MODEL, hall_scan.places(l, 8), 0), "V_bx", l)
     with pytest.raises(SignalError, match="'c' has no decay"):
         hall_scan.decay(fits, "c", l)
     with pytest.raises(SignalError, match="three or more"):
         hall_scan.decay({z: fits[z] for z in HEIGHTS[:2]}, "alpha", l)
-    with pytest.raises(SignalError, match="not told from 0"):
+    with pytest.raises(SignalError, match="not distinguishable from 0"):
         hall_scan.decay(by_height(MODEL, noise=0.5), "delta", l)
 
 
 def test_a_scan_goes_through_a_file() -> None:
-    log = hall_scan.scanned(TURNED, MADE, hall_scan.places(l, 12), 3)
+    log = hall_scan.simulate_scan(MISALIGNED, FABRICATED, hall_scan.places(l, 12), 3)
     rows = log.columns(("X", "Y", "V_ax")).tolist()
     text = "\n".join(["X [m], Y [m], V_ax [V]", *(", ".join(map(repr, row)) for row in rows)])
-    read = log_file.parsed(text, {"X": "m", "Y": "m", "V_ax": "V"})
+    read = log_file.parse(text, {"X": "m", "Y": "m", "V_ax": "V"})
     np.testing.assert_array_equal(
         hall_scan.fit(read, "V_ax", l).estimate.values, hall_scan.fit(log, "V_ax", l).estimate.values
     )

@@ -1,4 +1,4 @@
-"""All points at which two sensors lose rank, against searches from drawn starts and the sensor model's Jacobian."""
+"""All points at which two sensors lose rank, against searches from random starts and the sensor model's Jacobian."""
 
 from dataclasses import replace
 
@@ -14,21 +14,21 @@ from synth.errors import ModelError
 l, ALPHA, BETA = 50.8e-3, 8.4 * 0.37502, -8.4 * 0.02146
 PLACES = ((-0.375 * l, -0.375 * l), (0.375 * l, 0.375 * l))
 PAIR = Array(PLACES, 0.0, ALPHA, BETA)
-WAVES = concentrated_field.fitted({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
+WAVES = concentrated_field.waves_from_amplitudes({1: ALPHA / 8.4, 5: BETA / 8.4}, 3e-3, concentrated_field.values())
 
 
 def test_the_published_point_is_exact_and_one_of_many() -> None:
-    found = hall_singular_points.of_pair(PAIR, 0.0)
-    assert len(found) == 64
-    off = np.abs(found - [l / 8, 3 * l / 8]).max(axis=1)
+    points = hall_singular_points.of_pair(PAIR, 0.0)
+    assert len(points) == 64
+    off = np.abs(points - [l / 8, 3 * l / 8]).max(axis=1)
     assert off.min() < 1e-17  # an ulp of the place
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.05, -0.7])
 def test_the_sensor_model_loses_rank_there(yaw: float) -> None:
-    found = hall_singular_points.of_pair(PAIR, yaw)
-    sensors = hall_array.points(PLACES)
-    poses = np.column_stack([found, np.full(len(found), yaw)])
+    points = hall_singular_points.of_pair(PAIR, yaw)
+    sensors = hall_array.point_sensors(PLACES)
+    poses = np.column_stack([points, np.full(len(points), yaw)])
     assert len(poses) and (hall_accuracy.of_sensors(sensors, WAVES, poses, 0.01).condition > 1e12).all()
 
 
@@ -96,7 +96,7 @@ def test_three_sensors_are_refused() -> None:
 
 
 def test_deviations_have_no_bound_at_the_points() -> None:
-    found = hall_singular_points.of_pair(PAIR, 0.05)
-    q = np.vstack([found.T, np.full(len(found), 0.05)])
+    points = hall_singular_points.of_pair(PAIR, 0.05)
+    q = np.vstack([points.T, np.full(len(points), 0.05)])
     assert (hall_fisher.deviations(PAIR, q)[2] > 1e3).all()
     assert (hall_fisher.deviations(PAIR, q + np.array([[1e-4], [0.0], [0.0]]))[2] < 1.0).all()

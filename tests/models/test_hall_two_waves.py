@@ -1,4 +1,4 @@
-"""The field over the gap, and what sensors tell of all six coordinates, against the sensor model of `models`."""
+"""The field over the gap, and the sensors' accuracy in six coordinates, against the sensor model of `models`."""
 
 from dataclasses import replace
 
@@ -52,7 +52,9 @@ def test_an_array_that_cannot_be_is_refused(change: dict[str, object], message: 
         replace(FOUR, **change)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("change", [{"corrections": 0}, {"reach": 2.0}, {"tilt": 0.2}, {"gap": 0.0}, {"damping": -1.0}])
+@pytest.mark.parametrize(
+    "change", [{"corrections": 0}, {"max_phase_step": 2.0}, {"tilt": 0.2}, {"gap": 0.0}, {"damping": -1.0}]
+)
 def test_a_tuning_that_cannot_be_is_refused(change: dict[str, float]) -> None:
     with pytest.raises(ModelError, match=f"{next(iter(change))} is"):
         Tuning(**change)  # type: ignore[arg-type]

@@ -29,7 +29,7 @@ def function(harmonics: tuple[int, ...] = (1,)) -> ca.Function:
 
 
 def currents(i_q: float, i_d: float, y: float) -> list[float]:
-    return [float(v) for v in lorentz_motor.commutated(ca.SX(i_q), ca.SX(i_d), ca.SX(y), P).values()]
+    return [float(v) for v in lorentz_motor.phase_currents(ca.SX(i_q), ca.SX(i_d), ca.SX(y), P).values()]
 
 
 def quadrature(y: float, i: list[float], field: Field, count: int = 24) -> tuple[float, float]:
@@ -107,5 +107,5 @@ def test_a_finite_matrix_pushes_the_winding_as_the_closed_form_says() -> None:
         B = matrix.getB(np.column_stack([X.ravel(), YY.ravel(), np.full(X.size, z)])).reshape(*X.shape, 3).mean(axis=0)
         return scale * B[:, 1], scale * B[:, 2]
 
-    found = quadrature(2e-3, currents(1, 0, 2e-3), field, 5)
-    np.testing.assert_allclose(found, np.ravel(function((1, 5, 9))(2e-3, 0, currents(1, 0, 2e-3))), atol=0.01 * K)
+    force = quadrature(2e-3, currents(1, 0, 2e-3), field, 5)
+    np.testing.assert_allclose(force, np.ravel(function((1, 5, 9))(2e-3, 0, currents(1, 0, 2e-3))), atol=0.01 * K)

@@ -8,7 +8,7 @@ import pytest
 
 from models import maglev_polynomial, maglev_stage
 from synth.errors import ModelError
-from tests.models.test_maglev_stage import VALUES, force_factors, printed, random_points, random_v
+from tests.models.test_maglev_stage import VALUES, force_factors, printed_accelerations, random_points, random_v
 
 
 def evaluate(model: maglev_polynomial.InputPolynomial, exprs: list[ca.SX], point: Mapping[str, float]) -> np.ndarray:
@@ -21,9 +21,9 @@ def evaluate(model: maglev_polynomial.InputPolynomial, exprs: list[ca.SX], point
 def test_the_polynomial_sums_to_the_full_model(lv3: str) -> None:
     model = maglev_polynomial.input_polynomial(maglev_stage.nominal(), lv3)
     for at in random_v(20):
-        found = evaluate(model, list(model.accelerations().values()), at)
+        values = evaluate(model, list(model.accelerations().values()), at)
         u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
-        assert np.abs(found - printed(at, u, lv3)).max() < 1e-11
+        assert np.abs(values - printed_accelerations(at, u, lv3)).max() < 1e-11
 
 
 def test_a_polynomial_that_lacks_a_term_does_not_sum_to_the_model() -> None:

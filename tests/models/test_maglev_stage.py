@@ -36,7 +36,7 @@ def force_factors(g: float, lv3: str) -> dict[str, float]:
     }  # fmt: skip
 
 
-def printed(x: Mapping[str, float], u: Mapping[str, float], lv3: str = "csch2") -> np.ndarray:
+def printed_accelerations(x: Mapping[str, float], u: Mapping[str, float], lv3: str = "csch2") -> np.ndarray:
     """Return (6), (7) as printed, term by term."""
     P = VALUES
     r = P["r"]
@@ -78,8 +78,8 @@ def worst_difference(plant: Plant, lv3: str) -> float:
         derivative = np.asarray(plant.f(list(x.values()), list(u.values()), plant.values)).ravel()
         dx = dict(zip(names(plant.states), derivative, strict=True))
         assert all(dx[q] == x[v] for q, v in maglev_stage.RATE.items())
-        found = np.array([dx[v] for v in maglev_stage.RATE.values()])
-        worst = max(worst, float(np.abs(found - printed(x, u, lv3)).max()))
+        rates = np.array([dx[v] for v in maglev_stage.RATE.values()])
+        worst = max(worst, float(np.abs(rates - printed_accelerations(x, u, lv3)).max()))
     return worst
 
 
@@ -92,14 +92,14 @@ def test_the_plant_is_what_is_printed(lv3: str) -> None:
 def test_a_planted_sign_error_is_found(term: str, monkeypatch: pytest.MonkeyPatch) -> None:
     right = pmlsm.normal_force
 
-    def wrong(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Mapping[str, ca.SX], reading: pmlsm.Reading) -> ca.SX:
-        K, L = pmlsm.constants(p, reading), pmlsm.coefficients(g, p, reading)
+    def wrong(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Mapping[str, ca.SX], variant: pmlsm.Variant) -> ca.SX:
+        K, L = pmlsm.constants(p, variant), pmlsm.coefficients(g, p, variant)
         part = {
             "v1": -K.K_v1 * L.L_v1,
             "v2": K.K_v2 * L.L_v2 * i_d,
             "v3": -K.K_v3 * L.L_v3 * (i_d**2 + i_q**2),
         }[term]
-        return right(g, i_d, i_q, p, reading) - 2 * part
+        return right(g, i_d, i_q, p, variant) - 2 * part
 
     monkeypatch.setattr(pmlsm, "normal_force", wrong)
     assert worst_difference(maglev_stage.plant(), "csch2") > 0.1
@@ -129,7 +129,7 @@ def test_friction_and_cogging_push_as_they_are_written() -> None:
     """At a crest of the cogging, at the gap at which its amplitude is that of the field; the rest does not move."""
     plant = maglev_stage.plant()
     field = slotted_field.forces(maglev_stage.geometry(plant), 0.020, 3)
-    guides = maglev_stage.guides(plant, {"x": 1.8, "z": 1.3}, 3)
+    guides = maglev_stage.guide_disturbance(plant, {"x": 1.8, "z": 1.3}, 3)
     at = {"y": 0.020, "x": plant.parameter("t1").value / 4, "vx": 1.0, "vz": -1.0}
     states = names(plant.states)
     added = np.asarray(guides([at.get(n, 0.0) for n in states], 0.0)).ravel()
@@ -165,11 +165,11 @@ def inverse_errors(scale: float = 1.0) -> tuple[float, float]:
     worst = np.zeros(2)
     for at in random_v(50):
         u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
-        w = dict(zip(("y", "x", "z", "phi", "theta"), printed(at, u), strict=True))
+        w = dict(zip(("y", "x", "z", "phi", "theta"), printed_accelerations(at, u), strict=True))
         squares = [scale * s for s in true_squares(u)]
         direct = maglev_stage.direct_currents(w, at, squares, motors(at), VALUES)
         thrust = maglev_stage.thrust_currents(w, motors(at), VALUES)
-        missed = [[abs(float(i) - u[n]) for n, i in found.items()] for found in (direct, thrust)]
+        missed = [[abs(float(i) - u[n]) for n, i in currents.items()] for currents in (direct, thrust)]
         worst = np.maximum(worst, [max(m) for m in missed])
     return float(worst[0]), float(worst[1])
 
@@ -192,17 +192,19 @@ def test_without_the_squares_of_the_direct_currents_it_is_12() -> None:
     """The witness: (11) solved for v by cofactors of its decoupling matrix, and (8)."""
     model = maglev_polynomial.simplified(maglev_polynomial.input_polynomial(maglev_stage.nominal()))
     axes = ("y", "phi", "theta")
-    wanted = {q: ca.SX.sym(f"w_{q}") for q in axes}
+    demand = {q: ca.SX.sym(f"w_{q}") for q in axes}
     second = model.accelerations()
-    law = feedback_linearisation.linearise([second[q] for q in axes], model.v, [wanted[q] for q in axes])
-    symbols = [*model.x.values(), *model.u.values(), *wanted.values()]
+    law = feedback_linearisation.linearise([second[q] for q in axes], model.v, [demand[q] for q in axes])
+    symbols = [*model.x.values(), *model.u.values(), *demand.values()]
     i_d = maglev_stage.input_transformation(law.inputs)
     witness = ca.Function("witness", [ca.vcat(symbols)], [ca.vcat(list(i_d.values()))])
     rng = np.random.default_rng(5)
     for x, u in random_points(50):
         w = dict(zip(axes, rng.uniform(-10, 10, 3), strict=True))
-        found = maglev_stage.direct_currents(w, x, true_squares(u, with_direct=False), motors(x), VALUES)
+        currents = maglev_stage.direct_currents(w, x, true_squares(u, with_direct=False), motors(x), VALUES)
         point = [*(x[n] for n in model.x), *(u[n] for n in model.u), *w.values()]
         expected = np.asarray(witness(point)).ravel()
-        np.testing.assert_allclose([float(i) for i in found.values()], expected, rtol=0, atol=1e-11)
-        assert float(found["i_d1"] + found["i_d3"]) == pytest.approx(float(found["i_d2"] + found["i_d4"]), abs=1e-12)
+        np.testing.assert_allclose([float(i) for i in currents.values()], expected, rtol=0, atol=1e-11)
+        assert float(currents["i_d1"] + currents["i_d3"]) == pytest.approx(
+            float(currents["i_d2"] + currents["i_d4"]), abs=1e-12
+        )

@@ -32,7 +32,7 @@ N = 20_000
 
 def compiled(block: Block) -> agree.Witness:
     emitted = write.emit(unranged(block), np.float64)
-    return agree.emitted(host.load(emitted.files, emitted.manifest))
+    return agree.emitted_c(host.load(emitted.files, emitted.manifest))
 
 
 @pytest.fixture(scope="module")
@@ -50,26 +50,30 @@ def commutated() -> dict[str, agree.Witness]:
 def demands(size: float, n: int = N) -> dict[str, np.ndarray]:
     """Return demands of `size` of what the motors can meet of each axis, and a yaw over all that is turned back."""
     rng, most = np.random.default_rng(0), allocation.authority(PLANT)
-    found = {s.name: size * most[a] * rng.uniform(-1, 1, n) for a, s in zip(most, allocation.DEMANDS, strict=True)}
-    return found | {"phi": rng.uniform(allocation.YAW.low, allocation.YAW.high, n)}
+    columns = {s.name: size * most[a] * rng.uniform(-1, 1, n) for a, s in zip(most, allocation.DEMANDS, strict=True)}
+    return columns | {"phi": rng.uniform(allocation.YAW.low, allocation.YAW.high, n)}
 
 
 def poses(n: int = N) -> dict[str, np.ndarray]:
     """Return currents within the limit, poses over the travel, some on pitches' borders, and their places there."""
-    rng, found = np.random.default_rng(1), {}
+    rng, columns = np.random.default_rng(1), {}
     for motor in planar_stage.MOTORS:
-        found[f"i_{motor}Q"] = allocation.QUADRATURE * rng.uniform(-1, 1, n)
-        found[f"i_{motor}D"] = np.sqrt(allocation.LIMIT**2 - found[f"i_{motor}Q"] ** 2) * rng.uniform(-1, 1, n)
-    found |= {s.name: rng.uniform(s.low, s.high, n) for s in (allocation.BOX["x"], allocation.BOX["y"], allocation.YAW)}
+        columns[f"i_{motor}Q"] = allocation.QUADRATURE * rng.uniform(-1, 1, n)
+        columns[f"i_{motor}D"] = np.sqrt(allocation.LIMIT**2 - columns[f"i_{motor}Q"] ** 2) * rng.uniform(-1, 1, n)
+    columns |= {
+        s.name: rng.uniform(s.low, s.high, n) for s in (allocation.BOX["x"], allocation.BOX["y"], allocation.YAW)
+    }
     for axis in "xy":
-        pitch = np.round(found[axis] / V["l"])
+        pitch = np.round(columns[axis] / V["l"])
         border = rng.uniform(size=n) < 0.05  # of a pitch, to either side of which it may be taken
-        found[f"within_{axis}"] = np.where(border, rng.choice([-0.5, 0.5], n) * V["l"], found[axis] - V["l"] * pitch)
-        found[axis] = found[f"within_{axis}"] + V["l"] * pitch
-    return found
+        columns[f"within_{axis}"] = np.where(
+            border, rng.choice([-0.5, 0.5], n) * V["l"], columns[axis] - V["l"] * pitch
+        )
+        columns[axis] = columns[f"within_{axis}"] + V["l"] * pitch
+    return columns
 
 
-def asked(q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def commutation_inputs(q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return what the commutation knows of a pose."""
     return {name: v for name, v in q.items() if name not in ("x", "y")}
 
@@ -82,15 +86,15 @@ def forces(q: dict[str, np.ndarray], out: agree.Columns) -> tuple[np.ndarray, np
     both = ca.vcat([getattr(made[m], axis) for axis in "yz" for m in planar_stage.MOTORS])
     f = ca.Function("f", [ca.vcat([*x.values(), *u.values()])], [both])
     columns = [q[n] for n in x] + [np.asarray(out[f"{n}_computed"]) for n in u]
-    found = np.asarray(f.map(len(q["x"]))(np.array(columns)))
-    return found[:3], found[3:]
+    values = np.asarray(f.map(len(q["x"]))(np.array(columns)))
+    return values[:3], values[3:]
 
 
 def test_shares_have_the_signs_of_table_3() -> None:
     table = {"x": "-++000", "y": "++0000", "phi": "-+0000", "z": "000+++", "theta": "000--+", "psi": "000+-0"}
     for row, (axis, expected) in zip(np.linalg.inv(allocation.wrench(PLANT)).T, table.items(), strict=True):
-        found = "".join("+" if v > 1e-12 else "-" if v < -1e-12 else "0" for v in row)
-        assert found == expected, axis
+        signs = "".join("+" if v > 1e-12 else "-" if v < -1e-12 else "0" for v in row)
+        assert signs == expected, axis
 
 
 def test_the_wrench_is_that_of_the_stage() -> None:
@@ -103,7 +107,7 @@ def test_the_wrench_is_that_of_the_stage() -> None:
             u = {n: ca.SX(0) for n in names(PLANT.inputs)}
             where = planar_stage.centres(at_rest, P)[motor]
             i = (ca.SX(0), ca.SX(1 / K)) if direct else (ca.SX(1 / K), ca.SX(0))
-            phases = lorentz_motor.commutated(*i, where.X if motor == "C" else where.Y, P)
+            phases = lorentz_motor.phase_currents(*i, where.X if motor == "C" else where.Y, P)
             u |= {f"i_{motor}{phase}": v for phase, v in phases.items()}
             moved = planar_stage.accelerations(at_rest, u, P)
             columns.append([float(moved[axis]) for axis in allocation.AXES] * inertia)
@@ -114,21 +118,21 @@ def test_the_wrench_is_that_of_the_stage() -> None:
 def test_motors_make_what_is_commanded_anywhere(commutated: dict[str, agree.Witness], witness: str) -> None:
     """Over the travel, all pitches, their borders and the yaw: K i_Q along, K i_D up, to rounding."""
     q = poses()
-    along, up = forces(q, commutated[witness]({}, asked(q)).outputs)
+    along, up = forces(q, commutated[witness]({}, commutation_inputs(q)).outputs)
     for axis, made in (("Q", along), ("D", up)):
-        wanted = K * np.array([q[f"i_{m}{axis}"] for m in planar_stage.MOTORS])
-        np.testing.assert_allclose(made, wanted, rtol=0, atol=DOUBLE * K * allocation.LIMIT)
+        commanded = K * np.array([q[f"i_{m}{axis}"] for m in planar_stage.MOTORS])
+        np.testing.assert_allclose(made, commanded, rtol=0, atol=DOUBLE * K * allocation.LIMIT)
 
 
 def test_phases_are_those_of_the_reference_and_within_the_limit(commutated: dict[str, agree.Witness]) -> None:
     q = poses()
     currents = {m: (q[f"i_{m}Q"], q[f"i_{m}D"]) for m in planar_stage.MOTORS}
     expected = reference_control.phases(currents, q)
-    found = commutated["c64"]({}, asked(q)).outputs
+    phases = commutated["c64"]({}, commutation_inputs(q)).outputs
     for name, i in expected.items():
-        np.testing.assert_allclose(found[f"{name}_computed"], i, rtol=0, atol=DOUBLE)
+        np.testing.assert_allclose(phases[f"{name}_computed"], i, rtol=0, atol=DOUBLE)
         assert np.abs(i).max() <= allocation.LIMIT * (1 + DOUBLE)
-        assert np.abs(found[f"{name}_computed"]).max() <= allocation.LIMIT
+        assert np.abs(phases[f"{name}_computed"]).max() <= allocation.LIMIT
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
@@ -142,9 +146,9 @@ def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: typ
     emitted = write.emit(unranged(block), scalar, error=interface.SURROGATE_ERROR[scalar])
     text = emitted.files[f"{block.name}.c"]
     assert text.count("admit -1.26") == 9 and not re.search(r"i_.._computed = limit", text)
-    found = agree.emitted(host.load(emitted.files, emitted.manifest))({}, asked(q)).outputs
-    largest = max(np.abs(found[s.name]).max() for s in allocation.COMPUTED)
-    assert allocation.LIMIT * (1 - 2 * allocation.SPARE) < largest <= scalar(allocation.LIMIT)
+    phases = agree.emitted_c(host.load(emitted.files, emitted.manifest))({}, commutation_inputs(q)).outputs
+    largest = max(np.abs(phases[s.name]).max() for s in allocation.COMPUTED)
+    assert allocation.LIMIT * (1 - 2 * allocation.ROUNDING_MARGIN) < largest <= scalar(allocation.LIMIT)
 
 
 def test_a_limit_stays_where_nothing_is_spared(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,25 +166,25 @@ def test_a_planted_place_is_found(parameter: str, off: float) -> None:
     """Motors that are 0.1 nm from where the commutation takes them, or 1 nm times the yaw, make other forces."""
     q = poses(1000)
     moved = PLANT.with_parameters(**{parameter: V[parameter] + off})
-    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, asked(q)).outputs)
-    wanted = K * np.array([q[f"i_{m}Q"] for m in planar_stage.MOTORS])
-    assert np.abs(along - wanted).max() > DOUBLE * K * allocation.LIMIT
+    along, _ = forces(q, agree.casadi(allocation.commutation(moved, TIME))({}, commutation_inputs(q)).outputs)
+    commanded = K * np.array([q[f"i_{m}Q"] for m in planar_stage.MOTORS])
+    assert np.abs(along - commanded).max() > DOUBLE * K * allocation.LIMIT
 
 
 @pytest.mark.parametrize("witness", ["casadi", "c64"])
 def test_what_the_motors_can_do_is_done(allocated: dict[str, agree.Witness], witness: str) -> None:
     u = demands(0.1)
     out = allocated[witness]({}, u).outputs
-    for axis, wanted in zip(allocation.AXES, allocation.DEMANDS, strict=True):
+    for axis, demand in zip(allocation.AXES, allocation.DEMANDS, strict=True):
         size = allocation.authority(PLANT)[axis]
-        np.testing.assert_allclose(out[f"made_{axis}"], u[wanted.name], rtol=0, atol=DOUBLE * size)
+        np.testing.assert_allclose(out[f"achieved_{axis}"], u[demand.name], rtol=0, atol=DOUBLE * size)
 
 
 def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]) -> None:
     for size in (0.1, 1.0, 100.0):
         u = demands(size)
-        wanted = {a: SCALES[a] * u[s.name] for a, s in zip(allocation.AXES, allocation.DEMANDS, strict=True)}
-        currents, made = reference_control.motors(wanted, u["phi"])
+        demand = {a: SCALES[a] * u[s.name] for a, s in zip(allocation.AXES, allocation.DEMANDS, strict=True)}
+        currents, made = reference_control.allocate(demand, u["phi"])
         out = allocated["c64"]({}, u).outputs
         for m, pair in currents.items():
             for axis, i in zip("QD", pair, strict=True):
@@ -188,7 +192,7 @@ def test_currents_are_those_of_the_reference(allocated: dict[str, agree.Witness]
         for axis, force in made.items():
             most = allocation.authority(PLANT)[axis]
             met = force / SCALES[axis]
-            np.testing.assert_allclose(out[f"made_{axis}"], met, rtol=0, atol=max(1, size) * DOUBLE * most)
+            np.testing.assert_allclose(out[f"achieved_{axis}"], met, rtol=0, atol=max(1, size) * DOUBLE * most)
 
 
 def test_limits_put_yaw_first_and_leave_the_vertical_axes_their_part(allocated: dict[str, agree.Witness]) -> None:
@@ -202,7 +206,7 @@ def test_limits_put_yaw_first_and_leave_the_vertical_axes_their_part(allocated: 
         most = allocation.QUADRATURE / (2 if m == "C" else 1)  # C leaves the others half for the yaw
         assert np.mean(np.abs(i_q) >= most * (1 - DOUBLE)) > 0.45
         assert np.abs(i_d).max() == allocation.DIRECT
-    made, straight = np.array([out[f"made_{axis}"] for axis in allocation.AXES]), np.abs(u["phi"]) <= BOX_YAW
+    made, straight = np.array([out[f"achieved_{axis}"] for axis in allocation.AXES]), np.abs(u["phi"]) <= BOX_YAW
     bounds = (allocation.achievable_bound, allocation.authority)
     reach, most = (np.array(list(v(PLANT).values()))[:, None] for v in bounds)
     assert (np.abs(made) <= reach * (1 + DOUBLE)).all()
@@ -213,11 +217,11 @@ def test_yaw_is_held_where_x_and_y_are_beyond_the_motors(allocated: dict[str, ag
     """C pushes as far as it can, A and B take back its torque, and with what is left they push along y."""
     u = {s.name: np.zeros(1) for s in allocation.DEMANDS} | {"phi": np.zeros(1), "d_x": [100.0], "d_y": [100.0]}
     out = allocated["c64"]({}, {n: np.asarray(v) for n, v in u.items()}).outputs
-    assert out["made_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["i_CQ"] == allocation.QUADRATURE
+    assert out["achieved_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["i_CQ"] == allocation.QUADRATURE
     u["d_x"] = np.array([0.5])
     out = allocated["c64"]({}, {n: np.asarray(v) for n, v in u.items()}).outputs
-    assert out["made_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["made_x"] == pytest.approx(0.5)
-    assert out["made_y"] == pytest.approx(2 * (allocation.QUADRATURE - 0.5))
+    assert out["achieved_phi"] == pytest.approx(0.0, abs=DOUBLE) and out["achieved_x"] == pytest.approx(0.5)
+    assert out["achieved_y"] == pytest.approx(2 * (allocation.QUADRATURE - 0.5))
 
 
 def test_the_cosine_of_a_quarter_is_proved_and_that_of_a_place_beyond_its_pitch_is_not() -> None:
@@ -234,7 +238,7 @@ def test_the_functions_of_the_angle_become_polynomials() -> None:
     text = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float64).files["commutation.c"]
     step = text[text.index("commutation_step(") :]
     assert not re.search(r"\b(sin|cos)f?\(", step)
-    assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("back", "front"))
+    assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("rear", "front"))
 
 
 def test_scales_are_those_of_the_reference_and_leave_ratios_of_arms() -> None:
@@ -251,8 +255,8 @@ def test_scales_are_those_of_the_reference_and_leave_ratios_of_arms() -> None:
         "BD": [0, 0, 0, 1, -1, -1],
         "CD": [0, 0, 0, 2 * b / c, 2, 0],
     }
-    found = np.linalg.inv(allocation.wrench(PLANT)) * list(SCALES.values()) / K
-    np.testing.assert_allclose(found, list(rows.values()), rtol=0, atol=DOUBLE)
+    ratios = np.linalg.inv(allocation.wrench(PLANT)) * list(SCALES.values()) / K
+    np.testing.assert_allclose(ratios, list(rows.values()), rtol=0, atol=DOUBLE)
 
 
 def test_authority_is_what_all_motors_make_together(allocated: dict[str, agree.Witness]) -> None:
@@ -262,11 +266,11 @@ def test_authority_is_what_all_motors_make_together(allocated: dict[str, agree.W
     """
     T = allocation.wrench(PLANT)
     for row, (axis, most) in zip(T, allocation.authority(PLANT).items(), strict=True):
-        wanted = T @ np.sign(row) * K * 1e3 / list(SCALES.values())
-        u = dict(zip((s.name for s in allocation.DEMANDS), wanted[:, None], strict=True)) | {"phi": np.zeros(1)}
+        achievable = T @ np.sign(row) * K * 1e3 / list(SCALES.values())
+        u = dict(zip((s.name for s in allocation.DEMANDS), achievable[:, None], strict=True)) | {"phi": np.zeros(1)}
         part = (allocation.QUADRATURE if axis in allocation.HORIZONTAL else allocation.DIRECT) / allocation.LIMIT
         part *= {"x": 0.5, "phi": 0.75}.get(axis, 1.0)
-        assert allocated["c64"]({}, u).outputs[f"made_{axis}"] == pytest.approx(part * most, rel=DOUBLE), axis
+        assert allocated["c64"]({}, u).outputs[f"achieved_{axis}"] == pytest.approx(part * most, rel=DOUBLE), axis
 
 
 def test_k_is_the_lorentz_integrals_and_not_as_printed() -> None:

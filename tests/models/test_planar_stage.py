@@ -22,7 +22,7 @@ def random_point(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return rng.uniform(low, high), rng.uniform(-1, 1, 9)
 
 
-def written_out(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+def expected_accelerations(x: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Return the accelerations of (18)-(20) in the order x, y, phi, z, theta, psi."""
     X, Y, phi, z, theta, psi = x[:6]
     along, up = {}, {}
@@ -45,10 +45,12 @@ def written_out(x: np.ndarray, u: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(8))
 def test_the_plant_is_its_equations(seed: int) -> None:
     x, u = random_point(seed)
-    found = ca.DM(PLANT.f(x, u, PLANT.values)).full().ravel()
+    derivative = ca.DM(PLANT.f(x, u, PLANT.values)).full().ravel()
     rates = x[[names(PLANT.states).index(planar_stage.RATE[axis]) for axis in planar_stage.AXES]]
-    expected = dict(zip((*planar_stage.AXES, *planar_stage.RATE.values()), [*rates, *written_out(x, u)], strict=True))
-    np.testing.assert_allclose(found, [expected[n] for n in names(PLANT.states)], rtol=DOUBLE, atol=DOUBLE)
+    expected = dict(
+        zip((*planar_stage.AXES, *planar_stage.RATE.values()), [*rates, *expected_accelerations(x, u)], strict=True)
+    )
+    np.testing.assert_allclose(derivative, [expected[n] for n in names(PLANT.states)], rtol=DOUBLE, atol=DOUBLE)
 
 
 def test_rows_x_and_z_of_table_3_move_one_axis_each() -> None:
@@ -59,7 +61,7 @@ def test_rows_x_and_z_of_table_3_move_one_axis_each() -> None:
         for motor, i_q, i_d in zip("ABC", push, lift, strict=True):
             where = planar_stage.centres(at_rest, p)[motor]
             along = where.X if motor == "C" else where.Y
-            phases = lorentz_motor.commutated(ca.SX(i_q), ca.SX(i_d), along, p)
+            phases = lorentz_motor.phase_currents(ca.SX(i_q), ca.SX(i_d), along, p)
             u |= {f"i_{motor}{phase}": i for phase, i in phases.items()}
         moved = {n: float(v) for n, v in planar_stage.accelerations(at_rest, u, p).items()}
         assert abs(moved.pop(axis)) > 1 and max(map(abs, moved.values())) < 1e-10

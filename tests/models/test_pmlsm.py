@@ -40,8 +40,8 @@ def stress_forces(g: float, i_d: float, i_q: float, height: float) -> tuple[floa
     return area * abs(np.mean(B_x * B_y)) / mu0, -area * np.mean(B_y**2 - B_x**2) / (2 * mu0)
 
 
-def law(g: float, i_d: float, i_q: float, reading: pmlsm.Reading) -> tuple[float, float]:
-    F_H, F_V = pmlsm.thrust(g, i_q, SMOOTH, reading), pmlsm.normal_force(g, i_d, i_q, SMOOTH, reading)
+def law(g: float, i_d: float, i_q: float, variant: pmlsm.Variant) -> tuple[float, float]:
+    F_H, F_V = pmlsm.thrust(g, i_q, SMOOTH, variant), pmlsm.normal_force(g, i_d, i_q, SMOOTH, variant)
     return abs(float(F_H)), float(F_V)
 
 
@@ -55,10 +55,10 @@ def test_forces_are_maxwells_stress(g: float, i_d: float, i_q: float, height: fl
 
 
 @pytest.mark.parametrize(
-    "reading", [pmlsm.Reading(lv3="coth2"), pmlsm.Reading(kv2_power=2), pmlsm.Reading(p_counts="pole_pairs")]
+    "variant", [pmlsm.Variant(lv3="coth2"), pmlsm.Variant(kv2_power=2), pmlsm.Variant(p_counts="pole_pairs")]
 )
-def test_each_printed_reading_contradicts_maxwells_stress(reading: pmlsm.Reading) -> None:
-    assert law(0.025, 2.0, 3.0, reading) != pytest.approx(stress_forces(0.025, 2.0, 3.0, 0.5), rel=0.02)
+def test_each_printed_reading_contradicts_maxwells_stress(variant: pmlsm.Variant) -> None:
+    assert law(0.025, 2.0, 3.0, variant) != pytest.approx(stress_forces(0.025, 2.0, 3.0, 0.5), rel=0.02)
 
 
 GAP_TABLE = [  # mm: B_pmy1 T, F0 N, 4 F0 / weight, dF_V/di_d N/A, F_H N/A
@@ -76,8 +76,8 @@ def test_figures_at_six_gaps(mm: int, field: float, attraction: float, ratio: fl
     g = mm * 1e-3
     F0 = -pmlsm.normal_force(g, 0.0, 0.0, NOMINAL)
     slope = (pmlsm.normal_force(g, 1e-3, 0.0, NOMINAL) - pmlsm.normal_force(g, -1e-3, 0.0, NOMINAL)) / 2e-3
-    found = (pmlsm.magnet_field(g, NOMINAL), F0, 4 * F0 / WEIGHT, slope, -pmlsm.thrust(g, 1.0, NOMINAL))
-    assert [float(v) for v in found] == pytest.approx([field, attraction, ratio, lift, push], rel=1e-4)
+    values = (pmlsm.magnet_field(g, NOMINAL), F0, 4 * F0 / WEIGHT, slope, -pmlsm.thrust(g, 1.0, NOMINAL))
+    assert [float(v) for v in values] == pytest.approx([field, attraction, ratio, lift, push], rel=1e-4)
 
 
 @pytest.mark.parametrize("g", [0.0124, 0.018, 0.025, 0.0366])
@@ -86,21 +86,21 @@ def test_the_constants_belong_together(g: float) -> None:
     mixed = pmlsm.permeance_factor(g, NOMINAL) * pmlsm.magnet_field(g, NOMINAL) / pmlsm.carter_coefficient(g, NOMINAL)
     assert K.K_v2**2 == pytest.approx(4 * K.K_v1 * K.K_v3, rel=1e-13)
     assert K.K_h * L.L_h == pytest.approx(K.K_v2 * mixed, rel=1e-13)
-    printed = pmlsm.constants(NOMINAL, pmlsm.Reading(kv2_power=2))
+    printed = pmlsm.constants(NOMINAL, pmlsm.Variant(kv2_power=2))
     assert printed.K_v2**2 != pytest.approx(4 * printed.K_v1 * printed.K_v3, rel=0.5)
 
 
 @pytest.mark.parametrize(("power", "real"), [(1, True), (2, False)])
 def test_the_printed_square_leaves_no_holding_current_at_25_mm(power: int, real: bool) -> None:
-    reading = pmlsm.Reading(lv3="coth2", kv2_power=2 if power == 2 else 1)
-    K, L = pmlsm.constants(NOMINAL, reading), pmlsm.coefficients(0.025, NOMINAL, reading)
+    variant = pmlsm.Variant(lv3="coth2", kv2_power=2 if power == 2 else 1)
+    K, L = pmlsm.constants(NOMINAL, variant), pmlsm.coefficients(0.025, NOMINAL, variant)
     deficit = K.K_v1 * L.L_v1 - WEIGHT / 4
     assert ((K.K_v2 * L.L_v2) ** 2 >= 4 * K.K_v3 * L.L_v3 * deficit) is real
 
 
 def test_three_pole_pairs_for_p_double_the_thrust() -> None:
-    reading = pmlsm.Reading(p_counts="pole_pairs")
-    assert -pmlsm.thrust(0.025, 1.0, NOMINAL, reading) == pytest.approx(24.976, abs=5e-4)
+    variant = pmlsm.Variant(p_counts="pole_pairs")
+    assert -pmlsm.thrust(0.025, 1.0, NOMINAL, variant) == pytest.approx(24.976, abs=5e-4)
 
 
 def test_winding_factor() -> None:
@@ -136,13 +136,13 @@ MOTORS = [
 GAPS = np.linspace(0.0124, 0.0366, 30).tolist()
 
 
-def law_errors(changed: dict[str, float], reading: pmlsm.Reading) -> np.ndarray:
+def law_errors(changed: dict[str, float], variant: pmlsm.Variant) -> np.ndarray:
     """Return how far a, b, c and h of the force law are from constants times coefficients, relatively, at most."""
     p, worst = NOMINAL | changed, np.zeros(4)
-    K = pmlsm.constants(p, reading)
+    K = pmlsm.constants(p, variant)
     for g in GAPS:
-        found, L = pmlsm.force_law(g, p), pmlsm.coefficients(g, p, reading)
-        ours = np.array([2 * found.half_a, found.b, 2 * found.half_c, found.h], dtype=float)
+        law, L = pmlsm.force_law(g, p), pmlsm.coefficients(g, p, variant)
+        ours = np.array([2 * law.half_a, law.b, 2 * law.half_c, law.h], dtype=float)
         printed = np.array([K.K_v1 * L.L_v1, K.K_v2 * L.L_v2, K.K_v3 * L.L_v3, K.K_h * L.L_h], dtype=float)
         worst = np.maximum(worst, np.abs(ours / printed - 1))
     return worst
@@ -151,31 +151,31 @@ def law_errors(changed: dict[str, float], reading: pmlsm.Reading) -> np.ndarray:
 @pytest.mark.parametrize("changed", MOTORS)
 def test_the_force_law_is_constants_times_coefficients(changed: dict[str, float]) -> None:
     assert law_errors(changed, pmlsm.STRESS).max() < 1e-14
-    assert (law_errors(changed, pmlsm.Reading("coth2")) > 1e-2).tolist() == [False, False, True, False]
+    assert (law_errors(changed, pmlsm.Variant("coth2")) > 1e-2).tolist() == [False, False, True, False]
 
 
 def test_another_power_of_p_has_another_force_law() -> None:
-    assert (law_errors({}, pmlsm.Reading(kv2_power=2)) > 1).tolist() == [False, True, False, False]
+    assert (law_errors({}, pmlsm.Variant(kv2_power=2)) > 1).tolist() == [False, True, False, False]
 
 
 @pytest.mark.parametrize("changed", MOTORS)
 def test_lift_thrust_and_attractions_are_sides_of_one_triangle(changed: dict[str, float]) -> None:
     """b^2 = h^2 + 4 a c, from the printed factors alone; not so with coth^2."""
     p = NOMINAL | changed
-    for reading, holds in ((pmlsm.STRESS, True), (pmlsm.Reading("coth2"), False)):
-        K = pmlsm.constants(p, reading)
+    for variant, holds in ((pmlsm.STRESS, True), (pmlsm.Variant("coth2"), False)):
+        K = pmlsm.constants(p, variant)
         for g in GAPS:
-            L = pmlsm.coefficients(g, p, reading)
+            L = pmlsm.coefficients(g, p, variant)
             b, h, ac = K.K_v2 * L.L_v2, K.K_h * L.L_h, K.K_v1 * L.L_v1 * K.K_v3 * L.L_v3
             assert (abs((h**2 + 4 * ac) / b**2 - 1) < 1e-14) is holds
 
 
 def test_the_ratio_of_the_force_law_grows_slowly_with_the_gap() -> None:
     """half_a / h^2 has lost the exponentials of the gap: a polynomial of low degree will do for it."""
-    found = [pmlsm.force_law(g, NOMINAL) for g in GAPS]
-    np.testing.assert_allclose([float(f.ratio) for f in found], [float(f.half_a / f.h**2) for f in found], rtol=1e-14)
-    ratios = [float(f.ratio) for f in found]
-    assert max(ratios) < 1.25 * min(ratios) and float(found[0].half_a) > 10 * float(found[-1].half_a)
+    laws = [pmlsm.force_law(g, NOMINAL) for g in GAPS]
+    np.testing.assert_allclose([float(f.ratio) for f in laws], [float(f.half_a / f.h**2) for f in laws], rtol=1e-14)
+    ratios = [float(f.ratio) for f in laws]
+    assert max(ratios) < 1.25 * min(ratios) and float(laws[0].half_a) > 10 * float(laws[-1].half_a)
 
 
 def test_a_motor_carries_its_load_by_the_current_of_the_balance_and_by_no_other() -> None:

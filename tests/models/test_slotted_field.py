@@ -63,7 +63,7 @@ def by_modes(motor: sf.Geometry, gap: float, modes: int) -> np.ndarray:
     return np.r_[table[:, :4].mean(axis=0), abs(np.fft.rfft(table[:, 4])[1]) / 3]
 
 
-def by_modes_extrapolated(motor: sf.Geometry, gap: float) -> np.ndarray:
+def extrapolate_by_modes(motor: sf.Geometry, gap: float) -> np.ndarray:
     coarse, fine = by_modes(motor, gap, 20), by_modes(motor, gap, 40)
     return fine + (fine - coarse) / (2 ** (4 / 3) - 1)
 
@@ -88,32 +88,34 @@ def smooth_series(motor: sf.Geometry, gap: float) -> np.ndarray:
     )
 
 
-def miss(found: sf.Forces, wanted: np.ndarray) -> float:
-    return float(np.max(np.abs(np.array(astuple(found))[: len(wanted)] / wanted - 1)))
+def miss(forces: sf.Forces, expected: np.ndarray) -> float:
+    return float(np.max(np.abs(np.array(astuple(forces))[: len(expected)] / expected - 1)))
 
 
 @pytest.fixture(scope="module")
-def converged() -> dict[float, sf.Converged]:
-    return {gap: sf.extrapolated(MOTOR, gap) for gap in GAPS}
+def converged_forces() -> dict[float, sf.Converged]:
+    return {gap: sf.extrapolate(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.fixture(scope="module")
 def modal() -> dict[float, np.ndarray]:
-    return {gap: by_modes_extrapolated(MOTOR, gap) for gap in GAPS}
+    return {gap: extrapolate_by_modes(MOTOR, gap) for gap in GAPS}
 
 
 @pytest.mark.parametrize("gap", GAPS)
-def test_mode_matching_agrees(gap: float, converged: dict[float, sf.Converged], modal: dict[float, np.ndarray]) -> None:
+def test_mode_matching_agrees(
+    gap: float, converged_forces: dict[float, sf.Converged], modal: dict[float, np.ndarray]
+) -> None:
     """The cogging is held less tightly: 1e-4 is about what either method still changes in it when refined."""
-    found = converged[gap]
-    assert miss(found.value, modal[gap][:4]) < 5e-5
-    assert miss(found.value, modal[gap]) < 3e-4
-    assert np.all(np.abs(np.array(astuple(found.value)) - modal[gap]) < np.array(astuple(found.error)))
+    forces = converged_forces[gap]
+    assert miss(forces.value, modal[gap][:4]) < 5e-5
+    assert miss(forces.value, modal[gap]) < 3e-4
+    assert np.all(np.abs(np.array(astuple(forces.value)) - modal[gap]) < np.array(astuple(forces.error)))
 
 
 def test_smooth_gap_agrees_with_the_series() -> None:
-    assert miss(sf.extrapolated(SMOOTH, 25e-3).value, smooth_series(SMOOTH, 25e-3)) < 2e-3
-    assert miss(sf.extrapolated(MOTOR, 25e-3).value, smooth_series(MOTOR, 25e-3)) > 0.05
+    assert miss(sf.extrapolate(SMOOTH, 25e-3).value, smooth_series(SMOOTH, 25e-3)) < 2e-3
+    assert miss(sf.extrapolate(MOTOR, 25e-3).value, smooth_series(MOTOR, 25e-3)) > 0.05
 
 
 def test_recoil_permeability_agrees_with_the_two_layer_solution() -> None:
@@ -124,8 +126,8 @@ def test_recoil_permeability_agrees_with_the_two_layer_solution() -> None:
     B = 4 / np.pi * sf.MU0 * motor.H_c * np.sin(n * np.pi / 2) / n
     B *= motor.mu_rec * t_m / (t_m + motor.mu_rec * t_g) / np.cosh(np.minimum(k * gap, 300))
     lift = motor.L_A * motor.p_m * motor.tau / 4 / sf.MU0 * np.sum(B**2)
-    assert sf.extrapolated(motor, gap).value.lift == pytest.approx(lift, rel=2e-3)
-    assert sf.extrapolated(replace(motor, mu_rec=1.0), gap).value.lift != pytest.approx(lift, rel=2e-2)
+    assert sf.extrapolate(motor, gap).value.lift == pytest.approx(lift, rel=2e-3)
+    assert sf.extrapolate(replace(motor, mu_rec=1.0), gap).value.lift != pytest.approx(lift, rel=2e-2)
 
 
 sf_sheet, sf_slots, sf_line = sf._sheet, sf.slot_currents, sf._mid_gap
@@ -188,7 +190,7 @@ def _order() -> float:
 
 def test_order_is_two_and_needs_the_grading(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _order() == pytest.approx(2.0, abs=0.15)
-    monkeypatch.setattr(slotted_grid, "_both_ends", lambda n: np.linspace(0.0, 1.0, n + 1))
+    monkeypatch.setattr(slotted_grid, "_graded_at_both_ends", lambda n: np.linspace(0.0, 1.0, n + 1))
     assert _order() < 1.75
 
 
@@ -207,8 +209,8 @@ def test_cogging_has_the_slot_pitch_and_no_mean() -> None:
 
 
 def test_slot_depth_does_not_matter() -> None:
-    two, three = (sf.extrapolated(replace(MOTOR, slot_depth=depth * MOTOR.b0), 20e-3, 16).value for depth in (2, 3))
-    shallow = sf.extrapolated(replace(MOTOR, slot_depth=0.5 * MOTOR.b0), 20e-3).value
+    two, three = (sf.extrapolate(replace(MOTOR, slot_depth=depth * MOTOR.b0), 20e-3, 16).value for depth in (2, 3))
+    shallow = sf.extrapolate(replace(MOTOR, slot_depth=0.5 * MOTOR.b0), 20e-3).value
     assert miss(three, np.array(astuple(two))) < 1e-4
     assert miss(shallow, np.array(astuple(two))) > 5e-3
 
@@ -242,9 +244,9 @@ def test_magnet_sides_snapped_to_the_grid_are_caught(monkeypatch: pytest.MonkeyP
     assert _bend("tau_p") > 2e-3
 
 
-def test_published_motor(converged: dict[float, sf.Converged]) -> None:
+def test_published_motor(converged_forces: dict[float, sf.Converged]) -> None:
     """Converged figures; closed form at 25 mm: thrust 12.488, vertical 13.446 N per rms A, lift 25.937 N."""
-    at = {gap: c.value for gap, c in converged.items()}
+    at = {gap: c.value for gap, c in converged_forces.items()}
     assert at[25e-3].thrust == pytest.approx(9.0833, rel=1e-4)
     assert at[25e-3].vertical == pytest.approx(9.6728, rel=1e-4)
     assert at[25e-3].attraction == pytest.approx(0.119342, rel=1e-4)

@@ -21,8 +21,8 @@ def run() -> Callable[..., Experiment]:
         y[SPIKE] += 3e-3
         states = {"y": y, "theta": theta}
         trajectory = Trajectory(time, states, {}, {}, {}, {}, np.zeros(N, np.uint32), {})
-        given = {"y": y_ref, "theta": theta_ref} if references else {}
+        set_points = {"y": y_ref, "theta": theta_ref} if references else {}
         figures = {"mean |e_y|, um": 1.25, "overshoot": 0.118}
-        return Experiment(name, "Tracking", "60 s from rest", trajectory, ("y", "theta"), given, figures, checks)
+        return Experiment(name, "Tracking", "60 s from rest", trajectory, ("y", "theta"), set_points, figures, checks)
 
     return make

@@ -1,4 +1,4 @@
-"""The generic part of an audit: what counts as agreement, how a verdict follows, what the JSON holds."""
+"""Audit: criterion of agreement, verdicts, and the JSON document."""
 
 import json
 from math import inf, nan
@@ -31,7 +31,7 @@ def test_the_last_digit_is_that_of_the_print(text: str, digit: float) -> None:
     assert Printed(text, "1").last_digit == pytest.approx(digit, rel=1e-12)
 
 
-def test_nothing_agrees_that_is_no_number() -> None:
+def test_nan_never_agrees() -> None:
     assert not Printed("14.3", "%").agrees(nan)
     assert not Printed("14.3", "%").agrees(inf)
 
@@ -45,16 +45,16 @@ def test_the_verdict_follows_from_two_statements(as_printed: bool, corrected: bo
 
 
 def row(value: float) -> audit.Row:
-    found = audit.published(TEXT)["A-1"]
-    return audit.row(found, [("pole", value, "1/s")], judge(found["pole"].agrees(value)), "why | so", ("m",))
+    published = audit.parse_published(TEXT)["A-1"]
+    return audit.row(published, [("pole", value, "1/s")], judge(published["pole"].agrees(value)), "why | so", ("m",))
 
 
 def test_the_document_has_the_declared_keys_and_unrounded_values() -> None:
     value = -2.6144397110588162
-    (found,) = json.loads(json.dumps([row(value).document()]))
-    assert list(found) == ["id", "paper", "where", "published", "recomputed", "verdict", "why"]
-    assert found["recomputed"] == [{"name": "pole", "value": value, "unit": "1/s"}]
-    assert (found["id"], found["paper"], found["verdict"]) == ("A-1", "A", "R")
+    (document,) = json.loads(json.dumps([row(value).document()]))
+    assert list(document) == ["id", "paper", "where", "published", "recomputed", "verdict", "why"]
+    assert document["recomputed"] == [{"name": "pole", "value": value, "unit": "1/s"}]
+    assert (document["id"], document["paper"], document["verdict"]) == ("A-1", "A", "R")
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
@@ -65,10 +65,10 @@ def test_a_value_that_does_not_exist_is_null(value: float) -> None:
 
 
 def test_figures_and_numbers_are_read_by_name() -> None:
-    found = row(-2.6)
-    assert found["pole"] == -2.6
-    assert found.published["step"].value == 7
-    for wrong in (lambda: found["zero"], lambda: found.published["zero"]):
+    example = row(-2.6)
+    assert example["pole"] == -2.6
+    assert example.published["step"].value == 7
+    for wrong in (lambda: example["zero"], lambda: example.published["zero"]):
         with pytest.raises(DesignError, match=r"A-1.*'zero'.*pole"):
             wrong()
 
@@ -76,7 +76,7 @@ def test_figures_and_numbers_are_read_by_name() -> None:
 @pytest.mark.parametrize("figures", [[], [("a", 1.0, "m"), ("a", 2.0, "m")]])
 def test_a_row_without_figures_or_with_two_of_a_name_is_refused(figures: list[tuple[str, float, str]]) -> None:
     with pytest.raises(DesignError, match="A-1"):
-        audit.row(audit.published(TEXT)["A-1"], figures, Verdict.REPRODUCES, "why")
+        audit.row(audit.parse_published(TEXT)["A-1"], figures, Verdict.REPRODUCES, "why")
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,12 @@ def test_a_row_without_figures_or_with_two_of_a_name_is_refused(figures: list[tu
 )
 def test_a_published_row_that_lacks_something_is_refused(wrong: str, right: str) -> None:
     with pytest.raises(DesignError, match="published row A-1"):
-        audit.published(TEXT.replace(wrong, right))
+        audit.parse_published(TEXT.replace(wrong, right))
 
 
-def test_digits_must_stand_in_quotes() -> None:
+def test_digits_must_be_quoted() -> None:
     with pytest.raises(DesignError, match="in quotes"):
-        audit.published(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
+        audit.parse_published(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
 
 
 TWO_ROWS = (
@@ -117,7 +117,7 @@ corrected = "A-2.late.agrees(late - m)"
 
 
 def test_rows_come_in_the_order_asked_for_or_in_that_of_the_print_with_their_rules() -> None:
-    scope = audit.Scope({"m": 9.61}, {}, audit.published(TWO_ROWS))
+    scope = audit.Scope({"m": 9.61}, {}, audit.parse_published(TWO_ROWS))
     first, second = audit.rows(scope)
     assert (first.id, first.verdict, first.why, first.depends) == ("A-1", "R", "", ("A-1.pole",))
     assert (second.id, second.verdict, second.depends) == ("A-2", "RC", ("A-2.late", "m"))
@@ -133,4 +133,4 @@ def test_functions_are_those_that_a_module_defines() -> None:
 
 def test_the_prints_of_a_folder_are_read(tmp_path: Path) -> None:
     (tmp_path / "published.toml").write_text(TEXT, encoding="utf-8")
-    assert audit.read(tmp_path) == audit.published(TEXT)
+    assert audit.read_published(tmp_path) == audit.parse_published(TEXT)

@@ -1,4 +1,4 @@
-"""Drawings and rows take their captions from data; what is not described is refused."""
+"""Drawings and rows get their captions from data; a missing description is refused."""
 
 import pytest
 from matplotlib.figure import Figure
@@ -15,15 +15,15 @@ DESCRIBED = {
 def test_rows_become_a_table_and_a_drawing_a_figure() -> None:
     table = page.Table("own", ("x",), ())
     made = {"a.rows": [("one", 1.0)], "a.drawn": Figure(), "a.n": 3, "a.x": -0.5, "a.table": table}
-    found = captions.captioned(made, DESCRIBED)
-    assert found["a.rows"] == page.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
-    drawn = found["a.drawn"]
+    values = captions.with_captions(made, DESCRIBED)
+    assert values["a.rows"] == page.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
+    drawn = values["a.drawn"]
     assert isinstance(drawn, page.Figure) and drawn.svg.startswith("<svg") and drawn.beside == "Fig. 1"
-    assert found["a.table"] is table and found["a.n"] == 3
+    assert values["a.table"] is table and values["a.n"] == 3
 
 
 def test_what_is_not_described_is_refused() -> None:
     with pytest.raises(DesignError, match=r"'b' has no caption: describe it in report.toml as \[blocks."):
-        captions.captioned({"b": [("one",)]}, DESCRIBED)
+        captions.with_captions({"b": [("one",)]}, DESCRIBED)
     with pytest.raises(DesignError, match=r"a\.n }}, which is not known"):
-        captions.captioned({"a.rows": [("one", 1.0)]}, DESCRIBED)
+        captions.with_captions({"a.rows": [("one", 1.0)]}, DESCRIBED)

@@ -1,4 +1,4 @@
-"""Figures: what is drawn is the data, no spike is lost, and the same data give the same bytes."""
+"""Plots show the data, keep every spike, and give equal bytes for equal data."""
 
 import re
 from collections.abc import Callable
@@ -117,30 +117,30 @@ def resonant() -> StateSpace:
 
 def test_the_phase_follows_the_poles() -> None:
     loop = resonant()
-    found = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
-    w = found.frequency
+    curve = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
+    w = curve.frequency
     expected = -np.degrees(np.arctan(w / 5)) - np.where(w > 1, 180.0, 0.0)
     away = np.abs(np.log(w)) > 1e-3
-    assert np.allclose(bode.phase(found)[away], expected[away], atol=1e-6)
+    assert np.allclose(bode.phase(curve)[away], expected[away], atol=1e-6)
     # np.unwrap takes the pole the other way: what the rule of this module is there for
-    assert not np.allclose(np.degrees(np.unwrap(np.angle(found.response)))[away], expected[away], atol=1.0)
+    assert not np.allclose(np.degrees(np.unwrap(np.angle(curve.response)))[away], expected[away], atol=1.0)
 
 
 def test_a_bode_plot_marks_the_crossings() -> None:
     loop = resonant()
-    found = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
-    gain, angle, sensitivity = bode.bode_plot([found]).axes
+    curve = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
+    gain, angle, sensitivity = bode.bode_plot([curve]).axes
     dots = [line for line in gain.lines if line.get_marker() == "o"]
-    assert len(dots) == 1 and len(dots[0].get_xdata()) == len(found.margins.gain_crossings) > 0
+    assert len(dots) == 1 and len(dots[0].get_xdata()) == len(curve.margins.gain_crossings) > 0
     assert np.allclose(np.asarray(dots[0].get_ydata(), dtype=float), 0.0, atol=1e-6)
     peak = np.asarray(sensitivity.lines[0].get_ydata(), dtype=float).max()
-    assert peak == pytest.approx(20 * np.log10(found.margins.peak_sensitivity), abs=0.1)
+    assert peak == pytest.approx(20 * np.log10(curve.margins.peak_sensitivity), abs=0.1)
     assert sensitivity.get_xlabel() == "frequency, Hz" and angle.get_ylabel() == "arg L, °"
 
 
 def test_more_loops_than_can_be_told_apart_are_refused() -> None:
     loop = resonant()
-    found = bode.curve("L", loop, margins.of_loop(loop))
+    curve = bode.curve("L", loop, margins.of_loop(loop))
     for count in (0, 7):
         with pytest.raises(SignalError, match=f"has {count} loops"):
-            bode.bode_plot([found] * count)
+            bode.bode_plot([curve] * count)

@@ -1,4 +1,4 @@
-"""Formulas of an audit: what they may name, what they follow from, and which of them are refused."""
+"""Formulas of an audit: permitted names, dependencies, and refused expressions."""
 
 import pickle
 
@@ -29,7 +29,7 @@ text = "of a printed number alone"
 numbers = { rate = ["4", "Hz"] }
 computed = { half = ["F-2.rate / 2", "Hz", "half"], as_printed = "half < F-2.rate.value" }
 """
-PRINTS = audit.published(TEXT)
+PRINTS = audit.parse_published(TEXT)
 
 
 SCOPE = audit.Scope({"stiffness": 200.0, "mass": 9.0}, {"doubled": lambda v: 2 * v}, PRINTS)
@@ -61,7 +61,7 @@ def test_an_attribute_is_no_name() -> None:
     ("text", "match"),
     [
         ("stifness / 2", "names 'stifness', which is neither a value above it nor a parameter: use one of .*stiffness"),
-        ("stiffness /", "'stiffness /' is no expression"),
+        ("stiffness /", "'stiffness /' is not an expression"),
         ("open('x')", "names 'open'"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Plots of loops with several channels: what is drawn are the singular values of L, S and T, and the disk margins."""
+"""Plots of multivariable loops: singular values of L, S and T, and disk margins."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The page: it needs nothing from elsewhere, hides no failed check, and shows every text as text."""
+"""The page is self-contained, shows every failed check, and escapes every text."""
 
 import math
 import re
@@ -28,7 +28,7 @@ def report(*checks: Check, svg: str = SVG) -> Report:
 
 
 class Tags(HTMLParser):
-    """Holds that every element is closed in order."""
+    """Checks that every element is closed in order."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -80,17 +80,17 @@ def test_every_link_leads_to_a_heading() -> None:
         "<style>@font-face { src: url(a.woff2) }</style>",
     ],
 )
-def test_whatever_would_be_loaded_is_refused(planted: str) -> None:
+def test_external_content_is_refused(planted: str) -> None:
     with pytest.raises(DesignError, match=r"would load .*(example|a\.)"):
         page.render(report(GOOD, svg=SVG.replace("</svg>", planted + "</svg>")))
 
 
-def test_what_lies_in_the_page_is_not_refused() -> None:
+def test_embedded_content_is_accepted() -> None:
     inside = '<use href="#a-1"/><rect fill="url(#a-1)"/><image href="data:image/png;base64,AAAA"/></svg>'
-    assert page.external(page.render(report(GOOD, svg=SVG.replace("</svg>", inside)))) == ()
+    assert page.external_addresses(page.render(report(GOOD, svg=SVG.replace("</svg>", inside)))) == ()
 
 
-def test_a_failed_check_stands_in_the_summary_in_the_contents_and_in_its_table() -> None:
+def test_a_failed_check_is_in_the_summary_the_contents_and_its_table() -> None:
     html = page.render(report(GOOD, BAD))
     summary, contents, rest = re.split("<nav|</nav>", html)
     assert '2 checks, <span class="bad">1 failed</span>' in summary and 'class="summary failed"' in summary
@@ -106,7 +106,7 @@ def test_no_failure_is_shown_where_there_is_none() -> None:
     assert '1 checks, <span class="good">0 failed</span>' in html and "✗" not in html and 'failed"' not in html
 
 
-def test_a_figure_that_is_no_number_fails() -> None:
+def test_nan_fails() -> None:
     html = page.render(report(Check("margin", math.nan, 1.0, "s")))
     assert "✗ margin" in html and "no number" in html
 
@@ -126,11 +126,11 @@ def test_text_is_shown_as_text() -> None:
 
 def test_two_figures_with_the_same_ids_are_refused() -> None:
     blocks = (Figure(SVG, "one"), Figure(SVG, "two"))
-    with pytest.raises(DesignError, match="a-1 stand twice"):
+    with pytest.raises(DesignError, match="a-1 are used twice"):
         page.render(Report("r", "", (Section("s", blocks),)))
 
 
-def test_a_figure_that_is_no_svg_is_refused() -> None:
+def test_a_figure_without_svg_is_refused() -> None:
     with pytest.raises(DesignError, match="one whole <svg>"):
         page.render(report(GOOD, svg="<img>"))
 

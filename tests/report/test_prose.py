@@ -1,4 +1,4 @@
-"""Prose: Markdown with placeholders goes among the sections, and what it asks for wrongly is refused by name."""
+"""Report text: Markdown with placeholders is merged with the sections; unknown placeholders are refused by name."""
 
 import pytest
 
@@ -33,9 +33,9 @@ def sections() -> tuple[Section, ...]:
     return (Section("Model", (page.Text("standard"),)), Section("Verification"), Section("Files"))
 
 
-def test_prose_stands_in_front_of_the_section_of_its_title_and_makes_others() -> None:
-    words = prose.read(TEXT, VALUES)
-    placed = prose.placed(sections(), words.parts)
+def test_text_precedes_the_section_of_its_title_or_makes_a_new_one() -> None:
+    words = prose.parse(TEXT, VALUES)
+    placed = prose.merge(sections(), words.parts)
     assert [s.title for s in placed] == ["Model", "Our own", "Verification", "Files"]
     first, table, after, standard = placed[0].blocks
     assert isinstance(first, Prose) and "Gravity is 9.81 m/s², to one digit 9.8." in first.html and table is TABLE
@@ -57,22 +57,22 @@ def test_prose_stands_in_front_of_the_section_of_its_title_and_makes_others() ->
 )
 def test_a_placeholder_that_cannot_be_filled_is_refused(text: str, message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        prose.read(f"# Model\n{text}", VALUES)
+        prose.parse(f"# Model\n{text}", VALUES)
 
 
 def test_markup_in_prose_is_shown_as_text_and_nothing_is_loaded() -> None:
-    block = prose.rendered("<script>x</script> ![a](https://example.org/a.png) **b**")
+    block = prose.render_markdown("<script>x</script> ![a](https://example.org/a.png) **b**")
     assert "<script>" not in block.html and "<img" not in block.html and "<strong>b</strong>" in block.html
-    linked = page.Report("t", "a", (Section("s", (prose.rendered("[b](https://example.org)"),)),))
+    linked = page.Report("t", "a", (Section("s", (prose.render_markdown("[b](https://example.org)"),)),))
     with pytest.raises(DesignError, match=r"would load https://example\.org"):
         page.render(linked)
 
 
 def test_a_title_inside_code_is_no_title() -> None:
-    words = prose.read("# Model\n```\n# no title\n```\n", {})
+    words = prose.parse("# Model\n```\n# no title\n```\n", {})
     assert [p.title for p in words.parts] == ["Model"] and "# no title" in words.parts[0].blocks[0].html  # type: ignore[union-attr]
 
 
 def test_names_are_written_as_in_equations() -> None:
-    block = prose.rendered("The spring $k_s_phi$ costs 3 $ and $F_V1$ *pulls*.")
+    block = prose.render_markdown("The spring $k_s_phi$ costs 3 $ and $F_V1$ *pulls*.")
     assert glyphs.symbol("k_s_phi") in block.html and glyphs.symbol("F_V1") in block.html and "3 $ and" in block.html

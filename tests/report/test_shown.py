@@ -1,4 +1,4 @@
-"""How experiments are shown: prefixes, the part around a latch, figures of many channels."""
+"""Presentation of experiments: prefixes, the time window around a latch, values of many channels."""
 
 from dataclasses import replace
 

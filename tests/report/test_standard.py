@@ -1,4 +1,4 @@
-"""The standard sections: gains beside each other, loops by signal, experiments with the headroom of their states."""
+"""Standard sections: tables of gains, loops by signal, experiments with the headroom of their states."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -40,7 +40,7 @@ def opened(signal: str, gain: float) -> Opened:
     return Opened(signal, f"at {signal}, {gain:g}", L, margins.of_loop(L))
 
 
-def test_laws_with_the_same_entries_stand_beside_each_other() -> None:
+def test_laws_with_the_same_entries_share_a_table() -> None:
     first, alike, laws, other = gains_table.tables(DOCUMENT)
     assert [row[0] for row in first.rows] == ["plant", "period s"]
     assert laws.columns == ("entry", "z", "x") and other.columns == ("entry", "filter")
@@ -58,7 +58,7 @@ def test_loops_are_drawn_by_signal_and_the_worst_where_there_are_many() -> None:
     assert isinstance(figure, page.Figure) and "6 loops with the least modulus margins" in figure.caption
 
 
-def test_experiments_tell_how_near_states_came_to_their_bounds(run: Callable[..., Experiment]) -> None:
+def test_experiments_show_the_headroom_of_states(run: Callable[..., Experiment]) -> None:
     bounded = replace(run(), figures={"largest |state| / bound (axis_sum)": 0.41, "overshoot": 0.1})
     shown = Shown({"y": "m", "theta": "rad"}, {"y": 1e-5}, {"tracking": "Fig. 7"}, {"tracking": (page.Text("more"),)})
     section = standard.experiments([bounded], shown)

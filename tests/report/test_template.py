@@ -1,4 +1,4 @@
-"""The report of a declared stage: all of its sections from the declaration, and a design's own in their places."""
+"""The report of a declared stage: all standard sections, and those of the design in their places."""
 
 from typing import Any
 
@@ -18,9 +18,9 @@ OWN = "# Model\nThe moved mass is {{ plant.M }} kg, read every {{ period_ms:g }}
 
 
 def report(monkeypatch: pytest.MonkeyPatch, words: str, **extra: Any) -> str:
-    """Return the report without runs and without the loops, which take their time."""
+    """Return the report without runs and without loops, which take long."""
     made = (Section(standard.LOOPS, (page.Checks("Required margins", (MARGIN,)),)),)
-    monkeypatch.setattr(template, "own_words", lambda name: words)
+    monkeypatch.setattr(template, "design_prose", lambda name: words)
     return template.report(STAGE, {}, EVIDENCE, (), (), None, Extra(sections=made, **extra))
 
 
@@ -33,20 +33,20 @@ def test_a_declaration_alone_gives_every_standard_section(monkeypatch: pytest.Mo
     assert "2 checks" in html and html.count("phase margin falls short by") == 1
 
 
-def test_the_designs_own_words_and_blocks_stand_where_report_md_says(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_text_and_blocks_of_report_md_are_placed_by_title(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = page.Table("Where it stands", ("floor",), (("granite",),))
     html = report(monkeypatch, OWN, values={"bench": bench}, facts=(("payload", "1 kg"),))
     assert "The moved mass is 1.5 kg, read every 0.5 ms." in html and "<dd>1 kg</dd>" in html
-    model, own, law = (html.index(f" {title}</h2>") for title in ("Model", "Bench", "Control law"))
-    assert model < own < html.index("granite") < law
+    model, bench_section, law = (html.index(f" {title}</h2>") for title in ("Model", "Bench", "Control law"))
+    assert model < bench_section < html.index("granite") < law
 
 
 def test_units_and_counts_of_experiments_are_those_declared() -> None:
-    shown = template.shown(STAGE)
+    shown = template.default_style(STAGE)
     assert shown.units["z"] == "m" and shown.levels == {
         s.of: s.resolution for s in STAGE.interface.sensors if s.resolution
     }
 
 
-def test_a_design_without_words_of_its_own_has_none() -> None:
-    assert template.own_words("no_such_design") == ""
+def test_a_design_without_report_md_has_no_text() -> None:
+    assert template.design_prose("no_such_design") == ""

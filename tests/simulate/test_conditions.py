@@ -1,4 +1,4 @@
-"""Courses of set-points and disturbances, and conditions in words."""
+"""Time profiles of set-points and disturbances, and conditions as text."""
 
 import numpy as np
 import pytest
@@ -17,6 +17,6 @@ def test_courses() -> None:
         conditions.values([1.0, 2.0], time)
 
 
-def test_conditions_are_told_in_words() -> None:
+def test_conditions_as_text() -> None:
     under = Conditions({"z": 1e-4}, {"hum": Sine(0.2, 300.0)}, {"M": 1.6})
     assert under.text() == ", M = 1.6, z = 0.0001, hum acts"

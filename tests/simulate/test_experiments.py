@@ -1,4 +1,4 @@
-"""Experiments as data: the checks that they imply, on a loop that is known and with what must fail."""
+"""Experiments as data: their checks on a known loop, and cases that must fail."""
 
 from dataclasses import replace
 from typing import Any
@@ -21,7 +21,7 @@ DESIGN: Any = levitator.design("levitator_2dof")
 @pytest.fixture(scope="module")
 def rig() -> Rig:
     stage = DESIGN.DESIGN.stage
-    return Rig(stage, DESIGN.PLANT, declared.compiled(stage, np.float32))
+    return Rig(stage, DESIGN.PLANT, declared.compiled_controller(stage, np.float32))
 
 
 def checks(run: Any) -> dict[str, Any]:

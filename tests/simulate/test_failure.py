@@ -1,4 +1,4 @@
-"""Failures of a sensor in closed loop: it is named at once or never, and the commands go to their safe values."""
+"""Sensor failures in closed loop: the sensor is identified at once or never; commands go to their safe values."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def fail(shown: float | None) -> Failure:
     return failure.fail(rig, rig.stage.interface.sensors[0].name, shown, AT, DURATION, {point.name: course}, {})
 
 
-def test_a_sensor_that_is_no_number_is_named_and_latches() -> None:
+def test_a_nan_sensor_is_identified_and_latches() -> None:
     f, bad = fail(np.nan), STAGE.interface.bad_samples
     assert f.named == 0 and f.latched == bad - 1 and f.others == () and len(f.words) == f.sample + bad
     assert f.run.time[f.sample] >= AT > f.run.time[f.sample - 1]
@@ -27,7 +27,7 @@ def test_a_sensor_that_is_no_number_is_named_and_latches() -> None:
     assert f.excursion <= f.deviation.max()
 
 
-def test_a_sensor_that_sticks_at_rest_shows_what_it_did() -> None:
+def test_a_sensor_that_sticks_at_rest_keeps_its_reading() -> None:
     f = fail(None)
     name, k = f.sensor, f.sample
     shown = f.run.measured[name][k:]

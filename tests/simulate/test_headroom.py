@@ -1,4 +1,4 @@
-"""A state that stands at its bound fails its experiment, though no fault bit is set and every witness agrees."""
+"""A state at its bound fails its experiment, although no fault bit is set and all witnesses agree."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ LOW = 3e-3  # m/s: a step of 0.2 mm needs some 0.01
 
 
 def bounded(block: Block, name: str, bound: float) -> Block:
-    """Return a law whose state has another bound, as one that its engineer has set too low."""
+    """Return a control law with another bound of a state, for example one that is too low."""
     states = tuple(
         replace(s, signal=replace(s.signal, low=-bound, high=bound)) if s.name == name else s for s in block.states
     )
@@ -28,7 +28,7 @@ def bounded(block: Block, name: str, bound: float) -> Block:
 
 @pytest.fixture(scope="module")
 def planted() -> Stage:
-    """The stage whose rate of the error in z has too low a bound."""
+    """Return the stage with too low a bound of the rate of the error in z."""
     laws = {"z": bounded(PID.pid("z"), "v", LOW), "x": PID.pid("x")}
     return replace(PID.DESIGN.stage, controller=PID.variant(laws))
 
@@ -47,24 +47,24 @@ def test_a_bound_that_is_too_low_is_found(planted: Stage) -> None:
     assert not runs["step_z"].trajectory.faults.any()
 
 
-def test_the_witnesses_alone_do_not_find_it(planted: Stage) -> None:
-    """CasADi, its own C and the emitted C limit the state alike: recorded inputs give equal outputs."""
+def test_comparison_of_witnesses_does_not_detect_it(planted: Stage) -> None:
+    """CasADi, its C and the emitted C limit the state in the same way: recorded inputs give equal outputs."""
     by = suite.witnesses(planted.controller.block, PID.reference.step)
     others = {name: witness for name, witness in by.of.items() if name != "reference"}
     run = planted.experiments[0].run(Rig(planted, planted.plant, by.c64))
-    found = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
-    assert [c for c in suite.exact(found, "A") if not c.passed] == []
+    agreements = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
+    assert [c for c in suite.exact_checks(agreements, "A") if not c.passed] == []
 
 
-def test_what_is_limited_on_purpose_may_stand_at_its_bound(planted: Stage) -> None:
+def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None:
     runs = declared.simulate(replace(planted, limited=["pid_z_v"]), lambda _: None)
     assert all(c.passed for run in runs for c in run.checks if c.name == headroom.NAME)
 
 
 def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
-    controller = declared.compiled(PID.DESIGN.stage, np.float64)
+    controller = declared.compiled_controller(PID.DESIGN.stage, np.float64)
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
-    found = headroom.ratios(controller, inputs)
-    assert found["pid_x_last"] == pytest.approx(1) and found["pid_z_last"] == 0
-    assert set(found) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "last")}
+    ratios = headroom.ratios(controller, inputs)
+    assert ratios["pid_x_last"] == pytest.approx(1) and ratios["pid_z_last"] == 0
+    assert set(ratios) == {f"pid_{axis}_{name}" for axis in "zx" for name in ("integral", "v", "last")}

@@ -32,12 +32,14 @@ def crossings(band: float) -> np.ndarray:
 @pytest.mark.parametrize(("start", "target"), [(0.0, 1.0), (0.029, 0.022), (-5.0, 2.0)])
 def test_step_of_a_second_order_system(start: float, target: float) -> None:
     step = target - start
-    found = metrics.step_response(TIME, target + step * error(TIME), start, target, 0.05 * abs(step), 1e-3 * abs(step))
-    assert found.overshoot == pytest.approx(np.exp(-np.pi * Z / np.sqrt(1 - Z**2)), rel=1e-6)
-    assert found.t_s == pytest.approx(crossings(0.05)[-1], abs=1.01e-4)
-    assert found.t_enc == pytest.approx(crossings(1e-3)[-1], abs=1.01e-4)
-    assert found.t_s < found.t_enc
-    assert abs(crossings(0.05)[0] - found.t_s) > 0.1, "the first entry must not pass for settling"
+    response = metrics.step_response(
+        TIME, target + step * error(TIME), start, target, 0.05 * abs(step), 1e-3 * abs(step)
+    )
+    assert response.overshoot == pytest.approx(np.exp(-np.pi * Z / np.sqrt(1 - Z**2)), rel=1e-6)
+    assert response.t_s == pytest.approx(crossings(0.05)[-1], abs=1.01e-4)
+    assert response.t_enc == pytest.approx(crossings(1e-3)[-1], abs=1.01e-4)
+    assert response.t_s < response.t_enc
+    assert abs(crossings(0.05)[0] - response.t_s) > 0.1, "the first entry must not pass for settling"
 
 
 def test_mean_absolute_error_over_a_window() -> None:
@@ -45,14 +47,14 @@ def test_mean_absolute_error_over_a_window() -> None:
     assert metrics.mean_absolute([0, 1, 2], [5, -1, 3], 1, 2) == 2.0
 
 
-def test_what_never_happens_takes_for_ever() -> None:
+def test_missing_events_take_infinite_time() -> None:
     assert metrics.settling_time(TIME, error(TIME) + 1, 0.1) == np.inf
     assert metrics.settling_time([0, 1, 2], [0.0, 0.0, 1.0], 0.1) == np.inf
     assert metrics.settling_time([3, 4, 5], [0.0, 0.0, 0.0], 0.1) == 0.0
     assert metrics.first_exit(TIME, error(TIME), -1, 1) == np.inf
 
 
-def test_a_sample_that_is_no_number_is_no_success() -> None:
+def test_nan_samples_are_outside_every_band() -> None:
     assert metrics.settling_time([0, 1, 2], [0.0, np.nan, 0.0], 0.1) == 2.0
     assert metrics.settling_time([0, 1, 2], [0.0, 0.0, np.nan], 0.1) == np.inf
     assert np.isnan(metrics.overshoot([0.0, np.nan], 0, 1))
@@ -80,15 +82,15 @@ def test_no_overshoot_is_zero() -> None:
         (lambda: metrics.mean_absolute([0, 1], [0, 1], 5, 6), "no sample in 5 .. 6 s"),
     ],
 )
-def test_what_cannot_be_judged_is_refused(call, says: str) -> None:
+def test_invalid_responses_are_refused(call, says: str) -> None:
     with pytest.raises(SignalError, match=says):
         call()
 
 
 def test_the_rise_time_of_a_lag_is_its_time_constant_times_log_9() -> None:
     time = np.linspace(0, 1, 100_001)
-    found = metrics.rise_time(time, 2 - 3 * (1 - np.exp(-time / 0.05)), 2, -1)
-    assert found == pytest.approx(0.05 * np.log(9), rel=1e-6)
+    rise_time = metrics.rise_time(time, 2 - 3 * (1 - np.exp(-time / 0.05)), 2, -1)
+    assert rise_time == pytest.approx(0.05 * np.log(9), rel=1e-6)
     coarse = metrics.rise_time(time[::1000], 1 - np.exp(-time[::1000] / 0.05), 0, 1)
     assert coarse == pytest.approx(0.05 * np.log(9), rel=0.02)  # linear between samples of a fifth of the time constant
     assert metrics.rise_time(time, 0.8 * time, 0, 1) == np.inf

@@ -1,4 +1,4 @@
-"""The rig: set-points rest where the stage starts, noise is drawn alike for every length, and plants can differ."""
+"""The rig: default set-points, noise that does not depend on the length of the run, and changed plants."""
 
 from dataclasses import replace
 

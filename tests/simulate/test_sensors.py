@@ -1,4 +1,4 @@
-"""An encoder rounds to the nearest count, and to nothing else; an analogue sensor saturates and makes noise."""
+"""An encoder rounds to the nearest count; an analogue sensor saturates and adds noise."""
 
 from collections.abc import Callable
 

@@ -69,14 +69,14 @@ def rank(M: np.ndarray) -> int:
 def outcome(plant: Plant) -> str:
     """Return "served" or the kind of refusal; a law must pass its check."""
     try:
-        found = dynamic_extension.extend(plant)
-        law = feedback_linearisation.of_plant(found.plant, weight=np.eye(len(found.plant.inputs)))
+        extension = dynamic_extension.extend(plant)
+        law = feedback_linearisation.of_plant(extension.plant, weight=np.eye(len(extension.plant.inputs)))
     except ModelError as error:
         kinds = {"cannot be decoupled": "dependent", "contains an input": "unreached", "not defined at": "singular"}
         kinds |= {"is singular in the domain": "singular"}
         return next(kind for text, kind in kinds.items() if text in str(error))
     assert law.check().passed
-    return "extended" if found.integrators else "served"
+    return "extended" if extension.integrators else "served"
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""The cost of a step: every generator over the same steps, counts known by hand, and defects that the figures show."""
+"""Cost of a step: all generators over the same steps, counts known by hand, and defects that the counts reveal."""
 
 import json
 from collections.abc import Sequence
@@ -13,26 +13,26 @@ from synth.block import Block, State, Step, build
 from synth.emit import write
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.lower import Node, Program
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import CompileError, EmitError, SignalError
 from synth.execute import compile as host_compiler
 from synth.execute import cross, host, image
 from synth.signals import Signal
 from synth.timing import Discrete
 from synth.verify import cost, meter, operations, rivals, steps
-from synth.verify.cost import Cost, Figures, Memory, Spread
-from synth.verify.rivals import Candidate, Placed
+from synth.verify.cost import Cost, Memory, StepCost, Summary
+from synth.verify.rivals import CallLayout, Candidate
 from synth.verify.steps import Steps
 from tests.execute.planted import COMPILERS, assembly
 
 MADE = axes.block(2)
-EMITTED = axes.emitted(2, np.float32)
+EMITTED = axes.emit(2, np.float32)
 BUILDS = {b.compiler: b for b in reversed(meter.builds())}  # without contraction
 CLAMP = "cmp r0, #3; ite gt; movgt r0, #10; movle r0, #20; cbz r1, 1f; adds r0, #1; 1: bx lr"
 
 
 def silent(_: str) -> None:
-    """Hear nothing."""
+    """Ignore progress messages."""
 
 
 @pytest.fixture(scope="module")
@@ -44,42 +44,42 @@ def controller() -> host.Controller:
 def sequences(controller: host.Controller) -> list[Steps]:
     time = np.arange(400) * 1e-3
     moved = {"q1": 0.01 * np.sin(30 * time), "r1": 0.0, "q2": 0.02 * np.sin(30 * time), "r2": 0.001}
-    faults = steps.faulty(controller, dict.fromkeys(("q1", "q2", "r1", "r2"), 0.01))
-    loop = steps.recorded(controller, "loop", moved, closed_loop=True)
-    return [loop, replace(faults, closed_loop=True), steps.drawn(controller, 3000)]
+    faults = steps.fault_steps(controller, dict.fromkeys(("q1", "q2", "r1", "r2"), 0.01))
+    loop = steps.record(controller, "loop", moved, closed_loop=True)
+    return [loop, replace(faults, closed_loop=True), steps.random_steps(controller, 3000)]
 
 
 @pytest.fixture(scope="module")
-def found(sequences: list[Steps]) -> Cost:
+def design_cost(sequences: list[Steps]) -> Cost:
     return meter.measure(EMITTED, MADE, sequences, silent, common=40)
 
 
-def of(found: Cost, generator: str) -> list[Figures]:
-    return [f for f in found.compared if f.generator == generator]
+def of(design_cost: Cost, generator: str) -> list[StepCost]:
+    return [f for f in design_cost.compared if f.generator == generator]
 
 
-def test_every_generator_computes_the_same_step(found: Cost) -> None:
-    assert {(f.generator, f.build) for f in found.compared} == {
-        (g, b.name) for g in (cost.OWN, rivals.AS_EMITTED, rivals.SHIMMED) for b in meter.builds()
+def test_every_generator_computes_the_same_step(design_cost: Cost) -> None:
+    assert {(f.generator, f.build) for f in design_cost.compared} == {
+        (g, b.name) for g in (cost.SYNTH, rivals.AS_EMITTED, rivals.SHIMMED) for b in meter.builds()
     }
-    for f in found.compared:
+    for f in design_cost.compared:
         # The emitted C is the host's to the bit unless contracted. The others round otherwise, in sums of terms up
         # to ten times the range, and w's own limits are a thousand times it.
-        assert f.difference <= (0 if f.generator == cost.OWN and "contracted" not in f.build else 1e-5)
+        assert f.difference <= (0 if f.generator == cost.SYNTH and "contracted" not in f.build else 1e-5)
 
 
-def test_double_arithmetic_is_seen_and_priced(found: Cost) -> None:
-    for own, plain, shimmed in zip(*(of(found, g) for g in ("synth", "casadi", "casadi, float")), strict=True):
-        assert own.doubles == shimmed.doubles == 0
+def test_double_arithmetic_is_detected_and_measured(design_cost: Cost) -> None:
+    for ours, plain, shimmed in zip(*(of(design_cost, g) for g in ("synth", "casadi", "casadi, float")), strict=True):
+        assert ours.doubles == shimmed.doubles == 0
         # This Block calls fmin and fmax alone, which clang narrows by itself.
         assert plain.doubles > 0 or "zig" in plain.build
-        assert own.issued.mean < shimmed.issued.mean < plain.issued.mean
-        assert found.ratio(own) == 1 and found.ratio(plain) == plain.issued.mean / own.issued.mean
+        assert ours.issued.mean < shimmed.issued.mean < plain.issued.mean
+        assert design_cost.ratio(ours) == 1 and design_cost.ratio(plain) == plain.issued.mean / ours.issued.mean
 
 
-def test_bytes_are_those_of_the_structs(found: Cost) -> None:
+def test_bytes_are_those_of_the_structs(design_cost: Cost) -> None:
     sizes = {role: EMITTED.manifest["structs"][role]["size"] for role in ("state", "input", "output")}
-    for f in found.compared:
+    for f in design_cost.compared:
         m = f.memory
         twice = 2 if f.generator != "synth" else 1  # x and x'
         assert (m.state, m.signals) == (twice * 4 * len(MADE.states), sizes["input"] + sizes["output"])
@@ -87,80 +87,84 @@ def test_bytes_are_those_of_the_structs(found: Cost) -> None:
     assert sizes["state"] == 4 * len(MADE.states)
 
 
-def test_counts_are_consistent(found: Cost, sequences: Sequence[Steps]) -> None:
-    for f in found.compared:
+def test_counts_are_consistent(design_cost: Cost, sequences: Sequence[Steps]) -> None:
+    for f in design_cost.compared:
         assert f.steps == 40 and f.executed.mean <= f.issued.mean and f.executed.most <= f.issued.most
         assert f.issued.least <= f.issued.mean <= f.issued.most <= f.cycles[1].most
         assert sum(f.functions.values()) <= f.issued.mean + 1e-9
-    for m in found.sequences:
+    for m in design_cost.sequences:
         assert m.steps == next(len(s) for s in sequences if s.name == m.name)
-    whole = [m for m in found.sequences if m.build == meter.builds()[0].name]
-    assert found.most[meter.builds()[0].name] == max(m.issued.most for m in whole)
+    whole = [m for m in design_cost.sequences if m.build == meter.builds()[0].name]
+    assert design_cost.most[meter.builds()[0].name] == max(m.issued.most for m in whole)
 
 
-def test_common_steps_have_no_fault(found: Cost) -> None:
-    """A latched step is cheap for the emitted C alone: it would flatter the ratio."""
-    latched = min(m.issued.least for m in found.sequences if m.name == "faults")
-    assert all(f.issued.least > latched + 20 for f in of(found, "synth"))
+def test_common_steps_have_no_fault(design_cost: Cost) -> None:
+    """A latched step is cheap only for the emitted C and would distort the ratio."""
+    latched = min(m.issued.least for m in design_cost.sequences if m.name == "faults")
+    assert all(f.issued.least > latched + 20 for f in of(design_cost, "synth"))
 
 
-def test_all_decisions_are_seen(found: Cost) -> None:
-    assert [c.build for c in found.coverage] == [b.name for b in meter.builds()]
-    assert all(c.decisions == c.both > 10 for c in found.coverage), found.coverage
+def test_all_decisions_are_covered(design_cost: Cost) -> None:
+    assert [c.build for c in design_cost.coverage] == [b.name for b in meter.builds()]
+    assert all(c.decisions == c.both > 10 for c in design_cost.coverage), design_cost.coverage
 
 
-def test_the_document_is_strict_json_and_says_what_the_figures_are(found: Cost) -> None:
-    document = json.loads(json.dumps(found.document(), allow_nan=False))
+def test_the_document_is_strict_json_with_units_and_notes(design_cost: Cost) -> None:
+    document = json.loads(json.dumps(design_cost.document(), allow_nan=False))
     assert "not cycles" in document["note"] and document["core"] == "cortex-m4f"
-    assert len(document["ratios"]) == len(found.compared) and set(document["shares"]) == set(document["most"])
-    shown = [row for t in cost.tables(found) for row in t.rows]
+    assert len(document["ratios"]) == len(design_cost.compared) and set(document["shares"]) == set(document["most"])
+    shown = [row for t in cost.tables(design_cost) for row in t.rows]
     assert all(isinstance(cell, str) for row in shown for cell in row)
-    assert all(len(row) == len(t.columns) for t in cost.tables(found) for row in t.rows)
-    assert [line.split(":")[0] for line in found.absent] == list(rivals.OTHERS)
+    assert all(len(row) == len(t.columns) for t in cost.tables(design_cost) for row in t.rows)
+    assert [line.split(":")[0] for line in design_cost.absent] == list(rivals.OTHERS)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_a_lost_branch_shows_with_its_line(compiler: str, controller: host.Controller, sequences: list[Steps]) -> None:
-    """No fault, no latch: the ways that only they take are missing, each with the line of C that it belongs to."""
-    own, build = rivals.emitted(EMITTED), BUILDS[compiler]
-    lost = meter.covered(own, meter.run(own, sequences[0], build), build)
+def test_an_uncovered_branch_is_reported_with_its_line(
+    compiler: str, controller: host.Controller, sequences: list[Steps]
+) -> None:
+    """Without faults the branches of fault handling and latch are uncovered, each reported with its line of C."""
+    emitted, build = rivals.emitted_c(EMITTED), BUILDS[compiler]
+    lost = meter.coverage(emitted, meter.run(emitted, sequences[0], build), build)
     assert lost.both < lost.decisions and len(lost.missing) == lost.decisions - lost.both
     assert any("latched" in line and "axes_2.c:" in line for line in lost.missing)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_a_branch_that_nothing_takes_shows(compiler: str, sequences: list[Steps]) -> None:
+def test_an_unreachable_branch_is_reported(compiler: str, sequences: list[Steps]) -> None:
     text = EMITTED.files["axes_2.c"].replace(
         "    return faults;", "    if (in->q1 == 0.0123456f) { state->guard_ready = 7u; }\n    return faults;"
     )
-    planted = rivals.emitted(Emitted(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
-    everything = steps.joined("all", sequences)
-    lost = meter.covered(planted, meter.run(planted, everything, BUILDS[compiler]), BUILDS[compiler])
+    planted = rivals.emitted_c(EmittedCode(EMITTED.files | {"axes_2.c": text}, EMITTED.manifest))
+    everything = steps.concatenate("all", sequences)
+    lost = meter.coverage(planted, meter.run(planted, everything, BUILDS[compiler]), BUILDS[compiler])
     # A compiler may branch around what is planted or to it.
     assert lost.missing and all("taken; axes_2.c:" in line for line in lost.missing)
     assert all("q1 == 0.0123456f" in line for line in lost.missing)
 
 
-def test_another_law_is_a_difference(controller: host.Controller, sequences: list[Steps]) -> None:
-    """The planted defect: a rival that computes something else is not taken for a cheaper one."""
+def test_a_different_control_law_is_reported_as_a_difference(
+    controller: host.Controller, sequences: list[Steps]
+) -> None:
+    """Planted defect: a baseline that computes something else must not count as cheaper."""
     text = rivals.casadi(MADE, shimmed=True).files["axes_2_casadi.c"]
     assert "1.0000000000000001e-01f" in text  # amperes per m/s^2
     wrong = text.replace("1.0000000000000001e-01f", "1.1e-01f")
     planted = replace(rivals.casadi(MADE, shimmed=True), files={"axes_2_casadi.c": wrong})
     build = meter.builds()[-1]
-    assert meter.figures(planted, steps.thinned(sequences[0], 20), build, controller).difference > 1e-4
+    assert meter.step_cost(planted, steps.thinned(sequences[0], 20), build, controller).difference > 1e-4
 
 
-def test_executed_leaves_out_what_is_predicated_false() -> None:
+def test_instructions_predicated_false_are_not_counted_as_executed() -> None:
     """cmp, ite, one of two moves, cbz, bx; and adds where r1 is not 0."""
 
-    def placed(machine: image.Image, given: Steps) -> Placed:
-        return Placed(np.array([[5, 0], [2, 1], [2, 0]]), dict)
+    def placed(machine: image.Image, sequence: Steps) -> CallLayout:
+        return CallLayout(np.array([[5, 0], [2, 1], [2, 0]]), dict)
 
     candidate = Candidate("clamp", assembly("clamp", CLAMP), "clamp", 0, 0, placed)
     none = Steps("none", np.zeros(3, [("x", "f4")]), np.zeros(3, [("u", "f4")]))
     for built in meter.builds():
-        assert meter.executed(candidate, none, built).tolist() == [5, 6, 5]
+        assert meter.count_executed(candidate, none, built).tolist() == [5, 6, 5]
         assert meter.run(candidate, none, built).cost.instructions.tolist() == [6, 7, 6]
 
 
@@ -175,7 +179,7 @@ def test_executed_leaves_out_what_is_predicated_false() -> None:
     ],
 )
 def test_literals_become_float(text: str, expected: str) -> None:
-    assert rivals.in_float(f"#include <math.h>\n{text}\n").endswith(f"\n{expected}\n")
+    assert rivals.in_single_precision(f"#include <math.h>\n{text}\n").endswith(f"\n{expected}\n")
 
 
 def functions_of_libm() -> Block:
@@ -193,7 +197,7 @@ def functions_of_libm() -> Block:
 
 
 def test_the_shim_is_single_precision_everywhere() -> None:
-    """The planted defect is CasADi's own text: double calls are found in it, and promotions."""
+    """Planted defect: the unmodified C of CasADi contains double calls and promotions."""
     plain, shimmed = (rivals.casadi(functions_of_libm(), shimmed=s).files for s in (False, True))
     assert cross.double_symbols(shimmed) == () and len(cross.double_symbols(plain)) > 20
     strict = ("-std=c99", "-Wdouble-promotion", "-Wfloat-conversion", "-Werror")
@@ -201,7 +205,7 @@ def test_the_shim_is_single_precision_everywhere() -> None:
     with pytest.raises(CompileError, match="float-conversion"):
         host_compiler.check(plain, strict)
     with pytest.raises(EmitError, match=r"found no `#include <math.h>`"):
-        rivals.in_float("float f(float x);\n")
+        rivals.in_single_precision("float f(float x);\n")
 
 
 def test_operations_are_counted_by_kind() -> None:
@@ -233,13 +237,21 @@ def test_operations_of_a_block() -> None:
 
 
 def test_shares_and_ratios_by_hand() -> None:
-    own = Figures("synth", "gcc", 1, Spread(840, 840.0, 840), Spread(1, 1, 1), (), {}, Memory(1, 2, 0, 8, 4, 16), 0, 0)
-    other = replace(own, generator="casadi", issued=Spread(8400, 8400.0, 8400))
-    measured = tuple(cost.Measured(n, "gcc", 1, Spread(1, 1, most)) for n, most in (("a", 900), ("b", 1680)))
-    found = Cost("d", "core", 1e-3, (own, other), measured, (), {"mul": 3, "add": 4, "load state": 9, "choice": 2}, ())
-    assert found.share(168.0) == pytest.approx(1e-3) and found.ratio(other) == 10 and found.most == {"gcc": 1680}
-    assert found.arithmetic == 7 and own.memory.working == 28
-    assert found.document()["instructions_per_operation"] == {"gcc": 120}
+    emitted = StepCost(
+        "synth", "gcc", 1, Summary(840, 840.0, 840), Summary(1, 1, 1), (), {}, Memory(1, 2, 0, 8, 4, 16), 0, 0
+    )
+    other = replace(emitted, generator="casadi", issued=Summary(8400, 8400.0, 8400))
+    measured = tuple(cost.SequenceCost(n, "gcc", 1, Summary(1, 1, most)) for n, most in (("a", 900), ("b", 1680)))
+    design_cost = Cost(
+        "d", "core", 1e-3, (emitted, other), measured, (), {"mul": 3, "add": 4, "load state": 9, "choice": 2}, ()
+    )
+    assert (
+        design_cost.share(168.0) == pytest.approx(1e-3)
+        and design_cost.ratio(other) == 10
+        and design_cost.most == {"gcc": 1680}
+    )
+    assert design_cost.arithmetic == 7 and emitted.memory.working == 28
+    assert design_cost.document()["instructions_per_operation"] == {"gcc": 120}
 
 
 def test_no_closed_loop_and_no_compiler_are_named(sequences: list[Steps], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -251,7 +263,7 @@ def test_no_closed_loop_and_no_compiler_are_named(sequences: list[Steps], monkey
 
 
 def test_a_state_of_the_block_is_one_of_casadi() -> None:
-    """Counters and flags are floats to CasADi; each stands where the Block has it."""
+    """CasADi stores counters and flags as floats, in the order of the Block."""
 
     def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
         count = ca.fmin(x["count"] + 1, 9)
@@ -262,7 +274,7 @@ def test_a_state_of_the_block_is_one_of_casadi() -> None:
     made = build("mixed", Discrete(1e-3), law, inputs=[a], outputs=[y], states=states, constants=[])
     emitted = write.emit(made, np.float32)
     controller = host.load(emitted.files, emitted.manifest)
-    loop = steps.recorded(controller, "loop", {"a": np.linspace(-1, 1, 12)}, closed_loop=True)
+    loop = steps.record(controller, "loop", {"a": np.linspace(-1, 1, 12)}, closed_loop=True)
     last = meter.builds()[-1]
     for shimmed in (False, True):
-        assert meter.figures(rivals.casadi(made, shimmed), loop, last, controller).difference < 1e-6
+        assert meter.step_cost(rivals.casadi(made, shimmed), loop, last, controller).difference < 1e-6

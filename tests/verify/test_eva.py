@@ -1,4 +1,4 @@
-"""Eva proves the contract of sound C, and every planted defect takes the proof away."""
+"""Eva proves the contract of correct C and no longer proves it with any planted defect."""
 
 import json
 import re
@@ -27,7 +27,9 @@ def test_the_sound_controller_is_proved(files: dict[str, str], manifest: dict[st
 
 
 @needs_frama_c
-def test_a_verdict_used_far_from_its_input_is_still_tied_to_it(files: dict[str, str], manifest: dict[str, Any]) -> None:
+def test_a_guard_verdict_used_far_from_its_input_keeps_its_relation(
+    files: dict[str, str], manifest: dict[str, Any]
+) -> None:
     verdict = "    const bool good_r = (0.018f <= in->r) && (in->r <= 0.031f);\n"
     first = "    const bool good_g1 ="
     moved = files["hover.c"].replace(verdict, "").replace(first, verdict + first)
@@ -83,8 +85,8 @@ def test_a_planted_defect_is_not_proved(
 ) -> None:
     proof = eva.prove(planted(old, new), manifest)
     assert not all(check.passed for check in proof.checks())
-    assert any(alarm in told for told in proof.alarms) or not alarm
-    assert any(open_claim in told for told in proof.unproved) or not open_claim
+    assert any(alarm in text for text in proof.alarms) or not alarm
+    assert any(open_claim in text for text in proof.unproved) or not open_claim
 
 
 @needs_frama_c
@@ -102,7 +104,7 @@ def test_a_missing_tool_is_named(
 
 
 @pytest.mark.parametrize("bounds", [(0.1, 1.0), (1.0, 0.0), (0.0, float("inf")), (float("nan"), 0.0)])
-def test_bounds_that_are_no_float32_in_order_are_refused(
+def test_invalid_bounds_are_refused(
     files: dict[str, str], manifest: dict[str, Any], bounds: tuple[float, float]
 ) -> None:
     field = manifest["structs"]["output"]["fields"][0] | dict(zip(("low", "high"), bounds, strict=True))
@@ -121,7 +123,7 @@ def maglev() -> tuple[dict[str, str], dict[str, Any]]:
 
 
 def widened(text: str, limits: set[float]) -> str:
-    """The C with every literal near one of these limits a tenth larger, so that it no longer holds the manifest's."""
+    """Return the C with every literal near one of these limits enlarged by a tenth, which violates the manifest."""
 
     def wider(literal: re.Match[str]) -> str:
         value = float(literal[0])
@@ -148,16 +150,16 @@ def test_the_emitted_controller_with_wide_limits_is_not_proved(
     limits = highs[role] - highs["input"]
     wide = {name: widened(text, limits) for name, text in code.items()}
     assert wide != code
-    assert any(f"{role}." in told for told in eva.prove(wide, manifest).unproved)
+    assert any(f"{role}." in claim for claim in eva.prove(wide, manifest).unproved)
 
 
 @needs_frama_c
-def test_what_is_admitted_is_counted(planted: Plant, manifest: dict[str, Any]) -> None:
-    """Eva takes an admitted bound as its word, so that the figures say how many there are."""
+def test_admitted_bounds_are_counted(planted: Plant, manifest: dict[str, Any]) -> None:
+    """Eva assumes an admitted bound; the evidence therefore states their number."""
     limited = "out->i1 = clamped(scale * i1, -4.95f, 4.95f);"
     proof = eva.prove(planted(limited, "out->i1 = scale * i1; /*@ admit -4.95f <= out->i1 <= 4.95f; */"), manifest)
     assert (proof.alarms, proof.unproved, proof.admitted) == ((), (), 1)
     assert "1 bounds taken over from certificates" in proof.checks()[0].about
     unfit = "/*@ admit 2.0f <= i1 <= 1.0f; */"
-    found = eva.prove(planted("out->i1 = clamped(scale * i1, -4.95f, 4.95f);", f"{limited} {unfit}"), manifest)
-    assert not found.checks()[1].passed and "user check" in found.unproved[0]  # whatever follows would go unseen
+    refuted = eva.prove(planted("out->i1 = clamped(scale * i1, -4.95f, 4.95f);", f"{limited} {unfit}"), manifest)
+    assert not refuted.checks()[1].passed and "user check" in refuted.unproved[0]  # whatever follows would go unseen

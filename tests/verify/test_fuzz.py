@@ -1,4 +1,4 @@
-"""The fuzzer leaves sound C alone and finds every planted defect, those that Eva cannot judge among them."""
+"""The fuzzer reports nothing for correct C and finds every planted defect, including those beyond Eva."""
 
 import shutil
 from collections.abc import Callable
@@ -73,8 +73,8 @@ def test_a_planted_defect_is_found(planted: Plant, manifest: dict[str, Any], old
 
 
 @needs_clang
-def test_a_certificate_that_lies_is_found() -> None:
-    """It leaves a limit out that is needed, and Eva takes its word; not so the fuzzer."""
+def test_a_wrong_certificate_is_found() -> None:
+    """It omits a necessary limit; Eva assumes the certificate, but the fuzzer tests it."""
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         y = clip(2 * ca.sin(u["a_held"]), Signal("y", "V", -1.5, 1.5))
@@ -84,32 +84,32 @@ def test_a_certificate_that_lies_is_found() -> None:
     last = State(Signal("last", "V", -1.5, 1.5), 0.0)
     held = replace(a, name="a_held")
     sine = build("sine", time, law, inputs=[held], outputs=[y], states=[last])
-    guard = safety.guard(time, [safety.Guarded(a, 0.0, True)], 5)
+    guard = safety.guard(time, [safety.GuardedInput(a, 0.0, True)], 5)
     emitted = write.emit(compose("lie", [guard, sine], inputs=["a"], outputs=["y"]), np.float32)
     assert "output y" in fuzz.run(emitted.files, dict(emitted.manifest) | {"safety": {"bad_samples": 5}}, STEPS).finding
 
 
 @needs_clang
-def test_suspects_are_told_by_the_step_alone(planted: Plant, manifest: dict[str, Any]) -> None:
-    """A bit that depends on states is no finding where the manifest says so, and counts as a bad sample."""
+def test_only_the_step_decides_on_suspects(planted: Plant, manifest: dict[str, Any]) -> None:
+    """A bit that depends on states is not a finding if the manifest declares it, and counts as a bad sample."""
     files = planted(
         "(good_g1 ? 0u : 0x00000001u) | (good_g2",
         "((state->xi > 0.0f) ? 0x100u : 0u) | (good_g1 ? 0u : 0x00000001u) | (good_g2",
     )
-    told = manifest | {"safety": {"bad_samples": 5}}
-    assert "fault word" in fuzz.run(files, told, STEPS).finding
-    named = told | {"faults": [*manifest["faults"], {"bit": 8, "suspect": "g1"}]}
+    extended = manifest | {"safety": {"bad_samples": 5}}
+    assert "fault word" in fuzz.run(files, extended, STEPS).finding
+    named = extended | {"faults": [*manifest["faults"], {"bit": 8, "suspect": "g1"}]}
     assert fuzz.run(files, named, STEPS).finding == ""
 
 
 @needs_clang
-def test_steps_that_were_not_made_count_as_missing(files: dict[str, str], manifest: dict[str, Any]) -> None:
+def test_omitted_steps_count_as_missing(files: dict[str, str], manifest: dict[str, Any]) -> None:
     campaign = fuzz.run(planted_exit(files), manifest, STEPS)
     assert not all(check.passed for check in campaign.checks())
 
 
 def planted_exit(files: dict[str, str]) -> dict[str, str]:
-    """C that leaves the process in peace at its first step."""
+    """Return C that exits with status 0 in its first step."""
     leave = '#include <unistd.h>\n#include "hover.h"\n'
     text = files["hover.c"].replace('#include "hover.h"\n', leave).replace("    if (latched) {", "    _exit(0);\n    {")
     return files | {"hover.c": text.replace("} else {", "}\n    {")}

@@ -1,4 +1,4 @@
-"""A safe output that slews twice as fast as the manifest says, or elsewhere, is found in the C alone."""
+"""A safe output with twice the declared slew rate, or another safe value, is detected from the C."""
 
 import numpy as np
 import pytest
@@ -14,11 +14,11 @@ SLEW, SAFE = "slews at", "ends from its safe value by"
 
 
 def planted(monkeypatch: pytest.MonkeyPatch, **wrong: dict[str, float]) -> host.Controller:
-    """Return two axes whose C has another safe output than their manifest tells."""
-    right, own = axes.block(2), safety.safe_output
+    """Return two axes whose C has another safe output than their manifest."""
+    right, original = axes.block(2), safety.safe_output
 
-    def other(time: object, outputs: object, given: safety.Safety) -> Block:
-        return own(time, outputs, safety.replace(given, **wrong))  # type: ignore[attr-defined, arg-type]
+    def other(time: object, outputs: object, limits: safety.Safety) -> Block:
+        return original(time, outputs, safety.replace(limits, **wrong))  # type: ignore[attr-defined, arg-type]
 
     if wrong:
         monkeypatch.setattr(axes.safety, "safe_output", other)
@@ -31,7 +31,7 @@ def failed(controller: host.Controller) -> set[str]:
     return {c.name.split(" ", 2)[2] for c in latch.verify(controller) if not c.passed}
 
 
-def test_what_is_emitted_slews_as_it_says(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_emitted_c_slews_as_declared(monkeypatch: pytest.MonkeyPatch) -> None:
     checks = latch.verify(planted(monkeypatch))
     assert len(checks) == 4 and all(c.passed for c in checks)
     assert all(c.found > 0.9 * c.limit for c in checks if SLEW in c.name), "the outputs were far from their safe values"
@@ -45,6 +45,8 @@ def test_another_safe_value_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert failed(planted(monkeypatch, safe_output={"i1": 0.0, "i2": 0.01})) == {SAFE}
 
 
-def test_what_has_no_safe_output_has_nothing_to_check() -> None:
-    made = write.emit(safety.guard(axes.TIME, [safety.Guarded(axes.Signal("q", "m", -1, 1), 0.0, True)], 3), np.float64)
+def test_a_controller_without_safe_output_has_no_checks() -> None:
+    made = write.emit(
+        safety.guard(axes.TIME, [safety.GuardedInput(axes.Signal("q", "m", -1, 1), 0.0, True)], 3), np.float64
+    )
     assert latch.verify(host.load(made.files, made.manifest)) == ()

@@ -1,4 +1,4 @@
-"""cppcheck's misra addon is quiet on clean C, finds a planted violation, and is seen to have worked."""
+"""The MISRA addon of cppcheck reports nothing for clean C, finds planted violations, and is known to have run."""
 
 import shutil
 from collections.abc import Callable
@@ -39,8 +39,8 @@ def test_a_planted_violation_is_found(planted: Plant, old: str, new: str, rule: 
 @needs_cppcheck
 def test_a_violation_in_a_header_is_found(files: dict[str, str]) -> None:
     header = files["hover.h"].replace("#endif", "typedef int hover_unused_t;\n#endif")
-    found = misra.inspect(files | {"hover.h": header}).findings
-    assert ("misra-c2012-2.3", "hover.h") in {(f.rule, f.file) for f in found}
+    findings = misra.inspect(files | {"hover.h": header}).findings
+    assert ("misra-c2012-2.3", "hover.h") in {(f.rule, f.file) for f in findings}
 
 
 @needs_cppcheck
@@ -49,7 +49,7 @@ def test_c_that_cannot_be_read_is_named(planted: Plant) -> None:
         misra.inspect(planted("if (latched) {", "if (latched) {{"))
 
 
-def test_an_addon_that_finds_nothing_is_not_believed(
+def test_an_addon_that_misses_the_known_violation_is_refused(
     files: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blind = tmp_path / "cppcheck"

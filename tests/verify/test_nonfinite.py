@@ -1,4 +1,4 @@
-"""A special input must do what a finite one out of range does, and a NaN that is let through must show."""
+"""Infinite and NaN inputs must act as finite inputs out of range; a NaN that passes the guard is detected."""
 
 import shutil
 from collections.abc import Callable
@@ -13,9 +13,7 @@ pytestmark = pytest.mark.skipif(not shutil.which("clang"), reason="clang: apt-ge
 GUARD = "(0.0125f <= in->g1) && (in->g1 <= 0.0365f)"
 
 
-def test_every_special_input_of_the_sound_controller_is_a_bad_one(
-    files: dict[str, str], manifest: dict[str, Any]
-) -> None:
+def test_every_special_input_acts_as_a_bad_input(files: dict[str, str], manifest: dict[str, Any]) -> None:
     same = nonfinite.compare(files, manifest)
     assert (same.inputs, same.compared, same.different) == (("g1", "g2", "r"), 3 * 4, ())
     assert all(check.passed for check in same.checks())
@@ -30,7 +28,7 @@ def test_every_special_input_of_the_sound_controller_is_a_bad_one(
     ],
     ids=["NaN let through", "NaN refused in another way", "used past the guard"],
 )
-def test_what_differs_is_named(
+def test_differing_inputs_are_named(
     planted: Plant, manifest: dict[str, Any], old: str, new: str, different: tuple[str, ...]
 ) -> None:
     same = nonfinite.compare(planted(old, new), manifest)

@@ -1,4 +1,4 @@
-"""Machine code against this machine's, bit by bit: what is the same passes, and each planted defect fails its row."""
+"""Bit-exact comparison of target and host: equal code passes, and each planted defect fails its check."""
 
 import re
 import shutil
@@ -10,20 +10,20 @@ import pytest
 
 from benchmarks import axes
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import CompileError, DesignError, SignalError
 from synth.execute import cross, host, qemu, target
 from synth.verify import on_target
 
 SCALARS = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
-EMITTED = {core: axes.emitted(2, scalar) for core, scalar in SCALARS.items()}
+EMITTED = {core: axes.emit(2, scalar) for core, scalar in SCALARS.items()}
 HAS_QEMU = bool(shutil.which("qemu-system-arm") and shutil.which("arm-none-eabi-gcc"))
 with_gcc = pytest.mark.skipif(not shutil.which("arm-none-eabi-gcc"), reason="no gcc")
 FADE = re.compile(r"(filter_2_fade = )([\d.]+)")
 
 
 def inputs(n: int = 400) -> dict[str, Any]:
-    """Both axes swing; then the guarded one reads nonsense for some samples, and in the end for good."""
+    """Both axes swing; the guarded one has bad samples for some time, and permanently at the end."""
     time = np.arange(n) * 1e-3
     q1 = 0.003 * np.sin(40 * time)
     q1[[40, 41, 90]], q1[n - 50 :] = np.nan, np.inf
@@ -31,7 +31,7 @@ def inputs(n: int = 400) -> dict[str, Any]:
 
 
 def silent(_: str) -> None:
-    """Hear nothing."""
+    """Ignore progress messages."""
 
 
 def failed(checks: tuple[Check, ...]) -> list[str]:
@@ -39,15 +39,15 @@ def failed(checks: tuple[Check, ...]) -> list[str]:
 
 
 @pytest.mark.parametrize("core", SCALARS)
-def test_the_machine_code_is_the_hosts_to_the_bit(core: str) -> None:
-    told: list[str] = []
-    checks = on_target.verify(EMITTED[core], inputs(), core, told.append)
+def test_target_and_host_are_bit_identical(core: str) -> None:
+    messages: list[str] = []
+    checks = on_target.verify(EMITTED[core], inputs(), core, messages.append)
     assert not failed(checks), checks
     runs = [f"{core}, {compiler}, unicorn" for compiler in cross.available()] + [f"{core}, gcc, QEMU"] * HAS_QEMU
     for run in runs:
         names = [c.name for c in checks if c.name.startswith(f"{run}: ")]
         assert [n.split(": ")[1].split()[0] for n in names] == ["outputs", "states", "other"]
-    assert len(told) == len(runs)
+    assert len(messages) == len(runs)
     singles = [c for c in checks if "double-precision" in c.name]
     assert len(singles) == (len(cross.available()) if core == "cortex-m4f" else 0)
     faults = host.load(EMITTED[core].files, EMITTED[core].manifest).replay(inputs()).faults
@@ -55,7 +55,7 @@ def test_the_machine_code_is_the_hosts_to_the_bit(core: str) -> None:
 
 
 def planted(core: str, change: Callable[[str], str]) -> Callable[..., Any]:
-    """Return a `load` that builds changed C for the core, while the host keeps what was emitted."""
+    """Return a `load` that builds changed C for the core; the host keeps the emitted C."""
     load = target.load
 
     def loaded(files: Mapping[str, str], *arguments: Any) -> target.Target:
@@ -73,69 +73,69 @@ def last_bit(text: str) -> str:
 
 def test_a_changed_literal_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target, "load", planted("cortex-m4f", last_bit))
-    found = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
     for compiler in cross.available():
         where = f"cortex-m4f, {compiler}, unicorn"
-        broken = [name for name in failed(found) if name.startswith(where)]
+        broken = [name for name in failed(checks) if name.startswith(where)]
         assert broken == [f"{where}: outputs with other bits", f"{where}: states with other bits"]
-    (states,) = [c for c in found if c.name == "cortex-m4f, zig, unicorn: states with other bits"]
+    (states,) = [c for c in checks if c.name == "cortex-m4f, zig, unicorn: states with other bits"]
     assert "filter_2_s" in states.about and "filter_1_s" not in states.about
 
 
 def test_another_fault_word_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target, "load", planted("cortex-m4f", lambda c: c.replace("0x00000001u", "0x00000004u")))
-    found = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
-    assert {n.split(": ")[1] for n in failed(found)} == {"other fault words"}
+    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    assert {n.split(": ")[1] for n in failed(checks)} == {"other fault words"}
 
 
 @pytest.mark.skipif(not HAS_QEMU, reason="qemu-system-arm and arm-none-eabi-gcc are not on the PATH")
 def test_the_second_emulator_is_compared_too(monkeypatch: pytest.MonkeyPatch) -> None:
     load = qemu.load
     monkeypatch.setattr(qemu, "load", lambda f, *a: load(f | {"axes_2.c": last_bit(f["axes_2.c"])}, *a))
-    found = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
-    assert {n.split(": ")[0] for n in failed(found)} == {"cortex-m4f, gcc, QEMU"}
+    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    assert {n.split(": ")[0] for n in failed(checks)} == {"cortex-m4f, gcc, QEMU"}
 
 
 @with_gcc
 def test_contraction_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cross, "FLAGS", (*cross.FLAGS, *cross.CONTRACTED))
-    found = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
-    assert "cortex-m4f, gcc, unicorn: states with other bits" in failed(found)
+    checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
+    assert "cortex-m4f, gcc, unicorn: states with other bits" in failed(checks)
 
 
 @pytest.mark.parametrize("core", SCALARS)
 def test_a_planted_double_is_a_failed_check(core: str) -> None:
-    """On the Cortex-M7, which has doubles in hardware, there is nothing to look for."""
+    """The Cortex-M7 has doubles in hardware and no such check."""
     made = EMITTED[core]
     text = made.files["axes_2.c"].replace("const float q2 = in->q2;", "const float q2 = (float)(in->q2 * 0.1 * 10.0);")
-    found = on_target.verify(Emitted(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
+    checks = on_target.verify(EmittedCode(made.files | {"axes_2.c": text}, made.manifest), inputs(), core, silent)
     if core == "cortex-m7":
-        assert not failed(found)
+        assert not failed(checks)
         return
-    assert set(failed(found)) == {f"cortex-m4f, {c}: double-precision symbols" for c in cross.available()}
-    assert all("__aeabi_dmul" in c.about for c in found if not c.passed)
+    assert set(failed(checks)) == {f"cortex-m4f, {c}: double-precision symbols" for c in cross.available()}
+    assert all("__aeabi_dmul" in c.about for c in checks if not c.passed)
 
 
 @with_gcc
 @pytest.mark.parametrize(("core", "bound"), [("cortex-m4f", 1e-4), ("cortex-m7", 1e-12)])
-def test_drift_is_a_figure(core: str, bound: float) -> None:
-    """Fused products move last bits: a few hundred of them after 400 steps, and no fault word."""
-    found = on_target.drift(EMITTED[core], inputs(), core, 1.0)
-    assert (found.core, found.compiler, found.steps, found.faults) == (core, "gcc", 400, 0)
-    assert 0 < found.worst < bound and found.output in ("i1", "i2") and 0 <= found.step < 400
+def test_drift_is_bounded(core: str, bound: float) -> None:
+    """Fused products change the last bits, a few hundred units after 400 steps, but no fault word."""
+    drift = on_target.drift(EMITTED[core], inputs(), core, 1.0)
+    assert (drift.core, drift.compiler, drift.steps, drift.faults) == (core, "gcc", 400, 0)
+    assert 0 < drift.worst < bound and drift.output in ("i1", "i2") and 0 <= drift.step < 400
 
 
 @with_gcc
-def test_drift_shows_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_drift_detects_a_different_law(monkeypatch: pytest.MonkeyPatch) -> None:
     made = EMITTED["cortex-m4f"]
     before = on_target.drift(made, inputs(), "cortex-m4f", 1.0)
     slower = planted("cortex-m4f", lambda c: FADE.sub(r"\g<1>0.3", c))
     monkeypatch.setattr(target, "load", slower)
-    found = on_target.drift(made, inputs(), "cortex-m4f", 1.0)
-    assert found.output == "i2" and found.worst > 1e-3 > before.worst
+    drift = on_target.drift(made, inputs(), "cortex-m4f", 1.0)
+    assert drift.output == "i2" and drift.worst > 1e-3 > before.worst
 
 
-def test_what_does_not_fit_is_named() -> None:
+def test_invalid_arguments_are_named() -> None:
     with pytest.raises(DesignError, match="cortex-m7: found C in float32, need float64"):
         on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m7", silent)
     with pytest.raises(CompileError, match="core: found 'cortex-m0'"):

@@ -1,4 +1,4 @@
-"""All proofs together: they pass on sound C, tell what they do, and each defect fails in the rows that it concerns."""
+"""All proofs together: they pass on correct C, report progress, and each defect fails the affected checks."""
 
 import shutil
 from collections.abc import Callable
@@ -25,15 +25,15 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_sound_c_passes_at_either_depth(
     files: dict[str, str], manifest: dict[str, Any], whole: bool, steps: int
 ) -> None:
-    told: list[str] = []
-    checks = prove.prove(files | {"gains.json": "{}"}, manifest, whole, told.append)
+    messages: list[str] = []
+    checks = prove.prove(files | {"gains.json": "{}"}, manifest, whole, messages.append)
     assert all(check.passed for check in checks)
     steps_told = ["Eva", "partial evaluation", "fuzzing", "cppcheck --addon=misra", "latch"]
-    assert [line.split(":")[0] for line in told] == steps_told
+    assert [line.split(":")[0] for line in messages] == steps_told
     assert any(f"{steps} steps" in check.about for check in checks if check.name == "fuzzing: findings")
 
 
-def test_a_defect_fails_where_it_shows(planted: Plant, manifest: dict[str, Any]) -> None:
+def test_a_defect_fails_the_checks_that_it_affects(planted: Plant, manifest: dict[str, Any]) -> None:
     checks = prove.prove(planted("clamped(scale * i1, -4.95f, 4.95f)", "2.0f * i1"), manifest, False, lambda _: None)
     assert {check.name for check in checks if not check.passed} >= {"Eva: claims not proved", "fuzzing: findings"}
     assert all(check.passed for check in checks if "not finite" in check.name or "misra" in check.name)

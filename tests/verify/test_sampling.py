@@ -1,4 +1,4 @@
-"""Steps for verification: drawn in a fixed order, inside the ranges, at their edges, and near recorded ones."""
+"""Random stimuli: drawn in a fixed order, inside the ranges, at their edges, and near recorded steps."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_a_quarter_of_the_edge_inputs_is_special() -> None:
     assert BLOCK.inputs[0].low < beyond[0]
 
 
-def test_edge_values_that_are_given_others_keep_them() -> None:
+def test_edge_sampling_keeps_the_other_values() -> None:
     others = np.linspace(-1e-4, 1e-4, N)
     drawn = sampling.at_edges(BLOCK.inputs[0], np.random.default_rng(3), N, others)
     assert 0.7 < np.mean(drawn == others) < 0.8
@@ -49,7 +49,7 @@ def test_whole_numbers_and_margins() -> None:
 def test_steps_in_operation_are_near_recorded_ones() -> None:
     rig = declared.rig(PID.DESIGN.stage, np.float64)
     inputs = stimuli.closed_loop(rig, 500).measured
-    recorded = steps.recorded(rig.controller, "loop", inputs)
+    recorded = steps.record(rig.controller, "loop", inputs)
     states, drawn = sampling.in_operation(BLOCK, np.random.default_rng(5), N, recorded)
     assert set(states) == {s.name for s in BLOCK.states} and set(drawn) == {s.name for s in BLOCK.inputs}
     for s in BLOCK.states:

@@ -1,4 +1,4 @@
-"""Stimuli reach what they are there for: a latch far from the safe outputs, which a wrong slew changes."""
+"""Stimuli are effective: the latch is reached far from the safe outputs, and a wrong slew rate is detected."""
 
 from dataclasses import replace
 
@@ -16,20 +16,20 @@ STAGE = PID.DESIGN.stage
 
 @pytest.fixture(scope="module")
 def controller() -> host.Controller:
-    return declared.compiled(STAGE, np.float32)
+    return declared.compiled_controller(STAGE, np.float32)
 
 
 @pytest.fixture(scope="module")
 def doubled() -> host.Controller:
-    """The planted defect: the outputs go to their safe values twice as fast as declared."""
+    """Planted defect: the outputs slew to their safe values twice as fast as declared."""
     faster = tuple(replace(a, slew_per_s=2 * a.slew_per_s) for a in PID.INTERFACE.actuators)
     laws = [law for made in STAGE.controller.laws for law in made.blocks]
     made = PID.stage.controller("levitator_pid", PID.TIME, replace(PID.INTERFACE, actuators=faster), laws)
-    return build.compiled(made.block, np.float32)
+    return build.compile_block(made.block, np.float32)
 
 
 def _differs(one: host.Controller, other: host.Controller, among: steps.Steps) -> bool:
-    first, second = (steps.taken(c, among).outputs for c in (one, other))
+    first, second = (steps.evaluate(c, among).outputs for c in (one, other))
     return any(not np.array_equal(first[name], second[name]) for name in first)
 
 
@@ -46,7 +46,7 @@ def test_a_doubled_slew_is_found_by_the_replay_too(controller: host.Controller, 
 
 def test_latches_end_at_rest(controller: host.Controller) -> None:
     (latches,) = stimuli.latches(controller, stimuli.SEED)
-    taken = steps.taken(controller, latches)
+    taken = steps.evaluate(controller, latches)
     assert (taken.faults >> 31).mean() > 0.5 and np.abs(taken.outputs["i1"]).max() > 2.9
     assert taken.outputs["i1"][-1] == taken.outputs["i2"][-1] == 0
 
@@ -61,7 +61,7 @@ def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(contro
 
 def test_every_sequence_is_there_and_closed_loops_come_first(controller: host.Controller) -> None:
     rig = declared.rig(STAGE, np.float32)
-    found = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
-    assert [s.name for s in found if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
-    assert all(s.closed_loop for s in found[:3]) and {"latches", "faults", "edges"} <= {s.name for s in found}
-    assert all(len(s) <= stimuli.EACH for s in found[:3])
+    sequences = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
+    assert [s.name for s in sequences if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
+    assert all(s.closed_loop for s in sequences[:3]) and {"latches", "faults", "edges"} <= {s.name for s in sequences}
+    assert all(len(s) <= stimuli.EACH for s in sequences[:3])

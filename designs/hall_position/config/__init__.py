@@ -1,6 +1,6 @@
-"""What ships: the estimator of two sensors as published, and of three where the worst deviation is least.
+"""Configuration of the shipped estimators: two sensors as published, three where the worst deviation is least.
 
-The field is that of the fabricated matrix at the sensors' height, by the blocks' remanences, times the chain's V/T.
+The field is that of the fabricated matrix at the sensors' height, from the blocks' remanences, times the chain's V/T.
 """
 
 from collections.abc import Mapping
@@ -28,27 +28,27 @@ from synth.timing import Discrete
 
 NAME, THREE = "hall_position", "hall_position_three"
 TIME = Discrete(1 / 800)
-LAYOUT = 5  # degrees of yaw to either side, for which the three sensors are placed
+LAYOUT = 5  # degrees of yaw to either side, for which the layout of three sensors is optimised
 PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
     {NAME: PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}
 )  # in pitches
 TUNING = Tuning()
-DIGITS = 6  # of the field, so that it is the same on every machine
+DIGITS = 6  # digits kept of the field, which makes it the same on every machine
 
 
 def array(name: str = NAME) -> Array:
-    """Return the sensors that ship under a name, their field in V and their noise.
+    """Return the array of the estimator of a name: positions, field in V and noise.
 
     Raises DesignError for an unknown name.
     """
     if name not in tuple(PLACES):
-        raise DesignError(f"'{name}' is none of the estimators that ship: give one of {', '.join(PLACES)}")
+        raise DesignError(f"'{name}' is not one of the shipped estimators: give one of {', '.join(PLACES)}")
     of = Stage().array(PLACES[name])
-    return replace(of, alpha=digits.cut(of.alpha, DIGITS), beta=digits.cut(of.beta, DIGITS))
+    return replace(of, alpha=digits.significant(of.alpha, DIGITS), beta=digits.significant(of.beta, DIGITS))
 
 
 def controller(name: str = NAME) -> Controller:
-    """Return the guarded estimator that ships under a name; raise DesignError for an unknown one."""
+    """Return the guarded estimator of a name; raise DesignError for an unknown one."""
     of = array(name)
     volts = channels.voltages(len(of.positions))
     body = hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
@@ -63,12 +63,12 @@ def controller(name: str = NAME) -> Controller:
 
 
 def block(name: str = NAME) -> Block:
-    """Return the same as a Block."""
+    """Return the guarded estimator of a name as a Block."""
     return controller(name).block
 
 
 def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
-    """Return what gains.json says of an estimator: model, sensors, tuning, and where the numbers are from."""
+    """Return the content of gains.json for an estimator: model, sensors, tuning, and sources of the numbers."""
     of = array(name)
     return {
         "model": "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
@@ -79,6 +79,6 @@ def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
         "positions_pitches": [list(place) for place in PLACES[name]],
         "period_s": TIME.period_s,
         "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",
-        "tuning": {k: digits.cut(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
+        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(TUNING).items()},
         "bad_samples": channels.BAD_SAMPLES,
     }

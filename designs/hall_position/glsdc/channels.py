@@ -1,4 +1,4 @@
-"""Voltages of two-axis sensors behind their guard, sensors left out, residuals, and the outputs of an estimate."""
+"""Inputs and outputs of the estimators: guarded voltages, excluded sensors, residuals, pose and flags."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -17,63 +17,73 @@ from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
-LEAST = 1e-30  # V^2, in a root: squares are not below 0, which is not seen of products that may not be rounded
-COMPLETE = Signal("complete", "1", 0, 1, "every measurement is good")
+LEAST = 1e-30  # V^2, added under a root: the range analysis cannot see that the sum of squares is not negative
+COMPLETE = Signal("complete", "1", 0, 1, "every voltage of this sample was accepted")
 
 
-def outputs(names: Sequence[str], far: float, loose: float, flags: Mapping[str, str]) -> list[Signal]:
-    """Return a pose up to `far`, its standard deviations up to `loose`, m, the residual, and flags by their meaning."""
+def outputs(names: Sequence[str], far: float, largest: float, flags: Mapping[str, str]) -> list[Signal]:
+    """Return pose within `far` m, its standard deviations up to `largest` m, the residual, and flags {name: about}."""
     pose = [_coordinate(name, far) for name in names]
-    noise = "standard deviation by the noise of the voltages"
     return [
         *pose,
-        *(Signal(f"deviation_{s.name}", s.unit, 0, loose if s.unit == "m" else 1, noise) for s in pose),
-        Signal("residual", "V", 0, 1e3, "root mean square by degrees of freedom"),
-        Signal("converged", "1", 0, 1, "the last correction is small, and none has raised the cost"),
+        *(
+            Signal(
+                f"deviation_{s.name}",
+                s.unit,
+                0,
+                largest if s.unit == "m" else 1,
+                f"standard deviation of {s.name} from the voltages' noise",
+            )
+            for s in pose
+        ),
+        Signal("residual", "V", 0, 1e3, "rms of the voltage residuals, by degrees of freedom"),
+        Signal("converged", "1", 0, 1, "the last correction is small, and no correction raised the cost"),
         *(Signal(name, "1", 0, 1, about) for name, about in flags.items()),
     ]
 
 
 def _coordinate(name: str, far: float) -> Signal:
     if name in "XY":
-        return Signal(name, "m", -far, far, "of the body's origin over the matrix")
+        return Signal(name, "m", -far, far, f"position of the body's origin along {name} of the magnet matrix")
     if name == "Z":
-        return Signal(name, "m", 0, 1, "of the body's origin above the matrix")
-    return Signal(name, "rad", -pi, pi, "of the body over the matrix")
+        return Signal(name, "m", 0, 1, "height of the body's origin above the magnet matrix")
+    return Signal(name, "rad", -pi, pi, f"{name} of the body relative to the magnet matrix")
 
 
 def voltages(sensors: int) -> tuple[Signal, ...]:
     """Return the voltages of sensors a, b, ... in order, each with its two axes."""
     letters = ascii_lowercase[:sensors]
-    return tuple(Signal(f"V_{k}{axis}", "V", -SPAN, SPAN, "Hall sensor and axis") for k in letters for axis in "xy")
+    return tuple(
+        Signal(f"V_{k}{axis}", "V", -SPAN, SPAN, f"Hall sensor {k}, axis {axis}") for k in letters for axis in "xy"
+    )
 
 
-def held(sensors: int, redundant: bool) -> list[Signal]:
-    """Return what the estimator reads: held voltages, and with a redundant sensor which of them are refused."""
+def estimator_inputs(sensors: int, redundant: bool) -> list[Signal]:
+    """Return the inputs: held voltages, and which of them are refused if a sensor is redundant, else ``complete``."""
     inputs = voltages(sensors)
-    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "refused this sample") for s in inputs]
+    faults = [Signal(f"fault_{s.name}", "1", 0, 1, "voltage refused in this sample") for s in inputs]
     return [*(replace(s, name=f"{s.name}_held") for s in inputs), *(faults if redundant else [COMPLETE])]
 
 
-def guarded(name: str, time: Discrete, sensors: int, block: Block, reason: str = "") -> Block:
+def with_guard(name: str, time: Discrete, sensors: int, block: Block, reason: str = "") -> Block:
     """Return an estimator behind the guard of its voltages, which latches after BAD_SAMPLES incomplete samples.
 
-    `reason` says what the latch means to the caller.
+    `reason` tells the caller what the latch means.
     """
     inputs = voltages(sensors)
-    guard = safety.guard(time, [safety.Guarded(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=reason)
+    guard = safety.guard(time, [safety.GuardedInput(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=reason)
     return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
 
 
-def refused(sensors: int, u: Exprs) -> list[ca.SX]:
-    """Return of which sensors a voltage is refused."""
+def refused_sensors(sensors: int, u: Exprs) -> list[ca.SX]:
+    """Return for each sensor whether one of its voltages is refused."""
     return [ca.logic_or(u[f"fault_V_{k}x"], u[f"fault_V_{k}y"]) for k in ascii_lowercase[:sensors]]
 
 
-def freedom(sensors: int, unknowns: int, left_out: Vector | None) -> ca.SX:
-    """Return how many voltages there are beyond the unknowns; of more than one sensor that is left out one counts."""
+def freedom(sensors: int, unknowns: int, excluded: Vector | None) -> ca.SX:
+    """Return the degrees of freedom: voltages less unknowns. Any number of excluded sensors counts as one."""
     beyond = 2 * sensors - unknowns
-    return ca.SX(beyond) if left_out is None else ca.if_else(reduce(ca.logic_or, left_out), beyond - 2, beyond)
+    return ca.SX(beyond) if excluded is None else ca.if_else(reduce(ca.logic_or, excluded), beyond - 2, beyond)
 
 
 def residual(squares: ca.SX, freedom: ca.SX) -> ca.SX:

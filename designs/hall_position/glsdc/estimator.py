@@ -1,18 +1,19 @@
-"""Position and yaw from the voltages of two or more two-axis Hall sensors: modified GLSDC, in a fixed time.
+"""Position and yaw from the voltages of two or more two-axis Hall sensors: modified GLSDC with integrity monitoring.
 
     V_ax, V_ay, V_bx .. --->[ guard ]---> <name>_held ---> [ estimator ]---> X, Y, yaw, their deviations, flags
                                |------- complete -------------^
 
-The damping holds to the predicted pose what the voltages do not tell: two sensors lose rank at places, where the
-estimate goes on as it did in one direction and is `damped`.
+The damping is a prior on the predicted pose. At singular points two sensors do not determine the whole pose: there the
+estimate follows the prediction in one direction and is flagged `damped`.
 
-`valid` is an estimate that has converged, is not damped, has neither a residual fault nor a sudden motion, and rests on
-measurements that are all accepted, or on the others with more than two sensors. Its place is certain and has never been
-lost since. Positions count pitches on from where `init` puts them; a body that has left the pitches that are counted,
-or the yaws that are declared, is not valid again until then. The voltages are the same when everything is turned by 90
-degrees about a strong block: the yaw is known to a quarter turn, and goes on from the last one.
+An estimate is `valid` if it has converged, is not damped, has no residual fault, and passes the innovation gate. All
+voltages must be accepted; with more than two sensors, those of the sensors in use. Its position must be unambiguous,
+and position lock must have been held since it was acquired. Pitches are counted from the one that `init` assumes. A
+body that leaves the counted pitches or the yaw limit loses position lock, and nothing is valid until `init`. The
+voltages do not change when the body turns by 90 degrees about a strong block: the yaw is known up to a quarter turn and
+is tracked from the last one.
 
-Deviations are those of a body at rest, deviation^2 (H'W H + damping)^-1, where the yaw is damped as the phases are.
+Deviations are those of a body at rest, deviation^2 (H'W H + damping)^-1, with the yaw damped as the phases are.
 
 Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
 """
@@ -27,27 +28,27 @@ from models import hall_planar
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
 from synth.blocks import glsdc, phasor
-from synth.blocks.glsdc import Named
+from synth.blocks.glsdc import NamedExpressions
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 from synth.timing import Discrete
 
-REASON = "an estimator moves nothing: once latched it goes on and tells so in the fault word"
-LOOSE = 1e4  # m: 1e-3 is never exceeded, but intervals do not see what is equal in numerator and denominator
+REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
+MAX_DEVIATION = 1e4  # m: 1e-3 is never exceeded, but interval arithmetic loses the correlation of a quotient
 USUAL = Tuning()
-# Relative, of polynomials: a sine that is wrong by 3e-7 is a position that is wrong by 3 nm.
+# Relative, of polynomials: an error of 3e-7 in a sine is an error of 3 nm in the position.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
 FLAGS = {
-    "damped": "the voltages do not tell all of the position",
-    "valid": "converged, place certain and never lost, not damped, astray or sudden, inputs accepted",
-    "restarted": "its place has been lost, or left what is declared: pitches are not known, and nothing is valid until "
-    "init",
+    "damped": "the voltages alone do not determine the pose: the prior decides a part of it",
+    "valid": "converged, unambiguous, position lock held, not damped, no residual fault, innovation within its gate, "
+    "inputs accepted",
+    "lock_lost": "position lock lost, or pitches or yaw out of range: nothing is valid until init",
 }
 
 
-def guarded(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
+def guarded_estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
     """Return the estimator behind the guard of its voltages."""
-    return channels.guarded(name, time, len(array.positions), estimator(array, time, tuning), REASON)
+    return channels.with_guard(name, time, len(array.positions), estimator(array, time, tuning), REASON)
 
 
 def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Block:
@@ -55,29 +56,29 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Blo
     of, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        named: Named = []
-        left_out, begun = tracking.left_out(array, u, x), tracking.predict(x, of)
-        heading = phasor.reduced(begun["yaw"], 2, "yaw_part", named)
-        sensors = planar_model.sensors(u, begun, k, heading, left_out, of, named)
-        solution = glsdc.descend(planar_model.weigh(sensors, of, named), of.descent)
-        normal, yaw = solution.last.normal, begun["yaw"] + solution.at[2]
-        judged = tracking.judge(of, solution, yaw, _prior_weight(normal, of), left_out, u, x)
-        after = tracking.advance(solution, judged, begun, x, of)
-        lever = _lever(heading, after.turn, array, named)
-        known = ca.logic_and(after.certain, ca.logic_not(x["restarted"]))
+        named: NamedExpressions = []
+        excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, of)
+        heading = phasor.by_range_reduction(prediction["yaw"], 2, "yaw_fraction", named)
+        sensors = planar_model.sensors(u, prediction, k, heading, excluded, of, named)
+        solution = glsdc.descend(planar_model.trial_function(sensors, of, named), of.descent)
+        normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
+        integrity = tracking.check_integrity(of, solution, yaw, _prior_weight(normal, of), excluded, u, x)
+        after = tracking.advance(solution, integrity, prediction, x, of)
+        lever = _lever(heading, after.yaw_change, array, named)
+        known = ca.logic_and(after.ambiguity_resolved, ca.logic_not(x["lock_lost"]))
         accepted = after.inside if redundant else ca.logic_and(after.inside, u["complete"])
-        freedom = channels.freedom(len(array.positions), 3, left_out)
+        freedom = channels.freedom(len(array.positions), 3, excluded)
         output = _position(after.pose, lever, array) | _deviations(normal, lever, of)
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
-        output |= {"damped": judged.damped, "valid": ca.logic_and(judged.good, ca.logic_and(known, accepted))}
-        output |= {"restarted": x["restarted"]} | ({"without": x["without"]} if redundant else {})
+        output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
+        output |= {"lock_lost": x["lock_lost"]} | ({"excluded_sensor": x["excluded_sensor"]} if redundant else {})
         return Step(output, after.next, named)
 
     return build(
         "estimator",
         time,
         law,
-        inputs=channels.held(len(array.positions), redundant),
+        inputs=channels.estimator_inputs(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
         states=tracking.states(of),
         constants=hall_planar.constants(array),
@@ -87,16 +88,16 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Blo
 
 def _outputs(array: PlanarArray, tuning: Tuning) -> list[Signal]:
     far = (tuning.pitches + 2) * array.pitch + sum(map(abs, array.centre))
-    outputs = channels.outputs(("X", "Y", "yaw"), far, LOOSE, FLAGS)
-    return [*outputs, tracking.left_out_number(array)] if tracking.is_redundant(array) else outputs
+    outputs = channels.outputs(("X", "Y", "yaw"), far, MAX_DEVIATION, FLAGS)
+    return [*outputs, tracking.excluded_sensor_number(array)] if tracking.is_redundant(array) else outputs
 
 
-def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: Named) -> Phasor:
-    """Return the centre from the body's origin, m, turned by a yaw since the sample began."""
+def _lever(heading: Phasor, yaw: ca.SX, array: PlanarArray, named: NamedExpressions) -> Phasor:
+    """Return the centre from the body's origin, m, at a heading that has changed by a yaw since the sample began."""
     x, y = array.centre
     if x == y == 0:
         return Phasor(ca.SX(0), ca.SX(0))
-    return heading.times(hall_planar.turned(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
+    return heading.times(hall_planar.rotation_phasor(yaw, named)[0]).times(Phasor(ca.SX(x), ca.SX(y)))
 
 
 def _position(pose: Exprs, lever: Phasor, array: PlanarArray) -> dict[str, ca.SX]:
@@ -118,7 +119,7 @@ def _deviations(of: Normal, lever: Phasor, problem: Problem) -> dict[str, ca.SX]
 
 
 def _prior_weight(of: Normal, problem: Problem) -> ca.SX:
-    """Return the trace of (N + damping)^-1, 1/V^2: times the damping how many of three parameters that decides."""
+    """Return the trace of (N + damping)^-1, 1/V^2; times the damping, how many parameters the prior decides."""
     total, alone = ca.SX(problem.array.radius**2), ca.SX(0)
     for n in of.axes:
         total, alone = total + (n.coupling * n.inverse) ** 2, alone + n.inverse
@@ -126,5 +127,5 @@ def _prior_weight(of: Normal, problem: Problem) -> ca.SX:
 
 
 def _yaw_information(of: Normal, problem: Problem) -> ca.SX:
-    """Return the information of a sample on the yaw, damped no more than the phases are."""
+    """Return the information of a sample on the yaw, with the damping of the phases."""
     return of.data_information + problem.damping * problem.array.radius**2

@@ -1,4 +1,4 @@
-"""How the estimators of (X, Y, yaw) and of all six degrees of freedom go about their task."""
+"""Tuning of the GLSDC estimators of (X, Y, yaw) and of six degrees of freedom."""
 
 from dataclasses import dataclass
 from math import inf, pi, radians
@@ -10,52 +10,55 @@ from synth.numeric import between
 
 @dataclass(frozen=True)
 class Tuning:
-    """How the estimator of (X, Y, yaw) works; the damping holds to the prediction what the voltages do not tell.
+    """Tuning of the estimator of (X, Y, yaw). The damping is the weight of the prior, which is the predicted pose.
 
-    It stands for motions that deviate from their prediction by array.deviation / (alpha sqrt(damping)). Nothing is
-    valid after a yaw of more than `yaw`, and with two sensors of more than half of `turn`.
+    It corresponds to motions that deviate from their prediction by array.deviation / (alpha sqrt(damping)). No estimate
+    is valid once the yaw has exceeded `yaw_limit`, or with two sensors half of `yaw_window`.
 
-    Raises ModelError for a figure that is out of its range.
+    Raises ModelError for a value out of its range.
     """
 
-    iterations: int = between(1, 5, 20)  # a sample
+    iterations: int = between(1, 5, 20)  # corrections a sample
     scale: float = between(0, 1.0, 1)  # of each correction
-    damping: float = between(0, 1e-3, 1)  # of alpha^2, of phases from the prediction
-    firm: float = between(0, 5.0, 100)  # times as much the yaw is damped, by what it moves the sensors
-    reach: float = between(0, 1.0, 1)  # rad of phase by which a sample may move a sensor, half of it by the yaw
-    follow: float = 0.5  # part of a correction by which the next motion is predicted to differ; 0: none is predicted
-    settled: float = between(0, 0.1, 1)  # standard deviations: a smaller correction has converged
-    leaning: float = between(0, 0.15, 3)  # parameters that the damping may decide; else `damped`
-    surprise: float = between(0, 3.0, inf)  # deviations of motions: more is no motion of a body
-    residual: float = between(0, 0.1, inf)  # V rms up to which residuals are those of the field's model
-    pitches: int = between(1, 8, 1000)  # to either side up to which positions are counted
-    certain: float = between(0, 0.004, 3)  # parameters that it may decide at a certain place of two sensors
-    turn: float = between(0, radians(5), pi)  # rad from the last certain yaw: there two sensors tell places apart
-    yaw: float = between(0, radians(10), pi)  # rad up to which a place is valid
+    damping: float = between(0, 1e-3, 1)  # of alpha^2: weight of the prior on the phases
+    yaw_damping_ratio: float = between(0, 5.0, 100)  # arm of the yaw's damping, over the sensors' rms arm
+    max_phase_step: float = between(0, 1.0, 1)  # rad of phase, of a sensor in a sample; half of it by the yaw
+    velocity_gain: float = 0.5  # of a correction, added to the predicted motion; 0: no motion is predicted
+    convergence_sigma: float = between(0, 0.1, 1)  # standard deviations: smaller corrections have converged
+    max_prior_weight: float = between(0, 0.15, 3)  # parameters that the prior decides, at most; above: `damped`
+    innovation_gate_sigma: float = between(
+        0, 3.0, inf
+    )  # standard deviations of the innovation: above, no motion of a body
+    residual_limit: float = between(0, 0.1, inf)  # V rms: above, a residual fault
+    pitches: int = between(1, 8, 1000)  # counted to either side of the middle one
+    ambiguity_threshold: float = between(0, 0.004, 3)  # parameters that the prior decides, at most, to resolve
+    yaw_window: float = between(0, radians(5), pi)  # rad about the last good yaw: there two sensors are unambiguous
+    yaw_limit: float = between(0, radians(10), pi)  # rad: above, never valid again
 
     def __post_init__(self) -> None:
         numeric.check_fields(self)
-        if not 0 <= numeric.number("follow", self.follow) <= 1:
-            raise ModelError(f"follow is {self.follow}: it must be at least 0 and at most 1")
+        if not 0 <= numeric.number("velocity_gain", self.velocity_gain) <= 1:
+            raise ModelError(f"velocity_gain is {self.velocity_gain}: it must be at least 0 and at most 1")
 
 
 @dataclass(frozen=True)
 class SpatialTuning:
-    """How the estimator of six degrees of freedom works, in the words of `Tuning`.
+    """Tuning of the estimator of six degrees of freedom, with the terms of `Tuning`.
 
-    Above the fabricated matrix, other waves leave up to 0.093 V of four sensors' voltages: allow more than `residual`.
+    Above the fabricated matrix, waves outside the model leave residuals of up to 0.093 V with four sensors: increase
+    `residual_limit` there.
 
-    Raises ModelError for a figure that is out of its range.
+    Raises ModelError for a value out of its range.
     """
 
-    corrections: int = between(1, 4, 20)  # a sample, all by the Jacobian where it begins
+    corrections: int = between(1, 4, 20)  # a sample, all with the Jacobian at the predicted pose
     damping: float = between(0, 1e-4, 1)  # of alpha^2
-    reach: float = between(0, 0.5, 1)  # rad of phase
-    follow: float = between(0, 0.5, 1)  # part of a correction
-    settled: float = between(0, 0.1, 1)  # standard deviations
-    leaning: float = between(0, 0.15, 6)  # parameters
-    surprise: float = between(0, 3.0, inf)  # deviations of motions
-    residual: float = between(0, 0.02, inf)  # V rms
+    max_phase_step: float = between(0, 0.5, 1)  # rad of phase
+    velocity_gain: float = between(0, 0.5, 1)  # of a correction
+    convergence_sigma: float = between(0, 0.1, 1)  # standard deviations
+    max_prior_weight: float = between(0, 0.15, 6)  # parameters that the prior decides, at most
+    innovation_gate_sigma: float = between(0, 3.0, inf)  # standard deviations of the innovation
+    residual_limit: float = between(0, 0.02, inf)  # V rms
     gap: float = between(0, 1e-3, 0.002)  # m from the height within which Z is valid
     tilt: float = between(0, 0.02, 0.05)  # rad within which roll and pitch are valid
     pitches: int = between(1, 8, 1000)

@@ -1,20 +1,21 @@
-"""Integrity monitor and tracker of (X, Y, yaw) from sample to sample: prediction, gates, lost sensors, restarts.
+"""Integrity monitor and tracker of (X, Y, yaw): prediction, gates, exclusion of failed sensors, ambiguity, restarts.
 
-A sample is predicted to move the body as the last one did, motion <- motion + follow * correction; of the yaw, which is
-damped more, by so much less. Two sensors that pass a place where they lose rank read the same on two ways out of it.
+Prediction: the body moves as in the last sample, motion <- motion + velocity_gain * correction; for the yaw, which is
+damped more, the gain is smaller by yaw_damping_ratio.
 
-A residual fault is a sample whose residuals exceed those of the field's model, or whose motion no body makes from a
-certain place. A body whose place was known then goes on as before. At the SUSPECT-th fault in a row, with more than two
-sensors, the one that differs most from its prediction is left out from then on, if the others differ by no more than
-the field's model and motions explain, and by CONTRAST times less than it, and if not all of them fit another place. If
-PATIENCE samples do not end it, the place is lost. As after `init`, it is searched until a sample converges: corrections
-are followed wherever they lead, and every PATIENCE samples begin elsewhere in the pitch, with the last certain yaw.
+Residual fault: the residuals exceed `residual_limit`; or the innovation exceeds its gate with the ambiguity resolved;
+or a search ends outside the yaw window. While tracking, the correction is then discarded. At the SUSPECT-th
+consecutive fault, with more than two sensors, the sensor with the largest innovation is excluded permanently. For
+this the voltages must be inconsistent: no other pose may fit all of them. The innovations of the others must be
+within the bounds of model and motion, and CONTRAST times smaller in square. After PATIENCE faults position lock is
+lost. The position is then searched as after `init`, until a sample converges without a fault: corrections are not
+gated, and every PATIENCE samples start elsewhere in the pitch, at the last good yaw.
 
-Where two sensors lose rank, ways of like voltages cross, and a body that passes there may be followed on the wrong one
-for as long as the residuals do not tell. So a place is certain only when no other within a window of yaws has the same
-voltages, and stays so until a sample is damped. More than two sensors tell all places apart at such yaws; two do where
-the damping decides little, far enough from where ways cross. Of more, two that remain make no place certain: they need
-not be such a pair.
+Ambiguity: at singular points of two sensors, curves of equal voltages cross, and a body that passes one may be tracked
+on the wrong curve until the residuals show it. The ambiguity is therefore resolved only where no other pose in a window
+of yaws has the same voltages, and remains resolved until a sample is damped. More than two sensors are unambiguous
+in the whole window. Two are where the prior decides little, which is far from the singular points. The two that remain
+of three sensors never resolve the ambiguity, because they need not be such a pair.
 """
 
 from dataclasses import dataclass
@@ -35,15 +36,15 @@ from synth.signals import Signal
 POSE, MOTION = ("phase_x", "phase_y", "yaw"), ("motion_x", "motion_y", "motion_yaw")
 SUSPECT = 2  # samples
 CONTRAST = 25  # of squared residuals
-INCONSISTENT = 4.0  # deviations, rms, of voltages that do not fit each other
-MORE = 4  # times as much as with two sensors may the damping decide at a certain place, with more than two
+INCONSISTENT = 4.0  # standard deviations, rms of the residuals: above, the voltages are inconsistent
+REDUNDANCY_FACTOR = 4  # of the ambiguity threshold, with more than two sensors
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
-    """Whether a sample has a residual fault, voltages that do not fit each other, or is damped, or none of these.
+class Integrity:
+    """Flags of a sample: residual fault, voltages inconsistent with each other, damped, or `good` without any of these.
 
-    `unambiguous`: it is so good that its place is the only one.
+    `unambiguous`: besides, no other pose in the yaw window has the same voltages.
     """
 
     residual_fault: ca.SX
@@ -55,160 +56,165 @@ class Judgement:
 
 @dataclass(frozen=True, eq=False)
 class NextState:
-    """The pose by the names of the states, the yaw since the sample began, and the next states.
+    """The pose by the names of the states, the change of yaw in the sample, and the next states.
 
-    `inside`: whether pitches are counted there, and the yaw is valid; `certain`: whether its place is.
+    `inside`: whether the pitches are within the count and the yaw within its limit.
     """
 
     pose: Exprs
-    turn: ca.SX
+    yaw_change: ca.SX
     next: Exprs
     inside: ca.SX
-    certain: ca.SX
+    ambiguity_resolved: ca.SX
 
 
 def states(of: Problem) -> list[State]:
-    """Return what is remembered."""
+    """Return the states of the tracker."""
     n = of.tuning.pitches
-    reals = [Signal(f"phase_{a}", "rad", -pi, pi, "of the sensors' centre in its pitch") for a in AXES]
-    reals += [Signal("yaw", "rad", -pi, pi, "of the last sample")]
-    reals += [Signal("yaw_known", "rad", -pi, pi, "of the last sample whose place was certain")]
-    reals += [Signal(f"start_{a}", "rad", -pi, pi, "phase with which the last search began") for a in AXES]
-    reals += [Signal(f"pitch_{a}", "1", -n, n, "whole pitches to the one of the sensors' centre") for a in AXES]
-    about = ("of the phase, expected in a sample",) * 2 + ("expected in a sample",)
-    if of.tuning.follow:
+    reals = [
+        Signal(f"phase_{a}", "rad", -pi, pi, f"phase of the sensors' centre along {a}, within its pitch") for a in AXES
+    ]
+    reals += [Signal("yaw", "rad", -pi, pi, "yaw of the last sample")]
+    reals += [Signal("yaw_last_good", "rad", -pi, pi, "yaw of the last sample with the ambiguity resolved")]
+    reals += [Signal(f"start_{a}", "rad", -pi, pi, f"phase along {a} at which the last search started") for a in AXES]
+    reals += [Signal(f"pitch_{a}", "1", -n, n, f"number of whole pitches along {a}, from the middle one") for a in AXES]
+    about = ("predicted change of phase per sample",) * 2 + ("predicted change of yaw per sample",)
+    if of.tuning.velocity_gain:
         reals += [Signal(b.name, "rad", b.low, b.high, a) for b, a in zip(of.descent.bounds, about, strict=True)]
-    counts = [restarts.ASTRAY, restarts.SEARCHING]
-    counts += [Signal("certain", "1", 0, 1, "no other place has the same voltages")]
-    counts += [Signal("placed", "1", 0, 1, "its place has been certain"), restarts.RESTARTED]
+    counts = [restarts.RESIDUAL_FAULTS, restarts.SEARCHING]
+    counts += [Signal("ambiguity_resolved", "1", 0, 1, "no other position has the same voltages")]
+    counts += [Signal("acquired", "1", 0, 1, "position lock has been acquired since init"), restarts.LOCK_LOST]
     if is_redundant(of.array):
-        counts += [left_out_number(of.array)]
+        counts += [excluded_sensor_number(of.array)]
     return restarts.states(reals, counts)
 
 
 def predict(x: Exprs, of: Problem) -> Exprs:
-    """Return the phases and the yaw with which a sample begins."""
-    return {n: x[n] + x[m] if of.tuning.follow else x[n] for n, m in zip(POSE, MOTION, strict=True)}
+    """Return the predicted phases and yaw."""
+    return {n: x[n] + x[m] if of.tuning.velocity_gain else x[n] for n, m in zip(POSE, MOTION, strict=True)}
 
 
 def is_redundant(array: PlanarArray) -> bool:
-    """Return whether one sensor can be left out."""
+    """Return whether one sensor can be excluded."""
     return len(array.positions) > 2
 
 
-def left_out_number(array: PlanarArray) -> Signal:
-    """Return the number of the sensor that is left out, 0 for none."""
-    return Signal("without", "1", 0, len(array.positions), "number of the sensor that is left out")
+def excluded_sensor_number(array: PlanarArray) -> Signal:
+    """Return the signal with the number of the excluded sensor, 0 for none."""
+    return Signal(
+        "excluded_sensor", "1", 0, len(array.positions), "number of the sensor excluded as failed, 0 for none"
+    )
 
 
-def left_out(array: PlanarArray, u: Exprs, x: Exprs) -> Vector | None:
-    """Return which sensors are left out: one that is suspected, and those of which a voltage is refused."""
+def excluded_sensors(array: PlanarArray, u: Exprs, x: Exprs) -> Vector | None:
+    """Return for each sensor whether it is excluded: as failed, or in this sample because a voltage is refused."""
     if not is_redundant(array):
         return None
-    refused = channels.refused(len(array.positions), u)
-    return [ca.logic_or(each, x["without"] == n) for n, each in enumerate(refused, 1)]
+    refused = channels.refused_sensors(len(array.positions), u)
+    return [ca.logic_or(each, x["excluded_sensor"] == n) for n, each in enumerate(refused, 1)]
 
 
 def valid_yaw_limit(array: PlanarArray, tuning: Tuning) -> float:
-    """Return the yaws to either side at which a place may be valid, rad.
-
-    With two sensors no two of these are further apart than the yaws within which their places are told apart.
-    """
-    return tuning.yaw if is_redundant(array) else min(tuning.yaw, tuning.turn / 2)
+    """Return the largest absolute yaw of a valid estimate, rad; with two sensors, half the yaw window at most."""
+    return tuning.yaw_limit if is_redundant(array) else min(tuning.yaw_limit, tuning.yaw_window / 2)
 
 
 def in_yaw_window(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
-    """Return whether a yaw is near the last certain one; across half a turn where one may be certain there."""
-    by = ca.fabs(yaw - x["yaw_known"])
-    around = tuning.yaw + tuning.turn > pi
-    return ca.logic_or(by <= tuning.turn, ca.fabs(by - 2 * pi) <= tuning.turn) if around else by <= tuning.turn
+    """Return whether a yaw is in the yaw window about the last good one, also across half a turn where reachable."""
+    difference = ca.fabs(yaw - x["yaw_last_good"])
+    wraps = tuning.yaw_limit + tuning.yaw_window > pi
+    inside = difference <= tuning.yaw_window
+    return ca.logic_or(inside, ca.fabs(difference - 2 * pi) <= tuning.yaw_window) if wraps else inside
 
 
-def judge(
-    of: Problem, solution: Solution[Normal], yaw: ca.SX, weight: ca.SX, left_out: Vector | None, u: Exprs, x: Exprs
-) -> Judgement:
-    """Judge a sample that ends at a yaw, where the damping decides damping * `weight` parameters."""
+def check_integrity(
+    of: Problem, solution: Solution[Normal], yaw: ca.SX, weight: ca.SX, excluded: Vector | None, u: Exprs, x: Exprs
+) -> Integrity:
+    """Return the integrity flags of a sample that ends at a yaw; the prior decides damping * `weight` parameters."""
     array, tuning, last = of.array, of.tuning, solution.last
-    freedom = channels.freedom(len(array.positions), 3, left_out)
-    damped = weight > tuning.leaning / of.damping
-    gate = tuning.surprise * array.deviation / sqrt(of.damping)  # rad
-    gates = ca.SX(gate) if left_out is None else gate + gate * x["astray"]
-    sudden = planar_model.squared_motion(last.at, array.radius) > gates**2
-    large = last.squares > freedom * tuning.residual**2
-    near = in_yaw_window(yaw, x, tuning)
-    lost = ca.if_else(x["certain"], sudden, ca.logic_and(x["searching"], ca.logic_not(near)))
-    fault = ca.logic_or(large, lost)
-    good = ca.logic_and(solution.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(fault, sudden))))
-    unambiguous = ca.logic_and(good, _is_only_place(left_out, near, weight, x, of))
-    unambiguous = ca.logic_and(unambiguous, u["complete"]) if left_out is None else unambiguous
-    inconsistent = last.squares > freedom * min(tuning.residual, INCONSISTENT * array.deviation) ** 2
-    return Judgement(fault, inconsistent, damped, good, unambiguous)
+    freedom = channels.freedom(len(array.positions), 3, excluded)
+    damped = weight > tuning.max_prior_weight / of.damping
+    gate = tuning.innovation_gate_sigma * array.deviation / sqrt(of.damping)  # rad
+    growing_gate = ca.SX(gate) if excluded is None else gate + gate * x["residual_faults"]
+    gate_exceeded = planar_model.squared_motion(last.at, array.radius) > growing_gate**2
+    residuals_large = last.squares > freedom * tuning.residual_limit**2
+    in_window = in_yaw_window(yaw, x, tuning)
+    lost = ca.if_else(x["ambiguity_resolved"], gate_exceeded, ca.logic_and(x["searching"], ca.logic_not(in_window)))
+    fault = ca.logic_or(residuals_large, lost)
+    good = ca.logic_and(solution.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(fault, gate_exceeded))))
+    unambiguous = ca.logic_and(good, _is_unambiguous(excluded, in_window, weight, x, of))
+    unambiguous = ca.logic_and(unambiguous, u["complete"]) if excluded is None else unambiguous
+    inconsistent = last.squares > freedom * min(tuning.residual_limit, INCONSISTENT * array.deviation) ** 2
+    return Integrity(fault, inconsistent, damped, good, unambiguous)
 
 
-def _is_only_place(left_out: Vector | None, near: ca.SX, weight: ca.SX, x: Exprs, of: Problem) -> ca.SX:
-    """Return whether a place is told apart from all others, from the sample after that which ended the search.
+def _is_unambiguous(excluded: Vector | None, in_window: ca.SX, weight: ca.SX, x: Exprs, of: Problem) -> ca.SX:
+    """Return whether no other pose has the same voltages, from the first sample after the one that ended the search.
 
-    With two sensors it takes a yaw in the window. A body that moves is sudden then until its motion is known.
+    With two sensors the yaw must be in the window. A moving body exceeds the gate until its motion has been estimated.
     """
-    known, threshold = ca.logic_not(x["searching"]), of.tuning.certain / of.damping
-    if left_out is None:
-        return ca.logic_and(ca.logic_and(near, known), weight <= threshold)
-    enough = ca.logic_and(reduce(add, left_out) < len(left_out) - 2, weight <= MORE * threshold)
-    return ca.logic_and(enough, known)
+    tracking, threshold = ca.logic_not(x["searching"]), of.tuning.ambiguity_threshold / of.damping
+    if excluded is None:
+        return ca.logic_and(ca.logic_and(in_window, tracking), weight <= threshold)
+    enough = ca.logic_and(reduce(add, excluded) < len(excluded) - 2, weight <= REDUNDANCY_FACTOR * threshold)
+    return ca.logic_and(enough, tracking)
 
 
-def advance(solution: Solution[Normal], judged: Judgement, begun: Exprs, x: Exprs, of: Problem) -> NextState:
-    """Return what comes of corrections of the pose with which a sample has `begun`."""
-    fault, tuning = judged.residual_fault, of.tuning
-    by = restarts.unless_held(fault, POSE, solution.at, x)
-    pose = {"yaw": restarts.wrap(begun["yaw"] + by["yaw"])[0]}
+def advance(solution: Solution[Normal], integrity: Integrity, prediction: Exprs, x: Exprs, of: Problem) -> NextState:
+    """Return the pose and the states after the corrections of the predicted pose."""
+    fault, tuning = integrity.residual_fault, of.tuning
+    by = restarts.gate_correction(fault, POSE, solution.at, x)
+    pose = {"yaw": restarts.wrap(prediction["yaw"] + by["yaw"])[0]}
     limit, counted = valid_yaw_limit(of.array, tuning), ca.SX(1)
     for a in AXES:
-        phase, turns = restarts.wrap(begun[f"phase_{a}"] + by[f"phase_{a}"])
+        phase, turns = restarts.wrap(prediction[f"phase_{a}"] + by[f"phase_{a}"])
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
-    turned = ca.fabs(pose["yaw"])
-    inside = ca.logic_and(counted, turned <= limit)
-    next, again = _search(solution, judged, x, of)
-    unambiguous = ca.logic_and(judged.unambiguous, inside)
-    certain = ca.logic_or(unambiguous, ca.logic_and(x["certain"], ca.logic_not(judged.damped)))
-    known = ca.logic_and(certain, ca.logic_not(fault))
-    # What is not certain may follow a wrong way for a while, at yaws that the body does not have.
-    left = ca.logic_or(ca.logic_not(counted), turned > ca.if_else(certain, limit, 2 * limit))
-    lost = ca.logic_and(x["placed"], ca.logic_or(again, left))
-    next |= {"placed": ca.logic_or(certain, x["placed"]), "restarted": ca.logic_or(x["restarted"], lost)}
-    next |= {"certain": ca.if_else(again, 0, certain), "yaw_known": ca.if_else(known, pose["yaw"], x["yaw_known"])}
-    next |= pose | {"yaw": ca.if_else(again, x["yaw_known"], pose["yaw"])}
-    next |= restarts.phases(again, pose, x)
-    if tuning.follow:
-        gains = (tuning.follow, tuning.follow, tuning.follow / tuning.firm)
-        moved = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
-        next |= {m: ca.if_else(x["searching"], 0, v) for m, v in moved.items()}
-    return NextState(pose, by["yaw"], next, inside, certain)
+    size = ca.fabs(pose["yaw"])
+    inside = ca.logic_and(counted, size <= limit)
+    next, restart = _search(solution, integrity, x, of)
+    unambiguous = ca.logic_and(integrity.unambiguous, inside)
+    resolved = ca.logic_or(unambiguous, ca.logic_and(x["ambiguity_resolved"], ca.logic_not(integrity.damped)))
+    reliable = ca.logic_and(resolved, ca.logic_not(fault))
+    # An ambiguous estimate may track a wrong curve for a while, at yaws that the body does not have.
+    outside = ca.logic_or(ca.logic_not(counted), size > ca.if_else(resolved, limit, 2 * limit))
+    lost = ca.logic_and(x["acquired"], ca.logic_or(restart, outside))
+    next |= {"acquired": ca.logic_or(resolved, x["acquired"]), "lock_lost": ca.logic_or(x["lock_lost"], lost)}
+    next |= {
+        "ambiguity_resolved": ca.if_else(restart, 0, resolved),
+        "yaw_last_good": ca.if_else(reliable, pose["yaw"], x["yaw_last_good"]),
+    }
+    next |= pose | {"yaw": ca.if_else(restart, x["yaw_last_good"], pose["yaw"])}
+    next |= restarts.next_phases(restart, pose, x)
+    if tuning.velocity_gain:
+        gains = (tuning.velocity_gain, tuning.velocity_gain, tuning.velocity_gain / tuning.yaw_damping_ratio)
+        motions = {m: x[m] + g * by[n] for m, n, g in zip(MOTION, POSE, gains, strict=True)}
+        next |= {m: ca.if_else(x["searching"], 0, v) for m, v in motions.items()}
+    return NextState(pose, by["yaw"], next, inside, resolved)
 
 
-def _search(solution: Solution[Normal], judged: Judgement, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
-    """Return the next counts and flags, and whether the next sample begins elsewhere."""
-    fault = judged.residual_fault
-    again, faults = restarts.count(fault, x)
-    next = {"astray": faults}
+def _search(solution: Solution[Normal], integrity: Integrity, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
+    """Return the next counts and flags, and whether the next sample restarts elsewhere."""
+    fault = integrity.residual_fault
+    restart, faults = restarts.count_faults(fault, x)
+    next = {"residual_faults": faults}
     if is_redundant(of.array):
-        worst, alone = _worst(solution.first.residuals, of)
-        known = ca.logic_and(x["certain"], x["astray"] >= SUSPECT - 1)
-        suspected = ca.logic_and(ca.logic_and(fault, judged.inconsistent), ca.logic_and(known, alone))
-        next["without"] = ca.if_else(again, 0, ca.if_else(suspected, worst, x["without"]))
+        largest, is_single = _largest_innovation(solution.first.residuals, of)
+        resolved = ca.logic_and(x["ambiguity_resolved"], x["residual_faults"] >= SUSPECT - 1)
+        failed = ca.logic_and(ca.logic_and(fault, integrity.inconsistent), ca.logic_and(resolved, is_single))
+        next["excluded_sensor"] = ca.if_else(restart, 0, ca.if_else(failed, largest, x["excluded_sensor"]))
     ended = ca.logic_and(solution.converged, ca.logic_not(fault))
-    next["searching"] = ca.if_else(again, 1, ca.if_else(ended, 0, x["searching"]))
-    return next, again
+    next["searching"] = ca.if_else(restart, 1, ca.if_else(ended, 0, x["searching"]))
+    return next, restart
 
 
-def _worst(residuals: Vector, of: Problem) -> tuple[ca.SX, ca.SX]:
-    """Return the number of the sensor with the largest squares, from 1 on, and whether it is the only one by them."""
+def _largest_innovation(residuals: Vector, of: Problem) -> tuple[ca.SX, ca.SX]:
+    """Return the number, from 1, of the sensor with the largest innovation, and whether it alone has failed."""
     n = len(of.array.positions)
     squares = [a**2 + b**2 for a, b in zip(residuals[:n], residuals[n:], strict=True)]
-    most, number, others = squares[0], ca.SX(1), ca.SX(0)
+    largest, number, others = squares[0], ca.SX(1), ca.SX(0)
     for k, square in enumerate(squares[1:], 2):
-        number = ca.if_else(square > most, k, number)
-        most, others = ca.fmax(square, most), others + ca.fmin(square, most)
-    agree = others <= 2 * (n - 1) * of.expected**2
-    return number, ca.logic_and(agree, CONTRAST * others <= most)
+        number = ca.if_else(square > largest, k, number)
+        largest, others = ca.fmax(square, largest), others + ca.fmin(square, largest)
+    agree = others <= 2 * (n - 1) * of.innovation_bound**2
+    return number, ca.logic_and(agree, CONTRAST * others <= largest)

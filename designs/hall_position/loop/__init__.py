@@ -1,1 +1,1 @@
-"""The loop of the planar stage closed by the estimate: calibration, controller, experiments."""
+"""Position loop of the planar stage closed with the estimate: calibration, controller, experiments."""

@@ -1,8 +1,8 @@
-"""The position sources of planar_6dof_lqg in the same experiment: its sections, and the estimate by GLSDC.
+"""Comparison of position sources under the regulators of planar_6dof_lqg: its sections, and the GLSDC estimate.
 
-A slow path through a pitch over the truth field, and a standstill: the sections of the stage's own three sensors, the
-estimate of the same sensors, and that of sensors placed for it, both calibrated. The regulators are the same. The
-estimate follows its path within half of the sections' errors; it takes six times as many instructions.
+The experiments are a slow path through a pitch in the true field, and a standstill. The sources are the sections of the
+stage's three sensors, the estimate from the same sensors, and the estimate from an optimised layout; both estimates are
+calibrated. The estimate halves the sections' path errors and takes six times as many instructions.
 """
 
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ import numpy as np
 
 from designs.hall_position.loop import calibration, stage_loop
 from designs.hall_position.loop.stage_loop import TIME, Loop
-from designs.planar_6dof.experiments import usual
+from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
 from synth.check import Check
 from synth.execute import cross
@@ -24,7 +24,7 @@ from synth.verify import meter, rivals, steps
 UNITS = {"x": "um", "y": "um", "phi": "urad"}
 MICRO = 1e6
 SLOW = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (3.0, -0.024, 0.005), (13.0, 0.024, 0.005), (13.5, 0.024, 0.005))  # s, m, m
-SECTIONS, OWN, PLACED = "sections", "estimate, the stage's sensors", "estimate, sensors placed for it"
+SECTIONS, STAGE_SENSORS, OPTIMISED = "sections", "estimate, the stage's sensors", "estimate, sensors placed for it"
 REST = 5.0  # s
 COUNTED, BUILD = 150, "gcc, newlib"  # steps whose instructions are counted
 ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
@@ -32,14 +32,14 @@ ABOUT = "1 mV of noise, 200 Hz, 16 bits over +-5 V, one sample of delay"
 
 @cache
 def others(libm: bool = False) -> Mapping[str, Loop]:
-    """Return the loops on the stage's own sensors: by sections, and by the estimate with its own calibration."""
-    source = calibration.calibrated(planar_stage.hall_places(planar_stage.plant()))
-    own = stage_loop.of_source(source, libm=libm)
-    return {SECTIONS: stage_loop.of_sections(libm=libm), OWN: own}
+    """Return the loops on the stage's own sensors: with sections, and with the calibrated estimate."""
+    source = calibration.calibrated_source(planar_stage.hall_places(planar_stage.plant()))
+    estimated = stage_loop.of_source(source, libm=libm)
+    return {SECTIONS: stage_loop.of_sections(libm=libm), STAGE_SENSORS: estimated}
 
 
 def noise(run: Trajectory, since: float) -> dict[str, float]:
-    """Return the rms about the mean of what is true and as estimated, um and urad, from a time in s on."""
+    """Return the rms about the mean of true and estimated positions, um and urad, from a time in s on."""
     first, figures = round(since / TIME.period_s), {}
     for axis, unit in UNITS.items():
         figures[f"{axis}, {unit} rms"] = MICRO * float(np.std(run[axis][first:]))
@@ -48,7 +48,7 @@ def noise(run: Trajectory, since: float) -> dict[str, float]:
 
 
 def experiment(by_name: Mapping[str, Loop]) -> Experiment:
-    """Return the slow path by each source, PLACED being shown and judged against SECTIONS."""
+    """Return the slow path with each source; OPTIMISED is shown and checked against SECTIONS."""
     runs = {name: loop.run(SLOW[-1][0], set_points()) for name, loop in by_name.items()}
     errors = {name: _path_errors(run) for name, run in runs.items()}
     figures: dict[str, float] = {}
@@ -60,12 +60,12 @@ def experiment(by_name: Mapping[str, Loop]) -> Experiment:
         figures |= {f"{name}: {what}": value for what, value in measured.items()}
     about = "at most, calibrated; half of the sections'"
     checks = [
-        Check(f"{axis} off its path", errors[PLACED][axis], errors[SECTIONS][axis] / 2, unit, about)
+        Check(f"{axis} off its path", errors[OPTIMISED][axis], errors[SECTIONS][axis] / 2, unit, about)
         for axis, unit in UNITS.items()
     ]
-    checks += [check for run in runs.values() for check in usual(run)]
+    checks += [check for run in runs.values() for check in common_checks(run)]
     title, about = "A slow path through a pitch, by each source", f"4.8 mm/s, {ABOUT}"
-    return Experiment("sources", title, about, runs[PLACED], tuple(UNITS), set_points(), figures, tuple(checks))
+    return Experiment("sources", title, about, runs[OPTIMISED], tuple(UNITS), set_points(), figures, tuple(checks))
 
 
 def set_points() -> dict[str, Array]:
@@ -75,14 +75,14 @@ def set_points() -> dict[str, Array]:
 
 
 def _path_errors(run: Trajectory) -> dict[str, float]:
-    """Return how far x, y and phi are off the path at most while it goes through the pitch, um and urad."""
+    """Return the largest path errors of x, y and phi within the pitch, um and urad."""
     window = (run.time > SLOW[2][0] + 0.5) & (run.time < SLOW[3][0])
-    wanted = {"phi": np.zeros_like(run.time)} | set_points()
-    return {axis: MICRO * float(np.abs(run[axis] - wanted[axis])[window].max()) for axis in UNITS}
+    path = {"phi": np.zeros_like(run.time)} | set_points()
+    return {axis: MICRO * float(np.abs(run[axis] - path[axis])[window].max()) for axis in UNITS}
 
 
 def instructions(loop: Loop, run: Trajectory) -> list[int]:
-    """Return the instructions of a whole step on a Cortex-M4F, at most in some of a run; none without the compiler."""
-    path = steps.thinned(steps.recorded(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
+    """Return the largest instruction count of a controller step on a Cortex-M4F; empty without the compiler."""
+    path = steps.thinned(steps.record(loop.rig.controller, "path", run.measured, closed_loop=True), COUNTED)
     builds = [b for b in (meter.builds() if cross.available() else ()) if b.name == BUILD]
-    return [int(meter.run(rivals.emitted(loop.emitted), path, b).cost.instructions.max()) for b in builds]
+    return [int(meter.run(rivals.emitted_c(loop.emitted), path, b).cost.instructions.max()) for b in builds]

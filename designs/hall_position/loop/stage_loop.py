@@ -1,10 +1,10 @@
-"""The simulated planar stage over the truth field, its loop closed by the estimate or by the stage's own sections.
+"""Simulated planar stage in the true field, with its loop closed by the estimate or by the stage's own sections.
 
     pose --> truth field --> 200 Hz filter --> + 1 mV --> 16 bits over +-5 V --> controller --> z^-delay --> currents
         '--> laser distances + noise --> 16 bits ------------------'
 
-Both sources drive the same regulators, those of planar_6dof_lqg, as compiled C in single precision. The sections are
-calibrated for an amplitude of the field that is not this one's: their sensors' gain is matched to it, as a bench would.
+Both sources drive the regulators of planar_6dof_lqg, as compiled C in single precision. The sections are calibrated for
+another amplitude of the field: the gain of their sensors is scaled by `gain_ratio`, as on a bench.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ from synth.block import Block, unranged
 from synth.blocks import safety
 from synth.compose import compose
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import build, host
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Trajectory, sample_times
@@ -36,16 +36,16 @@ RAW = {axis: f"{axis}_raw" for axis in closed_loop.HORIZONTAL}
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A rig whose Hall sensors are at the bench's places; `view` is its controller's way to the raw position.
+    """A rig with Hall sensors at the bench's positions, whose voltages are those of the bench times `gain_ratio`.
 
-    The voltages are those of the bench times `matched`.
+    `view` is the part of its controller from the voltages to the raw position.
     """
 
     rig: Rig
     bench: Bench
-    emitted: Emitted
+    emitted: EmittedCode
     view: host.Controller
-    matched: float = 1.0
+    gain_ratio: float = 1.0
 
     def run(
         self,
@@ -54,58 +54,58 @@ class Loop:
         start: Mapping[str, float] | None = None,
         **options: Any,
     ) -> Trajectory:
-        """Simulate from rest at `start` by axis (m, rad), set-points staying there unless given by axis.
+        """Simulate from rest at `start` by axis (m, rad); set-points not in `references` stay there.
 
-        The raw position that the controller sees is added to the outputs, as x_raw, y_raw and phi_raw.
+        The raw position that the controller computes is added to the outputs, as x_raw, y_raw and phi_raw.
         """
         noise = self._noise(len(sample_times(duration_s, TIME.period_s))) if self.rig.noise else {}
-        start = {**(start or {}), **self._filtered(start or {})}
+        start = {**(start or {}), **self._filter_states(start or {})}
         run = planar.simulate(self.rig, duration_s, references, start, noise=noise, **options)
         seen = self.view.replay(run.measured).outputs
         return replace(run, outputs=run.outputs | {name: np.asarray(v, np.float64) for name, v in seen.items()})
 
-    def _filtered(self, start: Mapping[str, float]) -> dict[str, float]:
-        """Return what the filters hold when the platen has been at rest, V."""
+    def _filter_states(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return the filters' states for a platen at rest, V."""
         pose = np.array([[start.get(axis, 0.0) for axis in closed_loop.HORIZONTAL]])
-        volts = self.matched * hall_bench.settled(self.bench, pose)[0]
+        volts = self.gain_ratio * hall_bench.static_voltages(self.bench, pose)[0]
         return {f"filtered_{n}": float(v) for n, v in zip(planar_stage.HALL, volts, strict=True)}
 
     def _noise(self, n: int) -> dict[str, Array]:
         volts = hall_chain.noise(self.bench.chain, TIME, (len(planar_stage.HALL), n), self.rig.seed)
-        drawn = np.random.default_rng(self.rig.seed + 1).standard_normal((len(planar_stage.LASERS), n))
-        rows = (*volts, *(interface.LASER_NOISE * drawn))
+        laser_noise = np.random.default_rng(self.rig.seed + 1).standard_normal((len(planar_stage.LASERS), n))
+        rows = (*volts, *(interface.LASER_NOISE * laser_noise))
         return dict(zip((*planar_stage.HALL, *planar_stage.LASERS), rows, strict=True))
 
 
 def of_source(source: Source, libm: bool = False) -> Loop:
-    """Return the loop that a source closes; with `libm` the C takes its sines from the library, which emits sooner."""
+    """Return the loop with a source; with `libm` the C calls the library's sines, which makes emission faster."""
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, TIME, lqg.law(plant), source)
     return _loop(Bench(source.array.positions), block, view(source), closed_loop.SURROGATE_ERROR[np.float32], libm)
 
 
 def of_sections(libm: bool = False) -> Loop:
-    """Return the loop that the sections of the stage's own sensors close."""
+    """Return the loop with the sections of the stage's own sensors."""
     plant = planar_stage.plant()
     bench = Bench(planar_stage.hall_places(plant))
-    matched = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
-    shown = planar.view(TIME, predicted=False)
-    return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, matched)
+    gain_ratio = hall_calibration.of(plant).amplitude / calibration.array(bench).alpha
+    shown = planar.position_block(TIME, predicted=False)
+    return _loop(bench, lqg.controller(plant), shown, interface.SURROGATE_ERROR[np.float32], libm, gain_ratio)
 
 
 def view(source: Source) -> Block:
-    """Return the way from voltages to the raw position, with the estimate before its map and its flags."""
+    """Return the Block from voltages to the raw position, with the uncorrected estimate and its flags."""
     guard = safety.guard(TIME, interface.INPUTS, interface.BAD_SAMPLES, suspected=planar_stage.HALL)
     outputs = [*RAW.values(), "X", "Y", "yaw", "valid", "residual"]
-    parts = [guard, *closed_loop.sensed(source, TIME)]
+    parts = [guard, *closed_loop.position_blocks(source, TIME)]
     return unranged(compose("hall_view", parts, inputs=[g.signal.name for g in interface.INPUTS], outputs=outputs))
 
 
-def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, matched: float = 1.0) -> Loop:
-    plant = built_matrix.plant(bench.places, bench.true, bench.chain, matched * bench.chain.gain)
+def _loop(bench: Bench, block: Block, shown: Block, error: float, libm: bool, gain_ratio: float = 1.0) -> Loop:
+    plant = built_matrix.plant(bench.places, bench.true, bench.chain, gain_ratio * bench.chain.gain)
     emitted = write.emit(block, np.float32, libm=libm, error=error)
     rig = replace(planar.of(block, host.load(emitted.files, emitted.manifest)), plant=plant)
     step, sensors = bench.chain.step, rig.stage.interface.sensors
     converted = tuple(replace(s, resolution=step) if s.name in planar_stage.HALL else s for s in sensors)
-    seen = build.compiled(shown, np.float32, libm=libm, error=error)
-    return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, matched)
+    seen = build.compile_block(shown, np.float32, libm=libm, error=error)
+    return Loop(rig.with_interface(sensors=converted), bench, emitted, seen, gain_ratio)

@@ -1,1 +1,1 @@
-"""What the report shows, as blocks by the names that report.md places them by."""
+"""Blocks of the report, by their names in report.md."""

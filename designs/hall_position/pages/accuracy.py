@@ -1,4 +1,4 @@
-"""What the voltages tell, in the report: accuracy over pitch and yaw, lost rank, layouts compared, errors, basins."""
+"""Accuracy in the report: over pitch and yaw, lost rank, comparison of layouts, model errors, basins."""
 
 from collections.abc import Mapping
 from math import radians
@@ -20,22 +20,22 @@ from synth.report.maps import Map
 
 UM = 1e-6
 POINTS = 96  # of a map, along a pitch
-COARSE, TURNS = 48, 121  # of the curve over yaw: places along a pitch, yaws
-YAW = radians(5)  # of the second maps
+COARSE, TURNS = 48, 121  # of the curve over yaw: positions along a pitch, yaws
+YAW = radians(5)  # of the second row of maps
 WIDEST = radians(30)  # of that curve, to either side
 SINGULAR = (0.0, 1.0, 2.0, 5.0, 10.0)  # degrees
-REQUIRED = 5.3e-6  # m, of the third sensor at yaw 0
-SIDE, PLACES = 25, 16  # starts along a side, from so many places of the pitch each
+REQUIRED = 5.3e-6  # m, required of the third sensor at yaw 0
+SIDE, PLACES = 25, 16  # starts along a side, from so many positions of the pitch each
 WIDE = 0.5  # pitches: the starts' square
 CORRECTIONS, SCALE = 60, 0.5
-FOUND = 1e-6  # m
+CONVERGED = 1e-6  # m
 OFF = ("off along X, pitches", "off along Y, pitches")
-NEAR = (0.0625, 0.125, 0.25)  # pitches, of starts that are counted
+NEAR = (0.0625, 0.125, 0.25)  # pitches: distances of counted starts
 
 
 def blocks(stage: Stage) -> dict[str, Made]:
-    """Return how accurate each layout is over the pitch and the yaw, and by how much the field's model errs."""
-    layouts = named(stage)
+    """Return the accuracy of each layout over the pitch and the yaw, and the errors of the field's model."""
+    layouts = layouts_by_name(stage)
     places = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
     return {
         "accuracy.places": drawings.layouts(places),
@@ -50,8 +50,8 @@ def blocks(stage: Stage) -> dict[str, Made]:
     }
 
 
-def named(stage: Stage) -> dict[str, PlanarArray]:
-    """Return the layouts that are compared, by name."""
+def layouts_by_name(stage: Stage) -> dict[str, PlanarArray]:
+    """Return the compared layouts, by name."""
     searched = {f"searched, ±{turn}°": stage.array(places) for turn, places in LAYOUTS.items()}
     return {"two sensors": stage.pair, "third sensor added": stage.array(PUBLISHED)} | searched
 
@@ -89,7 +89,7 @@ def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
 
 def _worst(stage: Stage) -> Rows:
     proofs = {("third sensor added", 0): rank.worst(stage.array(PUBLISHED), 0.0, 0.0)}
-    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_searched(stage, turn) for turn in (5, 15)}
+    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_of_optimised_layout(stage, turn) for turn in (5, 15)}
     rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
     for (name, turn), proved in proofs.items():
         values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
@@ -104,12 +104,12 @@ def _singular(stage: Stage, turn: float) -> tuple[float, ...]:
 
 
 def _errors(stage: Stage) -> dict[str, Made]:
-    found = {
+    by_layout = {
         "two sensors, yaw known": errors.errors(stage, True),
         "two sensors, yaw estimated": errors.errors(stage, False),
         "three sensors, searched, yaw estimated": errors.by_waves(stage, stage.array(LAYOUTS[5])),
     }
-    off = {name: 1e3 * np.hypot(*each).reshape(stage.truth.count, -1) for name, each in found.items()}
+    off = {name: 1e3 * np.hypot(*each).reshape(stage.truth.count, -1) for name, each in by_layout.items()}
     shown = [Map(name, values) for name, values in off.items()]
     return {
         "errors.figure": maps.maps(shown, _over_pitch(stage), (0.02, 2.0), label="mm"),
@@ -118,7 +118,7 @@ def _errors(stage: Stage) -> dict[str, Made]:
 
 
 def _basins(stage: Stage) -> dict[str, Made]:
-    """Return from which starts GLSDC finds the place, without damping or memory."""
+    """Return the basins of GLSDC without damping or prediction."""
     shares = {
         "two sensors, yaw known": basin(stage.pair, True),
         "two sensors, yaw estimated": basin(stage.pair, False),
@@ -136,13 +136,13 @@ def _basins(stage: Stage) -> dict[str, Made]:
 
 
 def basin(of: PlanarArray, yaw_known: bool) -> Array:
-    """Return the share of places (SIDE, SIDE) at which starts off by (X, Y) lead to the body."""
+    """Return the share of positions (SIDE, SIDE) at which starts offset by (X, Y) converge."""
     off = of.pitch * np.linspace(-WIDE, WIDE, SIDE)
     X, Y = np.meshgrid(off, off, indexing="ij")
     places = of.pitch * np.random.default_rng(0).uniform(0, 1, (2, PLACES))
     q = np.zeros((3, PLACES, SIDE, SIDE))
     q[:2] = places[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
-    flat, begun = q.reshape(3, -1), start.reshape(3, -1)
-    end = hall_correction.settled(of, hall_correction.volts(of, flat), begun, SCALE, CORRECTIONS, yaw_known)
-    return np.asarray((np.hypot(*(end - flat)[:2]) < FOUND).reshape(PLACES, SIDE, SIDE).mean(axis=0))
+    flat, starts = q.reshape(3, -1), start.reshape(3, -1)
+    end = hall_correction.iterate(of, hall_correction.volts(of, flat), starts, SCALE, CORRECTIONS, yaw_known)
+    return np.asarray((np.hypot(*(end - flat)[:2]) < CONVERGED).reshape(PLACES, SIDE, SIDE).mean(axis=0))

@@ -1,4 +1,4 @@
-"""Where sensors are in the body, drawn for the Hall position's report."""
+"""Drawings of sensor layouts for the report."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,12 +14,12 @@ SQUARE, SIDES = ([-0.5, 0.5, 0.5, -0.5, -0.5], [-0.5, -0.5, 0.5, 0.5, -0.5]), (-
 
 
 def layouts(shown: Mapping[str, Sequence[Pair]]) -> Figure:
-    """Draw where sensors are in the body, each as its letter, in pitches, over one pitch's square."""
+    """Draw layouts in the body's plane, in pitches, each sensor as its letter, with the square of one pitch."""
     lines = [Line(x, y, style=GREY) for x, y in (SQUARE, (SIDES, (0.0, 0.0)), ((0.0, 0.0), SIDES))]
     letters = [{"marker": f"${letter}$", "ms": 8.0, "color": COLOURS[0]} for letter in "ABCDEFGH"]
-    drawn = []
+    panels = []
     for title, places in shown.items():
         sensors = [Line([x], [y], style=style) for (x, y), style in zip(places, letters, strict=False)]
         options = {"xlim": SIDES, "ylim": SIDES, "aspect": "equal"}
-        drawn.append(Chart([*lines, *sensors], "x, pitches", "y, pitches", title, legend="", options=options))
-    return charts.draw(drawn, 2.6)
+        panels.append(Chart([*lines, *sensors], "x, pitches", "y, pitches", title, legend="", options=options))
+    return charts.draw(panels, 2.6)

@@ -1,4 +1,4 @@
-"""The estimator in the report: its tuning, the sensors that ship, and the chain before it."""
+"""Estimator in the report: tuning, shipped sensors, and the signal chain before it."""
 
 from collections.abc import Mapping
 from math import degrees, pi
@@ -10,7 +10,7 @@ from synth.report.captions import Made, Rows
 
 
 def blocks(meaning: Mapping[str, str]) -> dict[str, Made]:
-    """Return the tuning with what each number means, the sensors, and the chain."""
+    """Return the tuning with the meaning of each number, the sensors, and the chain."""
     tuning = vars(config.TUNING)
     return {
         "estimator.tuning": [(name, float(tuning[name]), about) for name, about in meaning.items()],

@@ -1,4 +1,4 @@
-"""The closed loop in the report: calibration, every experiment with the paper's figures beside, the sources."""
+"""Closed loop in the report: calibration, every experiment beside the paper's figures, position sources."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ ABSENT = page.Text("Not run.")
 
 
 def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
-    """Return the map of a source's errors, what it takes off them, and Figs. 10 and 11; ABSENT what was not run."""
+    """Return the map of a source's errors, its effect, and Figs. 10 and 11; ABSENT for runs that are missing."""
     by_name = {e.name: e for e in runs}
     return {
         **({"calibration.map": ABSENT, "calibration.shares": ABSENT} if of is None else _calibration(of)),
@@ -37,13 +37,15 @@ def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
 
 
 def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
-    """Return every experiment, with what the paper's figure shows `beside` it by name."""
-    drawn = {e.name: (compared(e.figures),) for e in runs if e.name == SOURCES}
-    return standard.experiments([worded(e) for e in runs], Shown(UNITS, beside=beside, drawn=drawn, fine=SMALL))
+    """Return every experiment, with the text of `beside` on the paper's figure, by name."""
+    tables = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
+    return standard.experiments(
+        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, drawn=tables, fine=SMALL)
+    )
 
 
-def worded(e: Experiment) -> Experiment:
-    """Return an experiment whose signals, title and text are named as a reader writes them."""
+def with_readable_names(e: Experiment) -> Experiment:
+    """Return an experiment with readable names of signals, title and text."""
     labels = {name: name.replace("_raw", ESTIMATED) for name in e.shown}
     states = {label: np.asarray(e.trajectory[name], np.float64) for name, label in labels.items()}
     changed: dict[str, Any] = {
@@ -57,14 +59,16 @@ def worded(e: Experiment) -> Experiment:
     return replace(e, **changed)
 
 
-def compared(measured: Mapping[str, float]) -> page.Table:
-    """Return figures 'source: what' as a table, a row for each of what, a column for each source."""
-    by_what: dict[str, dict[str, float]] = {}
+def comparison_table(measured: Mapping[str, float]) -> page.Table:
+    """Return figures 'source: quantity' as a table with a row for each quantity and a column for each source."""
+    by_quantity: dict[str, dict[str, float]] = {}
     for key, value in measured.items():
         source, what = key.split(": ", 1)
-        by_what.setdefault(what, {})[source] = value
+        by_quantity.setdefault(what, {})[source] = value
     names = tuple(dict.fromkeys(key.split(": ", 1)[0] for key in measured))
-    rows: list[tuple[page.Cell, ...]] = [(_unit(w), *(row.get(n, np.nan) for n in names)) for w, row in by_what.items()]
+    rows: list[tuple[page.Cell, ...]] = [
+        (_unit(w), *(row.get(n, np.nan) for n in names)) for w, row in by_quantity.items()
+    ]
     return page.Table("The position sources of planar_6dof_lqg compared", ("figure", *names), tuple(rows))
 
 
@@ -83,13 +87,13 @@ def _calibration(of: ErrorMap) -> dict[str, Made]:
     return {
         "calibration.size": f"{of.grid.size[0]} × {of.grid.size[1]}",
         "calibration.spacing": 1e3 * of.grid.spacing,
-        "calibration.map": maps.signed(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes]),
+        "calibration.map": maps.signed_maps(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes]),
         "calibration.shares": shares,
     }
 
 
 def _before_and_after(by_name: Mapping[str, Experiment]) -> Rows:
-    """Return the figures that runs without calibration and with it share, one row a figure."""
+    """Return the figures common to the runs without and with calibration, one row each."""
     pairs = [(by_name[a], by_name[b]) for a, b in (STEPS, ZIGZAGS) if a in by_name and b in by_name]
     return [
         (before.name.split("_")[0], _unit(name), value, after.figures[name])
@@ -117,7 +121,7 @@ def _steps(by_name: Mapping[str, Experiment]) -> Figure:
 
 
 def _zigzags(by_name: Mapping[str, Experiment]) -> Figure:
-    """Return Fig. 10: the path as shown and as it is without calibration, and the distances of the two of both runs."""
+    """Return Fig. 10: estimated and true path without calibration, and the distance of the two in both runs."""
     runs = dict(zip(("not calibrated", "calibrated"), (by_name[n].trajectory for n in ZIGZAGS), strict=True))
     first, parts = runs["not calibrated"], []
     for title, x, y in (("(a) as shown", "x_raw", "y_raw"), ("(b) true", "x", "y")):

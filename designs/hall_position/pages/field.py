@@ -1,4 +1,4 @@
-"""The field in the report: waves, spacing of sensors, model (2) of a scan, and how it goes with the gap."""
+"""Field in the report: waves, spacing of sensors, fit of model (2) to a scan, and its dependence on the air gap."""
 
 from collections.abc import Mapping
 
@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from designs.hall_position.paper import field as audited
 from models import concentrated_field, hall_array, hall_figures, hall_scan
-from models.concentrated_field import CROSS, PARAMETERS, on_axes
+from models.concentrated_field import CROSS, PARAMETERS, orders_on_axes
 from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
 from models.hall_stage import Stage
@@ -20,8 +20,8 @@ from synth.report.maps import Map
 POINTS = 97  # of a field's picture, along a pitch
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)  # m
 SCAN, SEED = 24, 4  # places along a pitch at each height; of its noise
-TURNED = np.radians(1.0)  # about Z, of the sensor whose model is told by the gap, so that gamma is seen
-MADE = (*on_axes((1, 3, 5, 7, 9)), *CROSS)
+MISALIGNMENT = np.radians(1.0)  # about Z, of the scanned sensor: it makes gamma observable
+FABRICATED = (*orders_on_axes((1, 3, 5, 7, 9)), *CROSS)
 NUMBERS = (1, 3, 5, 7, 9)
 PRINTED = 3  # spacings of (3)
 GREEK = {"alpha": "α", "beta": "β", "gamma": "γ"}
@@ -29,10 +29,10 @@ GREEK = {"alpha": "α", "beta": "β", "gamma": "γ"}
 
 def blocks(stage: Stage) -> dict[str, Made]:
     """Return the matrix' field with Figs. 3, 4, 5 and 8, and the dependence on the air gap."""
-    fit, (fits, decays) = audited.fitted(stage), over_gap(stage)
+    fit, (fits, decays) = audited.fit_above_blocks(stage), over_gap(stage)
     left = 1e3 * np.abs(fit.residual)
-    waves = stage.waves(concentrated_field.up_to(5) + on_axes((7, 9)))
-    above = {"ideal": stage.waves(on_axes(hall_figures.HARMONICS), ideal=True), "as made": waves}
+    waves = stage.waves(concentrated_field.orders_up_to(5) + orders_on_axes((7, 9)))
+    above = {"ideal": stage.waves(orders_on_axes(hall_figures.HARMONICS), ideal=True), "as made": waves}
     surfaces = {name: hall_figures.surface(of, POINTS, stage.height) for name, of in above.items()}
     return {
         "field.parameters": _parameters(stage),
@@ -45,7 +45,7 @@ def blocks(stage: Stage) -> dict[str, Made]:
         "fit.rms_mV": float(np.sqrt(np.mean(left**2))),
         "fit.gain": stage.chain.gain,
         "fit.residuals": _residuals(fit),
-        "gap.turned_deg": float(np.degrees(TURNED)),
+        "gap.turned_deg": float(np.degrees(MISALIGNMENT)),
         "gap.figure": _gap(stage, fits, decays),
         "gap.coefficients": [_coefficients(z, fit) for z, fit in fits.items()],
         "gap.decays": [_decay(each) for each in decays],
@@ -53,12 +53,12 @@ def blocks(stage: Stage) -> dict[str, Made]:
 
 
 def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:
-    """Return model (2) of scans at HEIGHTS of a sensor that is TURNED, and how its coefficients decay."""
-    sensor = hall_array.Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, TURNED))
-    one, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(MADE)
+    """Return fits of model (2) at HEIGHTS, of a sensor with MISALIGNMENT, and the decay of its coefficients."""
+    sensor = hall_array.Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, MISALIGNMENT))
+    one, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(FABRICATED)
     fits = {}
     for k, z in enumerate(HEIGHTS):
-        log = hall_scan.scanned(one, waves, hall_scan.places(stage.pitch, SCAN, (z,)), SEED + k)
+        log = hall_scan.simulate_scan(one, waves, hall_scan.places(stage.pitch, SCAN, (z,)), SEED + k)
         fits[z] = hall_scan.fit(log, "V_ax", stage.pitch)
     return fits, [hall_scan.decay(fits, name, stage.pitch, stage.height) for name in GREEK]
 
@@ -87,20 +87,20 @@ def _amplitudes(stage: Stage) -> Rows:
 
 
 def _harmonics(stage: Stage, z: float) -> Chart:
-    """Return Fig. 3: amplitudes by number, above ideal blocks and those that were made, z in m above the blocks."""
+    """Return Fig. 3: amplitudes by number, above ideal and fabricated blocks, z in m above the blocks."""
     first = list(range(1, 10))
     numbers, sizes = [*first, 11], [*stage.amplitudes(first, z), stage.cross(z)]
-    made = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
+    fabricated = Line(numbers, sizes, "as made", {"ls": "", "marker": "s", "ms": 4})
     ideal = Line(first, stage.amplitudes(first, z, True), "ideal", {"ls": "", "marker": "o", "ms": 7, "mfc": "none"})
     ticks = {"xlim": (0.5, numbers[-1] + 0.5), "xticks": numbers, "xticklabels": [*map(str, first), "(2, 1)"]}
     labels = "number n of sin(n ω X)", "amplitude of B_X, T", f"{1e3 * z:g} mm above"
-    return Chart([ideal, made], *labels, levels=(0.0,), legend="upper right", options=ticks)
+    return Chart([ideal, fabricated], *labels, levels=(0.0,), legend="upper right", options=ticks)
 
 
 def _surface(above: Mapping[str, Surface]) -> Figure:
-    """Return Fig. 4: B_X over the target area above ideal blocks and those that were made."""
+    """Return Fig. 4: B_X over the target area above ideal and fabricated blocks."""
     shown = [Map(f"B_X, {name}, mT", 1e3 * of.B_X) for name, of in above.items()]
-    return maps.signed(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
+    return maps.signed_maps(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
 
 
 def _sections(above: Mapping[str, Surface]) -> Figure:
@@ -114,10 +114,10 @@ def _sections(above: Mapping[str, Surface]) -> Figure:
 
 
 def _spacing(stage: Stage) -> Figure:
-    """Return Fig. 5: what two sensors read along X, and how insensitive a pair gets by its spacing."""
-    waves, printed = stage.waves(on_axes(hall_figures.HARMONICS)), hall_figures.spacings(PRINTED, stage.pitch)
+    """Return Fig. 5: voltages of two sensors along X, and the least slope of a pair over its spacing."""
+    waves, printed = stage.waves(orders_on_axes(hall_figures.HARMONICS)), hall_figures.spacings(PRINTED, stage.pitch)
     line = hall_figures.line(waves, float(printed[0]), height=stage.height)
-    of = hall_figures.insensitive(waves, 240, stage.height)
+    of = hall_figures.least_slopes(waves, 240, stage.height)
     X, pitch, top = 1e3 * line.X, line.X[-1], 1e-3 * float(of.least.max())
     steep = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
     read = []
@@ -134,15 +134,15 @@ def _spacing(stage: Stage) -> Figure:
 
 
 def _residuals(fit: Fit) -> Figure:
-    """Return Fig. 8: a scan of a voltage, model (2) of it, and what is left; scanned places are middles of squares."""
+    """Return Fig. 8: a scan of a voltage, its fit by model (2), and the residual; places are the centres of squares."""
     n, half = int(np.sqrt(len(fit.measured))), fit.Y[1] / 2
     sides = [(1e3 * float(v[0] - half), 1e3 * float(v[-1] + half)) for v in (fit.X, fit.Y)]
     shown = {"(a) measured, V": fit.measured, "(b) model (2), V": fit.modelled, "(c) left, mV": 1e3 * fit.residual}
-    return maps.signed([Map(title, values.reshape(n, n)) for title, values in shown.items()], sides)
+    return maps.signed_maps([Map(title, values.reshape(n, n)) for title, values in shown.items()], sides)
 
 
 def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure:
-    """Return |alpha|, |beta|, .. of fits by the height, and the law of decay from the ones at the sensors' height."""
+    """Return |alpha|, |beta|, .. of fits over the height, and the law of decay from the sensors' height."""
     z, lines = np.linspace(HEIGHTS[0], HEIGHTS[-1], 50), []
     for (name, greek), decay, colour in zip(GREEK.items(), decays, COLOURS, strict=False):
         law = np.exp(decay.estimate["ln"] - decay.law * (z - stage.height))

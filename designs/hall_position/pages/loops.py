@@ -1,13 +1,13 @@
-"""The loops of x, y and yaw closed by the estimate: the controller, the filters' lag, a sample of delay, the stage.
+"""Loops of x, y and yaw with the estimate: controller, the filters' lag, a sample of delay, stage.
 
     i_AQ .. i_CD                                                          x, y, phi behind their filters, z, theta, psi
     ---*--->[ delay, hold, motors, stage ]--->[ 200 Hz, sampler ]-----*--->[ Hall sensors, lasers, controller ]---+
        ^                                                                                                          |
        +----------------------------------------------------------------------------------------------------------+
 
-As `designs.planar_6dof.loops`, whose cuts these are. The field is model (2). One filter of the first order for each
-voltage is one for each of x, y and yaw, as the voltages are linear in small motions; that of the upright axes, which
-move the voltages too, is left out.
+The loops are opened as in `designs.planar_6dof.loops`. The field is model (2). For small motions the voltages are
+linear, and a first-order filter for each voltage is equivalent to one for each of x, y and yaw. The filters' effect on
+the vertical axes, which move the voltages too, is neglected.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from designs.hall_position import config
 from designs.hall_position.loop import closed_loop
 from designs.hall_position.loop.closed_loop import Source
 from designs.planar_6dof import loops, lqg
-from designs.planar_6dof.loops import PHASES, SENSED, Parts, Place
+from designs.planar_6dof.loops import PHASES, SENSED, LoopParts, Place
 from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray as Sensors
@@ -30,27 +30,27 @@ from synth.verify import agree
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
 PLACES = 3  # over a pitch
-SETTLED = 300  # samples after which the estimate rests
+SETTLED = 300  # samples after which the estimate is at rest
 SPATIAL = ("x", "y", "z", "theta", "psi", "phi")  # as in hall_array.SPATIAL
 
 
 def section(points: int = PLACES) -> page.Section:
-    """Return the loops that the estimate closes beside those that the sections close."""
+    """Return the loops with the estimate beside those with the sections."""
     source = Source(config.array(config.THREE))
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
-    found = opened(source, block, {})
-    shown = loops.of_parts(found, HORIZONTAL, ESTIMATE)
-    by_sections = loops.whole(plant, lqg.TIME, lqg.sensed(plant), lqg.law(plant))
+    parts = open_loop(source, block, {})
+    shown = loops.of_parts(parts, HORIZONTAL, ESTIMATE)
+    by_sections = loops.rounded_controller(plant, lqg.TIME, lqg.sensing_blocks(plant), lqg.law(plant))
     shown += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
     return standard.loops(shown, blocks=(_over_pitch(source, block, points),))
 
 
 def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
-    places = loops.spread(source.array.pitch, points)
-    found = [loops.of_parts(opened(source, block, place), HORIZONTAL, ESTIMATE) for place in places]
+    places = loops.places_over_pitch(source.array.pitch, points)
+    by_place = [loops.of_parts(open_loop(source, block, place), HORIZONTAL, ESTIMATE) for place in places]
     rows = []
-    for axis, each in zip(HORIZONTAL, zip(*found, strict=True), strict=True):
+    for axis, each in zip(HORIZONTAL, zip(*by_place, strict=True), strict=True):
         margins = [o.margins for o in each]
         stable = "yes" if all(m.stable for m in margins) else "NO"
         rows.append((SYMBOLS.get(axis, axis), stable, *sections.margins_ranges(margins)))
@@ -58,34 +58,34 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
     return page.Table(caption, ("axis", "all stable", *sections.RANGES), tuple(rows))
 
 
-def opened(source: Source, block: Block, place: Place) -> Parts:
-    """Return both parts of the loop with the platen at rest at a place, m."""
+def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
+    """Return both parts of the open loop with the platen at rest at a place, m."""
     plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
     stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), loops.commutation_matrix(plant, pose)
     motors = stage.select(AXES, PHASES)
-    volts, slopes = sensed(source.array, pose)
+    volts, slopes = voltages_and_slopes(source.array, pose)
     upright = stage.select(planar_stage.LASERS, ()).C[:, [stage.states.index(axis) for axis in AXES]]
     shown = np.vstack([slopes, upright])
     distances = upright @ [pose[axis] for axis in AXES]
     inputs = dict(zip(SENSED, [*volts.tolist(), *distances.tolist()], strict=True))
     inputs |= {f"{axis}_ref": pose[axis] for axis in AXES}
     held = {name: np.full(SETTLED, value) for name, value in inputs.items()}
-    rested = agree.recorded(agree.casadi(block), begun(block, source.array, pose), held).states
-    K = loop.linearised(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
-    return loops.around(hall_chain.filtered(motors, HORIZONTAL, Chain()), K, shown, E)
+    rested = agree.run(agree.casadi(block), initial_states(block, source.array, pose), held).states
+    K = loop.linearise_block(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
+    return loops.in_motor_coordinates(hall_chain.filtered(motors, HORIZONTAL, Chain()), K, shown, E)
 
 
-def sensed(of: Sensors, pose: Place) -> tuple[Array, Array]:
+def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:
     """Return the Hall voltages (6,) at a pose in the field of model (2), and their slopes (6, 6) by AXES."""
     q = [pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0) for axis in SPATIAL]
     volts, H = (v.full() for v in hall_array.spatial(*hall_two_waves.model(of)).function()(q))
     return volts.ravel(), H[:, [SPATIAL.index(axis) for axis in AXES]]
 
 
-def begun(block: Block, of: Sensors, pose: Place) -> dict[str, float]:
-    """Return the initial states of a controller whose estimator knows that the platen is at a place, without yaw."""
-    found = {s.name: s.initial for s in block.states}
+def initial_states(block: Block, of: Sensors, pose: Place) -> dict[str, float]:
+    """Return the initial states of a controller whose estimator is initialised at a place, at yaw 0."""
+    states = {s.name: s.initial for s in block.states}
     for axis, centre in zip("xy", of.centre, strict=True):
         at = (pose[axis] + centre) / of.pitch
-        found |= {f"estimator_phase_{axis}": 2 * np.pi * (at - round(at)), f"estimator_pitch_{axis}": round(at)}
-    return found | {"estimator_searching": 0.0}
+        states |= {f"estimator_phase_{axis}": 2 * np.pi * (at - round(at)), f"estimator_pitch_{axis}": round(at)}
+    return states | {"estimator_searching": 0.0}

@@ -1,4 +1,4 @@
-"""Redundant sensors and six degrees of freedom in the report, which the paper leaves as future work."""
+"""Redundant sensors and six degrees of freedom in the report; the paper leaves both as future work."""
 
 from collections.abc import Mapping
 
@@ -24,7 +24,7 @@ COLUMNS = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw
 
 
 def blocks(stage: Stage) -> dict[str, Made]:
-    """Return the layouts, why three sensors do not do, and the tuning."""
+    """Return the layouts, the determinants of three sensors, and the tuning."""
     three = {"third sensor added": PUBLISHED} | {f"searched, ±{turn}°": LAYOUTS[turn] for turn in LAYOUTS}
     return {
         "six.places": drawings.layouts({f"{n} sensors": places for n, places in layouts.SPATIAL.items()}),
@@ -35,19 +35,19 @@ def blocks(stage: Stage) -> dict[str, Made]:
 
 def section(stage: Stage) -> page.Section:
     """Return the accuracy in six degrees of freedom by layout, with all sensors and after the loss of one."""
-    parts = tuple(_layout(placed(stage, n), n) for n in layouts.SPATIAL)
+    parts = tuple(_layout(optimised_layout(stage, n), n) for n in layouts.SPATIAL)
     return page.Section("Six degrees of freedom", (), parts)
 
 
-def placed(stage: Stage, sensors: int) -> SpatialArray:
-    """Return a layout that was searched, in the field of model (2)."""
+def optimised_layout(stage: Stage, sensors: int) -> SpatialArray:
+    """Return the optimised layout of some sensors, in the field of model (2)."""
     of, any_place = stage.pair, tuple((x, 0.0, 0.0) for x in (0.0, 1.0, 2.0))
     array = SpatialArray(any_place, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
-    return hall_two_waves.placed(array, layouts.SPATIAL[sensors])
+    return hall_two_waves.with_positions(array, layouts.SPATIAL[sensors])
 
 
 def _signs(stage: Stage, name: str, places: layouts.Places) -> tuple[str | float, ...]:
-    least, largest = hall_accuracy.signs(hall_two_waves.placed(placed(stage, ENOUGH), places))
+    least, largest = hall_accuracy.signs(hall_two_waves.with_positions(optimised_layout(stage, ENOUGH), places))
     return name, least, largest, "on lines" if least < 0 < largest else "not seen"
 
 
@@ -59,14 +59,14 @@ def _layout(of: SpatialArray, sensors: int) -> page.Section:
         "turns": ([Map("roll or pitch, µrad", np.maximum(roll, pitch)), Map("yaw, µrad", yaw)], (50.0, 500.0), "µrad"),
     }
     sides, caption = [(0.0, 1e3 * of.pitch)] * 2, f"Standard deviations for 1 mV, level at {1e3 * of.height:g} mm."
-    drawn = [
+    drawings = [
         page.Figure(figures.svg(maps.maps(shown, sides, scale, 2, label=unit), f"six-{sensors}-{name}"), caption)
         for name, (shown, scale, unit) in pairs.items()
     ]
     tables = [_table(hall_accuracy.conditions(of, POINTS), "under conditions")]
     if sensors > ENOUGH:
         tables.append(_table(hall_accuracy.losses(of, POINTS), "after the loss of a sensor, level"))
-    return page.Section(f"{sensors} sensors", (*drawn, *tables, _misfit(of)))
+    return page.Section(f"{sensors} sensors", (*drawings, *tables, _misfit(of)))
 
 
 def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
@@ -78,8 +78,8 @@ def _table(of: Mapping[str, Accuracy], what: str) -> page.Table:
 
 
 def _misfit(of: SpatialArray) -> page.Table:
-    """Return the errors by waves that the model has not, to first order."""
-    sensors = hall_array.points([(x, y) for x, y, _ in of.positions])
+    """Return the errors due to waves outside the model, to first order."""
+    sensors = hall_array.point_sensors([(x, y) for x, y, _ in of.positions])
     off = 1e6 * hall_accuracy.misfit(of, sensors, Stage().waves(errors.WAVES), hall_accuracy.cell(of, LEVEL, POINTS))
     rows = ("rms", *np.sqrt(np.mean(off**2, axis=0)).tolist()), ("largest", *np.abs(off).max(axis=0).tolist())
     return page.Table("Errors by what model (2) does not know of the field, to first order, level", COLUMNS, rows)

@@ -1,1 +1,1 @@
-"""The audit of Kawato and Kim's paper K: what it prints, recomputed."""
+"""Audit of Kawato and Kim's paper K: its printed figures, recomputed."""

@@ -1,4 +1,4 @@
-"""The field for the audit's formulas: ideal and fabricated harmonics, spacing (3), what model (2) leaves of a scan.
+"""Field for the audit's formulas: ideal and fabricated harmonics, spacing (3), residual of model (2) in a scan.
 
 Amplitudes A_n are those of sin(n w X) in B_X above the infinite matrix, in T; scans are above six pitches of blocks.
 """
@@ -15,19 +15,19 @@ from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage
 from synth.synthesise.identify.logs import Log
 
-KEPT = 8  # results of each kind, for those that are asked for more than once
+KEPT = 8  # cached results of each function
 ODD = (1, 3, 5, 7, 9, 11, 13)
-NONE = 1e-6  # T: no wave
+NONE = 1e-6  # T: smaller amplitudes count as none
 PLACES = 480  # over a pitch
 
 
 def harmonics(stage: Stage, z: float, ideal: bool = False) -> dict[int, float]:
-    """Return A_n by n of ODD at z in m above the blocks that were made, or above ideal ones."""
+    """Return A_n by n of ODD at z in m above the fabricated blocks, or above ideal ones."""
     return dict(zip(ODD, stage.amplitudes(ODD, z, ideal).tolist(), strict=True))
 
 
-def are_every(step: float, *above: Mapping[int, float]) -> bool:
-    """Return whether the harmonics 1 + k step are there at each height, and the other odd ones are not."""
+def has_every_nth(step: float, *above: Mapping[int, float]) -> bool:
+    """Return whether at each height exactly the harmonics 1 + k step of the odd ones are present."""
     return all((abs(a) > NONE) == ((n - 1) % step == 0) for sizes in above for n, a in sizes.items())
 
 
@@ -37,7 +37,7 @@ def largest_two(sizes: Mapping[int, float]) -> list[int]:
 
 
 def halbach_gain() -> float:
-    """Return the fundamental of a Halbach array over that of blocks that alternate."""
+    """Return the fundamental of a Halbach array over that of alternating blocks."""
     m, p = STRONG / 2, concentrated_field.values()
     arrays = concentrated_field.halbach_array(m), concentrated_field.array([0.0, 0.0], [m, -m])
     waves = (concentrated_field.waves(each, [(1, 0)], p)[0] for each in arrays)
@@ -51,21 +51,21 @@ def line_slopes(stage: Stage) -> Array:
     return hall_figures.line(waves, 0.0, PLACES + 1, stage.height).slopes[0]
 
 
-def better(slopes: Array, spacing: float) -> float:
-    """Return the least over a pitch of the better of two slopes, which are a spacing in pitches apart."""
-    one = np.abs(slopes[:-1])
-    return float(np.maximum(one, np.roll(one, -round(spacing * PLACES))).min())
+def better_slope(slopes: Array, spacing: float) -> float:
+    """Return the least over a pitch of the larger slope of two sensors, a spacing in pitches apart."""
+    size = np.abs(slopes[:-1])
+    return float(np.maximum(size, np.roll(size, -round(spacing * PLACES))).min())
 
 
-def over_best(stage: Stage, spacing: float) -> float:
-    """Return how insensitive a pair gets at a spacing in pitches over what it gets at the best one."""
-    least = hall_figures.insensitive(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
+def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
+    """Return the least slope of a pair at a spacing in pitches, relative to that at the best spacing."""
+    least = hall_figures.least_slopes(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
     return float(least[round(spacing * PLACES)] / least.max())
 
 
 @lru_cache(KEPT)
-def fitted(stage: Stage) -> hall_scan.Fit:
-    """Return model (2) of a scan over a pitch above six pitches of blocks."""
+def fit_above_blocks(stage: Stage) -> hall_scan.Fit:
+    """Return the fit of model (2) to a scan over a pitch above six pitches of blocks."""
     of = stage.truth
     i, j = (v.ravel() for v in np.indices((of.count, of.count)))
     X, Y = (np.asarray(of.spacing * k, dtype=np.float64) for k in (i, j))
@@ -73,8 +73,11 @@ def fitted(stage: Stage) -> hall_scan.Fit:
     return hall_scan.fit(log, "V_ax", stage.pitch)
 
 
-def above_infinite(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
-    """Return model (2) of a scan over a pitch of the infinite matrix, harmonics up to the `highest` of either axis."""
-    silent = hall_array.points([(0.0, 0.0)], replace(stage.chain, noise=0.0))
-    waves, at = stage.waves(concentrated_field.up_to(highest)), hall_scan.places(stage.pitch, points, (stage.height,))
-    return hall_scan.fit(hall_scan.scanned(silent, waves, at, 0), "V_ax", stage.pitch)
+def fit_above_infinite_matrix(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
+    """Return the fit of model (2) over a pitch of the infinite matrix, with orders up to `highest` on each axis."""
+    noiseless = hall_array.point_sensors([(0.0, 0.0)], replace(stage.chain, noise=0.0))
+    waves, at = (
+        stage.waves(concentrated_field.orders_up_to(highest)),
+        hall_scan.places(stage.pitch, points, (stage.height,)),
+    )
+    return hall_scan.fit(hall_scan.simulate_scan(noiseless, waves, at, 0), "V_ax", stage.pitch)

@@ -1,8 +1,8 @@
-"""What two sensors and a third one tell, for the audit's formulas: deviations, lost rank, what is absolute.
+"""Accuracy of two and three sensors for the audit's formulas: deviations, lost rank, ambiguities.
 
-Deviations are Cramer-Rao bounds by model (2), with alpha and beta above the infinite matrix unless a figure says
-otherwise, for white noise of the chain's deviation in each voltage; the largest over the pitch are proved by
-`hall_fisher.worst`.
+Deviations are Cramér-Rao bounds by model (2), for white noise of the chain's standard deviation in each voltage. alpha
+and beta are those above the infinite matrix unless a figure states otherwise. `hall_fisher.worst` proves the largest
+deviations over the pitch.
 """
 
 from functools import lru_cache
@@ -28,7 +28,7 @@ from synth.analyse.observability.worst_deviation import Worst
 POINTS = 240  # of a map, along a pitch
 FINE = 120  # places along a pitch of a map with more harmonics
 TOLERANCES = {0: 1e-3, 5: 0.1, 15: 0.25}  # relative, of proofs over yaws in degrees
-LEVER = 50e-3  # m, by which a yaw counts as a displacement
+LEVER = 50e-3  # m: lever that converts a yaw to a displacement
 
 
 def deviations(of: PlanarArray) -> Array:
@@ -36,8 +36,8 @@ def deviations(of: PlanarArray) -> Array:
     return hall_fisher.deviations(of, grid(of, POINTS))
 
 
-def known_yaw(of: PlanarArray, points: int = 4096) -> Array:
-    """Return the deviation of X in m of sensors without yaw or yaw error, over a pitch (points,)."""
+def deviation_at_known_yaw(of: PlanarArray, points: int = 4096) -> Array:
+    """Return the deviation of X in m at a known yaw of 0, over a pitch (points,)."""
     q = np.zeros((3, points))
     q[0] = 2 * np.pi * np.arange(points) / points
     slopes = hall_fisher.rows(of, q).g[0]
@@ -50,13 +50,13 @@ def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCE
     return hall_fisher.worst(of, (radians(low), radians(high)), tolerance)
 
 
-def worst_searched(stage: Stage, turn: int) -> Worst:
-    """Return the largest deviations of the layout that was searched for yaws up to a turn in degrees."""
-    return worst(stage.array(layouts.LAYOUTS[turn]), -turn, turn, TOLERANCES[turn])
+def worst_of_optimised_layout(stage: Stage, yaw: int) -> Worst:
+    """Return the largest deviations of the layout that is optimised for yaws up to `yaw` degrees."""
+    return worst(stage.array(layouts.LAYOUTS[yaw]), -yaw, yaw, TOLERANCES[yaw])
 
 
-def off_eighth(stage: Stage, places: Array) -> float:
-    """Return how far the nearest of some places (n, 2) is from (1/8, 3/8) pitch, m."""
+def distance_from_eighths(stage: Stage, places: Array) -> float:
+    """Return the distance of the nearest of some places (n, 2) from (1/8, 3/8) pitch, m."""
     l = stage.pitch
     return float(np.abs(places - [l / 8, 3 * l / 8]).max(axis=1).min(initial=np.inf))
 
@@ -64,28 +64,29 @@ def off_eighth(stage: Stage, places: Array) -> float:
 def conditions(stage: Stage) -> Array:
     """Return the condition numbers (N,) of two sensors over the pitch."""
     sizes = dict(zip(NUMBERS, stage.amplitudes(NUMBERS).tolist(), strict=True))
-    waves = concentrated_field.fitted(sizes, stage.height, concentrated_field.values())
-    pair, at = hall_array.points(stage.pair.positions, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
+    waves = concentrated_field.waves_from_amplitudes(sizes, stage.height, concentrated_field.values())
+    pair, at = hall_array.point_sensors(stage.pair.positions, stage.chain), hall_two_waves.poses(stage.pitch, 60).T
     return hall_accuracy.of_sensors(pair, waves, at, LEVER).condition
 
 
-def with_ninth(stage: Stage) -> Array:
-    """Return the largest deviations of X, Y and yaw of all sensors at yaw 0, the 9th harmonic included."""
-    waves = stage.waves(concentrated_field.on_axes((1, 5, 9)))
-    of = hall_array.points(stage.three.positions, stage.chain)
+def deviations_with_ninth_harmonic(stage: Stage) -> Array:
+    """Return the largest deviations of X, Y and yaw of three sensors at yaw 0, with the 9th harmonic."""
+    waves = stage.waves(concentrated_field.orders_on_axes((1, 5, 9)))
+    of = hall_array.point_sensors(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
-    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.spread(of), stage.height).deviations.max(axis=0)
+    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.rms_radius(of), stage.height).deviations.max(axis=0)
 
 
-def deviation_at(of: PlanarArray, x: float, y: float, turn: float) -> float:
+def deviation_at(of: PlanarArray, x: float, y: float, yaw: float) -> float:
     """Return the deviation of X in m at a place in pitches and a yaw in degrees."""
-    return float(hall_fisher.deviations(of, np.array([[x * of.pitch], [y * of.pitch], [radians(turn)]]))[0, 0])
+    return float(hall_fisher.deviations(of, np.array([[x * of.pitch], [y * of.pitch], [radians(yaw)]]))[0, 0])
 
 
-def changes(of: PlanarArray) -> tuple[float, ...]:
-    """Return by what voltages change, V, of bodies that are moved by a pitch, turned with their place, and alone.
+def voltage_changes(of: PlanarArray) -> tuple[float, ...]:
+    """Return the largest changes of the voltages, V, of four motions of random poses.
 
-    With their place they are turned by a quarter and a half, alone by an eighth.
+    They are a displacement by a pitch; rotations of body and position by a quarter and by half a turn about the origin;
+    and a rotation of the body alone by an eighth of a turn.
     """
     rng = np.random.default_rng(0)
     q = np.vstack([rng.uniform(0, of.pitch, (2, 200)), rng.uniform(-np.pi, np.pi, 200)])
@@ -95,9 +96,9 @@ def changes(of: PlanarArray) -> tuple[float, ...]:
         np.vstack([-q[0], -q[1], q[2] + np.pi]),
         q + np.array([[0.0], [0.0], [np.pi / 4]]),
     )
-    return tuple(float(np.abs(_read(of, at) - _read(of, q)).max()) for at in moves)
+    return tuple(float(np.abs(_body_voltages(of, at) - _body_voltages(of, q)).max()) for at in moves)
 
 
-def _read(of: PlanarArray, q: Array) -> Array:
-    """Return what sensors read in the body (2, sensors, N) at q (3, N), V."""
-    return hall_correction.turned(hall_correction.volts(of, q), -q[2])
+def _body_voltages(of: PlanarArray, q: Array) -> Array:
+    """Return the voltages in the body's axes (2, sensors, N) at q (3, N), V."""
+    return hall_correction.rotate_voltages(hall_correction.volts(of, q), -q[2])

@@ -1,6 +1,6 @@
-"""The audit of Kawato and Kim's paper: what it prints, recomputed by the formulas of published.toml, with the verdict.
+"""Audit of Kawato and Kim's paper: its printed figures, recomputed by the formulas of published.toml, with verdicts.
 
-All rows follow from the matrix, the sensors and model (2); what the loop does is measured in the experiments.
+All rows follow from the matrix, the sensors and model (2); the experiments measure the closed loop.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,17 +20,17 @@ NUMPY = (np.degrees, np.diff, np.hypot, np.isfinite, np.maximum, np.mean, np.med
 
 
 def rows() -> Iterator[Row]:
-    """Yield the rows, each when it is computed."""
-    return audit.rows(on(Stage(), printed()))
+    """Yield the rows, each as soon as it is computed."""
+    return audit.rows(scope(Stage(), published_rows()))
 
 
-def on(stage: Stage, prints: Mapping[str, Published]) -> Scope:
-    """Return what the rows that follow from a stage and a print are computed from."""
+def scope(stage: Stage, prints: Mapping[str, Published]) -> Scope:
+    """Return the scope of the formulas: a stage, functions, units, and the printed rows."""
     functions = audit.functions(convergence, errors, field, rank) | {f.__name__: f for f in (*NUMPY, Stage)}
     functions["singular_points"] = hall_singular_points.of_pair
     return Scope(asdict(stage), {**functions, **UNITS}, prints)
 
 
-def printed() -> dict[str, Published]:
-    """Return what the paper prints, by row."""
-    return audit.read(Path(__file__).parent)
+def published_rows() -> dict[str, Published]:
+    """Return the printed figures of the paper, by row."""
+    return audit.read_published(Path(__file__).parent)

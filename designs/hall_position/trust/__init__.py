@@ -1,1 +1,1 @@
-"""Ensembles of bodies through the compiled C: starts, motions, failing sensors."""
+"""Ensemble simulations of the compiled C: convergence from starts, endurance in motion, sensor failures."""

@@ -1,20 +1,20 @@
-"""Starts of the estimate: how far off corrections lead to the truth, and how long it takes from `init` to a valid one.
+"""Convergence of the estimate: basin of attraction, capture radius, and time from `init` to a valid estimate.
 
-A body rests and the estimate starts elsewhere, as in operation but not certain. Within the first sample corrections
-lead to the truth, or elsewhere: to another minimum, where residuals are large, or to another place with the same
-voltages. Samples later the estimate has searched. None may be valid away from the truth, ever.
+The body is at rest and the estimate starts elsewhere, in tracking but with the ambiguity unresolved. In the first
+sample the corrections converge to the true position, to another minimum with large residuals, or to another position
+with the same voltages. After more samples the estimator has searched. No estimate may be valid at a wrong position.
 
-From `init` on the search begins at one point after another of a sequence that fills the pitch, PATIENCE samples at
-each. Three sensors tell all places apart. Two do not: a body at rest is found, but its place is certain only in a part
-of the pitch; one that moves comes to such a part.
+From `init` on the search starts at the points of a sequence that fills the pitch, with PATIENCE samples at each. Three
+sensors are unambiguous everywhere. Two locate a body at rest, but are unambiguous in a part of the pitch only; a moving
+body reaches such a part.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from designs.hall_position.trust import fleet
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import estimator_ensemble
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
 from synth import numeric
@@ -22,69 +22,72 @@ from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
 from synth.statespace import readonly
 
-FAR, TURNED = 0.5, np.radians(10)  # of the pitch, and rad, that starts are off at most
-BINS = (8, 4)  # of these
-DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a place; distances up to this part of the pitch
+MAX_DISTANCE, MAX_YAW = 0.5, np.radians(10)  # of the pitch, and rad: largest offsets of starts
+BINS = (8, 4)  # of these offsets
+DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a position; distances up to this share of the pitch
 
 
 @dataclass(frozen=True, eq=False)
 class Basin:
-    """Starts off by up to `off` (n,) in m and `turned` (m,) in rad: shares (n, m) that lead to the truth.
+    """Shares (n, m) of starts that converge, by upper bounds of their offsets `off` (n,) in m and `turned` (m,) in rad.
 
-    `first` in the first sample, `then` in the last one, NaN where there was no start. Of all `samples` of all bodies
+    `first` in the first sample, `last` in the last one, NaN in bins without a start. Of all `samples` of all bodies
     `wrong` were valid elsewhere.
     """
 
     off: Numbers
     turned: Numbers
     first: Numbers
-    then: Numbers
+    last: Numbers
     samples: int
     wrong: int
 
 
-def basin(kind: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
-    """Return where starts lead about places anywhere in the pitch, at yaws in rad of up to `yaw` to either side.
+def basin(config: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:
+    """Return the basin about random positions in the pitch, at yaws in rad of up to `yaw` to either side.
 
-    Raises ModelError for no body or sample, or a yaw that is none.
+    Raises ModelError for no body or sample, or an invalid yaw.
     """
-    rng, pitch = np.random.default_rng(seed), kind.array.pitch
-    pose = motions.anywhere(kind.array, bodies, yaw, rng)
-    off, turned = FAR * pitch * rng.random(bodies), TURNED * rng.random(bodies)
-    start = pose.moved(off, rng.uniform(0, 2 * np.pi, bodies), turned * rng.choice([-1, 1], bodies))
-    scores = fleet.scored(kind, fleet.placed(kind, start, certain=False), motions.resting(pose), samples, rng)
-    edges = [FAR * pitch * np.arange(BINS[0] + 1) / BINS[0], TURNED * np.arange(BINS[1] + 1) / BINS[1]]
-    every, _, _ = np.histogram2d(off, turned, edges)
-    led = [np.histogram2d(off[right], turned[right], edges)[0] for right in scores.right[[0, -1]]]
+    rng, pitch = np.random.default_rng(seed), config.array.pitch
+    pose = motions.random_poses(config.array, bodies, yaw, rng)
+    off, yaw_error = MAX_DISTANCE * pitch * rng.random(bodies), MAX_YAW * rng.random(bodies)
+    start = pose.displaced(off, rng.uniform(0, 2 * np.pi, bodies), yaw_error * rng.choice([-1, 1], bodies))
+    state = estimator_ensemble.states_at(config, start, resolved=False)
+    scores = estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), samples, rng)
+    edges = [MAX_DISTANCE * pitch * np.arange(BINS[0] + 1) / BINS[0], MAX_YAW * np.arange(BINS[1] + 1) / BINS[1]]
+    every, _, _ = np.histogram2d(off, yaw_error, edges)
+    converged = [np.histogram2d(off[right], yaw_error[right], edges)[0] for right in scores.right[[0, -1]]]
     with np.errstate(invalid="ignore"):
-        first, then = (readonly(good / every) for good in led)
-    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, then, bodies * samples, int(scores.wrong.sum()))
+        first, last = (readonly(good / every) for good in converged)
+    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.wrong.sum()))
 
 
-def reach(kind: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
-    """Return how far all starts about a place may be off at yaw 0 to lead to it in the first sample, (points, points).
+def capture_radius(config: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
+    """Return the distance within which all starts at yaw 0 converge in the first sample, (points, points).
 
     In m, over X and Y of the pitch. Raises ModelError for no point.
     """
-    rng, pitch = np.random.default_rng(seed), kind.array.pitch
+    rng, pitch = np.random.default_rng(seed), config.array.pitch
     along = pitch * np.arange(numeric.whole("the number of points", points)) / points
     rings = NEAR * pitch * np.arange(1, RINGS + 1) / RINGS
     X, Y, d, h = np.meshgrid(along, along, rings, 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, indexing="ij")
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
-    state = fleet.placed(kind, pose.moved(d.ravel(), h.ravel()), certain=False)
-    right = fleet.scored(kind, state, motions.resting(pose), 1, rng).right.reshape(X.shape).all(axis=3)
+    state = estimator_ensemble.states_at(config, pose.displaced(d.ravel(), h.ravel()), resolved=False)
+    scores = estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), 1, rng)
+    right = scores.right.reshape(X.shape).all(axis=3)
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 
-def cold_start(kind: EstimatorConfig, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> Scores:
-    """Return the scores (samples, n) from `init` of bodies that are at poses (n,), or leave them at a speed in m/s.
+def cold_start(config: EstimatorConfig, pose: Pose, samples: int, speed: float = 0.0, seed: int = 0) -> Scores:
+    """Return the scores (samples, n) from `init` of bodies at poses (n,), at rest or leaving them at a speed in m/s.
 
-    Each goes in a direction of its own. Raises ModelError for no sample.
+    Each moves in a random direction. Raises ModelError for no sample.
     """
     rng, n = np.random.default_rng(seed), len(pose.X)
     heading = rng.uniform(0, 2 * np.pi, n)
 
     def at(k: int) -> Pose:
-        return pose.moved(speed * k * fleet.TIME.period_s, heading)
+        return pose.displaced(speed * k * estimator_ensemble.TIME.period_s, heading)
 
-    return fleet.scored(kind, ensemble.started(fleet.compiled(kind), n), at, samples, rng)
+    state = ensemble.initial_states(estimator_ensemble.compile_estimator(config), n)
+    return estimator_ensemble.track_scores(config, state, at, samples, rng)

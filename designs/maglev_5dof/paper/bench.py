@@ -1,11 +1,11 @@
-"""What the audit is computed from: parameters by group, and loops made once for a plant, ideal or on encoders.
+"""Computations of the audit: parameters by group, and loops of a plant, ideal or with encoders, cached.
 
-Ideal loops are those of `models.maglev_loop`, free of sampling, filters and encoders; their currents are not limited,
-and none reaches 7 A peak. The linear loop is e'' = w of (13) in place of law and plant.
+Ideal loops are those of `models.maglev_loop`, without sampling, filters and encoders. Their currents are not limited,
+and none reaches 7 A peak. The linear loop has e'' = w of (13) instead of law and plant.
 
-"Encoders" is the compiled controller at 1 kHz on encoders of 10 um with its filters and one sample of delay: with the
-printed law (12), or `restored`, with the shipped law, which puts back the squares of i_d that (11) drops and cancels
-the guide springs in part. Both laws take squares of currents one sample late, and each motor at its own measured gap.
+"Encoders" is the compiled controller at 1 kHz with encoders of 10 um, its filters and one sample of delay. Its law is
+(12) as printed, or with `corrected` the shipped law, which includes the squares of i_d that (11) neglects and
+compensates the guide springs in part. Both laws use squares of currents of the sample before, and each motor's own gap.
 
 Tracking errors are means of |e|, with encoders from 10 to 60 s. Ideal runs are periodic by 12 s, and the mean is over
 the six whole periods up to 20 s. Shorter runs keep these proportions.
@@ -42,17 +42,17 @@ GROUPS: dict[str, tuple[str, ...]] = {
 }
 GROUPS["magnets"] = (*GROUPS["field"][:-2], "mu0")
 GROUPS["forces"] = (*GROUPS["magnets"], "W", "w_c", "p", "z1")
-GROUPS["level"] = (*GROUPS["forces"], "M_x", "M_z", "M_y", "G")  # what counts while the platen does not turn
-GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # and while it turns by theta
+GROUPS["level"] = (*GROUPS["forces"], "M_x", "M_z", "M_y", "G")  # parameters while the platen does not turn
+GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # parameters while it turns by theta
 BY_GROUP = {name: Formula(f"dict({', '.join(f'{n}={n}' for n in group)})") for name, group in GROUPS.items()}
 SPRINGS = ("k_s_phi", "k_s_theta")
 FRICTION = {"x": 1.8, "z": 1.3}  # N of guide friction, fitted to the two printed errors of the ellipse
-KEPT = 32  # runs that the rows share
-SAMPLE = 1e-3  # s, at which the continuous responses are judged
+CACHED_RUNS = 32  # size of the caches that the rows share
+SAMPLE = 1e-3  # s, sample period of the continuous responses
 
 
 class Poles(NamedTuple):
-    """Closed-loop poles of an axis in 1/s: the real one, and one of either pair."""
+    """Closed-loop poles of an axis in 1/s: the real one, and one of each conjugate pair."""
 
     fast: float
     first: complex
@@ -60,11 +60,11 @@ class Poles(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class AuditSetup:
     """The stage and the plant under audit, and how long tracking runs, s.
 
-    `cells` is the fineness of the slotted field. Of the guide springs, "known" means in plant and (12), "unknown" in
-    the plant alone, "absent" in neither.
+    `cells` is the resolution of the slotted field. Guide springs are "known" (in plant and law (12)), "unknown" (in the
+    plant alone) or "absent" (in neither).
     """
 
     stage: Stage
@@ -78,14 +78,14 @@ class Bench:
         return self.plant.with_parameters(**dict.fromkeys(SPRINGS, 0.0))
 
     def pair(self, springs: Springs) -> tuple[Plant, Plant]:
-        """Return the plant, and the one that (12) takes it for."""
+        """Return the plant, and the plant that (12) assumes."""
         plant = self.without_springs if springs == "absent" else self.plant
         return plant, self.plant if springs == "known" else self.without_springs
 
 
-@lru_cache(maxsize=KEPT)
-def ideal(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
-    """Return the ideal 4-DOF tracking or ellipse under (12), with this reading of L_v3 in plant and law."""
+@lru_cache(maxsize=CACHED_RUNS)
+def ideal(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
+    """Return the ideal 4-DOF tracking or ellipse under (12), with this factor in L_v3 in plant and law."""
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
         courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
@@ -99,50 +99,50 @@ def run(
     duration_s: float,
     lv3: str = "csch2",
 ) -> Motion:
-    """Return the motion of a plant under (12) for another one, on the ideal loops of the axes that have courses."""
+    """Return the motion of a plant under (12) for an assumed plant, in the ideal loops of the axes with courses."""
     regulators = [regulator(axis(name)) for name in courses]
     return maglev_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
 
 
-def ideal_errors(bench: Bench, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
+def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
     """Return the mean |e| of an ideal run by axis, um or urad; NaN when the gap left its range."""
     motion, start = ideal(bench, four, springs, lv3), bench.duration_s / 5
-    if np.isfinite(motion.left_at):
+    if np.isfinite(motion.exit_time):
         return dict.fromkeys(motion.error, np.nan)
     return {axis: 1e6 * metrics.mean_absolute(motion.time, e, start) for axis, e in motion.error.items()}
 
 
 def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
-    """Return whether tracking errors agree with printed ones: within a tenth of these."""
+    """Return whether tracking errors agree with the printed ones within a tenth of these."""
     return all(near(errors[name], 0.1, value) for name, value in printed.items())
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_RUNS)
 def encoder_errors(
-    bench: Bench, four: bool, restored: bool, springs: Springs = "known", guided: bool = False
+    bench: AuditSetup, four: bool, corrected: bool, springs: Springs = "known", guided: bool = False
 ) -> dict[str, float]:
     """Return the mean |e| by axis of the compiled loop, um or urad; `guided` adds friction and cogging."""
     plant, known = bench.pair(springs)
-    added = maglev_stage.guides(bench.plant, FRICTION, bench.cells) if guided else None
-    rig = Rig(bench.stage, plant, _controller(known, restored), disturbance=added)
+    added = maglev_stage.guide_disturbance(bench.plant, FRICTION, bench.cells) if guided else None
+    rig = Rig(bench.stage, plant, _controller(known, corrected), disturbance=added)
     trajectory, courses = experiments.tracking(rig, four, bench.duration_s)
     return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, bench.duration_s / 6).items()}
 
 
-@lru_cache(maxsize=KEPT)
-def _controller(known: Plant, restored: bool) -> host.Controller:
-    emitted = _emitted(tuple((p.name, p.value) for p in known.parameters), restored)
+@lru_cache(maxsize=CACHED_RUNS)
+def _controller(known: Plant, corrected: bool) -> host.Controller:
+    emitted = _emit(tuple((p.name, p.value) for p in known.parameters), corrected)
     return host.load(emitted.files, emitted.manifest)
 
 
-@cache.kept
-def _emitted(parameters: tuple[tuple[str, float], ...], restored: bool) -> write.Emitted:
-    """Return the C of the controller that knows some parameters of the plant: nothing else of it counts.
+@cache.cached
+def _emit(parameters: tuple[tuple[str, float], ...], corrected: bool) -> write.EmittedCode:
+    """Return the C of the controller for these parameters of the plant.
 
-    The library computes the functions, which for new parameters none has fitted.
+    It calls the functions of the C library, because no polynomials are fitted for new parameters.
     """
     known = maglev_stage.plant().with_parameters(**dict(parameters))
-    emitted = write.emit(control.controller(known, restored).block, np.float64, libm=True)
+    emitted = write.emit(control.controller(known, corrected).block, np.float64, libm=True)
     return replace(emitted, program=None)
 
 
@@ -151,7 +151,7 @@ def axis(name: str) -> control.Axis:
     return next(a for a in control.AXES if a.name == name)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_RUNS)
 def regulator(axis: control.Axis) -> Regulator:
     """Return the regulator of an axis."""
     return Regulator(axis.name, control.gain(axis).K, control.axis_plant(axis).A)

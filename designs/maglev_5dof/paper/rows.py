@@ -1,6 +1,6 @@
-"""The audit of the maglev stage's paper, row by row: printed, recomputed, verdict.
+"""Audit of the maglev stage's paper, row by row: printed, recomputed, verdict.
 
-Everything is computed from the parameters of the plant that is given; a verdict is never stored.
+Everything is computed from the parameters of the given plant. No verdict is stored.
 """
 
 from collections.abc import Iterator, Mapping
@@ -8,22 +8,22 @@ from dataclasses import replace
 from pathlib import Path
 
 from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper.bench import BY_GROUP, Bench
+from designs.maglev_5dof.paper.bench import BY_GROUP, AuditSetup
 from models import maglev_figures
 from synth.declaration import Stage
 from synth.report import audit
 from synth.report.audit import Published, Row, Scope
 
-FORMULAS = (benches, maglev_figures)  # what formulas may name: what these define and import
+FORMULAS = (benches, maglev_figures)  # formulas may use all names of these modules
 
 
 def rows(stage: Stage) -> Iterator[Row]:
     """Yield the rows F-1 to F-19 for the stage's parameters, each when it is computed."""
-    return audit.rows(scope(Bench(stage, stage.plant), printed()))
+    return audit.rows(scope(AuditSetup(stage, stage.plant), printed()))
 
 
-def scope(bench: Bench, prints: Mapping[str, Published]) -> Scope:
-    """Return what rows are computed from; `bench` and `plant` name the parameters that a row follows from."""
+def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
+    """Return the scope of the formulas; `bench` and `plant` take the parameters that a row depends on."""
     functions = {name: value for module in FORMULAS for name, value in vars(module).items()}
     functions |= {"bench": lambda **_: bench, "plant": lambda **_: bench.plant, "mm": 1e-3, "cells": bench.cells}
     return Scope({p.name: p.value for p in bench.plant.parameters}, functions, prints)
@@ -31,5 +31,5 @@ def scope(bench: Bench, prints: Mapping[str, Published]) -> Scope:
 
 def printed() -> dict[str, Published]:
     """Return what the paper prints, by row, with the groups of parameters before each row's formulas."""
-    prints = audit.read(Path(__file__).parent).items()
+    prints = audit.read_published(Path(__file__).parent).items()
     return {id: replace(p, computed={**BY_GROUP, **p.computed}) for id, p in prints}

@@ -1,9 +1,9 @@
-"""The Kalman filter (6)-(16) of one axis for the audit's formulas: bandwidth, noise, and the recursion as printed.
+"""Audit of the Kalman filter (6)-(16) of one axis: bandwidth, noise gain, and the recursion as printed.
 
-The axes do not meet in (7)-(13). Each has position, rate and acceleration, driven by a jerk of variance q through Gamma
-of (11), and its position is measured with the variance (5e-5)^2, m^2 or rad^2. The filter is the steady one whose
-estimate has used the sample of its own instant. Its bandwidth is where the power from the measured position to the
-estimated one falls through a half. Noise is white, with the stage at rest.
+The axes are decoupled in (7)-(13). Each has position, rate and acceleration, driven by a jerk of variance q through
+Gamma of (11), and a position measured with the variance (5e-5)^2, m^2 or rad^2. The filter is the steady-state current
+estimator, which uses the measurement of the same sample. Its bandwidth is the frequency at which the power gain from
+the measured to the estimated position falls below a half. Noise is white, with the stage at rest.
 """
 
 from functools import cache
@@ -18,17 +18,17 @@ from synth.synthesise.observers import belief, kalman, noise
 from synth.timing import Discrete, period
 
 SECONDS = 1.0  # after which the recursions are compared
-NEAR = 1e-2  # relative: a gain this near to the steady one has converged
+NEAR = 1e-2  # relative: a gain this close to the steady one has converged
 
 
 @cache
 def steady(q: float, period_s: float, deviation: float) -> kalman.Estimator:
-    """Return the steady filter of one axis."""
+    """Return the steady-state filter of one axis."""
     return kalman.discrete(filtering.model("x", Discrete(period_s)), np.array([q]), np.array([deviation**2]), ("jerk",))
 
 
 def half_power(form: StateSpace) -> float:
-    """Return where the power from the measured to the estimated position falls through a half, in Hz."""
+    """Return the frequency in Hz at which the power gain from measured to estimated position falls below a half."""
     T = period(form.time)
 
     def excess(frequency: ArrayLike) -> Array:
@@ -42,8 +42,8 @@ def half_power(form: StateSpace) -> float:
     return float(brentq(excess_at, grid[last], grid[last + 1], xtol=1e-10)) if last + 1 < len(grid) else np.inf
 
 
-def passed(form: StateSpace) -> float:
-    """Return the deviation of the estimated position over that of a white measurement."""
+def noise_gain(form: StateSpace) -> float:
+    """Return the standard deviation of the estimated position over that of a white measurement."""
     X = noise.stationary(form.A, form.B @ form.B.T, form.time)
     return float(np.sqrt((form.C @ X @ form.C.T + form.D @ form.D.T)[0, 0]))
 
@@ -61,14 +61,14 @@ def position_gains(q: float, period_s: float, deviation: float, p0: float, updat
     return np.array(history)
 
 
-def converged(gains: Array, final: float) -> int:
-    """Return after how many samples gains (N,) stay near the final one."""
+def samples_to_converge(gains: Array, final: float) -> int:
+    """Return the number of samples after which gains (N,) stay near the final one."""
     return int(np.flatnonzero(np.abs(gains / final - 1) > NEAR)[-1]) + 1
 
 
 @cache
 def deviation(q: float, period_s: float, bandwidth: float) -> float:
-    """Return the deviation of the measurement for which the bandwidth in Hz is as wanted."""
+    """Return the measurement noise, a standard deviation, for which the filter has a given bandwidth in Hz."""
 
     def excess(log_deviation: float) -> float:
         return half_power(steady(q, period_s, float(np.exp(log_deviation))).current()) - bandwidth

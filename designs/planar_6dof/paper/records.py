@@ -1,4 +1,4 @@
-"""What the simulated loops record, for the audit's formulas: noise, steps, spectra, and what meets the print."""
+"""Figures of simulated records for the audit: noise at rest, steps, spectra, and their comparison with the print."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage, signal
 
 from designs.planar_6dof import experiments
-from designs.planar_6dof.loop import seen, simulate
+from designs.planar_6dof.loop import measured_positions, simulate
 from models import axis_figures
 from models.axis_figures import Margin, Step
 from synth.report.audit import Printed
@@ -16,58 +16,58 @@ from synth.statespace import Array
 FIGURE_8 = {"x": 20e-6, "y": 100e-6, "phi": 0.01 * np.pi / 180}  # m, rad
 STEP = 50e-6  # m, of x in Fig. 10
 RECORD = 20.0  # s, of x whose spectrum is taken, after a second in which its step settles
-DOMINANT = 10.0  # dB by which a dominant line stands above the median of its neighbours
-SEGMENTS = 16  # whose spectra are averaged, so that those of noise scatter by less
+DOMINANT = 10.0  # dB by which a dominant line exceeds the median of its neighbours
+SEGMENTS = 16  # averaged for the spectrum
 NEIGHBOURS = 31  # lines
 
 
 def noise_at_rest(loop: Rig, duration_s: float) -> dict[str, float]:
-    """Return the rms of x and y in m behind the filter (6)-(16), which is what the lead-lag controller acts on."""
-    shown = seen(loop, simulate(loop, duration_s, {}, {}))
-    return {axis: float(np.std(experiments.settled(loop, shown[axis]))) for axis in "xy"}
+    """Return the rms of x and y in m after the filter (6)-(16), which the lead-lag controller uses."""
+    shown = measured_positions(loop, simulate(loop, duration_s, {}, {}))
+    return {axis: float(np.std(experiments.after_settling(loop, shown[axis]))) for axis in "xy"}
 
 
 def recorded_step(loop: Rig, axis: str, printed: float) -> Step:
-    """Return a step of Fig. 8 as the sensors show it, its size in m or rad as printed."""
+    """Return the figures of a measured step of Fig. 8, with its size in m or rad as printed."""
     run = experiments.step(loop, axis, FIGURE_8[axis])
     return of_record(run.time, run.response / printed)
 
 
 def of_record(time: Array, y: Array) -> Step:
-    """Return the figures of a step from 0 to 1, its band as wide as the noise of the last quarter of the record."""
-    return axis_figures.measured(time, y, max(axis_figures.BAND, float(np.abs(y[-len(y) // 4 :] - 1).max())))
+    """Return the figures of a step from 0 to 1, with a band at least as wide as the noise in the last quarter."""
+    return axis_figures.of_response(time, y, max(axis_figures.BAND, float(np.abs(y[-len(y) // 4 :] - 1).max())))
 
 
 def meets(margin: Margin, crossover: Printed, phase: Printed) -> bool:
-    """Return whether crossover and phase margin are those printed."""
+    """Return whether crossover and phase margin agree with the print."""
     return crossover.agrees(margin.crossover) and phase.agrees(margin.phase)
 
 
 def in_bounds(step: Step, rise: Printed, settling: Printed) -> bool:
     """Return whether a step is as fast as printed, ms."""
-    return 1e3 * step.rise < rise.value and 1e3 * step.settled < settling.value
+    return 1e3 * step.rise < rise.value and 1e3 * step.settling < settling.value
 
 
 @dataclass(frozen=True)
 class Line:
-    """The line of a spectrum that stands highest above its neighbours: where, in Hz, and by how much, in dB."""
+    """The most prominent line of a spectrum: its frequency in Hz and its height above its neighbours in dB."""
 
     frequency: float
     above: float
 
     @property
     def dominant(self) -> bool:
-        """Whether it is a component of its own."""
+        """Whether it exceeds DOMINANT."""
         return self.above >= DOMINANT
 
 
 def of_step(loop: Rig) -> Line:
-    """Return the most prominent line of x as measured, over RECORD, once its step has settled."""
+    """Return the most prominent line of the measured x, over RECORD after its step has settled."""
     run = experiments.step(loop, "x", STEP, 1.0 + RECORD)
-    return prominent(run.shown[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
+    return prominent_line(run.measured[run.sample + round(1.0 / loop.period_s) :], loop.period_s)
 
 
-def prominent(x: Array, period_s: float) -> Line:
+def prominent_line(x: Array, period_s: float) -> Line:
     """Return the most prominent line of a record x (N,)."""
     frequency, power = signal.welch(x, 1 / period_s, nperseg=2 * len(x) // (SEGMENTS + 1), detrend="linear")
     around = ndimage.median_filter(power, NEIGHBOURS, mode="nearest")

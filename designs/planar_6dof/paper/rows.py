@@ -1,7 +1,7 @@
-"""The audit of the planar positioner's paper Y: which rows belong to which design, and what they are computed from.
+"""Audit of the planar positioner's paper Y: the rows of each design and the scope of their formulas.
 
-A row follows from the parameters of the plant and the printed numbers, or from records of a design's loop, by the
-formulas in published.toml; no verdict is stored.
+A row is computed from the parameters of the plant and the printed numbers, or from records of a design's loop, by the
+formulas in published.toml. No verdict is stored.
 """
 
 from collections.abc import Iterator, Mapping
@@ -31,7 +31,7 @@ def lqg(loop: Rig) -> Iterator[Row]:
 
 
 def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Scope:
-    """Return what rows are computed from, the plant and the print as published where no others are given."""
+    """Return the scope of the formulas; plant and print default to the published ones."""
     plant = plant or planar_stage.plant()
     parameters = {p.name: p.value for p in plant.parameters}
     return Scope(parameters, {**audit.functions(*MODULES), **UNITS, "plant": plant, "loop": loop}, prints or printed())
@@ -39,4 +39,4 @@ def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = N
 
 def printed() -> dict[str, Published]:
     """Return what the paper prints, by row."""
-    return audit.read(Path(__file__).parent)
+    return audit.read_published(Path(__file__).parent)

@@ -4,7 +4,7 @@ With the Jacobian H = dh/dq (m, n) at a place,
 
     cov q >= sigma^2 (H'H)^-1 = sigma^2 V S^-2 V',    H diag(1/size) = U S V',
 
-where size_j says how much a unit of unknown j counts: a lever in m for an angle beside displacements in m. The
+where size_j weights unknown j: for example a lever arm in m for an angle, to compare it with displacements in m. The
 condition number is S_1 / S_n. Rank is lost where S_n is below the rounding of S_1, as in `numpy.linalg.matrix_rank`.
 
 Source: Kay, "Fundamentals of Statistical Signal Processing: Estimation Theory", section 3.7.
@@ -36,11 +36,11 @@ def jacobians(h: ca.Function, q: ArrayLike) -> Array:
     Raises ModelError unless h takes one column and returns one, and the places are finite, (N, n).
     """
     if h.n_in() != 1 or h.n_out() != 1 or h.size2_in(0) != 1 or h.size2_out(0) != 1:
-        raise ModelError(f"'{h.name()}' has {h.n_in()} inputs and {h.n_out()} outputs: give a column to a column")
+        raise ModelError(f"'{h.name()}' has {h.n_in()} inputs and {h.n_out()} outputs: give one column each")
     n, m = h.size1_in(0), h.size1_out(0)
     places = arguments.real("places", q)
     if places.ndim != 2 or places.shape[1] != n or not len(places) or not np.isfinite(places).all():
-        raise ModelError(f"the places have the shape {places.shape}: give finite numbers, (N, {n}), a row or more")
+        raise ModelError(f"the places have the shape {places.shape}: give finite numbers, (N, {n}), at least one row")
     x = ca.SX.sym("q", n)
     slopes = ca.Function("slopes", [x], [ca.jacobian(h(x), x)]).map(len(places))(places.T).full()
     return readonly(slopes.reshape(m, len(places), n).transpose(1, 0, 2))
@@ -48,13 +48,13 @@ def jacobians(h: ca.Function, q: ArrayLike) -> Array:
 
 @arguments.checked
 def accuracy(H: ArrayLike, sigma: float, sizes: ArrayLike) -> Accuracy:
-    """Return what measurements of deviation sigma tell of n unknowns, by Jacobians H (N, m, n) and `sizes` (n,).
+    """Return the Cramér-Rao bounds of n unknowns, for Jacobians H (N, m, n), noise sigma and `sizes` (n,).
 
-    Deviations are in the unknowns' own units. Raises ModelError for Jacobians or sizes that are none, and for a sigma
-    that is not above 0.
+    Deviations are in the units of the unknowns. Raises ModelError for Jacobians or sizes of the wrong shape or not
+    finite, sizes that are not positive, and a sigma that is not above 0.
     """
     _check_sigma(sigma)
-    rows, size = _weighed(H, sizes)
+    rows, size = _scale_columns(H, sizes)
     S, V = np.linalg.svd(rows, full_matrices=False)[1:]
     n = rows.shape[2]
     lost = (S[:, -1] <= S[:, 0] * np.finfo(np.float64).eps * rows.shape[1]) | (rows.shape[1] < n)
@@ -66,51 +66,51 @@ def accuracy(H: ArrayLike, sigma: float, sizes: ArrayLike) -> Accuracy:
 
 @arguments.checked
 def bias(H: ArrayLike, extra: ArrayLike, sizes: ArrayLike) -> Array:
-    """Return by how much least squares err (N, n) where measurements (N, m) have `extra` that h does not know.
+    """Return the bias (N, n) of least squares if the measurements have an unmodelled part `extra` (N, m).
 
-    To first order, (H'H)^-1 H' extra. Raises ModelError for arguments that do not fit each other, and naming the first
-    place at which rank is lost.
+    To first order, (H'H)^-1 H' extra. Raises ModelError for arguments that do not fit each other, and at the first
+    place where rank is lost.
     """
-    rows, size = _weighed(H, sizes)
-    beyond = arguments.real("measurements", extra)
-    if beyond.shape != rows.shape[:2] or not np.isfinite(beyond).all():
-        raise ModelError(f"the measurements have the shape {beyond.shape}: give finite ones, {rows.shape[:2]}")
+    rows, size = _scale_columns(H, sizes)
+    unmodelled = arguments.real("measurements", extra)
+    if unmodelled.shape != rows.shape[:2] or not np.isfinite(unmodelled).all():
+        raise ModelError(f"the measurements have the shape {unmodelled.shape}: give finite ones, {rows.shape[:2]}")
     lost = np.flatnonzero(~np.isfinite(accuracy(H, 1.0, sizes).condition))
     if lost.size:
         raise ModelError(f"rank is lost at {lost.size} of the places, the first is number {lost[0]}: leave it out")
     transposed = rows.transpose(0, 2, 1)
-    return readonly(np.linalg.solve(transposed @ rows, transposed @ beyond[:, :, None])[:, :, 0] / size)
+    return readonly(np.linalg.solve(transposed @ rows, transposed @ unmodelled[:, :, None])[:, :, 0] / size)
 
 
 @arguments.checked
 def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 0) -> float:
-    """Return the largest deviation over N places, times its size; with `lost`, after the loss of any so many rows.
+    """Return the largest deviation over N places, times its size; with `lost`, after the loss of that many rows.
 
-    Rows are lost in groups that follow each other, as the two axes of one sensor do. Where rank is lost the information
-    is held at LEAST of the largest, so that a search sees a large number instead of none.
+    Rows are lost in consecutive groups, for example the two axes of one sensor; the worst group counts. The information
+    is at least LEAST of the largest, which keeps the value finite for a search even where rank is lost.
 
-    Raises ModelError for Jacobians or sizes that are none, and unless the rows make whole groups.
+    Raises ModelError for invalid Jacobians or sizes, and unless the rows make whole groups.
     """
     _check_sigma(sigma)
-    rows, _ = _weighed(H, sizes)
+    rows, _ = _scale_columns(H, sizes)
     m, n = rows.shape[1:]
     if lost < 0 or (lost and m % lost):
         raise ModelError(f"{m} rows do not make groups of {lost}: give the number of rows of a sensor, or 0")
-    each = [h.transpose(0, 2, 1) @ h for h in np.split(rows, m // lost if lost else 1, axis=1)]
-    whole = np.sum(each, axis=0)
-    return max(_largest(whole - gone, sigma) for gone in (each if lost else [np.zeros((n, n))]))
+    parts = [h.transpose(0, 2, 1) @ h for h in np.split(rows, m // lost if lost else 1, axis=1)]
+    total = np.sum(parts, axis=0)
+    return max(_largest_finite_deviation(total - removed, sigma) for removed in (parts if lost else [np.zeros((n, n))]))
 
 
-LEAST = 1e-9  # of the largest information, below which a deviation is not told from an infinite one
+LEAST = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
 
 
-def _largest(information: Array, sigma: float) -> float:
+def _largest_finite_deviation(information: Array, sigma: float) -> float:
     n = information.shape[1]
-    held = information + max(LEAST * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
-    return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(held), axis1=1, axis2=2).max()))
+    regularised = information + max(LEAST * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
+    return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(regularised), axis1=1, axis2=2).max()))
 
 
-def _weighed(H: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
+def _scale_columns(H: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     """Return H (N, m, n) over sizes, and the sizes (n,); raise ModelError unless all are finite and sizes above 0."""
     rows, size = arguments.real("Jacobians", H), arguments.real("sizes", sizes)
     if rows.ndim != 3 or not rows.size or not np.isfinite(rows).all():

@@ -1,11 +1,11 @@
-"""All isolated zeros of n periodic equations in n unknowns, each proved to be one: Krawczyk's test in ball arithmetic.
+"""All isolated zeros of n periodic equations in n unknowns, each proved by Krawczyk's test in ball arithmetic.
 
     f(p) = 0,    p in [0, 2 pi)^n,    f of period 2 pi in each unknown
 
-as det H(p) = 0 of a measurement that loses rank. Cells in which a bound on its slope keeps an equation from 0 are left
-out, the others cut in two along each side. Newton's method leads from those that stay to zeros, and Krawczyk's test
-shows for each that a cube about it holds one zero and no other; the cells that stayed must all lie in such cubes.
-Zeros are found to `precise.BITS`, so that what is rounded from them is the same on every machine.
+for example det H(p) = 0, where a measurement loses rank. A cell is discarded if a slope bound shows that an equation
+has no zero in it; the other cells are halved along each side. Newton's method leads from the remaining cells to zeros.
+Krawczyk's test proves for each zero that a cube about it contains exactly one zero. In the end all remaining cells must
+lie in such cubes. Zeros are computed to `precise.BITS`, and rounded values are the same on every machine.
 
 Source: Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken", Computing 4 (1969).
 """
@@ -31,15 +31,15 @@ CELLS = 64  # along a turn, at first
 CUTS = 24
 FIRST = 3  # cuts before Newton's method is tried
 STARTS = 400  # of Newton's method at a cut
-CUBES = (0.05, 0.02, 0.01, 0.005, 0.002)  # rad, half their sides, tried in turn
-INSIDE = 1 - 1e-9  # of a cube: how far cells may come to its sides
+CUBES = (0.05, 0.02, 0.01, 0.005, 0.002)  # rad, half their sides, tried in this order
+INSIDE = 1 - 1e-9  # of a cube: cells inside this part of it count as covered
 STEPS = 12  # of Newton's method: each doubles the digits
-SAME = 1e-7  # rad, between two ends of Newton's method that are one zero
+SAME = 1e-7  # rad: results of Newton's method closer than this are one zero
 
 
 @dataclass(frozen=True)
 class Equations:
-    """n equations f(p) = 0 in n unknowns, and which cells may hold a zero.
+    """n equations f(p) = 0 in n unknowns, and a test for cells that may contain a zero.
 
     `f` is called on balls, and on power series (`flint.arb_series`) for its slopes. `possible` takes middles (n, N) and
     half a side in rad, and returns (N,).
@@ -62,41 +62,41 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class Cube:
-    """A cube of half a side `half`, rad, about `at`, that holds one zero and no other."""
+    """A cube about `at`, with half its side `half` in rad, that contains exactly one zero."""
 
     at: Place
     half: float
 
 
-def search(of: Equations) -> list[Cube]:
-    """Return a cube about each zero; cells are cut until none is left beside these. Call it in `precise.precision`.
+def search(equations: Equations) -> list[Cube]:
+    """Return a cube about each zero; cells are halved until these cubes cover all. Call it in `precise.precision`.
 
-    Raises ModelError where CUTS do not do, as zeros meet or lie on a line.
+    Raises ModelError if CUTS do not suffice, because zeros meet or lie on a line.
     """
     half = pi / CELLS
-    cells = grid(of.n)
+    cells = grid(equations.n)
     cubes: list[Cube] = []
     for cut in range(CUTS):
-        cells = cells[:, of.possible(cells, half)]
+        cells = cells[:, equations.possible(cells, half)]
         if cut >= FIRST:
-            cells = _outside(cubes, cells, half)
-            cubes += _new(of, cubes, cells)
-            cells = _outside(cubes, cells, half)
+            cells = _uncovered_cells(cubes, cells, half)
+            cubes += _new_cubes(equations, cubes, cells)
+            cells = _uncovered_cells(cubes, cells, half)
         if not cells.size:
             return cubes
         half /= 2
-        cells = np.hstack([cells + half * np.array(corner)[:, None] for corner in product((-1, 1), repeat=of.n)])
-    raise ModelError(f"{_near(cells[:, 0])} zeros meet or lie on a line: change the equations slightly")
+        cells = np.hstack([cells + half * np.array(corner)[:, None] for corner in product((-1, 1), repeat=equations.n)])
+    raise ModelError(f"{_place(cells[:, 0])} zeros meet or lie on a line: change the equations slightly")
 
 
 def grid(n: int) -> Array:
-    """Return the middles (n, CELLS^n) of the cells at first."""
+    """Return the centres (n, CELLS^n) of the initial cells."""
     along = 2 * pi / CELLS * (np.arange(CELLS) + 0.5)
     return np.array([each.ravel() for each in np.meshgrid(*[along] * n, indexing="ij")])
 
 
 def within_turn(phase: Ball) -> Ball:
-    """Return a phase from 0 up to a turn; 0 for one that is whole turns to the precision kept."""
+    """Return a phase in [0, 2 pi); 0 for a whole number of turns within the precision."""
     turns = (phase / (2 * Ball.pi())).mid()
     nearest = (turns + 0.5).floor().mid()
     if abs(turns - nearest) < precise.ZERO:
@@ -104,44 +104,44 @@ def within_turn(phase: Ball) -> Ball:
     return (turns - turns.floor().mid()) * 2 * Ball.pi()
 
 
-def _new(of: Equations, known: list[Cube], cells: Array) -> list[Cube]:
+def _new_cubes(equations: Equations, known: list[Cube], cells: Array) -> list[Cube]:
     """Return a cube about each further zero to which Newton's method leads from the cells (n, N)."""
     cubes: list[Cube] = []
     for start in cells.T[:: ceil(cells.shape[1] / STARTS) or 1]:
-        end = newton(of, start)
+        end = newton(equations, start)
         if end is not None and all(_distance(end, c.at) > SAME for c in (*known, *cubes)):
-            cubes.append(_certified(of, end))
+            cubes.append(_isolate(equations, end))
     return cubes
 
 
-def newton(of: Equations, start: Array) -> Place | None:
-    """Return where Newton's method leads from a place (n,), None where it does not converge."""
+def newton(equations: Equations, start: Array) -> Place | None:
+    """Return the limit of Newton's method from a place (n,), None if it does not converge."""
     at = tuple(Ball(float(v)) for v in start)
     for _ in range(STEPS):
         try:
-            step = of.slopes(at).mid().solve(of.values(at).mid()).entries()
+            step = equations.slopes(at).mid().solve(equations.values(at).mid()).entries()
         except ZeroDivisionError:  # a singular matrix
             return None
         at = tuple((v - d).mid() for v, d in zip(at, step, strict=True))
     return at if max(abs(float(v)) for v in step) < 1e-60 else None
 
 
-def _certified(of: Equations, at: Place) -> Cube:
-    """Return the largest of CUBES about a zero that is shown to hold it alone."""
-    n = of.n
-    inverse = precise.middle(of.slopes(at).inv())
-    moved = inverse * of.values(at)
+def _isolate(equations: Equations, at: Place) -> Cube:
+    """Return the largest of CUBES about a zero that is proved to contain no other."""
+    n = equations.n
+    inverse = precise.midpoints(equations.slopes(at).inv())
+    offset = inverse * equations.values(at)
     for half in CUBES:
         box = [v + Ball(0, half) for v in at]
-        left = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * of.slopes(box)
-        reach = [abs(moved[i, 0]) + sum((abs(left[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
-        if all(r < half for r in reach):
+        error = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * equations.slopes(box)
+        bounds = [abs(offset[i, 0]) + sum((abs(error[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
+        if all(r < half for r in bounds):
             return Cube(at, half)
-    raise ModelError(f"{_near([float(v) for v in at])} two zeros meet or lie on a line: change the equations slightly")
+    raise ModelError(f"{_place([float(v) for v in at])} two zeros meet or lie on a line: change the equations slightly")
 
 
-def _outside(cubes: list[Cube], cells: Array, half: float) -> Array:
-    """Return the cells (n, N) that lie in none of the cubes."""
+def _uncovered_cells(cubes: list[Cube], cells: Array, half: float) -> Array:
+    """Return the cells (n, N) that no cube covers."""
     inside = np.zeros(cells.shape[1], dtype=bool)
     for cube in cubes:
         off = _within_half_turn(cells - np.array([[float(v)] for v in cube.at]))
@@ -157,5 +157,5 @@ def _within_half_turn(phase: Array) -> Array:
     return (phase + pi) % (2 * pi) - pi
 
 
-def _near(phases: Sequence[float] | Array) -> str:
+def _place(phases: Sequence[float] | Array) -> str:
     return "near the phases " + ", ".join(f"{v:.4f}" for v in phases) + " rad"

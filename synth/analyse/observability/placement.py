@@ -1,12 +1,12 @@
-"""Sensor placement: coordinates x of sensors in a square so that the worst of a cost over all places is least.
+"""Optimal sensor placement: coordinates x of sensors in a square with the least worst-case cost.
 
     minimise over |x_i| <= reach   cost(x),   x_i multiples of 1/grid
 
-First differential evolution of a `coarse` cost (`scipy.optimize.differential_evolution`), then steps in drawn
-directions of a `fine` one, each length in turn. Draws are seeded, yet another machine's sines may lead a search
-elsewhere: write down what was found as decimals, and prove it by `worst_deviation`.
+First differential evolution of a `coarse` cost (`scipy.optimize.differential_evolution`), then random steps on a `fine`
+cost, with one step length after another. The random numbers have fixed seeds, but rounding of elementary functions on
+another machine may lead a search elsewhere: write down the result as decimals, and prove it by `worst_deviation`.
 
-Library: a search of minutes, whose result designs keep as numbers.
+Library: a search takes minutes; designs keep its result as numbers.
 """
 
 from collections.abc import Callable
@@ -30,9 +30,9 @@ Cost = Callable[[Array], float]
 @arguments.checked
 @dataclass(frozen=True)
 class Square:
-    """Where coordinates may be: up to `reach` to either side, in steps of 1/`grid`.
+    """The allowed coordinates: |x_i| <= `reach`, in steps of 1/`grid`.
 
-    Raises ModelError for a reach that is not above 0, or a grid of no step.
+    Raises ModelError for a reach that is not above 0, or a grid below 1.
     """
 
     reach: float
@@ -46,7 +46,7 @@ class Square:
 @arguments.checked
 @dataclass(frozen=True)
 class Effort:
-    """How long a search goes on: `generations` of a `population` a coordinate, then `tries` steps of each length.
+    """The effort of a search: `generations` of a `population` per coordinate, then `tries` steps of each length.
 
     Raises ModelError for numbers below 0 or above MOST, or no population.
     """
@@ -64,9 +64,9 @@ class Effort:
 
 @arguments.checked
 def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: Effort) -> Array:
-    """Return coordinates x (coordinates,) of the least cost that the effort meets.
+    """Return coordinates x (coordinates,) of the least cost found with this effort.
 
-    Raises ModelError unless there is a coordinate, up to MOST, and as `improve`.
+    Raises ModelError for fewer than 1 or more than MOST coordinates, and as `improve`.
     """
     if not 1 <= coordinates <= MOST:
         raise ModelError(f"{coordinates} coordinates are searched for: give a number from 1 to {MOST}")
@@ -85,9 +85,9 @@ def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: E
 
 @arguments.checked
 def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Array:
-    """Return coordinates whose cost is no larger than that of `start`, by the effort's tries of each length.
+    """Return coordinates with a cost at most that of `start`, from `effort.tries` steps of each length.
 
-    Raises ModelError for a start that is not finite, or a cost that is no number.
+    Raises ModelError for a start that is not finite, or a cost that is not a number.
     """
     grid = within.grid
     best, most = np.round(grid * np.ravel(arguments.real("start", start))), round(grid * within.reach)
@@ -96,11 +96,11 @@ def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Arr
     rng, least = np.random.default_rng(effort.seed), _value(fine, best / grid)
     for step in STEPS:
         for _ in range(effort.tries):
-            drawn = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
-            other = np.clip(best + np.round(step * drawn), -most, most)
-            value = _value(fine, other / grid)
+            direction = rng.normal(size=best.size) * (rng.random(best.size) < 0.5)
+            candidate = np.clip(best + np.round(step * direction), -most, most)
+            value = _value(fine, candidate / grid)
             if value < least:
-                best, least = other, value
+                best, least = candidate, value
     return readonly(best / grid)
 
 

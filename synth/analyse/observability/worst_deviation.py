@@ -1,12 +1,11 @@
-"""The largest Cramér-Rao deviations over a box of places, between a value that is met and a bound that is proved.
+"""Largest Cramér-Rao deviations over a box of places by branch and bound: an attained value and a proved bound.
 
-Deviations s_i at q bound those in a cell about it: where the Jacobian's columns H_j move by no more than d_j in length,
-|H v + E v| >= |H v| - sum_j d_j |v_j| >= |H v| (1 - sum_j d_j s_j), and 1/s_i is the least |H v| with v_i = 1, so
+Deviations s_i at q bound those in a cell about it. Let the columns H_j of the Jacobian change by at most d_j in length.
+Then |H v + E v| >= |H v| - sum_j d_j |v_j| >= |H v| (1 - sum_j d_j s_j). As 1/s_i is the least |H v| with v_i = 1,
 
     s_i in the cell  <=  s_i(q) / (1 - sum_j d_j s_j(q)).
 
-Cells whose bound exceeds the largest deviation that is met are cut in two along each side until none is left: branch
-and bound.
+Cells whose bound exceeds the largest attained deviation are halved along each side until none remains.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,19 +21,19 @@ from synth.errors import ModelError
 from synth.statespace import Array, readonly
 
 AT_ONCE = 200_000  # cells, for memory
-ROUNDING = 1e-9  # relative, added to bounds: far more than double precision loses where they are finite
+ROUNDING = 1e-9  # relative, added to bounds: far above the rounding error of a finite bound
 
 Deviations = Callable[[Array], Array]
 """q (n, N) to deviations (n, N) for a measurement of deviation 1; inf where rank is lost."""
 Changes = Callable[[Array, Array], Array]
-"""q (n, N) and half sides (n, 1) to bounds (n, N) of how far each column of the Jacobian moves in the cells."""
+"""q (n, N) and half sides (n, 1) to bounds (n, N) of the change of each column of the Jacobian in the cells."""
 
 
 @dataclass(frozen=True, eq=False)
 class Worst:
-    """The largest deviations over the cells: `met` (n,) at `at` (n, n), row i where i is largest; none above `bound`.
+    """The largest deviations over the box: attained `met` (n,) at `at` (n, n), row i for deviation i, and `bound` (n,).
 
-    `cells` were looked at.
+    `cells` is the number of evaluated cells.
     """
 
     met: Array
@@ -53,62 +52,62 @@ def search(
     tolerance: float = 1e-3,
     most: int = 30_000_000,
 ) -> Worst:
-    """Return the largest deviations for q from `low` to `high` (n,), less than `tolerance`, relative, below a bound.
+    """Return the largest deviations for q from `low` to `high` (n,), within a relative `tolerance` of their bound.
 
-    `cells` (n,) are numbers of cells along each side to begin with.
+    `cells` (n,) are the initial numbers of cells along each side.
 
-    Raises ModelError for sides that are none, and where more than `most` cells are needed, as where rank is lost.
+    Raises ModelError for invalid sides, and if more than `most` cells are needed, for example because rank is lost.
     """
     q, half = _cells(low, high, cells)
     n = len(q)
-    met, at, done = np.zeros(n), np.zeros((n, n)), 0
+    met, at, count = np.zeros(n), np.zeros((n, n)), 0
     ended = np.zeros(n)  # the largest bound of cells that are done with
     while q.shape[1]:
-        done += q.shape[1]
+        count += q.shape[1]
         kept = []
         for part in np.array_split(np.arange(q.shape[1]), ceil(q.shape[1] / AT_ONCE)):
-            s, bound = bounded(deviations, changes, q[:, part], half)
+            s, bound = bound_cells(deviations, changes, q[:, part], half)
             for i in np.flatnonzero(s.max(axis=1) > met):
                 met[i], at[i] = s[i].max(), q[:, part[s[i].argmax()]]
-            open = (bound > (1 + tolerance) * met[:, None]).any(axis=0)
-            ended = np.maximum(ended, bound[:, ~open].max(axis=1, initial=0.0))
-            kept.append(part[open])
-        if done > most or not np.isfinite(met).all():
-            raise ModelError(_unbounded(met, at, done))
-        q, half = _cut(q[:, np.concatenate(kept)], half)
-    return Worst(readonly(met), readonly(ended), readonly(at), done)
+            undecided = (bound > (1 + tolerance) * met[:, None]).any(axis=0)
+            ended = np.maximum(ended, bound[:, ~undecided].max(axis=1, initial=0.0))
+            kept.append(part[undecided])
+        if count > most or not np.isfinite(met).all():
+            raise ModelError(_no_bound_message(met, at, count))
+        q, half = _halve(q[:, np.concatenate(kept)], half)
+    return Worst(readonly(met), readonly(ended), readonly(at), count)
 
 
 @arguments.checked
-def bounded(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
-    """Return deviations at the middles q (n, N) and bounds in the cells of half sides (n, 1), inf where there is none.
+def bound_cells(deviations: Deviations, changes: Changes, q: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
+    """Return deviations at the centres q (n, N) and bounds in the cells of half sides (n, 1), inf without a bound.
 
-    Raises SignalError for what is no matrix, ModelError for shapes that do not fit each other.
+    Raises SignalError unless the arguments are matrices, ModelError for shapes that do not fit each other.
     """
     middles, sides = arguments.matrix("the middles", q), arguments.matrix("the half sides", half)
-    s, moved = (
+    s, moves = (
         arguments.matrix(name, f)
         for name, f in (("deviations", deviations(middles)), ("changes", changes(middles, sides)))
     )
     if (
-        not (s.shape == moved.shape == middles.shape)
+        not (s.shape == moves.shape == middles.shape)
         or sides.shape != (len(middles), 1)
         or not np.isfinite([*middles.flat, *sides.flat]).all()
     ):
         raise ModelError(
-            f"cells {middles.shape} with half sides {sides.shape} have deviations {s.shape} and changes {moved.shape}: "
+            f"cells {middles.shape} with half sides {sides.shape} have deviations {s.shape} and changes {moves.shape}: "
             "give (n, N) of each, half sides (n, 1), and finite places"
         )
     with np.errstate(invalid="ignore"):
-        left = 1 - (moved * s).sum(axis=0)
-    sound = left > 0  # NaN is not
-    return s, np.where(sound, s * (1 + ROUNDING) / np.where(sound, left, 1.0), np.inf)
+        denominators = 1 - (moves * s).sum(axis=0)
+    is_bounded = denominators > 0  # False for NaN
+    return s, np.where(is_bounded, s * (1 + ROUNDING) / np.where(is_bounded, denominators, 1.0), np.inf)
 
 
 def _cells(low: Sequence[float], high: Sequence[float], counts: Sequence[int]) -> tuple[Array, Array]:
-    """Return the middles (n, N) of cells, and half their sides (n, 1)."""
+    """Return the centres (n, N) of cells, and half their sides (n, 1)."""
     if not len(low) == len(high) == len(counts) > 0 or min(counts) < 1:
-        raise ModelError(f"{len(low)} low and {len(high)} high ends meet {counts} cells: give one of each an unknown")
+        raise ModelError(f"{len(low)} low ends, {len(high)} high ends, cells {counts}: give one of each per unknown")
     if not all(a <= b for a, b in zip(low, high, strict=True)) or not np.isfinite([*low, *high]).all():
         raise ModelError(f"the box is from {list(low)} to {list(high)}: give finite ends, the lower ones first")
     steps = [(b - a) / n for a, b, n in zip(low, high, counts, strict=True)]
@@ -117,13 +116,13 @@ def _cells(low: Sequence[float], high: Sequence[float], counts: Sequence[int]) -
     return np.array([each.ravel() for each in grid]), np.array(steps)[:, None] / 2
 
 
-def _cut(q: Array, half: Array) -> tuple[Array, Array]:
-    """Return the cells cut in two along each side that is not 0."""
+def _halve(q: Array, half: Array) -> tuple[Array, Array]:
+    """Return the cells halved along each side that is not 0."""
     signs = product(*((-0.5, 0.5) if side > 0 else (0.0,) for side in half.ravel()))
     return np.hstack([q + half * np.array(sign)[:, None] for sign in signs]), half / 2
 
 
-def _unbounded(met: Array, at: Array, cells: int) -> str:
+def _no_bound_message(met: Array, at: Array, cells: int) -> str:
     i = int(met.argmax())
     place = ", ".join(f"{v:.6g}" for v in at[i])
     return (

@@ -7,7 +7,7 @@ import numpy as np
 from synth.synthesise.riccati import riccati
 
 
-def cut(value: float, digits: int) -> float:
+def significant(value: float, digits: int) -> float:
     """Return `value` rounded to a number of significant digits (MATLAB `round(x, n, 'significant')`)."""
     return float(f"{value:.{digits}g}")
 
@@ -17,7 +17,7 @@ def round_up(value: float) -> float:
     if value == 0:
         return 0.0
     scale = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return cut(math.ceil(value / scale) * scale, 2)
+    return significant(math.ceil(value / scale) * scale, 2)
 
 
 def pole(value: complex) -> str:

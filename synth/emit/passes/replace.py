@@ -115,14 +115,14 @@ def _fit_in_argument_of(task: _Task, like: Polynomial | None) -> Polynomial:
     """Fit in the scaled argument t of `like`, unless that needs a higher degree."""
     if like is not None and like.parity == "none":
         with suppress(EmitError):
-            polynomial = _fitted(task, like)
+            polynomial = _fit(task, like)
             if polynomial.parity == "none" and polynomial.degree <= _degree(task):
                 return polynomial
-    return _fitted(task, None)
+    return _fit(task, None)
 
 
 @functools.cache
-@cache.kept
+@cache.cached
 def _degree(task: _Task) -> float:
     """Estimate the degree that a polynomial needs; infinity if none suffices."""
     try:
@@ -132,8 +132,8 @@ def _degree(task: _Task) -> float:
 
 
 @functools.cache
-@cache.kept
-def _fitted(task: _Task, like: Polynomial | None) -> Polynomial:
+@cache.cached
+def _fit(task: _Task, like: Polynomial | None) -> Polynomial:
     """Fit a function; the results are cached, because designs evaluate one function at many signals."""
     return surrogate.fit(_function(task), task.low, task.high, task.scalar, task.error, task.what, like)
 

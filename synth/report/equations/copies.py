@@ -1,6 +1,6 @@
-"""Equations that are alike but for the names in them: shown once, with what stands for what in the others.
+"""Equations of equal form: shown once, with the names that the others have instead.
 
-Two equations are alike when one becomes the other, as shown, by putting other names for those in it.
+Two equations have equal form when renaming the symbols of one, as displayed, gives the other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,28 +11,28 @@ import sympy as sp
 from synth.report.equations import symbolic
 from synth.report.equations.derive import Equation, Group
 
-LEAST = 4  # operations: what has fewer is as quickly read as said to be alike
+LEAST = 4  # operations: shorter equations are shown in full
 
 
 @dataclass(frozen=True)
-class Shown:
-    """An equation that is shown, and its copies with the names that they have in place of its own."""
+class EquationWithCopies:
+    """A displayed equation, and the equations of equal form with their replaced names."""
 
     equation: Equation
     copies: tuple[tuple[Equation, Mapping[str, str]], ...] = ()
 
 
 @dataclass(frozen=True)
-class ShownGroup:
-    """A group that is shown, and groups that are alike as a whole, with their names in place of its own."""
+class GroupWithCopies:
+    """A displayed group of equations, and the groups of equal form with their replaced names."""
 
     group: Group
-    equations: tuple[Shown, ...]
+    equations: tuple[EquationWithCopies, ...]
     copies: tuple[tuple[Group, Mapping[str, str]], ...] = ()
 
 
-def of_groups(groups: Sequence[Group]) -> tuple[ShownGroup, ...]:
-    """Return the groups, each with those that are alike as a whole."""
+def of_groups(groups: Sequence[Group]) -> tuple[GroupWithCopies, ...]:
+    """Return the distinct groups, each with the groups of equal form."""
     first: list[tuple[Group, list[tuple[Group, Mapping[str, str]]]]] = []
     for group in groups:
         for source, copies in first:
@@ -41,11 +41,11 @@ def of_groups(groups: Sequence[Group]) -> tuple[ShownGroup, ...]:
                 break
         else:
             first.append((group, []))
-    return tuple(ShownGroup(g, of_equations(g), tuple(copies)) for g, copies in first)
+    return tuple(GroupWithCopies(g, of_equations(g), tuple(copies)) for g, copies in first)
 
 
-def of_equations(group: Group) -> tuple[Shown, ...]:
-    """Return the equations of a group, each with those that are alike."""
+def of_equations(group: Group) -> tuple[EquationWithCopies, ...]:
+    """Return the distinct equations of a group, each with the equations of equal form."""
     first: list[tuple[Equation, list[tuple[Equation, Mapping[str, str]]]]] = []
     for equation in group.equations:
         for source, copies in first:
@@ -56,11 +56,11 @@ def of_equations(group: Group) -> tuple[Shown, ...]:
                 break
         else:
             first.append((equation, []))
-    return tuple(Shown(e, tuple(copies)) for e, copies in first)
+    return tuple(EquationWithCopies(e, tuple(copies)) for e, copies in first)
 
 
 def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:
-    """Return the names that turn the right side of one equation into that of the other, None where none do."""
+    """Return the renaming that turns the right side of one equation into that of the other, None without one."""
     if source.shape[0] != other.shape[0] or len(source.shape[1]) != len(other.shape[1]):
         return None
     names = dict(zip(source.shape[1], other.shape[1], strict=True))
@@ -71,7 +71,7 @@ def names_in_place(source: Equation, other: Equation) -> dict[str, str] | None:
 
 
 def _group_names(source: Group, other: Group) -> dict[str, str] | None:
-    """Return what stands in another group for the names in the first, as on the page; None where they are unlike."""
+    """Return the renaming of displayed names that turns one group into the other, None without one."""
     if len(source.equations) != len(other.equations) or source.title == other.title:
         return None
     whole: dict[str, str] = {}

@@ -2,7 +2,7 @@
 
     plant   dx/dt = f(x, u, p),  y = h(x, u, p)          Block   x+ = f(x, u, k),  y = h(x, u, k)
 
-Signals inside a composition keep their names, and parts without a name get one, see `symbolic`.
+Internal signals of a composition keep their names; unnamed subexpressions get names, see `symbolic`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,10 +27,10 @@ Mark = Literal["", "rate", "next"]
 
 @dataclass(frozen=True)
 class Equation:
-    """`name` = `expression`, of the Block `owner`; the name is that of a rate dx/dt or a next state x+ as `mark` says.
+    """`name` = `expression`, of the Block `owner`; `mark` says if the left side is a rate dx/dt or a next state x+.
 
-    `order` is where it is computed, `signal` tells unit and range where they are declared. `shape` is what is computed
-    without the names that stand in it, and these names.
+    `order` is the position in the computation, `signal` has the declared unit and range. `shape` is the structure of
+    the expression without names, and these names.
     """
 
     name: str
@@ -43,24 +43,24 @@ class Equation:
 
     @property
     def key(self) -> str:
-        """What tells the equation from all others."""
+        """A key that identifies the equation."""
         return f"{self.name} {self.mark}".strip()
 
     @property
     def limits(self) -> tuple[float, float] | None:
-        """The range of its signal, to which a limit without bounds on the page limits; None without a signal."""
+        """The range of its signal, which a saturation displayed without bounds refers to; None without a signal."""
         return None if self.signal is None else (self.signal.low, self.signal.high)
 
     @property
     def shown(self) -> sp.Expr:
-        """The right side as the page has it: a limit to the signal's own range without the bounds."""
+        """The displayed right side: a saturation at the range of the signal has no bounds."""
         sat = symbolic.opaque("sat")
-        own = {
+        unbounded = {
             limited: sat(limited.args[0])
             for limited in sp.preorder_traversal(self.expression)
             if type(limited).__name__ == "sat" and _bounds(limited) == self.limits
         }
-        return self.expression.xreplace(own)
+        return self.expression.xreplace(unbounded)
 
 
 def _bounds(limited: sp.Expr) -> tuple[float, ...]:
@@ -69,7 +69,7 @@ def _bounds(limited: sp.Expr) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Group:
-    """Equations that belong together: of one Block or of a plant; `local` gives names that differ on the page."""
+    """Equations of one Block or of a plant; `local` maps names to displayed names that differ."""
 
     title: str
     equations: tuple[Equation, ...]
@@ -77,7 +77,7 @@ class Group:
     local: Mapping[str, str] = field(default_factory=dict)
 
     def name(self, name: str) -> str:
-        """Return what a name is called on the page."""
+        """Return the displayed form of a name."""
         return self.local.get(name, name)
 
     def left(self, equation: Equation) -> str:
@@ -94,9 +94,9 @@ class Group:
 
 
 def plant_function(plant: Plant, named: Named | None = None) -> tuple[ca.Function, dict[str, int]]:
-    """Return a plant as a function of one column (x, u, p), and the names of what it computes with their places.
+    """Return a plant as a function of one column (x, u, p), and the row of each result by name.
 
-    These are the expressions of `named`, the rates, as ``<state> rate``, and the outputs.
+    The results are the expressions of `named`, the rates, as ``<state> rate``, and the outputs.
     """
     x, u, p = symbols(plant.states), symbols(plant.inputs), symbols(plant.parameters)
     inside = dict(named(x, u, p)) if named else {}
@@ -111,9 +111,9 @@ def plant_function(plant: Plant, named: Named | None = None) -> tuple[ca.Functio
 def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
     """Return the definitions of a plant, and the derivatives of its states.
 
-    `named(x, u, p)` gives expressions that the physics computes, like forces, a name each.
+    `named(x, u, p)` gives names to expressions that the physics computes, such as forces.
 
-    Raises ModelError where a named expression is none that the physics computes.
+    Raises ModelError for a named expression that the physics does not compute.
     """
     f, places = plant_function(plant, named)
     loads = [("load", s.name) for group in (plant.states, plant.inputs, plant.parameters) for s in group]
@@ -128,30 +128,30 @@ def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
             f"the physics of plant '{plant.name}' does not compute {', '.join(unused)}: name what it computes, built "
             "in the same way"
         )
-    inside = _defined(nodes, names, at, ends, outputs)
+    inside = _definitions(nodes, names, at, ends, outputs)
     states = {s.name for s in plant.states}
-    inside = [e for e in inside if e.name not in states]  # a state that is an output too
-    cut = _cut(nodes, names, at, ends)
+    inside = [e for e in inside if e.name not in states]  # a state that is also an output
+    cut = _name_nodes(nodes, names, at, ends)
     moving = tuple(
         Equation(s.name, symbolic.expression(nodes, cut, k), k, symbolic.shape(nodes, cut, k), "", "rate", s)
         for s, k in rates.items()
     )
     groups = (Group("Definitions", tuple(inside)), Group("States", moving))
-    return tuple(_told_apart(g) for g in groups if g.equations)
+    return tuple(_with_distinct_names(g) for g in groups if g.equations)
 
 
 def block(block: Block) -> tuple[Group, ...]:
-    """Return the equations of a Block: of each Block of the composition its signals, and its states' next values."""
+    """Return the equations of a Block: for each Block of the composition its signals and its next states."""
     program = lower.program(block)
     nodes = program.nodes
     names = {k: n.name for k, n in enumerate(nodes) if n.op in ("input", "state", "constant")}
     marked = {named.signal.name: named for named, _ in program.marks}
     at = {named.signal.name: k for named, k in program.marks}
     ends = [*at.values(), *program.next.values()]
-    inside = _defined(nodes, names, at, ends, {name: named.signal for name, named in marked.items()})
+    inside = _definitions(nodes, names, at, ends, {name: named.signal for name, named in marked.items()})
     inside = [replace(e, owner=marked[e.name].block) if e.name in marked else e for e in inside]
-    signals, cut = {s.name: s.signal for s in block.states}, _cut(nodes, names, at, ends)
-    following = [
+    signals, cut = {s.name: s.signal for s in block.states}, _name_nodes(nodes, names, at, ends)
+    next_states = [
         Equation(
             n,
             symbolic.symbol(cut[k]) if k in cut else symbolic.expression(nodes, cut, k),
@@ -164,33 +164,35 @@ def block(block: Block) -> tuple[Group, ...]:
         for n, k in program.next.items()
     ]
     tags = {named.block: named.tag for named, _ in block.inside}
-    equations = [*_owned(inside, following), *following]
+    equations = [*_assign_owners(inside, next_states), *next_states]
     owners = dict.fromkeys([*program.titles, *(e.owner for e in equations)])
     private = [s.name for s in block.states] + [c.name for c in block.constants]
     groups = []
     for owner in owners:
-        own = tuple(e for e in equations if e.owner == owner)
+        members = tuple(e for e in equations if e.owner == owner)
         local = {n: n[len(owner) + 1 :] for n in private if owner and n.startswith(f"{owner}_")}
-        if own:
-            groups.append(_told_apart(Group(owner or block.name, own, tags.get(owner, ""), local)))
+        if members:
+            groups.append(_with_distinct_names(Group(owner or block.name, members, tags.get(owner, ""), local)))
     return tuple(groups)
 
 
-def _cut(nodes: Sequence[Node], names: Mapping[int, str], at: Mapping[str, int], ends: Sequence[int]) -> dict[int, str]:
-    """Return the names of loads, named values and of further parts by node; the first name of a node counts."""
+def _name_nodes(
+    nodes: Sequence[Node], names: Mapping[int, str], at: Mapping[str, int], ends: Sequence[int]
+) -> dict[int, str]:
+    """Return the names of loads, named values and further parts by node; the first name of a node counts."""
     first = {k: name for name, k in reversed([*at.items()])}
-    return symbolic.cut(nodes, first | dict(names), ends)
+    return symbolic.name_parts(nodes, first | dict(names), ends)
 
 
-def _defined(
+def _definitions(
     nodes: Sequence[Node],
     names: Mapping[int, str],
     at: Mapping[str, int],
     ends: Sequence[int],
     signals: Mapping[str, Signal],
 ) -> list[Equation]:
-    """Return what each named value and each part is, in the order of computation, and second names of one value."""
-    cut = _cut(nodes, names, at, ends)
+    """Return the definition of each named value and part in the order of computation, and of further names."""
+    cut = _name_nodes(nodes, names, at, ends)
     needed, _ = symbolic.live(nodes, ends)
     equations = []
     for k in needed:
@@ -206,29 +208,29 @@ def _defined(
     return equations
 
 
-def _owned(inside: Sequence[Equation], following: Sequence[Equation]) -> list[Equation]:
-    """Return definitions with each part that has no owner given to the Block that reads it, the last of several."""
+def _assign_owners(inside: Sequence[Equation], next_states: Sequence[Equation]) -> list[Equation]:
+    """Return definitions in which each part without an owner belongs to the last Block that reads it."""
     owner = {e.name: e.owner for e in inside if e.owner}
     signals = set(owner)
-    for e in sorted([*inside, *following], key=lambda e: -e.order):
-        mine = e.owner or owner.get(e.name, "")
+    for e in sorted([*inside, *next_states], key=lambda e: -e.order):
+        equation_owner = e.owner or owner.get(e.name, "")
         for s in e.expression.free_symbols:
-            if s.name not in signals and mine:
-                owner[s.name] = mine
+            if s.name not in signals and equation_owner:
+                owner[s.name] = equation_owner
     return [replace(e, owner=owner.get(e.name, "")) for e in inside]
 
 
-def _told_apart(group: Group) -> Group:
-    """Return a group in which no two names look alike on the page: the second of them is written as it is."""
+def _with_distinct_names(group: Group) -> Group:
+    """Return a group whose displayed names all differ: of two equal ones the second is written literally."""
     names = {e.name for e in group.equations} | {s.name for e in group.equations for s in e.expression.free_symbols}
     local: dict[str, str] = {}
-    taken: set[str] = set()
+    used: set[str] = set()
     for name in sorted(names, key=lambda n: (n in group.local, n)):
-        choices = (text for text in (group.name(name), name, f"={name}") if _looks(text) not in taken)
+        choices = (text for text in (group.name(name), name, f"={name}") if _appearance(text) not in used)
         local[name] = next(choices)
-        taken.add(_looks(local[name]))
+        used.add(_appearance(local[name]))
     return replace(group, local={name: text for name, text in local.items() if text != name})
 
 
-def _looks(name: str) -> str:
+def _appearance(name: str) -> str:
     return mathml_value.key(glyphs.markup(name))

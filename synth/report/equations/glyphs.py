@@ -1,6 +1,6 @@
-"""Names as presentation MathML: a letter with what follows as its subscript.
+"""Names as presentation MathML: a letter with the remaining characters as its subscript.
 
-k_s_phi, i_d1, wphi and Kv1 have subscripts; Greek letters are written as such, longer words upright.
+k_s_phi, i_d1, wphi and Kv1 have subscripts; names of Greek letters become Greek letters, longer words are upright.
 """
 
 import re
@@ -17,12 +17,12 @@ _SPLIT = re.compile(
 
 
 def symbol(name: str) -> Markup:
-    """Return a name as a formula of its own."""
+    """Return a name as a separate formula."""
     return Markup(f'<math display="inline"><mrow>{markup(name)}</mrow></math>')
 
 
 def markup(text: str) -> str:
-    """Return the markup of a name; one that begins with '=' is written as it is."""
+    """Return the markup of a name; one that begins with '=' is written literally."""
     if text.startswith("="):
         return f"<mi>{escape(text[1:])}</mi>"
     head, *tail = text.split("_")
@@ -40,5 +40,5 @@ def _subscript(part: str) -> list[str]:
     """Return the markup of one part of a subscript: i_d1 has d1, and phi3 a letter and a number."""
     match = re.fullmatch(r"([A-Za-z]*)(\d*)", part)
     word, digits = match.groups() if match else (part, "")
-    found = f"<mi>{escape(GREEK.get(word, word))}</mi>" if word else ""
-    return [found + (f"<mn>{digits}</mn>" if digits else "")]
+    letters = f"<mi>{escape(GREEK.get(word, word))}</mi>" if word else ""
+    return [letters + (f"<mn>{digits}</mn>" if digits else "")]

@@ -1,6 +1,6 @@
-"""Presentation MathML of SymPy expressions, as browsers show it without scripts; `mathml_value` reads it back.
+"""Presentation MathML of SymPy expressions for browsers without scripts; `mathml_value` evaluates it.
 
-A number with more than DIGITS digits is cut off and ends with an ellipsis; the whole number stands in ``data-value``.
+A number with more than DIGITS digits is truncated and ends with an ellipsis; ``data-value`` has the full number.
 """
 
 import re
@@ -14,19 +14,19 @@ from synth.report.equations import glyphs
 from synth.report.equations.symbolic import opaque
 
 DIGITS = 6
-WIDTH = 64  # characters of a sum before it is continued on the next line
+WIDTH = 64  # characters of a sum on one line
 WORDS = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arsinh", "acosh": "arcosh", "atanh": "artanh"}
 WORDS |= {"log": "ln", "sign": "sgn", "atan2": "atan2"}
 RELATIONS = {"lt": "&lt;", "le": "≤", "eq": "=", "ne": "≠"}
 LOGIC = {"and": "∧", "or": "∨"}
-SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4  # how strongly a piece holds together
+SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4  # operator precedence of a piece
 RELATION, CONJUNCTION = 0, -1
 TIMES, APPLY = '<mo>&#x2062;</mo><mspace width="0.15em"></mspace>', "<mo>&#x2061;</mo>"
 Piece = tuple[str, int]
 
 
 def expression(expr: sp.Expr) -> str:
-    """Return the markup of an expression, long sums on several lines."""
+    """Return the markup of an expression; long sums use several lines."""
     return cases(expr) if type(expr).__name__ == "choose" else _piece(expr)[0]
 
 
@@ -50,7 +50,7 @@ def _lines(terms: Sequence[str]) -> str:
 
 
 def _width(markup: str) -> int:
-    """Return about how many characters wide a piece is shown; of a fraction the wider half counts."""
+    """Return the approximate width of a piece in characters; a fraction counts two thirds."""
     halves = re.sub(r"<mfrac>|</mfrac>", "", markup)
     shown = len(re.sub(r"<[^>]*>|&[^;]*;", "", halves))
     return shown * 2 // 3 if halves != markup else shown
@@ -66,7 +66,7 @@ def _piece(expr: sp.Expr) -> Piece:
     if isinstance(expr, sp.Add):
         return _lines(_terms(expr)), SUM
     if (isinstance(expr, sp.Number) and expr < 0) or (isinstance(expr, sp.Mul) and _negative(expr)):
-        return f"<mrow><mo>−</mo>{_within(-expr, PRODUCT)}</mrow>", SUM
+        return f"<mrow><mo>−</mo>{_parenthesised(-expr, PRODUCT)}</mrow>", SUM
     if isinstance(expr, sp.Mul) or (isinstance(expr, sp.Rational) and expr.q != 1):
         return _product(expr)
     if isinstance(expr, sp.Number):
@@ -76,8 +76,8 @@ def _piece(expr: sp.Expr) -> Piece:
     return _function(type(expr).__name__, [*expr.args])
 
 
-def _within(expr: sp.Expr, least: int) -> str:
-    """Return an expression's markup, in parentheses unless it holds together as strongly as `least`."""
+def _parenthesised(expr: sp.Expr, least: int) -> str:
+    """Return the markup of an expression, in parentheses if its precedence is below `least`."""
     markup, strength = _piece(expr)
     return markup if strength >= least else _bracketed("(", markup, ")")
 
@@ -93,13 +93,13 @@ def _negative(expr: sp.Expr) -> bool:
 
 
 def _terms(expr: sp.Add) -> list[str]:
-    """Return the terms with their signs, a positive one first where there is one."""
+    """Return the terms with their signs, positive terms first."""
     ordered = sorted(expr.as_ordered_terms(), key=_negative)
     marked = []
     for k, term in enumerate(ordered):
         form = ' form="infix"' if k else ""
         sign = f"<mo{form}>−</mo>" if _negative(term) else f"<mo{form}>+</mo>" if k else ""
-        marked.append(sign + _within(-term if _negative(term) else term, PRODUCT))
+        marked.append(sign + _parenthesised(-term if _negative(term) else term, PRODUCT))
     return marked
 
 
@@ -121,11 +121,11 @@ def _product(expr: sp.Expr) -> Piece:
 
 
 def _factors(factors: Sequence[sp.Expr]) -> str:
-    found = [_within(factors[0], PRODUCT)]
+    pieces = [_parenthesised(factors[0], PRODUCT)]
     for before, factor in pairwise(factors):
         numbers = isinstance(factor, sp.Number) or (isinstance(before, sp.Number) and isinstance(factor, sp.Pow))
-        found += ["<mo>·</mo>" if numbers else TIMES, _within(factor, PRODUCT)]
-    return f"<mrow>{''.join(found)}</mrow>"
+        pieces += ["<mo>·</mo>" if numbers else TIMES, _parenthesised(factor, PRODUCT)]
+    return f"<mrow>{''.join(pieces)}</mrow>"
 
 
 def _power(expr: sp.Pow) -> Piece:
@@ -138,14 +138,14 @@ def _power(expr: sp.Pow) -> Piece:
         return f"<mroot><mrow>{_piece(base)[0]}</mrow><mn>{exponent.q}</mn></mroot>", ATOM
     above = _piece(exponent)[0]
     if isinstance(base, sp.Function) and exponent.is_Integer and type(base).__name__ in _PLAIN:
-        return _applied(f"<msup>{_word(type(base).__name__)}{above}</msup>", base.args), PRODUCT
-    return f"<msup>{_within(base, ATOM)}<mrow>{above}</mrow></msup>", POWER
+        return _application(f"<msup>{_word(type(base).__name__)}{above}</msup>", base.args), PRODUCT
+    return f"<msup>{_parenthesised(base, ATOM)}<mrow>{above}</mrow></msup>", POWER
 
 
 def _number(value: sp.Number) -> Piece:
     text = str(value) if isinstance(value, sp.Integer) else repr(float(value))
     mantissa, _, exponent = text.removesuffix(".0").partition("e")
-    shown = _cut(mantissa)
+    shown = _truncated(mantissa)
     whole = f' data-value="{mantissa}"' if shown != mantissa else ""
     written = f"<mn{whole}>{shown}</mn>"
     if not exponent:
@@ -154,8 +154,8 @@ def _number(value: sp.Number) -> Piece:
     return (power if mantissa == "1" else f"<mrow>{written}<mo>·</mo>{power}</mrow>"), PRODUCT
 
 
-def _cut(mantissa: str) -> str:
-    """Return a mantissa cut off after DIGITS digits behind its leading zeros, with an ellipsis for what is left out."""
+def _truncated(mantissa: str) -> str:
+    """Return a mantissa truncated to DIGITS significant digits, with an ellipsis for the omitted ones."""
     whole, _, part = mantissa.partition(".")
     leading = len(part) - len(part.lstrip("0")) if not whole.strip("0") else 0
     keep = max(DIGITS - len(whole.lstrip("0")) + leading, 1)
@@ -177,22 +177,22 @@ def _function(kind: str, args: Sequence[sp.Expr]) -> Piece:
         return _bracketed(left, _piece(args[0])[0], right), ATOM
     if kind == "sat" and len(args) == 3:
         low, high = (f"<mrow>{_piece(a)[0]}</mrow>" for a in args[1:])
-        return _applied(f"<msubsup><mi>sat</mi>{low}{high}</msubsup>", args[:1]), ATOM
-    return _applied(_word(kind), args), ATOM
+        return _application(f"<msubsup><mi>sat</mi>{low}{high}</msubsup>", args[:1]), ATOM
+    return _application(_word(kind), args), ATOM
 
 
 def _word(kind: str) -> str:
     return f"<mi>{escape(WORDS.get(kind, kind))}</mi>"
 
 
-def _applied(head: str, args: Sequence[sp.Expr]) -> str:
-    whole = len(args) == 1 and type(args[0]).__name__ == "choose"  # then one pair of parentheses is enough
+def _application(head: str, args: Sequence[sp.Expr]) -> str:
+    whole = len(args) == 1 and type(args[0]).__name__ == "choose"  # one pair of parentheses is enough
     inner = cases(args[0]) if whole else "<mo>,</mo>".join(_piece(a)[0] for a in args)
     return f"<mrow>{head}{APPLY}{_bracketed('(', inner, ')')}</mrow>"
 
 
 def cases(expr: sp.Expr) -> str:
-    """Return the markup of a choice with its conditions below each other."""
+    """Return the markup of a choice, one condition per row."""
     rows = []
     while type(expr).__name__ == "choose":
         condition, value, expr = expr.args
@@ -203,10 +203,10 @@ def cases(expr: sp.Expr) -> str:
 
 
 def _condition(expr: sp.Expr) -> Piece:
-    """Return what is compared; of a number, that it is not 0 is understood."""
+    """Return the markup of a condition; a number means that it is not 0."""
     kind = type(expr).__name__
     if kind in RELATIONS:
-        first, second = (_within(a, SUM) for a in expr.args)
+        first, second = (_parenthesised(a, SUM) for a in expr.args)
         return f"<mrow>{first}<mo>{RELATIONS[kind]}</mo>{second}</mrow>", RELATION
     if kind in LOGIC:
         inside = (_condition(a) for a in _operands(kind, expr))

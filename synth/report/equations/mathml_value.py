@@ -1,10 +1,10 @@
-"""The value of presentation MathML, read as a reader sees it: what a formula on the page amounts to.
+"""Evaluator of presentation MathML: a recursive-descent parser of the visible formula.
 
     condition  = conjunct {∨ conjunct};    conjunct = negation {∧ negation};    negation = [¬] relation
     relation   = sum [(< | ≤ | = | ≠) sum];    sum = [−] term {(+ | −) term};    term = factor {[·] factor}
 
-Groups that are not visible (mrow, the lines of a continued sum) are taken apart first, so that a pair of parentheses
-that is missing on the page is missing here. A number that was cut off must begin its whole value, which then counts.
+Invisible groups (mrow, the lines of a continued sum) are flattened first: parentheses that are missing on the page are
+thus missing here too. A truncated number must be the beginning of its full value, which is then used.
 """
 
 from collections.abc import Callable, Mapping
@@ -41,7 +41,7 @@ _INVISIBLE = ("mrow", "mspace", "math")
 
 
 def key(markup: str) -> str:
-    """Return what tells a name on the page from another: its markup without space."""
+    """Return a key that identifies a displayed name: its markup without space."""
     return _key(ElementTree.fromstring(markup))
 
 
@@ -51,22 +51,22 @@ def value(
     limits: tuple[float, float] | None = None,
     tables: Mapping[str, Callable[..., Array]] | None = None,
 ) -> Array:
-    """Return what the markup of an expression amounts to where the names, by `key`, have these values (N,).
+    """Return the value of the markup of an expression for values (N,) of the names, by `key`.
 
-    `limits` are those of a limit that is shown without any; `tables` are further functions by name.
+    `limits` are the bounds of a saturation displayed without bounds; `tables` are further functions by name.
 
-    Raises DesignError for what a reader could not make sense of.
+    Raises DesignError for an ambiguous or invalid formula.
     """
     tokens = _flat(ElementTree.fromstring(f"<mrow>{markup}</mrow>"))
     reader = _Reader(tokens, names, limits, {**FUNCTIONS, **(tables or {})})
-    found = reader.condition()
+    amount = reader.condition()
     if reader.next is not None:
-        raise DesignError(f"the formula goes on behind its end with '{_key(reader.next)}': show it as one expression")
-    return found
+        raise DesignError(f"the formula continues after its end with '{_key(reader.next)}': show it as one expression")
+    return amount
 
 
 def _flat(element: Element) -> list[Element]:
-    """Return the visible pieces beside each other."""
+    """Return the visible elements as a flat list."""
     if element.tag == "mspace":
         return []
     if element.tag == "mtable" and element.get("class") == "continued":
@@ -84,7 +84,7 @@ def _key(element: Element) -> str:
 
 @dataclass
 class _Reader:
-    """Reads pieces from left to right."""
+    """Recursive-descent parser over visible elements."""
 
     tokens: list[Element]
     names: Mapping[str, Array]
@@ -97,29 +97,29 @@ class _Reader:
         return self.tokens[self.at] if self.at < len(self.tokens) else None
 
     def sign(self, *signs: str) -> str:
-        """Take one of the signs if it comes next; return it, or nothing."""
+        """Consume and return the next sign if it is one of `signs`, else return an empty text."""
         piece = self.next
         if piece is None or piece.tag != "mo" or piece.text not in signs:
             return ""
         self.at += 1
         return str(piece.text)
 
-    def inside(self, element: Element) -> Array:
-        """Return what the pieces of an element amount to as an expression of their own."""
-        return self.of(_flat(element) if element.tag in _INVISIBLE else [element])
+    def evaluate_element(self, element: Element) -> Array:
+        """Return the value of an element as a separate expression."""
+        return self.evaluate(_flat(element) if element.tag in _INVISIBLE else [element])
 
-    def of(self, tokens: list[Element]) -> Array:
+    def evaluate(self, tokens: list[Element]) -> Array:
         reader = _Reader(tokens, self.names, self.limits, self.functions)
-        found = reader.condition()
+        amount = reader.condition()
         if reader.next is not None:
-            raise DesignError(f"a part of the formula goes on with '{_key(reader.next)}': show it as one expression")
-        return found
+            raise DesignError(f"a part of the formula continues with '{_key(reader.next)}': show it as one expression")
+        return amount
 
-    def chain(self, found: Array, operand: Callable[[], Array], operators: Mapping[str, Callable[..., Any]]) -> Array:
-        """Return what the value read and further operands amount to, operators between them, from left to right."""
+    def chain(self, left: Array, operand: Callable[[], Array], operators: Mapping[str, Callable[..., Any]]) -> Array:
+        """Evaluate a left-associative chain of operands and operators that starts with the value `left`."""
         while sign := self.sign(*operators):
-            found = np.asarray(operators[sign](found, operand()), dtype=np.float64)
-        return found
+            left = np.asarray(operators[sign](left, operand()), dtype=np.float64)
+        return left
 
     def condition(self) -> Array:
         return self.chain(self.conjunct(), self.conjunct, {"∨": np.logical_or})
@@ -131,10 +131,10 @@ class _Reader:
         return _as_number(self.negation() == 0) if self.sign("¬") else self.relation()
 
     def relation(self) -> Array:
-        found = self.sum()
+        left = self.sum()
         if sign := self.sign(*_RELATIONS):
-            return _as_number(_RELATIONS[sign](found, self.sum()))
-        return found
+            return _as_number(_RELATIONS[sign](left, self.sum()))
+        return left
 
     def sum(self) -> Array:
         first = -self.term() if self.sign("−") else self.term()
@@ -148,13 +148,13 @@ class _Reader:
             return self.cases(self.take())
         if left := self.sign(*_FENCES):
             right, function = _FENCES[left]
-            found = self.condition()
+            inner = self.condition()
             if not self.sign(right):
                 raise DesignError(f"a formula opens '{left}' and does not close it: close it")
-            return function(found)
+            return function(inner)
         piece = self.take()
         if (following := self.next) is not None and following.tag == "mo" and following.text == _APPLY:
-            return self.applied(piece)
+            return self.function_call(piece)
         return self.atom(piece)
 
     def take(self) -> Element:
@@ -165,18 +165,18 @@ class _Reader:
         return piece
 
     def cases(self, table: Element) -> Array:
-        """Return the value in the first row whose condition holds."""
+        """Return the value in the first row whose condition is true."""
         conditions, values = [], []
         for row in table:
             value, condition = row
             words = [*condition]
-            values.append(self.of([p for child in value for p in _flat(child)]))
+            values.append(self.evaluate([p for child in value for p in _flat(child)]))
             rest = [p for child in words[1:] for p in _flat(child)]
-            conditions.append(self.of(rest) != 0 if rest else np.array(True))
+            conditions.append(self.evaluate(rest) != 0 if rest else np.array(True))
         return np.select(np.broadcast_arrays(*conditions), np.broadcast_arrays(*values))
 
-    def applied(self, head: Element) -> Array:
-        """Return the value of a function of what stands behind it in parentheses."""
+    def function_call(self, head: Element) -> Array:
+        """Return the value of a function of the arguments in parentheses after it."""
         self.at += 2
         args = [self.condition()]
         while self.sign(","):
@@ -184,14 +184,14 @@ class _Reader:
         if not self.sign(")"):
             raise DesignError("a formula does not close the arguments of a function: close them")
         if head.tag == "msubsup":
-            return np.fmax(np.fmin(args[0], self.inside(head[2])), self.inside(head[1]))
+            return np.fmax(np.fmin(args[0], self.evaluate_element(head[2])), self.evaluate_element(head[1]))
         if head.tag == "mi" and head.text == "sat" and self.limits:
             return np.fmax(np.fmin(args[0], self.limits[1]), self.limits[0])
         name = head[0] if head.tag == "msup" else head
         if name.text not in self.functions:
-            raise DesignError(f"a formula applies '{name.text}', which no reader knows as a function: write it out")
-        found = self.functions[str(name.text)](*args)
-        return np.asarray(found ** self.inside(head[1]) if head.tag == "msup" else found)
+            raise DesignError(f"a formula applies '{name.text}', which is not a known function: write it out")
+        function_value = self.functions[str(name.text)](*args)
+        return np.asarray(function_value ** self.evaluate_element(head[1]) if head.tag == "msup" else function_value)
 
     def atom(self, piece: Element) -> Array:
         if piece.tag == "mn":
@@ -199,36 +199,36 @@ class _Reader:
         if piece.tag == "mi" and piece.text == "π" and piece.get("mathvariant") == "normal":
             return np.array(np.pi)
         if piece.tag == "mfrac":
-            return self.inside(piece[0]) / self.inside(piece[1])
+            return self.evaluate_element(piece[0]) / self.evaluate_element(piece[1])
         if piece.tag == "msqrt":
-            return np.asarray(self.of([p for child in piece for p in _flat(child)]) ** 0.5)
+            return np.asarray(self.evaluate([p for child in piece for p in _flat(child)]) ** 0.5)
         if piece.tag == "mroot":
-            return np.asarray(self.inside(piece[0]) ** (1 / self.inside(piece[1])))
+            return np.asarray(self.evaluate_element(piece[0]) ** (1 / self.evaluate_element(piece[1])))
         if piece.tag == "msup":
-            return np.asarray(self.base(piece[0]) ** self.inside(piece[1]))
+            return np.asarray(self.base(piece[0]) ** self.evaluate_element(piece[1]))
         if _key(piece) in self.names:
             return self.names[_key(piece)]
         raise DesignError(f"a formula shows '{_key(piece)}', which has no value: name what it stands for")
 
     def base(self, element: Element) -> Array:
-        """Return what is raised to a power: one piece, or one pair of parentheses."""
+        """Return the base of a power: one element, or one pair of parentheses."""
         tokens = _flat(element)
         reader = _Reader(tokens, self.names, self.limits, self.functions)
-        found = reader.factor()
+        amount = reader.factor()
         if reader.next is not None:
             raise DesignError("a formula raises several pieces to a power: put them in parentheses")
-        return found
+        return amount
 
 
 def _number(piece: Element) -> float:
-    """Return a number, whole where it is shown cut off."""
+    """Return a number, with its full value if it is displayed truncated."""
     shown, whole = str(piece.text).replace("−", "-"), piece.get("data-value")
     if shown == "∞":
         return float("inf")
     if whole is None:
         return float(shown)
     if not shown.endswith("…") or not whole.startswith(shown[:-1]):
-        raise DesignError(f"a formula shows {shown} for {whole}: cut the number off, with an ellipsis")
+        raise DesignError(f"a formula shows {shown} for {whole}: truncate the number, with an ellipsis")
     return float(whole)
 
 

@@ -1,9 +1,9 @@
 """Named SymPy definitions of a straight-line program: v_k = op(v_i, v_j) becomes name = expression of other names.
 
-The program is cut at its named values: what is loaded, signals, values that are read twice and take SHARED operations
-or more, and parts of whatever would otherwise need more than LARGEST operations. A part that has no name is called by a
-letter that nothing else begins with and a number. No simplification is tried beyond what SymPy does as it builds a sum
-or a product, so that the time is bounded; comparisons, choices and limits are functions that SymPy leaves alone.
+The program is divided at its named values: loads, signals, values that are used at least twice and take SHARED
+operations or more, and parts of any expression that would otherwise need more than LARGEST operations. An unnamed part
+is called by an unused letter and a number. SymPy simplifies only while it builds sums and products, which bounds the
+time; comparisons, choices and limits are opaque functions.
 """
 
 import math
@@ -18,8 +18,8 @@ from synth.errors import DesignError
 from synth.signals import Signal
 
 SHARED, LARGEST = 3, 22  # operations
-LETTERS = ("a", "b", "c", "d", "q", "s", "A", "B", "C")  # of parts without a name, the first that is free
-# What a plant may compute although no C is made of it.
+LETTERS = ("a", "b", "c", "d", "q", "s", "A", "B", "C")  # for unnamed parts; the first unused letter is taken
+# Operations that a plant may use although the emitter does not support them.
 UNARY_TOO = UNARY | {
     ca.OP_SIGN: "sign",
     ca.OP_ASINH: "asinh",
@@ -32,7 +32,7 @@ UNARY_TOO = UNARY | {
 }
 BINARY_TOO = BINARY | {ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow", ca.OP_FMOD: "mod", ca.OP_HYPOT: "hypot"}
 
-ROUNDING = 4e-16  # relative: what two operations leave of such a number
+ROUNDING = 4e-16  # relative error of such a number after two operations
 _KNOWN = ((math.pi, sp.pi), (1 / math.pi, 1 / sp.pi), (math.sqrt(2), sp.sqrt(2)), (math.sqrt(3), sp.sqrt(3)))
 
 _OPERATIONS: dict[str, Callable[..., sp.Expr]] = {
@@ -55,7 +55,7 @@ _OPERATIONS: dict[str, Callable[..., sp.Expr]] = {
 
 
 def opaque(name: str) -> sp.Function:
-    """Return a real function that SymPy knows nothing about."""
+    """Return a real function without properties known to SymPy."""
     return sp.Function(name, real=True)
 
 
@@ -64,10 +64,10 @@ def symbol(name: str) -> sp.Symbol:
     return sp.Symbol(name, real=True)
 
 
-def cut(nodes: Sequence[Node], names: Mapping[int, str], ends: Sequence[int]) -> dict[int, str]:
-    """Return `names` with a name for each further part of `ends` that needs one, numbered as they are computed.
+def name_parts(nodes: Sequence[Node], names: Mapping[int, str], ends: Sequence[int]) -> dict[int, str]:
+    """Return `names` with names for further parts of `ends`, numbered in the order of computation.
 
-    Raises DesignError when every letter for parts is taken.
+    Raises DesignError when every letter for parts is in use.
     """
     needed, users = live(nodes, ends)
     parts, cost = set(), dict.fromkeys(range(len(nodes)), 0)
@@ -86,7 +86,7 @@ def cut(nodes: Sequence[Node], names: Mapping[int, str], ends: Sequence[int]) ->
 
 
 def expression(nodes: Sequence[Node], names: Mapping[int, str], end: int) -> sp.Expr:
-    """Return a value as an expression of the named values below it; what is loaded as its name."""
+    """Return a value as an expression of the named values that it depends on; a load is its name."""
 
     def of(k: int) -> sp.Expr:
         return symbol(names[k]) if k in names else build(k)
@@ -108,7 +108,7 @@ def expression(nodes: Sequence[Node], names: Mapping[int, str], end: int) -> sp.
 
 
 def number(value: float) -> sp.Expr:
-    """Return a double as SymPy's: whole numbers, quarters, and simple fractions of pi and roots as what they are."""
+    """Return a double as a SymPy number: integers, quarters, and simple fractions of pi and roots are exact."""
     if not math.isfinite(value):
         return sp.nan if math.isnan(value) else sp.oo if value > 0 else -sp.oo
     for below in (1, 2, 4):
@@ -123,14 +123,14 @@ def number(value: float) -> sp.Expr:
 
 
 def _choice(condition: sp.Expr, value: sp.Expr, otherwise: sp.Expr) -> sp.Expr:
-    """Return a choice; one inside it that ends alike is part of its condition."""
+    """Return a choice; a nested choice with the same alternative becomes part of the condition."""
     if type(value).__name__ == "choose" and value.args[2] == otherwise:
         return opaque("choose")(opaque("and")(condition, value.args[0]), value.args[1], otherwise)
     return opaque("choose")(condition, value, otherwise)
 
 
 def _limits(nodes: Sequence[Node], names: Mapping[int, str], node: Node) -> tuple[int, int, int] | None:
-    """Return (value, low, high) of max(min(value, high), low), None for another maximum."""
+    """Return (value, low, high) of max(min(value, high), low), None for any other maximum."""
     inner = next((a for a in node.args if nodes[a].op == "min" and a not in names), None)
     if inner is None:
         return None
@@ -140,7 +140,7 @@ def _limits(nodes: Sequence[Node], names: Mapping[int, str], node: Node) -> tupl
 
 
 def live(nodes: Sequence[Node], ends: Sequence[int]) -> tuple[list[int], list[int]]:
-    """Return the values that `ends` need, in order, and how many values read each."""
+    """Return the values that `ends` depend on, in order, and the number of values that use each."""
     needed, users = set(ends), [0] * len(nodes)
     for k in range(max(ends, default=-1), -1, -1):
         if k in needed:
@@ -150,9 +150,9 @@ def live(nodes: Sequence[Node], ends: Sequence[int]) -> tuple[list[int], list[in
     return sorted(needed), users
 
 
-def _free_letter(taken: Collection[str]) -> str:
+def _free_letter(used: Collection[str]) -> str:
     for letter in LETTERS:
-        if not any(re.fullmatch(rf"{letter}_?\d*", name) for name in taken):
+        if not any(re.fullmatch(rf"{letter}_?\d*", name) for name in used):
             return letter
     raise DesignError(f"the letters {', '.join(LETTERS)} are taken by signals: rename one of them")
 
@@ -160,7 +160,7 @@ def _free_letter(taken: Collection[str]) -> str:
 def shape(
     nodes: Sequence[Node], names: Mapping[int, str], end: int, signal: Signal | None = None
 ) -> tuple[object, tuple[str, ...]]:
-    """Return what is computed without the names in it, and these names as they are met; alike values share the first.
+    """Return the structure of a value without names, and these names in order of occurrence.
 
     A limit to the range of `signal` counts without its numbers.
     """

@@ -1,13 +1,13 @@
-"""A lead-lag compensator that puts the crossover and the phase margin of a sampled loop where they are asked for.
+"""Lead-lag design for the crossover frequency and phase margin of a sampled loop.
 
     e --> [ K, sampled ] --> [ delay tau ] --> [ hold, plant, sampler ] --> y            L = P_d K_d, 1 + L = 0
 
     K(s) = k ((s + wi) / s) ((s + w / sqrt(r)) / (s + w sqrt(r)))^n
 
-w is the crossover in rad/s, wi the corner of integral action, which is left out at None, n the number of sections. Each
-section leads by asin((r - 1) / (r + 1)) at w, or lags where r < 1. P_d is exact: it has the hold, and the delay to any
-fraction of a sample (`loop.sampled`). What K must add at w follows, and r and k with it, so that the sampled K_d, by
-whichever rule, has |L| = 1 and arg L = margin - 180 degrees at w to rounding error.
+w is the crossover in rad/s, wi the corner of integral action (None for no integral action), n the number of sections.
+Each section leads by asin((r - 1) / (r + 1)) at w, or lags for r < 1. P_d is exact and includes the hold and the delay,
+also a fraction of a sample (`loop.sampled`). From P_d follow r and k for which the sampled K_d, with any discretisation
+method, gives |L| = 1 and arg L = margin - 180 degrees at w to rounding error.
 
 Library: no design uses it yet; docs/library.md has an example.
 """
@@ -25,15 +25,15 @@ from synth.synthesise.classical import lead_lag
 from synth.synthesise.classical.lead_lag import Compensator, LeadLag, Method
 from synth.timing import Continuous, Discrete
 
-MOST_LEAD = 65.0  # degrees a section: r = 20; beyond, gain and noise grow far faster than the lead
+MOST_LEAD = 65.0  # degrees per section: r = 20; beyond it gain and noise grow far faster than the lead
 
 
 @show.result
 class Design:
-    """The compensator, the sampled plant with hold and delay, and the loop that they make.
+    """The compensator, the sampled plant with hold and delay, and their loop.
 
-    `lead` is that of one section, in degrees; `crossover` in rad/s and `phase_margin` in degrees are those asked for,
-    `margins` and `closed` what came out.
+    `lead` is that of one section, in degrees; `crossover` in rad/s and `phase_margin` in degrees are the specification,
+    `margins` and `closed` the result.
     """
 
     compensator: LeadLag
@@ -45,7 +45,7 @@ class Design:
     lead: float
 
     def sheet(self) -> show.Sheet:
-        """Return what was asked for, then the compensator and the margins."""
+        """Return the specification, the compensator and the margins."""
         parts = (self.compensator.sheet(), self.margins.sheet())
         hertz = show.number(self.crossover / (2 * np.pi))
         line = (
@@ -70,41 +70,45 @@ def design(
 ) -> Design:
     """Return the lead-lag compensator of a continuous plant with one input and one output, at `period_s` and `delay_s`.
 
-    `crossover` and `integral_corner` are in rad/s, `phase_margin` and `most_lead`, which a section may lead or lag at
-    most, in degrees.
+    `crossover` and `integral_corner` are in rad/s, `phase_margin` and `most_lead`, the largest lead or lag of one
+    section, in degrees.
 
-    Raises SignalError for a plant that is not scalar, a corner that is not below the crossover, or an impossible count
-    or angle; TimingError for a sampled plant, a negative delay or a crossover beyond Nyquist; ModelError when the phase
-    needed is not available, when the sampled lead would alternate, or when the loop that has the margin is not stable.
+    Raises SignalError for a plant that is not scalar, a corner that is not below the crossover, or an impossible number
+    of sections or angle; TimingError for a sampled plant, a negative delay or a crossover beyond Nyquist; ModelError
+    when the sections cannot provide the phase, when a sampled pole is negative, or when the loop is not stable.
     """
     model = transfer.scalar(of(plant))
-    _require(phase_margin, sections, most_lead)
-    _require_order(integral_corner, crossover, np.pi / Discrete(period_s).period_s)
+    _check_angles(phase_margin, sections, most_lead)
+    _check_frequencies(integral_corner, crossover, np.pi / Discrete(period_s).period_s)
     sampled = loop.sampled(model, period_s, delay_s)
 
-    def shaped(lead: float, gain: float = 1.0) -> LeadLag:
-        found = method(_compensator(model, crossover, integral_corner, sections, lead, gain), period_s, crossover)
-        if not isinstance(found, LeadLag):
-            raise SignalError(f"the method returns {arguments.found(found)}: give one of lead_lag, like prewarped")
-        return found
+    def sampled_compensator(lead: float, gain: float = 1.0) -> LeadLag:
+        compensator = method(_compensator(model, crossover, integral_corner, sections, lead, gain), period_s, crossover)
+        if not isinstance(compensator, LeadLag):
+            raise SignalError(
+                f"the method returns {arguments.describe(compensator)}: give one of lead_lag, like prewarped"
+            )
+        return compensator
 
-    flat, z = shaped(0.0).discrete, np.exp(1j * crossover * period_s)
-    at = complex(transfer.response(sampled)(crossover)[0])
-    if abs(at) == 0:
+    flat, z = sampled_compensator(0.0).discrete, np.exp(1j * crossover * period_s)
+    plant_response = complex(transfer.response(sampled)(crossover)[0])
+    if abs(plant_response) == 0:
         raise ModelError(f"the sampled plant has a zero at {crossover:g} rad/s: ask for another crossover")
-    wanted = np.exp(1j * np.radians(phase_margin - 180)) / at
-    none = complex(flat.response(z)[0, 0, 0])
-    needed = float(np.degrees(np.angle(wanted / none)))
+    required = np.exp(1j * np.radians(phase_margin - 180)) / plant_response
+    flat_response = complex(flat.response(z)[0, 0, 0])
+    needed = float(np.degrees(np.angle(required / flat_response)))
 
     def lead_of(lead: float) -> float:
-        return float(np.degrees(np.angle(shaped(lead).discrete.response(z)[0, 0, 0] / none)))
+        return float(np.degrees(np.angle(sampled_compensator(lead).discrete.response(z)[0, 0, 0] / flat_response)))
 
-    lead = _solved(lead_of, needed, most_lead, crossover, sections, _lost(model, at, crossover), phase_margin)
-    gain = abs(wanted) / abs(shaped(lead).discrete.response(z)[0, 0, 0])
-    return _certified(shaped(lead, gain), sampled, crossover, phase_margin, lead)
+    lead = _solve_lead(
+        lead_of, needed, most_lead, crossover, sections, _phase_lag(model, plant_response, crossover), phase_margin
+    )
+    gain = abs(required) / abs(sampled_compensator(lead).discrete.response(z)[0, 0, 0])
+    return _check_design(sampled_compensator(lead, gain), sampled, crossover, phase_margin, lead)
 
 
-def _require(phase_margin: float, sections: int, most_lead: float) -> None:
+def _check_angles(phase_margin: float, sections: int, most_lead: float) -> None:
     if sections not in (1, 2):
         raise SignalError(f"{sections} sections were asked for: give 1 or 2")
     if not (0 < phase_margin < 180 and 0 < most_lead < 90):
@@ -114,7 +118,7 @@ def _require(phase_margin: float, sections: int, most_lead: float) -> None:
         )
 
 
-def _require_order(corner: float | None, crossover: float, nyquist: float) -> None:
+def _check_frequencies(corner: float | None, crossover: float, nyquist: float) -> None:
     if not 0 < crossover < nyquist:
         raise TimingError(
             f"the crossover is {crossover:g} rad/s, not between 0 and Nyquist, {nyquist:.6g} rad/s: lower it or give a "
@@ -142,48 +146,50 @@ def _compensator(
     return Compensator(*at, Continuous(), f"{e}_error", f"{u}_command", known)
 
 
-def _lost(plant: StateSpace, sampled: complex, w: float) -> float:
-    """Return the phase in degrees that hold and delay take at w."""
+def _phase_lag(plant: StateSpace, sampled: complex, w: float) -> float:
+    """Return the phase lag of hold and delay at w in degrees."""
     return float(np.degrees(np.angle(transfer.response(plant)(w)[0] / sampled)))
 
 
-def _solved(
+def _solve_lead(
     lead_of: Callable[[float], float],
     needed: float,
-    most: float,
+    limit: float,
     crossover: float,
     sections: int,
-    lost: float,
+    lag: float,
     margin: float,
 ) -> float:
-    """Return the lead of one section, in degrees, with which all together lead by `needed`."""
-    low, high = lead_of(-most), lead_of(most)
+    """Return the lead of one section, in degrees, for a total lead of `needed`."""
+    low, high = lead_of(-limit), lead_of(limit)
     if not low <= needed <= high:
         more = "lower the crossover, shorten the delay or the period, or ask for less margin"
         more = f"use two sections, {more}" if sections == 1 and needed > 0 else more
         raise ModelError(
             f"a phase margin of {margin:g} degrees at {crossover:g} rad/s needs {needed:.4g} degrees of lead, but "
-            f"{sections} section{'s' if sections > 1 else ''} of at most {most:g} degrees give {low:.4g} to {high:.4g};"
-            f" hold and delay take {lost:.4g}: {more}; where that is far off, turn the plant's sign"
+            f"{sections} section{'s' if sections > 1 else ''} of at most {limit:g} degrees give {low:.4g} to "
+            f"{high:.4g}; hold and delay take {lag:.4g}: {more}; if that is far off, change the sign of the plant"
         )
-    return float(brentq(lambda v: lead_of(v) - needed, -most, most, xtol=1e-13, rtol=1e-14))
+    return float(brentq(lambda v: lead_of(v) - needed, -limit, limit, xtol=1e-13, rtol=1e-14))
 
 
-def _certified(found: LeadLag, plant: StateSpace, crossover: float, phase_margin: float, lead: float) -> Design:
-    """Return the design with its margins; raise ModelError when it alternates or is not stable."""
-    least = min(p.real for p in found.poles)
+def _check_design(
+    compensator: LeadLag, plant: StateSpace, crossover: float, phase_margin: float, lead: float
+) -> Design:
+    """Return the design with its margins; raise ModelError when it has a negative pole or is not stable."""
+    least = min(p.real for p in compensator.poles)
     if least < 0:
         raise ModelError(
-            f"the lead's pole at {-min(found.continuous.poles):.4g} rad/s comes to z = {least:.3g}, which alternates "
-            "from sample to sample: use a shorter period, a lower crossover or two sections"
+            f"the lead's pole at {-min(compensator.continuous.poles):.4g} rad/s becomes z = {least:.3g}, which "
+            "alternates from sample to sample: use a shorter period, a lower crossover or two sections"
         )
-    closed = sensitivity.close(plant, found.discrete)
-    told = margins.of_loop(closed.L)
+    closed = sensitivity.close(plant, compensator.discrete)
+    loop_margins = margins.of_loop(closed.L)
     if not closed.stable:
-        worst, others = max(closed.poles, key=abs), ", ".join(f"{c.frequency:.4g}" for c in told.gain_crossings)
+        worst, others = max(closed.poles, key=abs), ", ".join(f"{c.frequency:.4g}" for c in loop_margins.gain_crossings)
         raise ModelError(
             f"the loop crosses {crossover:g} rad/s with {phase_margin:g} degrees but is not stable: it has the pole "
-            f"z = {worst:.4g} and |L| = 1 at {others} rad/s: filter what lies beyond the crossover, or raise it above "
-            "the plant's unstable poles"
+            f"z = {worst:.4g} and |L| = 1 at {others} rad/s: filter the loop beyond the crossover, or raise the "
+            "crossover above the plant's unstable poles"
         )
-    return Design(found, plant, closed, told, crossover, phase_margin, lead)
+    return Design(compensator, plant, closed, loop_margins, crossover, phase_margin, lead)

@@ -1,20 +1,20 @@
-"""Lead-lag compensators, continuous and sampled, and their design on a sampled plant.
+"""Lead-lag compensators by zeros, poles and gain, continuous, and sampled by four methods (MATLAB `c2d`).
 
     K(s) = k prod (s - z_i) / prod (s - p_i),          real zeros z and poles p, at most as many zeros as poles
 
-Y(21) gives one by time constants, k (1 + a s) / (1 + b s) (1 + c s) / s, and Y(23) by zeros and poles; PI is
-k (1 + c s) / s, PD with its filter k (1 + a s) / (1 + b s). Four ways to sample it with the period T keep the order:
+Y(21) specifies one by time constants, k (1 + a s) / (1 + b s) (1 + c s) / s, and Y(23) by zeros and poles; PI is
+k (1 + c s) / s, PD with its filter k (1 + a s) / (1 + b s). The four methods, with the period T, keep the order:
 
     tustin      s = (2 / T) (z - 1) / (z + 1)
-    prewarped   s = (w / tan(w T / 2)) (z - 1) / (z + 1),      so that K is the same at the frequency w
-    matched     each zero and pole at exp(T .), |K| the same at w
-    held        what K makes of a staircase at its input, which lags by some T / 2 where K is not smooth
+    prewarped   s = (w / tan(w T / 2)) (z - 1) / (z + 1),      K is exact at the frequency w
+    matched     each zero and pole at exp(T .), |K| exact at w
+    held        zero-order hold at the input of K, which adds a lag of about T / 2 where K is not smooth
 
-An integrator goes to z = 1 in each. With more poles than zeros, tustin, prewarped and matched put the zeros at infinity
-to z = -1, and K still answers at once. With more zeros than poles K is no model, and is refused.
+An integrator is mapped to z = 1 by each. With more poles than zeros, tustin, prewarped and matched map the zeros at
+infinity to z = -1, and K keeps a direct term. With more zeros than poles K is not proper, and is refused.
 
-Each number is computed in ball arithmetic and rounded once. The model is a chain of sections
-x' = p x + u, y = (p - z) x + u, in the order given, the gain last.
+Each number is computed in ball arithmetic and rounded once. The model is a series connection of sections
+x' = p x + u, y = (p - z) x + u, in the order of the poles, with the gain last.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,17 +27,17 @@ from synth import arguments, show
 from synth.analyse import discretise, precise
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
-from synth.synthesise.classical.zeros import balls, factored, value
+from synth.synthesise.classical.zeros import balls, evaluate, zeros_and_gain
 from synth.timing import Continuous, Discrete, Time
 
-MOST_INTEGRATORS = 10  # of a compensator: a loop with more has no phase left at any crossover
+MOST_INTEGRATORS = 10  # of a compensator: with more, a loop has no phase margin at any crossover
 
 
 @arguments.checked
-@show.printed
+@show.with_repr
 @dataclass(frozen=True, repr=False)
 class Compensator:
-    """K by gain, zeros and poles, in 1/s, or in z for a sampled one; `units` maps input and output to units.
+    """K by gain, zeros and poles, in 1/s, or in z if sampled; `units` are those of input and output.
 
     Raises SignalError for a gain of 0, a number that is not real and finite, or more zeros than poles.
     """
@@ -65,7 +65,7 @@ class Compensator:
 
     @property
     def model(self) -> StateSpace:
-        """The chain of sections as a StateSpace with one state for each pole."""
+        """The series connection of sections as a StateSpace with one state for each pole."""
         return _chain(self)
 
     def sheet(self) -> show.Sheet:
@@ -74,16 +74,18 @@ class Compensator:
         rows = [("gain", show.number(self.gain, 8))]
         rows += [(f"zero [{variable}]", show.number(v, 8)) for v in self.zeros]
         rows += [(f"pole [{variable}]", show.number(v, 8)) for v in self.poles]
-        ends = " to ".join(show.named(name, self.units.get(name, "")) for name in (self.input, self.output))
-        return show.Sheet(f"Compensator in {self.time}, {ends}", (), (show.Table(("", "value"), tuple(rows)),))
+        ends = " to ".join(show.with_unit(name, self.units.get(name, "")) for name in (self.input, self.output))
+        equation = show.ratio("K", "s" if variable == "1/s" else "z", self.gain, self.zeros, self.poles)
+        table = show.Table(("", "value"), tuple(rows), equation=equation)
+        return show.Sheet(f"Compensator in {self.time}, {ends}", (), (table,))
 
 
 @show.result
 class LeadLag:
-    """A compensator and what is sampled of it; `zeros` and `poles` are those in z, `gain` the factor before them.
+    """A continuous compensator and its discretisation; `zeros`, `poles` and `gain` are those in z.
 
-    The errors compare the sampled one with the continuous one at `at` rad/s: |K_d / K| - 1 and arg(K_d / K) in degrees.
-    The hold and the delay behind K are no part of them.
+    The errors compare the sampled with the continuous compensator at `at` rad/s: |K_d / K| - 1 and arg(K_d / K) in
+    degrees, without the hold and the delay after K.
     """
 
     continuous: Compensator
@@ -97,7 +99,7 @@ class LeadLag:
     phase_error: float
 
     def sheet(self) -> show.Sheet:
-        """Return both, side by side, and the errors."""
+        """Return both compensators, side by side, and the errors."""
         rows = [("gain", show.number(self.continuous.gain, 8), show.number(self.gain, 8))]
         for what in ("zero", "pole"):
             one, two = getattr(self.continuous, f"{what}s"), getattr(self, f"{what}s")
@@ -110,7 +112,9 @@ class LeadLag:
             f"{self.gain_error:.2e} of the gain and {self.phase_error:.2e} degrees"
         )
         title = f"Lead-lag, {self.method}, {ends}, {self.discrete.time}"
-        return show.Sheet(title, (line,), (show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows)),))
+        equation = show.ratio("K", "z", self.gain, self.zeros, self.poles)
+        table = show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows), equation=equation)
+        return show.Sheet(title, (line,), (table,))
 
 
 Method = Callable[[Compensator, float, float], LeadLag]
@@ -144,19 +148,19 @@ def from_constants(
 
 @arguments.checked
 def tustin(compensator: Compensator, period_s: float, at: float) -> LeadLag:
-    """Return the trapezoidal rule; its frequency scale is bent: K_d(w) = K((2/T) tan(w T / 2)).
+    """Return the discretisation by the trapezoidal rule, with warped frequency: K_d(w) = K((2/T) tan(w T / 2)).
 
     Raises TimingError for a sampled compensator or when `at` is not below Nyquist; SignalError for a pole at 2/T.
     """
-    _require(compensator, period_s, at)
+    _check_sampling(compensator, period_s, at)
     with precise.precision():
         return _bilinear(compensator, period_s, at, flint.arb(2) / flint.arb(period_s), "tustin")
 
 
 @arguments.checked
 def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
-    """Return the trapezoidal rule that is exact at the frequency `at` in rad/s; raises as `tustin`."""
-    _require(compensator, period_s, at)
+    """Return the trapezoidal rule prewarped to be exact at the frequency `at` in rad/s; raises as `tustin`."""
+    _check_sampling(compensator, period_s, at)
     with precise.precision():
         half = flint.arb(at) * flint.arb(period_s) / 2
         return _bilinear(compensator, period_s, at, flint.arb(at) / half.tan(), "prewarped tustin")
@@ -164,38 +168,41 @@ def prewarped(compensator: Compensator, period_s: float, at: float) -> LeadLag:
 
 @arguments.checked
 def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
-    """Return matched zeros and poles, with the gain matched at `at` rad/s, of the sign that it has at rest.
+    """Return matched zeros and poles, with |K| matched at `at` rad/s and the sign of K at low frequency.
 
-    Raises TimingError as `tustin`; ModelError when with that sign the phases at `at` are a right angle apart or more.
+    Raises TimingError as `tustin`; ModelError when the phases at `at` then differ by a right angle or more.
     """
-    _require(compensator, period_s, at)
+    _check_sampling(compensator, period_s, at)
     with precise.precision():
         T = flint.arb(period_s)
         missing = len(compensator.poles) - len(compensator.zeros)
         zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * missing]
         poles = [(flint.arb(p) * T).exp() for p in compensator.poles]
-        here = value(flint.arb(1), balls(compensator.zeros), balls(compensator.poles), flint.acb(0, at))
-        ratio = here / value(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(at) * T).exp())
-        if not ratio.real > 0:  # s and z = exp(s T) lie on one side of each zero and pole: the signs at rest are equal
+        here = evaluate(flint.arb(1), balls(compensator.zeros), balls(compensator.poles), flint.acb(0, at))
+        ratio = here / evaluate(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(at) * T).exp())
+        if not ratio.real > 0:  # s and z = exp(s T) are on the same side of each zero and pole: equal signs
             raise ModelError(
-                f"at {at:g} rad/s the matched compensator of the right sign at rest is {_apart(ratio):.4g} degrees off "
-                "in phase: match at a lower frequency, shorten the period, or use `prewarped`"
+                f"at {at:g} rad/s the matched compensator of the right sign at rest is "
+                f"{_phase_error_degrees(ratio):.4g} degrees off in "
+                "phase: match at a lower frequency, shorten the period, or use `prewarped`"
             )
         gain = flint.arb(compensator.gain) * abs(ratio)
-        return _told(compensator, _sampled(compensator, period_s, gain, zeros, poles), "matched", at)
+        return _with_errors(
+            compensator, _discrete_compensator(compensator, period_s, gain, zeros, poles), "matched", at
+        )
 
 
 @arguments.checked
-def held(compensator: Compensator, period_s: float, at: float) -> LeadLag:
-    """Return the compensator with its input held over each period, exactly.
+def zero_order_hold(compensator: Compensator, period_s: float, at: float) -> LeadLag:
+    """Return the exact discretisation with a zero-order hold at the input.
 
-    Raises TimingError as `tustin`; ModelError as `precise.resolved`.
+    Raises TimingError as `tustin`; ModelError as `precise.correctly_rounded`.
     """
-    _require(compensator, period_s, at)
-    return _told(compensator, discretise.zero_order_hold(compensator.model, period_s), "held", at)
+    _check_sampling(compensator, period_s, at)
+    return _with_errors(compensator, discretise.zero_order_hold(compensator.model, period_s), "held", at)
 
 
-def _require(compensator: Compensator, period_s: float, at: float) -> None:
+def _check_sampling(compensator: Compensator, period_s: float, at: float) -> None:
     if not isinstance(compensator.time, Continuous):
         raise TimingError(f"a compensator in {compensator.time} was given to be sampled: give the continuous one")
     Discrete(period_s)
@@ -218,29 +225,29 @@ def _bilinear(compensator: Compensator, period_s: float, at: float, scale: flint
         gain /= scale - p
     z_zeros, z_poles = ([(scale + v) / (scale - v) for v in part] for part in (zeros, poles))
     z_zeros += [flint.arb(-1)] * (len(poles) - len(zeros))
-    return _told(compensator, _sampled(compensator, period_s, gain, z_zeros, z_poles), method, at)
+    return _with_errors(compensator, _discrete_compensator(compensator, period_s, gain, z_zeros, z_poles), method, at)
 
 
-def _sampled(
+def _discrete_compensator(
     like: Compensator, period_s: float, gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb]
 ) -> Compensator:
     g, z, p = (tuple(float(v.mid()) for v in part) for part in ([gain], zeros, poles))
     return Compensator(g[0], z, p, Discrete(period_s), like.input, like.output, like.units)
 
 
-def _apart(ratio: flint.acb) -> float:
+def _phase_error_degrees(ratio: flint.acb) -> float:
     return abs(float(ratio.arg().mid())) * 180 / np.pi
 
 
-def _told(compensator: Compensator, sampled: Compensator | StateSpace, method: str, at: float) -> LeadLag:
-    """Return the result with its errors at `at`."""
+def _with_errors(compensator: Compensator, sampled: Compensator | StateSpace, method: str, at: float) -> LeadLag:
+    """Return the discretisation with its errors at `at`."""
     if isinstance(sampled, Compensator):
         discrete, gain = sampled.model, sampled.gain
         zeros: tuple[complex, ...] = sampled.zeros
         poles: tuple[complex, ...] = sampled.poles
     else:
         discrete, poles = sampled, tuple(np.diag(sampled.A).tolist())
-        gain, zeros = factored(sampled)
+        gain, zeros = zeros_and_gain(sampled)
     z = np.exp(1j * at * discrete.time.period_s) if isinstance(discrete.time, Discrete) else np.nan
     ratio = complex(discrete.response(z)[0, 0, 0] / compensator.model.response(1j * at)[0, 0, 0])
     errors = (abs(ratio) - 1, float(np.degrees(np.angle(ratio))))
@@ -248,7 +255,7 @@ def _told(compensator: Compensator, sampled: Compensator | StateSpace, method: s
 
 
 def _chain(K: Compensator) -> StateSpace:
-    """Return the sections in a row; what enters one is row x + through u, in `unit`."""
+    """Return the sections in series; the input of a section is row x + through u, in `unit`."""
     n = len(K.poles)
     A, B = np.zeros((n, n)), np.zeros((n, 1))
     row, through, unit = np.zeros(n), 1.0, K.units.get(K.input, "")

@@ -1,4 +1,4 @@
-"""LQR with weights that depend on frequency: filters on named signals, the gain on plant and filters, the controller.
+"""Frequency-shaped LQR: weights that depend on frequency, by filters on named signals.
 
     u --+--->[ plant ]---+--- x, y             min int (z'Qz z + x'Qx x + u'R u) dt,     z = W(s) (x, y, u)
         |                |
@@ -6,9 +6,9 @@
                  |
                  z
 
-By Parseval z'Qz z weights the filtered signals by |W(i omega)|^2. A filter's inputs are states, outputs or inputs of
-the plant, by name; its outputs z are weighted by name. What is run is the dynamic controller from x to u, which holds
-the filters. Source: Gupta, Frequency-shaped cost functionals (1980); Anderson, Moore, Optimal Control (1990),
+By Parseval z'Qz z weights the filtered signals by |W(i omega)|^2. The inputs of a filter are states, outputs or inputs
+of the plant, by name; its outputs z are weighted by name. The result is the dynamic controller from x to u, which
+contains the filters. Source: Gupta, Frequency-shaped cost functionals (1980); Anderson, Moore, Optimal Control (1990),
 chapter 9.
 
 Library: no design uses it yet; docs/library.md has an example.
@@ -27,8 +27,8 @@ from synth.timing import common
 
 
 @show.result
-class Shaped:
-    """The gain on (x, w) and the controller from x to u, whose states are w, in the gain's time."""
+class FrequencyShapedGain:
+    """The gain on (x, w) and the controller from x to u with the states w, in the gain's time."""
 
     gain: lqr.Gain
     controller: StateSpace
@@ -41,7 +41,7 @@ class Shaped:
 
 
 @arguments.checked
-def shaped(
+def frequency_shaped_lqr(
     system: System,
     filters: Sequence[System],
     Qz: weights.Weight,
@@ -49,28 +49,28 @@ def shaped(
     Qx: weights.Weight | None = None,
     period_s: float | None = None,
     exact: bool = False,
-) -> Shaped:
+) -> FrequencyShapedGain:
     """Return the gain and controller for weights Qz (k, k) on the filters' outputs, R (m, m) on u, Qx (n, n) on x.
 
     With `period_s` a continuous model's input is held over each period, the cost is the continuous one and the
-    controller is sampled; else all is in the model's own time.
+    controller is sampled; else everything is in the model's own time.
 
-    Raises SignalError for an input of a filter that is no signal of the plant or names two that differ, a name that
-    stands twice, or weights that do not fit; TimingError for unlike times; ModelError as `riccati.solve`.
+    Raises SignalError for a filter input that is no signal of the plant or is ambiguous, a duplicate name, or weights
+    of the wrong shape; TimingError for different times; ModelError as `riccati.solve`.
     """
     plant, joined = of(system), augmented(system, filters)
     extra = np.zeros((len(joined.states),) * 2)
     n = len(plant.states)
     if Qx is not None:
         extra[:n, :n] = weights.semidefinite("Qx", Qx, plant.states)
-    found = weights.output_weighted(joined, Qz, R)
-    Q = found.Q + extra
+    output_weights = weights.output_weights(joined, Qz, R)
+    Q = output_weights.Q + extra
     if period_s is None:
-        gain, model = lqr.lqr(joined, Q, found.R, found.N, exact), joined
+        gain, model = lqr.lqr(joined, Q, output_weights.R, output_weights.N, exact), joined
     else:
-        gain = lqr.lqrd(joined, Q, found.R, period_s, found.N, exact)
-        model = lqr.sampled_cost(joined, Q, found.R, period_s, found.N, exact).model
-    return Shaped(gain, _controller(model, gain, n))
+        gain = lqr.lqrd(joined, Q, output_weights.R, period_s, output_weights.N, exact)
+        model = lqr.sampled_cost(joined, Q, output_weights.R, period_s, output_weights.N, exact).model
+    return FrequencyShapedGain(gain, _controller(model, gain, n))
 
 
 @arguments.checked
@@ -83,7 +83,9 @@ def augmented(system: System, filters: Sequence[System]) -> StateSpace:
     if not parts:
         raise SignalError("no filter was given: use lqr.lqr for weights that do not depend on frequency")
     time = common(plant.time, *(part.time for part in parts))
-    E, F = (np.vstack(rows) for rows in zip(*(_signal(plant, u) for part in parts for u in part.inputs), strict=True))
+    E, F = (
+        np.vstack(rows) for rows in zip(*(_signal_rows(plant, u) for part in parts for u in part.inputs), strict=True)
+    )
     A, B, C, D = (scipy.linalg.block_diag(*(getattr(part, letter) for part in parts)) for letter in "ABCD")
     n, k = len(plant.states), sum(len(part.states) for part in parts)
     A, B, C = A.reshape(k, k), B.reshape(k, len(E)), C.reshape(len(D), k)  # where a filter has no state
@@ -100,23 +102,23 @@ def augmented(system: System, filters: Sequence[System]) -> StateSpace:
     )
 
 
-def _signal(plant: StateSpace, name: str) -> tuple[Array, Array]:
-    """Return the rows (n,), (m,) with which a state, output or input is E x + F u."""
+def _signal_rows(plant: StateSpace, name: str) -> tuple[Array, Array]:
+    """Return the rows E (n,), F (m,) with which a state, output or input is E x + F u."""
     n, m = plant.B.shape
     rows = {
         "a state": (plant.states, np.eye(n, n + m)),
         "an output": (plant.outputs, np.hstack([plant.C, plant.D])),
         "an input": (plant.inputs, np.eye(m, n + m, n)),
     }
-    found = {kind: M[names.index(name)] for kind, (names, M) in rows.items() if name in names}
-    if not found:
+    matches = {kind: M[names.index(name)] for kind, (names, M) in rows.items() if name in names}
+    if not matches:
         known = ", ".join(dict.fromkeys((*plant.states, *plant.outputs, *plant.inputs)))
-        raise SignalError(f"a filter weights '{name}', which is no signal of the plant: it has {known}")
-    first, *others = found.values()
+        raise SignalError(f"a filter weights '{name}', which is not a signal of the plant: it has {known}")
+    first, *others = matches.values()
     if any((first != other).any() for other in others):
         raise SignalError(
-            f"a filter weights '{name}', which is {' and '.join(found)} of the plant, and these differ: give each its "
-            "own name"
+            f"a filter weights '{name}', which is {' and '.join(matches)} of the plant, and these differ: give each "
+            "its own name"
         )
     return first[:n], first[n:]
 

@@ -1,16 +1,17 @@
-"""The cost of a period whose input is held and late by (d + f) T, 0 <= f < 1, for the input that acts.
+"""The LQR cost of one period under zero-order hold, with the input delayed by (d + f) T, 0 <= f < 1.
 
-In the period k the plant of `analyse.loop.sampled` sees h = u[k-d-1] for the first f T and v = u[k-d] for the rest:
+In the period k the plant of `analyse.loop.sampled` has the input h = u[k-d-1] for the first f T, then v = u[k-d]:
 
     int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; h; v]' W [x; h; v],   W = W_1(f T) + M' W_2((1-f) T) M
 
-W_1 weights (x, h), W_2 weights (x, v), and M leads from (x, h, v) to (x, v) at f T; without f there is no h. What the
-periods k .. k+d-1 cost is decided when u[k] is chosen. So u[k] is weighted by the period k+d in which it acts, where
-(x, h) is known from the late inputs, P z[k] for the delayed model's state z: P holds the rows of x and h of its A^d.
+W_1 weights (x, h), W_2 weights (x, v), and M maps (x, h, v) to (x, v) at f T; for f = 0 there is no h. The cost of the
+periods k .. k+d-1 is fixed before u[k] is chosen. u[k] is therefore weighted by the period k+d in which it acts. There
+(x, h) follows from the delayed inputs as P z[k], with the state z of the delayed model and the rows P of x and h of its
+A^d. The sum
 
     sum_k [P z[k]; u[k]]' W [P z[k]; u[k]]
 
-is the integral from d T on, and its optimal gain is that of the model without the d samples, applied to P z.
+is the integral from d T on. Its optimal gain is that of the model without the d samples of delay, applied to P z.
 """
 
 from dataclasses import dataclass, replace
@@ -24,15 +25,15 @@ from synth.timing import Discrete
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class PeriodCost:
     """The sampled model and the weight W (n + m, n + m) on its states and inputs."""
 
     model: StateSpace
     W: Array
 
 
-def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, exact: bool) -> Held:
-    """Return a continuous plant held and late, and the weight that W (n + m, n + m) on states and inputs amounts to.
+def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, exact: bool) -> PeriodCost:
+    """Return the sampled plant with hold and delay, and its equivalent of the weight W (n + m, n + m) on (x, u).
 
     With `exact` each step is rounded once, from ball arithmetic.
 
@@ -42,14 +43,14 @@ def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, ex
     if isinstance(delay_s, float | int) and delay_s == 0:
         over = discretise.gramian(F, W, period_s, exact=exact)
         model = replace(plant, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(float(period_s)))
-        return Held(model, over.W)
+        return PeriodCost(model, over.W)
     late = loop.sampled(plant, period_s, delay_s)
-    whole, fraction = _split(delay_s / period_s)
+    whole, fraction = _whole_and_fraction(delay_s / period_s)
     acting = _weight_of_period(F, W, m, period_s, fraction, exact)
     if not whole:
-        return Held(late, acting)
+        return PeriodCost(late, acting)
     P = _power(late.A, whole, exact)[: len(acting) - m]
-    return Held(late, _congruence(scipy.linalg.block_diag(P, np.eye(m)), acting, exact))
+    return PeriodCost(late, _congruence(scipy.linalg.block_diag(P, np.eye(m)), acting, exact))
 
 
 def _input_matrix(plant: StateSpace) -> Array:
@@ -64,12 +65,12 @@ def _weight_of_period(F: Array, W: Array, m: int, period_s: float, fraction: flo
     first = discretise.gramian(F, W, fraction * period_s, exact=exact)
     then = discretise.gramian(F, W, (1 - fraction) * period_s, exact=exact).W
     M = scipy.linalg.block_diag(first.M, np.eye(m))
-    M = np.delete(M, np.s_[len(F) - m : len(F)], axis=0)  # h acts no longer
+    M = np.delete(M, np.s_[len(F) - m : len(F)], axis=0)  # h no longer acts
     return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruence(M, then, exact)
 
 
-def _split(samples: float) -> tuple[int, float]:
-    """Return whole samples and the fraction of one, as `loop.sampled` does."""
+def _whole_and_fraction(samples: float) -> tuple[int, float]:
+    """Return a delay as whole samples and a fraction of one, as `loop.sampled` does."""
     whole = round(samples)
     return (whole, 0.0) if abs(samples - whole) < loop.WHOLE else (int(samples), samples - int(samples))
 
@@ -77,14 +78,14 @@ def _split(samples: float) -> tuple[int, float]:
 def _power(A: Array, k: int, exact: bool) -> Array:
     if not exact:
         return np.linalg.matrix_power(A, k)
-    return precise.resolved(lambda: precise.matrix(A) ** k, "the delayed model over its delay")
+    return precise.correctly_rounded(lambda: precise.matrix(A) ** k, "the delayed model over its delay")
 
 
 def _congruence(M: Array, W: Array, exact: bool) -> Array:
     """Return M' W M, symmetric."""
     if exact:
         balls = precise.matrix(M)
-        product = precise.resolved(lambda: balls.transpose() * precise.matrix(W) * balls, "the weight")
+        product = precise.correctly_rounded(lambda: balls.transpose() * precise.matrix(W) * balls, "the weight")
     else:
         product = M.T @ W @ M
     return np.asarray((product + product.T) / 2)

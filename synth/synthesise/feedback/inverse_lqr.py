@@ -1,22 +1,21 @@
-"""The inverse problem of LQR: which diagonal weights give the closed-loop poles, or the gain, that somebody published?
+"""Inverse LQR: the diagonal weights for which given closed-loop poles, or a given gain, are optimal.
 
 From poles. For one input, u = K x optimal for x'Qx + R u^2, open-loop polynomial d(s) and closed-loop polynomial p(s),
 
     p(s) p(-s) = d(s) d(-s) + (1/R) sum_i q_i n_i(s) n_i(-s),   n_i(s) = e_i' adj(sI - A) B,  Q = diag(q)
 
-(the symmetric root locus). Both sides are even; comparing powers of s^2 gives n linear equations in the n weights. In
-discrete time z and 1/z stand for s and -s, and on the left there is a factor r / R, r = R + B'XB: the n + 1
+(the symmetric root locus). Both sides are even; the coefficients of s^2 give n linear equations in the n weights. In
+discrete time z and 1/z take the place of s and -s, and the left side has a factor r / R, r = R + B'XB: the n + 1
 coefficients of z^k + z^-k are linear in the weights and r. The weights are unique when the polynomials n_i(s) n_i(-s)
-are linearly independent. Published poles are rounded, so the weights come out near, not on, the numbers that were used.
-LQR never gives poles that do not decay, and p(s) p(-s) cannot tell s from -s: such poles are refused, and so are
-weights below zero.
+are linearly independent. Rounded poles, as in print, give weights close to the original ones. LQR never gives poles
+that do not decay, and p(s) p(-s) does not distinguish s from -s: such poles are refused, and so are negative weights.
 
-From a gain K (m, n) that leaves Ac = A + B K stable. Its cost X for Q = diag(q), R = diag(r) is linear in the weights,
+From a gain K (m, n) for which Ac = A + B K is stable. Its cost X for Q = diag(q), R = diag(r) is linear in the weights,
 
     continuous  Ac'X + X Ac + Q + K'R K = 0        K is optimal when    B'X + R K = 0
     discrete    Ac'X Ac - X + Q + K'R K = 0                             B'X Ac + R K = 0
 
-so that optimality is m n linear equations in q (n,) and r (m,), of which r_1 = 1 sets the scale.
+and optimality gives m n linear equations in q (n,) and r (m,), with r_1 = 1 as the scale.
 """
 
 from collections.abc import Sequence
@@ -33,10 +32,10 @@ from synth.synthesise.feedback import weights
 from synth.synthesise.riccati.equation import decays
 from synth.timing import Continuous
 
-RANK = 1e-10  # of the largest singular value: what is smaller is rounding error of a zero
-MISSED = 1e-8  # of the equations' size: weights that miss by more are none
-CLOSE = 1e-5  # of the terms: what they differ by is the equations' size if not smaller, where it is rounding error
-NEGATIVE = 1e-9  # of the terms: what a weight below zero may add to them as the rounding error of a zero
+RANK = 1e-10  # of the largest singular value: a smaller one is the rounding error of zero
+MISSED = 1e-8  # of the size of the equations: a larger residual means that there are no weights
+CLOSE = 1e-5  # of the terms: the least size of the equations, below which it is rounding error
+NEGATIVE = 1e-9  # of the terms: a negative weight that adds less is the rounding error of zero
 
 
 @show.result
@@ -59,7 +58,7 @@ class DiagonalWeights:
 class GainWeights:
     """The weights q (n,) and r (m,), r_1 = 1, for which a gain is optimal.
 
-    `unique` unless `nullspace` (n + m, k) has columns: what may be added to (q, r) as long as they stay above zero.
+    `unique` unless `nullspace` (n + m, k) has columns, which may be added to (q, r) while these stay above zero.
     `residual` is relative.
     """
 
@@ -79,52 +78,52 @@ class GainWeights:
 
 def _sheet(title: str, names: Sequence[str], values: Array, nullspace: Array, residual: float) -> show.Sheet:
     free = [f"free {k + 1}" for k in range(nullspace.shape[1])]
-    told = "they are unique" if not free else f"{len(free)} combinations of them change nothing"
+    uniqueness = "they are unique" if not free else f"{len(free)} combinations of them change nothing"
     table = show.matrix("", np.column_stack([values, nullspace]), names, ["weight", *free])
-    return show.Sheet(title, (f"The equations are missed by {residual:.1e} of their size; {told}.",), (table,))
+    return show.Sheet(title, (f"The equations are missed by {residual:.1e} of their size; {uniqueness}.",), (table,))
 
 
 @arguments.checked
 def diagonal_weights(system: System, poles: Sequence[complex], R: float = 1.0) -> DiagonalWeights:
     """Return the diagonal weights whose optimal loop has `poles` (n,), in rad/s or in z, for a model of one input.
 
-    Raises SignalError for no state, several inputs, a wrong count of poles, poles that are no numbers or not in
-    conjugate pairs, or an R that is not above 0; ModelError when no diagonal weights >= 0 give the poles.
+    Raises SignalError for no state, several inputs, a wrong number of poles, non-numeric poles or poles that are not in
+    conjugate pairs, or R <= 0; ModelError when no diagonal weights >= 0 give the poles.
     """
     model = of(system)
-    given, R = _poles(model, poles), _positive(R)
-    M, wanted, size = _locus(model, given, R)
-    found, nullspace, residual = _solved(M, wanted)
+    closed_loop_poles, R = _check_poles(model, poles), _input_weight(R)
+    M, rhs, size = _root_locus_equations(model, closed_loop_poles, R)
+    solution, nullspace, residual = _least_squares(M, rhs)
     if residual > MISSED:
         raise ModelError(
-            f"no diagonal weights give the poles {_listed(given)}: the symmetric root locus is missed by "
+            f"no diagonal weights give the poles {_text(closed_loop_poles)}: the symmetric root locus is missed by "
             f"{residual:.2g} of its size; weight products of states too, or check the poles"
         )
-    n, least = len(model.states), -NEGATIVE * np.abs(found).max(initial=1.0)
-    if found.min() < least and nullspace.size:
-        other, missed = nnls(M, wanted)
-        found = other if missed <= MISSED * _beside(wanted) else found
-    q, null = found[:n] / size[:n], nullspace[:n] / size[:n, None]
-    if found[:n].min() < least:
-        i = int(np.argmin(found[:n]))
+    n, lowest = len(model.states), -NEGATIVE * np.abs(solution).max(initial=1.0)
+    if solution.min() < lowest and nullspace.size:
+        nonnegative, misfit = nnls(M, rhs)
+        solution = nonnegative if misfit <= MISSED * _residual_scale(rhs) else solution
+    q, null = solution[:n] / size[:n], nullspace[:n] / size[:n, None]
+    if solution[:n].min() < lowest:
+        i = int(np.argmin(solution[:n]))
         raise ModelError(
-            f"the poles {_listed(given)} need the weight {q[i]:.4g} on {model.states[i]}, but LQR takes none below 0: "
-            "check the poles, or give them with more digits where that weight should be 0"
+            f"the poles {_text(closed_loop_poles)} need the weight {q[i]:.4g} on {model.states[i]}, but LQR takes "
+            "none below 0: check the poles, or give them with more digits where that weight should be 0"
         )
     null = null / np.linalg.norm(null, axis=0)
     return DiagonalWeights(readonly(np.maximum(q, 0.0)), R, not null.size, readonly(null), residual, model.states)
 
 
-def _locus(model: StateSpace, poles: Complex, R: float) -> tuple[Array, Array, Array]:
-    """Return the equations M v = w, in units of their absolute terms, and the sizes s with v = s (q, r).
+def _root_locus_equations(model: StateSpace, poles: Complex, R: float) -> tuple[Array, Array, Array]:
+    """Return the equations M v = w, relative to their absolute terms, and the sizes s with v = s (q, r).
 
-    r is an unknown in discrete time alone.
+    r is an unknown in discrete time only.
     """
     continuous = isinstance(model.time, Continuous)
     p, d = (np.real(np.poly(v)) for v in (poles, np.linalg.eigvals(model.A)))
-    after, before = _mirrored(p, continuous), _mirrored(d, continuous)
-    columns = np.array([_mirrored(row, continuous) for row in _numerators(model)]).T
-    terms = R * sum(_mirrored(np.abs(v), continuous, 1.0) for v in (p, d))
+    after, before = _symmetric_product(p, continuous), _symmetric_product(d, continuous)
+    columns = np.array([_symmetric_product(row, continuous) for row in _numerators(model)]).T
+    terms = R * sum(_symmetric_product(np.abs(v), continuous, 1.0) for v in (p, d))
     if not continuous:
         columns, after = np.column_stack([columns, -after]), np.zeros_like(after)
     terms = np.where(terms > 0, terms, R)
@@ -140,8 +139,8 @@ def _locus(model: StateSpace, poles: Complex, R: float) -> tuple[Array, Array, A
 def gain_weights(system: System, K: ArrayLike) -> GainWeights:
     """Return diagonal weights for which u = K x, K (m, n), is optimal; the first input's weight is 1.
 
-    Raises SignalError when K does not fit or is not finite; ModelError when A + B K is not stable or no weights q >= 0,
-    r > 0 make K optimal.
+    Raises SignalError when K has the wrong shape or is not finite; ModelError when A + B K is not stable or K is not
+    optimal for any weights q >= 0, r > 0.
     """
     model, K = of(system), arguments.matrix("K", K)
     n, m = model.B.shape
@@ -151,27 +150,27 @@ def gain_weights(system: System, K: ArrayLike) -> GainWeights:
         raise SignalError(f"the gain K is {K.shape}: {m} inputs and {n} states need a finite one of {(m, n)}")
     closed = model.A + model.B @ K
     _require_stable(model, closed)
-    columns = [_missed(model, closed, K, np.eye(n)[i], np.zeros(m)) for i in range(n)]
-    columns += [_missed(model, closed, K, np.zeros(n), np.eye(m)[j]) for j in range(m)]
+    columns = [_optimality_residual(model, closed, K, np.eye(n)[i], np.zeros(m)) for i in range(n)]
+    columns += [_optimality_residual(model, closed, K, np.zeros(n), np.eye(m)[j]) for j in range(m)]
     M = np.array(columns).T
     rows = np.abs(M).max(axis=1, keepdims=True)
     M = M / np.where(rows > 0, rows, 1.0)
     free = np.arange(n + m) != n
     size = np.abs(M).max(axis=0)
     size = np.where(size > 0, size, 1.0)
-    unit, wanted = (M / size)[:, free], -M[:, n]
-    found, nullspace, residual = _solved(unit, wanted)
-    if (nullspace.size and found.min() < 0) or found.min() < -MISSED * np.abs(found).max(initial=1.0):
-        found, missed = nnls(unit, wanted)
-        residual = float(missed) / _beside(wanted)
-    every = np.insert(np.maximum(found, 0.0) / size[free], n, 1.0)
-    if residual > MISSED or every[n:].min() <= 0:
+    unit, rhs = (M / size)[:, free], -M[:, n]
+    solution, nullspace, residual = _least_squares(unit, rhs)
+    if (nullspace.size and solution.min() < 0) or solution.min() < -MISSED * np.abs(solution).max(initial=1.0):
+        solution, misfit = nnls(unit, rhs)
+        residual = float(misfit) / _residual_scale(rhs)
+    all_weights = np.insert(np.maximum(solution, 0.0) / size[free], n, 1.0)
+    if residual > MISSED or all_weights[n:].min() <= 0:
         raise ModelError(
             f"no diagonal weights Q >= 0, R > 0 make this gain optimal: the equations are missed by {residual:.2g} of "
             "their size; give K with more digits, or it is optimal for weights on products, or for none"
         )
     null = readonly(np.insert(nullspace / size[free][:, None], n, 0.0, axis=0))
-    q, r = readonly(every[:n]), readonly(every[n:])
+    q, r = readonly(all_weights[:n]), readonly(all_weights[n:])
     return GainWeights(q, r, not nullspace.size, null, residual, model.states, model.inputs)
 
 
@@ -185,7 +184,7 @@ def _require_stable(model: StateSpace, closed: Array) -> None:
         )
 
 
-def _missed(model: StateSpace, closed: Array, K: Array, q: Array, r: Array) -> Array:
+def _optimality_residual(model: StateSpace, closed: Array, K: Array, q: Array, r: Array) -> Array:
     """Return the left side of the optimality condition (m n,) for the weights q, r."""
     cost = np.diag(q) + (K.T * r) @ K
     if isinstance(model.time, Continuous):
@@ -195,47 +194,47 @@ def _missed(model: StateSpace, closed: Array, K: Array, q: Array, r: Array) -> A
     return np.asarray(left + r[:, None] * K).ravel()
 
 
-def _solved(columns: Array, wanted: Array) -> tuple[Array, Array, float]:
+def _least_squares(columns: Array, rhs: Array) -> tuple[Array, Array, float]:
     """Return the least-squares solution, the null space and the relative residual."""
     U, sigma, Vt = np.linalg.svd(columns)
     rank = int(np.sum(sigma > RANK * sigma[0]))
-    found = Vt[:rank].T @ ((U[:, :rank].T @ wanted) / sigma[:rank])
-    return found, Vt[rank:].T, float(np.linalg.norm(columns @ found - wanted)) / _beside(wanted)
+    solution = Vt[:rank].T @ ((U[:, :rank].T @ rhs) / sigma[:rank])
+    return solution, Vt[rank:].T, float(np.linalg.norm(columns @ solution - rhs)) / _residual_scale(rhs)
 
 
-def _beside(wanted: Array) -> float:
-    """Return the size beside which equations are missed."""
-    return max(float(np.linalg.norm(wanted)), CLOSE)
+def _residual_scale(rhs: Array) -> float:
+    """Return the size to which the residual of the equations is relative."""
+    return max(float(np.linalg.norm(rhs)), CLOSE)
 
 
-def _poles(model: StateSpace, poles: Sequence[complex]) -> Complex:
-    """Return poles (n,) that an optimal loop of a model of one input may have."""
+def _check_poles(model: StateSpace, poles: Sequence[complex]) -> Complex:
+    """Return the poles (n,) as an array; raise an error if no optimal loop of one input can have them."""
     n, m = model.B.shape
     try:
-        given = np.asarray(poles, dtype=np.complex128)
+        array = np.asarray(poles, dtype=np.complex128)
     except (TypeError, ValueError) as error:
-        raise SignalError(f"the poles are no numbers ({error}): give a list of {n}") from error
-    if m != 1 or not n or given.shape != (n,) or not np.isfinite(given).all():
+        raise SignalError(f"the poles are not numbers ({error}): give a list of {n}") from error
+    if m != 1 or not n or array.shape != (n,) or not np.isfinite(array).all():
         raise SignalError(
             f"need a model of 1 input, with states, and {n} finite poles: found {m} inputs and poles "
-            f"{_listed(given.ravel())}"
+            f"{_text(array.ravel())}"
         )
     continuous = isinstance(model.time, Continuous)
-    for s in given:
+    for s in array:
         if not decays(np.array([s]), continuous):
             beyond = "Re >= 0" if continuous else "|z| >= 1"
             raise ModelError(f"no weights give the pole {s:.4g}: an optimal loop has none with {beyond}")
-    if not np.array_equal(np.sort_complex(given), np.sort_complex(given.conj())):
-        raise SignalError(f"the poles {_listed(given)} are not in conjugate pairs: give both of each pair")
-    return given
+    if not np.array_equal(np.sort_complex(array), np.sort_complex(array.conj())):
+        raise SignalError(f"the poles {_text(array)} are not in conjugate pairs: give both of each pair")
+    return array
 
 
-def _listed(poles: Complex) -> str:
+def _text(poles: Complex) -> str:
     return f"[{', '.join(show.number(s) for s in poles)}]"
 
 
-def _positive(R: float) -> float:
-    """Return the weight of the one input."""
+def _input_weight(R: float) -> float:
+    """Return the weight of the single input."""
     value = weights.definite("R", [R], ["the input"])
     return float(value[0, 0])
 
@@ -251,7 +250,7 @@ def _numerators(model: StateSpace) -> list[Array]:
     return list(np.array(columns).T)
 
 
-def _mirrored(polynomial: Array, continuous: bool, sign: float = -1.0) -> Array:
+def _symmetric_product(polynomial: Array, continuous: bool, sign: float = -1.0) -> Array:
     """Return the coefficients of p(s) p(sign s) as a polynomial in s^2, or of p(z) p(1/z) in z^k + z^-k.
 
     The highest power comes first.

@@ -1,20 +1,20 @@
-"""Linear quadratic regulators, u = K x (the sign is inside K, as in F(16)).
+"""Linear quadratic regulators (MATLAB `lqr`, `dlqr`, `lqrd`), u = K x (the sign is inside K, as in F(16)).
 
-    lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt,            continuous model, or the sum for a sampled one
-    dlqr   the sum, for a sampled model alone
+    lqr    min int (x'Qx + u'Ru + 2 x'Nu) dt for a continuous model, or the sum for a sampled one
+    dlqr   the sum, for a sampled model only
     lqrd   the same integral for a continuous model whose input is held over each period T:
 
            int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; u]' W [x; u],   W = int_0^T M(t)' [Q, N; N', R] M(t) dt
 
-           with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even where Q and R have none (Van Loan 1978);
-           the input may be late (`held_cost`)
+           with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even for N = 0 (Van Loan 1978);
+           the input may be delayed (`held_cost`)
 
     u --->[ x' = A x + B u, or x+ ]--- x ---+          y = C x + D u,  q' = y, or q+ = q + T y
     ^                                       |
     +------------------[ K ]<---------------+
 
-`weights.output_weighted` turns weights on outputs into such weights, `integral` adds the states q. In double precision;
-with `exact` in ball arithmetic, for gains that must be the same on every machine.
+`weights.output_weights` converts weights on outputs (MATLAB `lqry`); `integral` adds the states q (MATLAB `lqi`). The
+computation is in double precision, or with `exact` in ball arithmetic for gains that are the same on every machine.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,9 +34,9 @@ from synth.timing import Continuous, Discrete, Time, period
 
 @show.result
 class Gain:
-    """State feedback u = K x, K (m, n), with the weights that it minimises and its certificate.
+    """State feedback u = K x, K (m, n), with the weights of its cost and its certificate.
 
-    An entry of K has the unit of its input over that of its state, as far as `units` tells them by name.
+    An entry of K has the unit of its input over that of its state, as far as `units` contains them.
     """
 
     K: Array
@@ -57,10 +57,10 @@ class Gain:
     def sheet(self) -> show.Sheet:
         """Return the certificate, the gain by name and the poles."""
         rows, columns = (
-            [show.named(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
+            [show.with_unit(name, self.units.get(name, "")) for name in names] for names in (self.inputs, self.states)
         )
         title = f"Optimal gain u = K x in {self.time}: {len(rows)} inputs, {len(columns)} states"
-        tables = (show.matrix("K", self.K, rows, columns), modes.table(self.poles, self.time))
+        tables = (show.feedback(show.matrix("K", self.K, rows, columns)), modes.table(self.poles, self.time))
         return show.Sheet(title, self.certificate.lines(), tables)
 
 
@@ -75,24 +75,24 @@ class SampledCost:
 
     def sheet(self) -> show.Sheet:
         """Return the weights as one table."""
-        made = weights.Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
-        return replace(made, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
+        joint = weights.Weights(self.Q, self.R, self.N, self.model.states, self.model.inputs).sheet()
+        return replace(joint, title=f"Cost over one period in {self.model.time}: weights [Q, N; N', R]")
 
 
 @arguments.checked
 def lqr(system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None = None, exact: bool = False) -> Gain:
     """Return the optimal gain of a model in its own time; Q (n, n), R (m, m), N (n, m).
 
-    Q and R are matrices, diagonals or {name: weight}; the certificate says when Q does not see an unstable mode, or is
-    indefinite. Raises as `riccati.solve`.
+    Q and R are matrices, diagonals or {name: weight}. The certificate reports an unstable mode that is not observable
+    in Q, and an indefinite Q. Raises as `riccati.solve`.
     """
     model = of(system)
     return _gain(model, riccati.solve(model, Q, R, N, exact))
 
 
-def _gain(model: StateSpace, found: riccati.Riccati) -> Gain:
-    kept = found.Q, found.R, found.N
-    return Gain(readonly(-found.L), *kept, model.states, model.inputs, model.time, found, model.units)
+def _gain(model: StateSpace, solution: riccati.Riccati) -> Gain:
+    cost = solution.Q, solution.R, solution.N
+    return Gain(readonly(-solution.L), *cost, model.states, model.inputs, model.time, solution, model.units)
 
 
 @arguments.checked
@@ -123,28 +123,28 @@ def lqrd(
 ) -> Gain:
     """Return the optimal gain for a continuous model whose input is held over `period_s`, for the continuous cost.
 
-    With inputs late by `delay_s` the states are those of `loop.sampled`, late inputs among them, and the cost counts
-    the inputs as they act.
+    With inputs delayed by `delay_s` the states are those of `loop.sampled`, including the delayed inputs, and the cost
+    weights the inputs in the period in which they act.
 
-    Raises TimingError for a sampled model, or a delay as `loop.sampled`; ModelError when it is for the period that no
-    feedback stabilises it; else as `riccati.solve`.
+    Raises TimingError for a sampled model, or a delay as `loop.sampled`; ModelError when only the choice of the period
+    makes the model not stabilisable; else as `riccati.solve`.
     """
     model = of(system)
-    return _held_gain(model, sampled_cost(model, Q, R, period_s, N, exact, delay_s), exact)
+    return _sampled_gain(model, sampled_cost(model, Q, R, period_s, N, exact, delay_s), exact)
 
 
-def _held_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
+def _sampled_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
     try:
-        return _gain(cost.model, riccati.solved(cost.model, cost.Q, cost.R, cost.N, exact))
+        return _gain(cost.model, riccati.solve_checked(cost.model, cost.Q, cost.R, cost.N, exact))
     except ModelError:
         _require_period(model, cost.model)
         raise
 
 
 def _require_period(model: StateSpace, held: StateSpace) -> None:
-    """Raise ModelError when it is for the sample period alone that no feedback stabilises the held model.
+    """Raise ModelError when sampling with this period makes a stabilisable model not stabilisable.
 
-    That is so when modes of the continuous model differ by a multiple of 2 pi i / T (Kalman, Ho, Narendra 1963).
+    This happens when modes of the continuous model differ by a multiple of 2 pi i / T (Kalman, Ho, Narendra 1963).
     """
     structure.check_stabilisable(model)
     try:
@@ -153,9 +153,9 @@ def _require_period(model: StateSpace, held: StateSpace) -> None:
         fastest = float(np.abs(model.poles.imag).max())
         advice = f", below {np.pi / fastest:.4g} s" if fastest else ""
         raise ModelError(
-            f"the input stabilises the continuous model, but not when it is held over {period(held.time):.6g} s, a "
-            "period at which modes that it moves look alike from sample to sample: take another period, best a "
-            f"shorter one{advice}"
+            f"the input stabilises the continuous model, but not when it is held over {period(held.time):.6g} s, at "
+            "which modes cannot be distinguished from their samples: take another period, preferably a shorter "
+            f"one{advice}"
         ) from error
 
 
@@ -169,16 +169,19 @@ def sampled_cost(
     exact: bool = False,
     delay_s: float = 0.0,
 ) -> SampledCost:
-    """Return the held model and its exact weights over one period; with a delay, the period in which the input acts.
+    """Return the sampled model and its exact weights over one period, with a delay that in which the input acts.
 
     Raises TimingError for a sampled model, or a delay as `loop.sampled`; SignalError for weights as `riccati.solve`;
     ModelError as `discretise.gramian`.
     """
     model = of(system)
-    Q, R, N = riccati.checked_weights(model, Q, R, N)
+    Q, R, N = riccati.weight_matrices(model, Q, R, N)
     if not isinstance(model.time, Continuous):
-        raise TimingError(f"the cost over a period is asked of a model in {model.time}: give the continuous model")
-    held = held_cost.over_period(model, weights.joined(Q, R, N), period_s, delay_s, exact)
+        raise TimingError(
+            f"the cost over a period needs a continuous model, but this one is in {model.time}: give the "
+            "continuous model"
+        )
+    held = held_cost.over_period(model, weights.joint_weight(Q, R, N), period_s, delay_s, exact)
     W, n = held.W, len(held.model.A)
     return SampledCost(held.model, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
 
@@ -195,39 +198,37 @@ def cost_ratio(
 ) -> float:
     """Return the cost of using `gain` at a sample period over that of `lqrd`, for the worst initial state.
 
-    Infinite when the sampled loop with `gain` is unstable. The model is continuous, the gain of any origin: with that
-    of `lqr` this is the price of emulation. A state of which the optimal cost is zero is left aside.
+    The ratio is infinite when the sampled loop with `gain` is unstable. The model is continuous, and any gain may be
+    given: for that of `lqr` the ratio is the price of emulation. A state with zero optimal cost is ignored.
 
-    Raises SignalError when the gain is that of other states or inputs; ModelError when the optimal cost is zero from
-    every state, or negative from one; else as `lqrd`.
+    Raises SignalError when the gain is for other states or inputs; ModelError when the optimal cost is zero from every
+    state, or negative from one; else as `lqrd`.
     """
     model = of(system)
-    K, cost = _fitting(gain, model), sampled_cost(model, Q, R, period_s, N, exact)
-    optimal = _held_gain(model, cost, exact).certificate
+    K, cost = _gain_matrix(gain, model), sampled_cost(model, Q, R, period_s, N, exact)
+    optimal = _sampled_gain(model, cost, exact).certificate
     least = optimal.X
     if optimal.least_eigenvalue < 0:
         raise ModelError(
-            "the optimal cost is negative from some states and no ratio tells: give weights that are semidefinite"
+            "the optimal cost is negative from some states and the ratio is meaningless: give semidefinite weights"
         )
     size = np.sqrt(np.maximum(np.diag(least), 0.0))
     if not size.any():
-        raise ModelError(
-            "the optimal cost is zero from every state, so that nothing can be compared with it: weight a state"
-        )
+        raise ModelError("the optimal cost is zero from every state and the ratio is undefined: weight a state")
     d = 1 / np.where(size > 0, size, 1.0)
     NK = cost.N @ K
     step, unit = cost.Q + K.T @ cost.R @ K + NK + NK.T, d * d[:, None]
-    decay = doubling.decay((cost.model.A + cost.model.B @ K) * d / d[:, None], doubling.Bilinear(1.0, False))
+    decay = doubling.stable_map((cost.model.A + cost.model.B @ K) * d / d[:, None], doubling.Bilinear(1.0, False))
     if decay is None:
         return np.inf
     values, V = np.linalg.eigh(least * unit)
     costly = values > 1e-13 * values[-1]
     W = V[:, costly] / np.sqrt(values[costly])
-    return float(np.linalg.eigvalsh(W.T @ decay.gathered(step * unit) @ W)[-1])
+    return float(np.linalg.eigvalsh(W.T @ decay.gramian(step * unit) @ W)[-1])
 
 
-def _fitting(gain: Gain, model: StateSpace) -> Array:
-    """Return K (m, n) of a gain for this very model."""
+def _gain_matrix(gain: Gain, model: StateSpace) -> Array:
+    """Return K (m, n) of a gain for this model; raise SignalError for a gain of another model."""
     if (gain.states, gain.inputs) != (model.states, model.inputs):
         raise SignalError(
             f"the gain is from {', '.join(gain.states)} to {', '.join(gain.inputs)}, the model has the states "
@@ -240,12 +241,12 @@ def _fitting(gain: Gain, model: StateSpace) -> Array:
 
 
 @arguments.checked
-def integral(system: System, outputs: Sequence[str]) -> StateSpace:
+def with_integrators(system: System, outputs: Sequence[str]) -> StateSpace:
     """Return the model with a state ``<output>_integral`` for each of some outputs: q' = y, or q+ = q + T y.
 
-    They come after the states, with the unit of y times s, and are outputs as well (Y(31), Y(32)).
+    They follow the states, with the unit of y times s, and are also outputs (Y(31), Y(32)).
 
-    Raises SignalError for an output that is not known or stands twice.
+    Raises SignalError for an unknown or duplicate output.
     """
     model = of(system)
     model.select(outputs, ())

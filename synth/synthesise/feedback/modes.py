@@ -6,14 +6,14 @@ from numpy.typing import NDArray
 from synth import show
 from synth.timing import Discrete, Time
 
-DEADBEAT = 2.0**-42  # a single pole z below it is a rounding error of 0
+DEADBEAT = 2.0**-42  # a single pole |z| below it is the rounding error of 0
 
 
 def table(poles: NDArray[np.complex128], time: Time) -> show.Table:
     """Return a table of poles in 1/s or in z with their natural frequency in Hz and their damping.
 
-    A pole at z = 0 is deadbeat, without a frequency; a constant, s = 0 or z = 1, has no damping. Of k poles at z = 0
-    rounding makes a cluster of the k-th root of its size, which is deadbeat as well.
+    A pole at z = 0 is deadbeat and has no frequency; a constant, s = 0 or z = 1, has no damping. Rounding scatters k
+    poles at z = 0 by the k-th root of its size; such a cluster is also deadbeat.
     """
     sampled = isinstance(time, Discrete)
     radius = _deadbeat_radius(poles) if sampled else -1.0
@@ -23,8 +23,8 @@ def table(poles: NDArray[np.complex128], time: Time) -> show.Table:
 
 def _deadbeat_radius(poles: NDArray[np.complex128]) -> float:
     sizes = np.sort(np.abs(poles))
-    reach = DEADBEAT ** (1 / np.arange(1, len(sizes) + 1))
-    return float(reach[sizes <= reach].max(initial=0.0))
+    radius = DEADBEAT ** (1 / np.arange(1, len(sizes) + 1))
+    return float(radius[sizes <= radius].max(initial=0.0))
 
 
 def _shape(pole: complex, time: Time) -> tuple[str, str]:

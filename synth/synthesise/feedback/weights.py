@@ -1,7 +1,6 @@
 """Weights and covariances by name: a symmetric matrix (n, n), its diagonal (n,), or {signal: diagonal entry}.
 
-Whether a matrix is definite must not hang on units: M is judged as D M D, the diagonal of which is 1 where M's is
-above 0.
+Definiteness must not depend on units: M is tested as D M D, whose diagonal is 1 where that of M is above 0.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,9 +14,9 @@ from synth.statespace import Array, System, of, readonly
 
 Weight = ArrayLike | Mapping[str, float]
 
-ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is the rounding error of a zero
-ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: M_ij - M_ji this small is the rounding error of a product
-SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of a zero
+ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is the rounding error of zero
+ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: a smaller M_ij - M_ji is the rounding error of a product
+SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of zero
 
 
 @show.result
@@ -33,18 +32,17 @@ class Weights:
     def sheet(self) -> show.Sheet:
         """Return the weights as one table."""
         names = (*self.states, *self.inputs)
-        joint = joined(self.Q, self.R, self.N)
+        joint = joint_weight(self.Q, self.R, self.N)
         return show.Sheet("Weights [Q, N; N', R]", tables=(show.matrix("", joint, names, names),))
 
 
 def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
     """Return the weight called `what` on the signals `names` (n,) as a symmetric matrix (n, n).
 
-    A mapping gives the diagonal by name, 0 where a name is left out. Of an asymmetry within rounding, as of a product
-    C'WC, the mean is taken.
+    A mapping gives the diagonal by name, 0 for missing names. An asymmetry within rounding, as of a product C'WC, is
+    removed by taking the mean.
 
-    Raises SignalError for a name that is not known, a wrong shape, an entry that is not finite, or an asymmetric
-    matrix.
+    Raises SignalError for an unknown name, a wrong shape, an entry that is not finite, or an asymmetric matrix.
     """
     matrix = (
         _by_name(what, value, names)
@@ -70,7 +68,7 @@ def symmetric(what: str, value: Weight, names: Sequence[str]) -> Array:
 
 
 def semidefinite(what: str, value: Weight, names: Sequence[str]) -> Array:
-    """Return the weight as `symmetric` does; raise SignalError, too, when it has an eigenvalue below 0."""
+    """Return the weight as `symmetric` does; also raise SignalError when it has an eigenvalue below 0."""
     matrix = symmetric(what, value, names)
     if not is_above(matrix, -ROUNDING):
         lowest = lowest_eigenvalue(matrix)
@@ -79,9 +77,9 @@ def semidefinite(what: str, value: Weight, names: Sequence[str]) -> Array:
 
 
 def definite(what: str, value: Weight, names: Sequence[str]) -> Array:
-    """Return the weight as `symmetric` does; raise SignalError, too, when it has an eigenvalue of 0 or below.
+    """Return the weight as `symmetric` does; also raise SignalError when it has an eigenvalue of 0 or below.
 
-    What is 0 within rounding is refused as well.
+    An eigenvalue that is 0 within rounding is also refused.
     """
     matrix = symmetric(what, value, names)
     if not is_above(matrix, SINGULAR * len(matrix)):
@@ -94,7 +92,7 @@ def definite(what: str, value: Weight, names: Sequence[str]) -> Array:
 
 
 def cross(what: str, value: ArrayLike | None, rows: Sequence[str], columns: Sequence[str]) -> Array:
-    """Return a cross weight (n, m) between two lists of signals, 0 where it is None.
+    """Return a cross weight (n, m) between two lists of signals, 0 for None.
 
     Raises SignalError for another shape or an entry that is not finite.
     """
@@ -108,7 +106,7 @@ def cross(what: str, value: ArrayLike | None, rows: Sequence[str], columns: Sequ
     return matrix
 
 
-def joined(Q: Array, R: Array, N: Array) -> Array:
+def joint_weight(Q: Array, R: Array, N: Array) -> Array:
     """Return [Q, N; N', R] (n + m, n + m) of Q (n, n), R (m, m), N (n, m)."""
     return np.concatenate([np.concatenate([Q, N], axis=1), np.concatenate([N.T, R], axis=1)])
 
@@ -125,7 +123,7 @@ def is_above(matrix: Array, least: float) -> bool:
 
 
 def lowest_eigenvalue(matrix: Array) -> float:
-    """Return the lowest eigenvalue; where rounding hides its sign, that of the matrix scaled to a unit diagonal."""
+    """Return the lowest eigenvalue; if it is within rounding of 0, that of the matrix with unit diagonal."""
     values = np.linalg.eigvalsh(matrix)
     if abs(values[0]) > ROUNDING * np.abs(values).max():
         return float(values[0])
@@ -133,20 +131,20 @@ def lowest_eigenvalue(matrix: Array) -> float:
 
 
 def least_eigenvalue(matrix: Array) -> float:
-    """Return the least eigenvalue of a symmetric matrix scaled to a unit diagonal, 0 where rounding hides its sign."""
+    """Return the least eigenvalue of a symmetric matrix scaled to a unit diagonal, 0 if it is rounding error."""
     least = float(np.linalg.eigvalsh(unit_diagonal(matrix))[0])
     return 0.0 if abs(least) <= ROUNDING else least
 
 
 def unit_diagonal(matrix: Array) -> Array:
-    """Return D M D of a symmetric M (n, n), its diagonal 1 where M's is above 0, -1 where it is below."""
+    """Return D M D of a symmetric M (n, n); its diagonal is the sign of that of M."""
     diagonal = np.abs(np.diag(matrix))
     root = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     return np.asarray(matrix / root / root[:, None])
 
 
 def is_regular(matrix: Array) -> bool:
-    """Tell whether a symmetric matrix (n, n), scaled to a unit diagonal, is regular beyond rounding."""
+    """Tell whether a symmetric matrix (n, n), scaled to a unit diagonal, is regular beyond rounding error."""
     return bool(np.abs(np.linalg.eigvalsh(unit_diagonal(matrix))).min() > SINGULAR * len(matrix))
 
 
@@ -172,12 +170,12 @@ def _by_name(what: str, value: Mapping[str, float], names: Sequence[str]) -> Arr
 
 
 @arguments.checked
-def output_weighted(system: System, Qy: Weight, R: Weight) -> Weights:
-    """Return the weights on states and inputs that amount to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
+def output_weights(system: System, Qy: Weight, R: Weight) -> Weights:
+    """Return the weights on states and inputs equal to y'Qy y + u'Ru, y = C x + D u; Qy (p, p), R (m, m).
 
-    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite where D'Qy D makes up for it.
+    Q = C'Qy C, N = C'Qy D, R + D'Qy D: R may be semidefinite if R + D'Qy D is definite.
 
-    Raises SignalError for weights that do not fit or are asymmetric or indefinite.
+    Raises SignalError for weights of the wrong shape, asymmetric or indefinite.
     """
     model = of(system)
     Qy, R = semidefinite("Qy", Qy, model.outputs), semidefinite("R", R, model.inputs)

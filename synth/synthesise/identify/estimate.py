@@ -1,4 +1,4 @@
-"""Estimated parameters, their confidence and what tells how good the fit is."""
+"""Estimated parameters with confidence intervals and measures of the quality of the fit."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from synth.statespace import Array
 
 @dataclass(frozen=True)
 class Residual:
-    """The largest residual of `many`: its output and row, and its size in standard deviations of a residual there."""
+    """The largest residual of `many`: its output, row and size in standard deviations of that residual."""
 
     output: str
     row: int
@@ -21,24 +21,24 @@ class Residual:
     many: int
 
     @property
-    def expected(self) -> float:
-        """What the largest of as many normal residuals reaches, in the median."""
+    def median_of_largest(self) -> float:
+        """The median of the largest of `many` normal residuals."""
         return -float(ndtri((1 - 0.5 ** (1 / self.many)) / 2))
 
     def __str__(self) -> str:
         return (
             f"The largest residual is that of '{self.output}' in row {self.row}: {self.deviations:.3g} standard "
-            f"deviations; normal noise reaches some {self.expected:.2g} in {self.many} residuals."
+            f"deviations; normal noise reaches some {self.median_of_largest:.2g} in {self.many} residuals."
         )
 
 
 @show.result
 class Estimate:
-    """Parameters (k,) with their covariance (k, k), and what tells how good they are.
+    """Parameters (k,) with their covariance (k, k) and measures of the quality of the fit.
 
-    `rms` and `r_squared` are those of the residual by output, the latter against the outputs' variance, NaN where that
-    is zero; `freedom` is N p - k, `freedoms` (k,) that of each interval, less where the noise of several outputs was
-    estimated; `condition` that of Phi with columns of length 1; `level` the intervals' probability.
+    `rms` is the residual of each output, `r_squared` relates it to the output's variance (NaN where that is zero).
+    `freedom` is N p - k; `degrees_of_freedom` (k,) those of each interval, fewer where the noise of several outputs is
+    estimated. `condition` is that of Phi with columns of length 1, `level` the probability of the intervals.
     """
 
     names: tuple[str, ...]
@@ -47,7 +47,7 @@ class Estimate:
     rms: Mapping[str, float]
     r_squared: Mapping[str, float]
     freedom: int
-    freedoms: Array
+    degrees_of_freedom: Array
     condition: float
     level: float
     largest: Residual
@@ -72,18 +72,18 @@ class Estimate:
     @property
     def intervals(self) -> Array:
         """The lower and upper end (k, 2) of each confidence interval."""
-        reach = stdtrit(self.freedoms, (1 + self.level) / 2) * self.errors
-        return np.column_stack([self.values - reach, self.values + reach])
+        half_width = stdtrit(self.degrees_of_freedom, (1 + self.level) / 2) * self.errors
+        return np.column_stack([self.values - half_width, self.values + half_width])
 
     @property
     def correlation(self) -> Array:
-        """The correlation (k, k) of the estimates; zero beside an exact one."""
+        """The correlation (k, k) of the estimates; zero for an exact estimate."""
         size = np.where(self.errors > 0, self.errors, 1.0)
         return self.covariance / size / size[:, None]
 
     def sheet(self) -> show.Sheet:
         """Return estimates with errors and intervals, their correlation, and the residual of each output."""
-        labels = [show.named(name, self.units.get(name, "")) for name in self.names]
+        labels = [show.with_unit(name, self.units.get(name, "")) for name in self.names]
         columns = ("parameter", "estimate", "standard error", f"{100 * self.level:.4g} % from", "to")
         rows = tuple(
             (label, *(show.number(v, 6) for v in (value, error, low, high)))
@@ -92,7 +92,8 @@ class Estimate:
             )
         )
         fits = tuple(
-            (show.named(n, self.units.get(n, "")), f"{v:.4g}", f"{self.r_squared[n]:.6g}") for n, v in self.rms.items()
+            (show.with_unit(n, self.units.get(n, "")), f"{v:.4g}", f"{self.r_squared[n]:.6g}")
+            for n, v in self.rms.items()
         )
         tables = (
             show.Table(columns, rows),
@@ -100,7 +101,9 @@ class Estimate:
             show.matrix("correlation", np.round(self.correlation, 4), self.names, self.names),
         )
         line = f"{self.freedom} degrees of freedom, condition number {self.condition:.3g}."
-        if (self.freedoms < (1 - 1e-6) * self.freedom).any():
-            least = int(self.freedoms.argmin())
-            line += f" '{self.names[least]}' has {self.freedoms[least]:.3g}, as the outputs' noise is estimated."
+        if (self.degrees_of_freedom < (1 - 1e-6) * self.freedom).any():
+            least = int(self.degrees_of_freedom.argmin())
+            line += (
+                f" '{self.names[least]}' has {self.degrees_of_freedom[least]:.3g}, as the outputs' noise is estimated."
+            )
         return show.Sheet("Estimated parameters", (line, str(self.largest)), tables)

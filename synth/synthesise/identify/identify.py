@@ -1,17 +1,17 @@
-"""Parameters of a model from logged data.
+"""Identification of plant parameters from logged data (grey-box identification; MATLAB `greyest`).
 
     fit_linear       0 = g(signals, theta) + e, g linear in theta: g = Phi theta - y
-    fit_equations    the same with a plant's own right sides, 0 = f(x, u, theta) - dx/dt, made linear by a product of
-                     parameters where need be; static points have dx/dt = 0
+    fit_equations    the same with a plant's right sides, 0 = f(x, u, theta) - dx/dt, made linear by a product of
+                     parameters where necessary; static points have dx/dt = 0
     fit_trajectory   y_k = h(x_k, u_k, theta) + e_k along x' = f(x, u, theta) with inputs held over each period
 
-The first two count all errors to the equation: noise of a signal that multiplies a parameter biases it, so that such a
-signal wants averaging first. The third counts them to the outputs: a logged state is a measurement like others, so
-that start states are estimated, not taken from the log. An unstable plant is followed over short spans, each with start
-states of its own.
+The first two are equation-error methods: noise of a signal that multiplies a parameter biases it, and such a signal
+should be averaged first. The third is an output-error method: a logged state is a measurement like others, and initial
+states are estimated, not taken from the log. An unstable plant is simulated over short spans, each with its own initial
+states (multiple shooting).
 
-Derivatives are CasADi's, exact; Runge-Kutta steps of fourth order carry the sensitivities S = dx/dtheta along, as many
-as it takes (`trajectory_fit`).
+Derivatives are CasADi's, exact. Runge-Kutta steps of fourth order also integrate the sensitivities S = dx/dtheta, with
+as many steps as necessary (`trajectory_fit`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,9 +30,9 @@ from synth.synthesise.identify.estimate import Estimate
 from synth.synthesise.identify.logs import Log
 from synth.synthesise.identify.trajectory_fit import TrajectoryFit
 
-PROBE = 0.37  # relative change of a parameter that shows whether a derivative depends on it
-LINEAR = 1e-9  # of the largest entry of a derivative: by how much it may change then
-ROWS = 50  # rows of the log at which linearity is tried
+PROBE = 0.37  # relative change of a parameter, to test whether a derivative depends on it
+LINEAR = 1e-9  # of the largest entry of a derivative: its tolerated change
+ROWS = 50  # rows of the log at which linearity is tested
 
 
 @arguments.checked
@@ -45,13 +45,13 @@ def fit_linear(
     noise: Mapping[str, float] | None = None,
     level: float = 0.95,
 ) -> Estimate:
-    """Estimate parameters from equations that are linear in them and vanish but for noise.
+    """Estimate parameters from equations that are linear in them and zero except for noise.
 
-    `equations` are expressions by name in the symbols of `signals`, which the log holds, and of `symbols`, one for each
-    of the `parameters`. The parameters' values serve to try linearity alone.
+    `equations` are expressions by name in the symbols of `signals`, which the log contains, and of `symbols`, one for
+    each of the `parameters`. The values of the parameters are used only to test linearity.
 
-    Raises SignalError for a symbol that is neither, or a signal that the log does not hold; ModelError naming a
-    parameter in which an equation is not linear; else as `least_squares.solve`.
+    Raises SignalError for another symbol, or a signal that the log does not contain; ModelError naming a parameter in
+    which an equation is not linear; else as `least_squares.solve`.
     """
     arguments.distinct("parameters", names(parameters))
     arguments.distinct("equations", tuple(equations))
@@ -64,7 +64,7 @@ def fit_linear(
     for v in ca.symvar(g):
         if v.name() not in known:
             raise SignalError(f"the equations hold '{v.name()}', which is neither a signal nor one of the parameters")
-    return _affine(tuple(equations), g, theta, data, parameters, log.columns(tuple(signals)), (noise, level))
+    return _fit_affine(tuple(equations), g, theta, data, parameters, log.columns(tuple(signals)), (noise, level))
 
 
 @arguments.checked
@@ -78,11 +78,11 @@ def fit_equations(
 ) -> Estimate:
     """Estimate parameters of a plant from points at which its states and inputs were logged.
 
-    The equations of f that contain one of them serve. `rates` maps a state to the logged signal of its derivative; a
-    state that is left out is at rest. An equation is named by its state, as in `noise`; multiplied by parameters, it
-    has another unit.
+    The equations of f that contain one of them are used. `rates` maps a state to the logged signal of its derivative;
+    other states are at rest. An equation is named by its state, as in `noise`; multiplied by parameters, it has another
+    unit.
 
-    Raises SignalError for a name that is not known, a signal that the log does not hold or parameters in no equation;
+    Raises SignalError for an unknown name, a signal that the log does not contain or parameters in no equation;
     ModelError when no product of the parameters makes an equation linear; else as `least_squares.solve`.
     """
     parameters = arguments.distinct("parameters", parameters)
@@ -94,7 +94,7 @@ def fit_equations(
     f, rates = plant.f(x, u, p), dict(rates or {})
     states = names(plant.states)
     if unknown := [name for name in (*rates, *(noise if isinstance(noise, Mapping) else ())) if name not in states]:
-        raise SignalError(f"'{unknown[0]}' is no state of plant '{plant.name}': it has {', '.join(states)}")
+        raise SignalError(f"'{unknown[0]}' is not a state of plant '{plant.name}': it has {', '.join(states)}")
     theta = ca.SX.sym("theta", len(where))
     full = ca.SX(plant.values)
     full[where] = theta
@@ -110,9 +110,9 @@ def fit_equations(
     data = ca.vertcat(x, u, speed)[needed]
     samples = log.columns([every[k] for k in needed])
     equations = tuple(states[i] for i in used)
-    products = [_linearising(g[k], theta, data, chosen, samples, name) for k, name in enumerate(equations)]
+    products = [_linearising_product(g[k], theta, data, chosen, samples, name) for k, name in enumerate(equations)]
     used_noise = {n: v for n, v in noise.items() if n in equations} if isinstance(noise, Mapping) else noise
-    return _affine(equations, g * ca.vcat(products), theta, data, chosen, samples, (used_noise, level))
+    return _fit_affine(equations, g * ca.vcat(products), theta, data, chosen, samples, (used_noise, level))
 
 
 @arguments.checked
@@ -130,13 +130,14 @@ def fit_trajectory(
 ) -> TrajectoryFit:
     """Estimate parameters of a plant from trajectories, starting from the parameters' values.
 
-    `measured` names the outputs or states in the log to be matched. With a `span` the simulation starts anew after
-    every `span` periods. All start states are estimated, from the log's as first guess, and told as ``<state>_0`` where
-    there is no span. Without a span, states in `initial` start from the values given there, exactly, unless they are in
-    `free` too. `substeps` Runge-Kutta steps a period are tried first, then twice as many until that moves no parameter.
+    `measured` names the outputs or states in the log to be matched. With a `span` the simulation restarts after every
+    `span` periods. All initial states are estimated, with the logged ones as first guess, and reported as
+    ``<state>_0`` where there is no span. Without a span, states in `initial` start exactly from these values unless
+    they are also in `free`. The fit begins with `substeps` Runge-Kutta steps per period and doubles them until no
+    parameter changes.
 
-    Raises SignalError for a name that is not known, a signal that the log does not hold or a span below 1; TimingError
-    for a log without period; ModelError where no number of steps is enough; else as `gauss_newton.minimise`.
+    Raises SignalError for an unknown name, a signal that the log does not contain or a span below 1; TimingError for a
+    log without period; ModelError where no number of steps is sufficient; else as `gauss_newton.minimise`.
     """
     parameters, measured = (
         arguments.distinct("parameters", parameters),
@@ -158,10 +159,10 @@ def fit_trajectory(
         return gauss_newton.minimise(at.simulate, at.y, start, labels, measured, noise, level, units)
 
     start = np.concatenate([values, first.starts.ravel()])
-    return trajectory_fit.certified(problem, minimise, start, parameters, substeps)
+    return trajectory_fit.refine_steps(problem, minimise, start, parameters, substeps)
 
 
-def _affine(
+def _fit_affine(
     equations: tuple[str, ...],
     g: ca.SX,
     theta: ca.SX,
@@ -172,19 +173,19 @@ def _affine(
 ) -> Estimate:
     """Estimate theta of g = 0; raise ModelError where an equation is not linear in a parameter."""
     for k, name in enumerate(equations):
-        if curved := _curved(g[k], theta, data, parameters, samples):
+        if curved := _nonlinear_parameters(g[k], theta, data, parameters, samples):
             raise ModelError(
                 f"equation '{name}' is not linear in {', '.join(curved)}: multiply it out, hold one of them, or use "
                 "fit_trajectory"
             )
-    value, slope = _sampled(g, theta, data, np.array([p.value for p in parameters], dtype=np.float64), samples)
+    value, slope = _evaluate(g, theta, data, np.array([p.value for p in parameters], dtype=np.float64), samples)
     y = np.einsum("npk,k->np", slope, [p.value for p in parameters]) - value
     units = {p.name: p.unit for p in parameters}
     near = np.array([p.value for p in parameters], dtype=np.float64)
     return least_squares.solve(slope, y, names(parameters), equations, *confidence, units, near)
 
 
-def _sampled(g: ca.SX, theta: ca.SX, data: ca.SX, at: Array, samples: Array) -> tuple[Array, Array]:
+def _evaluate(g: ca.SX, theta: ca.SX, data: ca.SX, at: Array, samples: Array) -> tuple[Array, Array]:
     """Return g (N, p) and dg/dtheta (N, p, k) at each row of `samples` (N, d)."""
     p, k = g.numel(), theta.numel()
     both = ca.Function("g", [theta, data], [g, ca.vec(ca.densify(ca.jacobian(g, theta)).T)]).map(len(samples))
@@ -192,11 +193,13 @@ def _sampled(g: ca.SX, theta: ca.SX, data: ca.SX, at: Array, samples: Array) -> 
     return np.asarray(ca.DM(value)).T, np.asarray(ca.DM(slope)).T.reshape(len(samples), p, k)
 
 
-def _curved(g: ca.SX, theta: ca.SX, data: ca.SX, parameters: Sequence[Parameter], samples: Array) -> list[str]:
-    """Return the parameters on which the derivatives of g depend: they change at some row when that one changes."""
+def _nonlinear_parameters(
+    g: ca.SX, theta: ca.SX, data: ca.SX, parameters: Sequence[Parameter], samples: Array
+) -> list[str]:
+    """Return the parameters in which g is not linear: a change of one changes the derivatives of g at some row."""
     rows = samples[np.unique(np.linspace(0, len(samples) - 1, ROWS).astype(int))]
     base = np.array([p.value for p in parameters], dtype=np.float64)
-    slope = _sampled(g, theta, data, base, rows)[1]
+    slope = _evaluate(g, theta, data, base, rows)[1]
     if not np.isfinite(slope).all():
         values = ", ".join(f"{p.name} = {p.value:g}" for p in parameters)
         raise ModelError(
@@ -204,27 +207,27 @@ def _curved(g: ca.SX, theta: ca.SX, data: ca.SX, parameters: Sequence[Parameter]
             "than 0, and leave out rows in which a signal does"
         )
     size = np.abs(slope).max(axis=0, initial=0.0)
-    found = []
+    nonlinear = []
     for i, p in enumerate(parameters):
         changed = base.copy()
         changed[i] += PROBE * abs(p.value) or PROBE
-        if not (np.abs(_sampled(g, theta, data, changed, rows)[1] - slope) <= LINEAR * size).all():
-            found.append(p.name)
-    return found
+        if not (np.abs(_evaluate(g, theta, data, changed, rows)[1] - slope) <= LINEAR * size).all():
+            nonlinear.append(p.name)
+    return nonlinear
 
 
-def _linearising(
+def _linearising_product(
     g: ca.SX, theta: ca.SX, data: ca.SX, parameters: Sequence[Parameter], samples: Array, name: str
 ) -> ca.SX:
-    """Return the product of none, one or two parameters that makes an equation of f linear in all."""
-    curved = _curved(g, theta, data, parameters, samples)
+    """Return the product of up to two parameters that makes an equation of f linear in all parameters."""
+    curved = _nonlinear_parameters(g, theta, data, parameters, samples)
     places = [k for k, p in enumerate(parameters) if p.name in curved]
     for many in (0, 1, 2):
         for some in combinations_with_replacement(places, many):
             product = ca.SX(1)
             for k in some:
                 product = product * theta[k]
-            if not _curved(g * product, theta, data, parameters, samples):
+            if not _nonlinear_parameters(g * product, theta, data, parameters, samples):
                 return product
     raise ModelError(
         f"the equation of '{name}' is not linear in {', '.join(curved)}, nor multiplied by one or two of them: hold "

@@ -1,4 +1,4 @@
-"""Logs: samples of named signals, row by row, with or without a sample period."""
+"""Logs: samples of named signals, row by row, with or without a sample period; MATLAB `iddata`."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,18 +10,18 @@ from synth.errors import SignalError, TimingError
 from synth.statespace import Array, readonly
 from synth.timing import Discrete
 
-JITTER = 1e-2  # of the period: by how much the distance of two rows may differ from it
-DRIFT = 1e-4  # of the log's duration: by how much the times may differ from it, twice what poor quartz clocks do
+JITTER = 1e-2  # of the period: tolerance of the time between two rows
+DRIFT = 1e-4  # of the log's duration: tolerance of the times, twice the drift of a poor quartz clock
 
 
 @show.result
 class Log:
     """Samples (N,) of each signal by name, in the signals' SI units, one period apart if there is one.
 
-    `times` (N,), in s, are compared with the period, row by row and over the whole log, and not kept.
+    `times` (N,), in s, are compared with the period, row by row and over the whole log, and not stored.
 
-    Raises SignalError for samples of unlike number, none, or that are not finite, naming row and signal; TimingError
-    for a period that is not positive, or times that are not one period apart.
+    Raises SignalError for signals with different numbers of samples, no samples, or samples that are not finite, naming
+    row and signal; TimingError for a period that is not positive, or times that are not one period apart.
     """
 
     samples: Mapping[str, Array]
@@ -33,7 +33,7 @@ class Log:
             raise SignalError(f"the log is a {type(self.samples).__name__}: give samples by name, like {{'x': [1, 2]}}")
         object.__setattr__(self, "samples", {name: _column(name, v) for name, v in self.samples.items()})
         if not self.samples:
-            raise SignalError("the log holds no signal: give samples by name")
+            raise SignalError("the log contains no signal: give samples by name")
         first = next(iter(self.samples))
         for name, values in self.samples.items():
             if len(values) != len(self):
@@ -53,7 +53,7 @@ class Log:
         return len(next(iter(self.samples.values())))
 
     def columns(self, names: Sequence[str]) -> Array:
-        """Return the samples of some signals (N, k); raise SignalError for one that the log does not hold."""
+        """Return the samples of some signals (N, k); raise SignalError for one that the log does not contain."""
         for name in names:
             if name not in self.samples:
                 raise SignalError(f"the log has no signal '{name}': it has {', '.join(self.samples)}")

@@ -1,10 +1,10 @@
-"""A plant's trajectories through a log, with their derivatives by parameters and start states.
+"""Simulation of a plant along a log with forward sensitivities by parameters and initial states (output error).
 
     x_{k+1} = R(x_k, u_k, theta),       S_{k+1} = dR/dx S_k + dR/dtheta
     y_k = h(x_k, u_k, theta),           dy_k/dtheta = dh/dx S_k + dh/dtheta
 
-R is one Runge-Kutta step of fourth order over a part of a period, with u held. The log is followed in spans of rows,
-none of which belongs to two; each starts from states of its own.
+R is one Runge-Kutta step of fourth order over a part of a period, with u held. The log is divided into disjoint spans
+of rows; each starts from its own initial states (multiple shooting).
 
 Library: no design uses it yet; docs/library.md has an example.
 """
@@ -23,15 +23,16 @@ from synth.statespace import Array
 from synth.synthesise.identify import bordered
 from synth.synthesise.identify.logs import Log
 
-MOST_SUBSTEPS = 10_000  # a period: a plant that needs more is too stiff for explicit steps
+MOST_SUBSTEPS = 10_000  # per period: a plant that needs more is too stiff for explicit steps
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What was measured, y (N, p), in the first N rows of the log, and what a simulation needs.
+    """The measurement y (N, p) in the first N rows of the log, and the data of its simulation.
 
-    `starts` (spans, f) are the first guesses of the f `free` start states of each span, x0 (n, spans) all of them.
-    `steps` follows the spans with `substeps` steps a period; their start states are kept `apart` from the parameters.
+    `starts` (spans, f) are the first guesses of the f `free` initial states of each span, x0 (n, spans) all initial
+    states. `steps` simulates the spans with `substeps` steps per period. With `separate_starts` the derivatives by
+    initial states are those of groups in a `bordered.Jacobian`.
     """
 
     y: Array
@@ -42,22 +43,22 @@ class Problem:
     x0: Array
     free: tuple[int, ...]
     parameters: int
-    apart: bool
+    separate_starts: bool
 
     def simulate(self, theta: Array) -> tuple[Array, Array | bordered.Jacobian]:
-        """Return the outputs (N, p) and their derivatives, those by start states of several spans apart.
+        """Return the outputs (N, p) and their derivatives.
 
-        `theta` holds the k parameters, then the free start states span by span.
+        `theta` holds the k parameters, then the free initial states span by span.
         """
         k, f, (spans, p) = self.parameters, len(self.free), (len(self.starts), self.y.shape[1])
         x0, S0 = self.x0.copy(), np.zeros((len(self.x0), k + f))
         x0[list(self.free)] = theta[k:].reshape(spans, f).T
         S0[list(self.free), range(k, k + f)] = 1.0
         start = np.vstack([x0, np.tile(S0.ravel(order="F")[:, None], spans)])
-        found = self.steps(start, self.u, np.tile(theta[:k, None], self.u.shape[1]))[1]
-        each = np.asarray(ca.DM(found)).T[:: self.substeps].reshape(spans, -1, 1 + k + f, p)
-        g, J = each[:, :, 0].reshape(-1, p), each[:, :, 1:].transpose(0, 1, 3, 2)
-        if not self.apart:
+        outputs = self.steps(start, self.u, np.tile(theta[:k, None], self.u.shape[1]))[1]
+        blocks = np.asarray(ca.DM(outputs)).T[:: self.substeps].reshape(spans, -1, 1 + k + f, p)
+        g, J = blocks[:, :, 0].reshape(-1, p), blocks[:, :, 1:].transpose(0, 1, 3, 2)
+        if not self.separate_starts:
             return g, J[0]
         return g, bordered.Jacobian(J[..., :k].reshape(-1, p, k), J[..., k:])
 
@@ -72,7 +73,7 @@ def problem(
     free: Sequence[str],
     substeps: int,
 ) -> Problem:
-    """Return the simulations of a plant that match a log; arguments as for `identify.fit_trajectory`."""
+    """Return the simulation of a plant along a log; arguments as for `identify.fit_trajectory`."""
     states = names(plant.states)
     _check(plant, measured, span, initial, free, len(log), substeps)
     unfixed = [name for name in states if name not in initial]
@@ -102,10 +103,10 @@ def _check(
     states, known = names(plant.states), (*names(plant.states), *names(plant.outputs))
     for name in measured:
         if name not in known:
-            raise SignalError(f"'{name}' is no output or state of plant '{plant.name}': it has {', '.join(known)}")
+            raise SignalError(f"'{name}' is not an output or state of plant '{plant.name}': it has {', '.join(known)}")
     for name in (*initial, *free):
         if name not in states:
-            raise SignalError(f"'{name}' is no state of plant '{plant.name}': it has {', '.join(states)}")
+            raise SignalError(f"'{name}' is not a state of plant '{plant.name}': it has {', '.join(states)}")
     for name, value in initial.items():
         if arguments.real(f"initial value of '{name}'", value).shape or not np.isfinite(value):
             raise SignalError(f"the initial value of '{name}' is {value}: give a finite number")
@@ -113,7 +114,7 @@ def _check(
         raise SignalError(f"the span is {span} samples: give 1 or more, and fewer than the log's {rows} rows")
     if span is not None and (initial or free):
         raise SignalError(
-            "the start states of spans are all estimated: leave `initial` and `free` out, or leave out the span"
+            "the initial states of spans are all estimated: leave `initial` and `free` out, or leave out the span"
         )
     if span is not None and (span + 1) * len(measured) < len(states):
         raise SignalError(
@@ -141,6 +142,6 @@ def _step(plant: Plant, parameters: Sequence[str], measured: Sequence[str], free
     y = ca.vcat([h_all[outputs.index(m)] if m in outputs else x[states.index(m)] for m in measured])
     stacked = []
     for v in (after, y):
-        own = ca.horzcat(ca.jacobian(v, theta), ca.SX.zeros(v.numel(), free))
-        stacked.append(ca.vertcat(v, ca.vec(ca.densify(ca.jacobian(v, x) @ S + own))))
+        direct = ca.horzcat(ca.jacobian(v, theta), ca.SX.zeros(v.numel(), free))
+        stacked.append(ca.vertcat(v, ca.vec(ca.densify(ca.jacobian(v, x) @ S + direct))))
     return ca.Function("step", [ca.vertcat(x, ca.vec(S)), u, theta], stacked)

@@ -1,6 +1,6 @@
-"""Combinations of parameters that data do not determine, as text: the null space of a regressor.
+"""Parameter combinations that data do not determine, as text: the null space of a regressor.
 
-v spans a direction in which theta may go without any change of Phi theta. Near known values the changes are told
+v is a direction in which theta can change without a change of Phi theta. Near nominal values the changes are stated
 relative to them, v_i / theta_i: "a and b in proportion" where they are equal, "a and 1/b" where they are opposite.
 """
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from synth.statespace import Array
 
-RANK = 1e-10  # of the largest singular value, columns of length 1: what is below counts as not determined
-ABSENT = 1e-6  # of the largest component of a direction: below it a parameter does not take part
-EQUAL = 1e-3  # relative: by how much changes may differ that are told as proportional
+RANK = 1e-10  # of the largest singular value, columns of length 1: below it a direction is not determined
+ABSENT = 1e-6  # of the largest component of a direction: a smaller one is zero
+EQUAL = 1e-3  # relative: tolerance of changes that are stated as proportional
 
 
 def combinations(
@@ -20,34 +20,34 @@ def combinations(
 ) -> list[str]:
     """Return the combinations of parameters that a regressor U diag(sigma) V' diag(size) does not determine.
 
-    sigma and `size` are (k,), V is (k, k); `near` (k,) are known values.
+    sigma and `size` are (k,), V is (k, k); `near` (k,) are nominal values.
     """
     null = V[:, sigma <= RANK * max(1.0, sigma.max(initial=0.0))].T
-    found = []
-    for v in _sparse(null):
-        part = np.flatnonzero(v)
-        names = [parameters[int(i)] for i in part]
-        if near is not None and near[part].all():
-            found.append(_relative(v[part] / size[part] / near[part], names))
+    texts = []
+    for v in _row_echelon(null):
+        involved = np.flatnonzero(v)
+        names = [parameters[int(i)] for i in involved]
+        if near is not None and near[involved].all():
+            texts.append(_relative_text(v[involved] / size[involved] / near[involved], names))
         else:
-            found.append(_absolute(v[part] / size[part], names))
-    return found
+            texts.append(_absolute_text(v[involved] / size[involved], names))
+    return texts
 
 
-def _sparse(basis: Array) -> Array:
+def _row_echelon(basis: Array) -> Array:
     """Return vectors (r, k) that span the same space, each with few components: the row echelon form."""
-    found = basis.copy()
-    for row in range(len(found)):
-        i, j = divmod(int(np.abs(found[row:]).argmax()), found.shape[1])
-        found[[row, row + i]] = found[[row + i, row]]
-        found[row] /= found[row, j]
-        for other in range(len(found)):
+    vectors = basis.copy()
+    for row in range(len(vectors)):
+        i, j = divmod(int(np.abs(vectors[row:]).argmax()), vectors.shape[1])
+        vectors[[row, row + i]] = vectors[[row + i, row]]
+        vectors[row] /= vectors[row, j]
+        for other in range(len(vectors)):
             if other != row:
-                found[other] -= found[other, j] * found[row]
-    return np.where(np.abs(found) > ABSENT, found, 0.0)
+                vectors[other] -= vectors[other, j] * vectors[row]
+    return np.where(np.abs(vectors) > ABSENT, vectors, 0.0)
 
 
-def _relative(change: Array, names: Sequence[str]) -> str:
+def _relative_text(change: Array, names: Sequence[str]) -> str:
     change = change / change[np.abs(change).argmax()]
     if len(names) == 1:
         return names[0]
@@ -58,7 +58,7 @@ def _relative(change: Array, names: Sequence[str]) -> str:
     return f"a change of {', '.join(terms[:-1])} and {terms[-1]}"
 
 
-def _absolute(v: Array, names: Sequence[str]) -> str:
+def _absolute_text(v: Array, names: Sequence[str]) -> str:
     if len(names) == 1:
         return names[0]
     terms = zip(v / np.linalg.norm(v) * np.sign(v[0]), names, strict=True)

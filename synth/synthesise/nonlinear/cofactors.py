@@ -1,8 +1,8 @@
-"""Inverses written out by cofactors: zeros of a matrix vanish from them, and no pivot is chosen at run time.
+"""Symbolic inverse of a matrix by cofactors, without pivoting and without structurally zero terms.
 
     M^-1 b = adj(M) b / det M,    adj(M)_ij = (-1)^(i + j) det(M without row j and column i)
 
-Each minor is written once, so that the number of products grows as n^2 2^n, not as n!.
+Each minor is computed once, and the number of products grows as n^2 2^n, not as n!.
 """
 
 from dataclasses import dataclass, field
@@ -38,20 +38,20 @@ def solve(M: ca.SX, b: ca.SX) -> Solution:
 @dataclass(frozen=True, eq=False)
 class _Minors:
     M: ca.SX
-    known: dict[tuple[Places, Places], ca.SX] = field(default_factory=dict)
+    minors: dict[tuple[Places, Places], ca.SX] = field(default_factory=dict)
 
     def of(self, rows: Places, columns: Places) -> ca.SX:
         """Return the determinant of the matrix of these rows and columns, by its first row."""
         if not rows:
             return ca.SX(1)
-        if (rows, columns) not in self.known:
+        if (rows, columns) not in self.minors:
             total = ca.SX(0)
             for place, column in enumerate(columns):
                 entry = self.M[rows[0], column]
                 if not entry.is_zero():
                     total += (-1) ** place * entry * self.of(rows[1:], _without(columns, column))
-            self.known[rows, columns] = total
-        return self.known[rows, columns]
+            self.minors[rows, columns] = total
+        return self.minors[rows, columns]
 
 
 def _without(places: Places, place: int) -> Places:

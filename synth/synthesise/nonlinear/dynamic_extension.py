@@ -1,16 +1,16 @@
-"""Dynamic extension: integrators on inputs that enter too early, until the vector relative degree is defined.
+"""Dynamic extension: integrators on inputs, until the vector relative degree is defined.
 
     u_rate --->( 1/s )---> u --->[ plant ]---> y          the integrator's state has the input's name
 
-Where the decoupling matrix D (p, m) has rank s < p all over the domain, the rows of some outputs are combinations of
-those of others, I. The inputs that enter through the rows D_I are delayed, so that others come forward to enter beside
-them. With columns J for which D_IJ is invertible, what is delayed is
+Where the decoupling matrix D (p, m) has rank s < p in the whole domain, the rows of some outputs are combinations of
+the rows I of others. The inputs that enter through D_I are delayed by an integrator, and other inputs then enter in
+derivatives of the same order. With columns J for which D_IJ is invertible, the delayed combinations are
 
     v_J = u_J + D_IJ^-1 D_IK u_K,    K the other inputs,
 
-which is u_J where no other input enters those rows. Each step lengthens the chains of I by one; the sum of the degrees
-and the number of states are compared at the end: a full degree leaves no zero dynamics. A plant that has no right
-inverse, as one in which an output is a function of another, never ends this, and is refused at a bound.
+or u_J itself where no other input enters those rows. Each step increases the degrees of I by one. At the end the sum of
+the degrees is compared with the number of states: if they are equal there are no zero dynamics. For a plant without
+right inverse, for example if one output is a function of another, the algorithm does not end; a bound stops it.
 
 Sources: Descusse, Moog, International Journal of Control 42 (1985) 1387-1398; Isidori, Nonlinear Control Systems, 5.4.
 
@@ -38,7 +38,7 @@ from synth.synthesise.nonlinear import cofactors
 class Extension:
     """The extended `plant`, its new states in the order they were added, and the degree of its outputs.
 
-    `recovered` gives the inputs (m,) of the plant before it from the states and inputs of the extended one.
+    `recovered` gives the inputs (m,) of the original plant from the states and inputs of the extended one.
     """
 
     plant: Plant
@@ -47,7 +47,7 @@ class Extension:
     degree: RelativeDegree
 
     def sheet(self) -> show.Sheet:
-        """Return the integrators and the degree that they give."""
+        """Return the integrators and the relative degree."""
         added = ", ".join(self.integrators) or "none needed"
         degree = self.degree.sheet()
         lines = (f"integrators: {added}", f"inputs: {', '.join(names(self.plant.inputs))}", *degree.lines)
@@ -56,19 +56,20 @@ class Extension:
 
 @dataclass(frozen=True, eq=False)
 class _Mixing:
-    """u_j = v_j - rows_j u for the inputs at places `delayed`; `rows` (len(delayed), m) depend on the states."""
+    """u_j = v_j - rows_j u for the inputs at the indices `delayed`; `rows` (len(delayed), m) depend on the states."""
 
     delayed: tuple[int, ...]
     rows: ca.SX
 
 
 @arguments.checked
-def integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
-    """Return the plant with an integrator before each of the named inputs; that makes it affine in them.
+def add_integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
+    """Return the plant with an integrator before each of the named inputs; it is then affine in the new inputs.
 
-    An input becomes a state of its name, unit and range; the new input `<input>_rate` may cross that range in a second.
+    An input becomes a state with the same name, unit and range; the new input `<input>_rate` can traverse that range in
+    one second.
 
-    Raises SignalError for a name that is not an input or is taken.
+    Raises SignalError for a name that is not an input or is already used.
     """
     known = names(plant.inputs)
     for name in inputs:
@@ -77,7 +78,7 @@ def integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
                 f"integrator before '{name}': name inputs of '{plant.name}', {', '.join(known)}, each once"
             )
     places = tuple(k for k, name in enumerate(known) if name in inputs)
-    return _delayed(plant, places, _identity(plant), [plant.inputs[k] for k in places])
+    return _insert_integrators(plant, places, _identity(plant), [plant.inputs[k] for k in places])
 
 
 @arguments.checked
@@ -89,10 +90,11 @@ def extend(
 ) -> Extension:
     """Return the plant with the integrators that the relative degree of `outputs` needs to be defined.
 
-    At most `bound` of them, as many as the plant has states when left out. Where D still loses rank at points of the
-    domain, `degree.worst` says so.
+    At most `bound` integrators are added, by default as many as the plant has states. `degree.worst` reports points of
+    the domain where D still loses rank.
 
-    Raises as `relative_degree.of_plant`; ModelError when the plant has more outputs than inputs or the bound is passed.
+    Raises as `relative_degree.of_plant`; ModelError when the plant has more outputs than inputs or the bound is
+    exceeded.
     """
     limit = len(plant.states) if bound is None else bound
     degree = relative_degree.of_plant(plant, outputs, held)
@@ -101,7 +103,7 @@ def extend(
     added: list[str] = []
     recovered = _identity(plant)
     while degree.rows.dependent:
-        plant, new, recovered = _step(plant, degree, recovered)
+        plant, new, recovered = _extend_once(plant, degree, recovered)
         added += new
         if len(added) > limit:
             raise _no_extension(degree, len(added) - len(new))
@@ -110,16 +112,16 @@ def extend(
 
 
 def _no_extension(degree: RelativeDegree, added: int) -> ModelError:
-    told = [f"'{name}' on ({', '.join(others)})" for name, others in degree.rows.dependent.items()]
+    dependences = [f"'{name}' on ({', '.join(others)})" for name, others in degree.rows.dependent.items()]
     return ModelError(
         f"plant '{degree.model.name}' cannot be decoupled by integrators on its inputs: with {added} of them rows of "
-        f"the decoupling matrix still depend on others, {'; '.join(told)}; these outputs are not independent (the "
-        "plant has no right inverse), or the bound is too low: choose other outputs, or raise the bound"
+        f"the decoupling matrix still depend on others, {'; '.join(dependences)}; these outputs are not independent "
+        "(the plant has no right inverse), or the bound is too low: choose other outputs, or raise the bound"
     )
 
 
-def _step(plant: Plant, degree: RelativeDegree, recovered: ca.Function) -> tuple[Plant, list[str], ca.Function]:
-    """Delay the inputs that enter through the rows on which others depend."""
+def _extend_once(plant: Plant, degree: RelativeDegree, recovered: ca.Function) -> tuple[Plant, list[str], ca.Function]:
+    """Add integrators to the inputs that enter through the rows on which others depend."""
     mixing = _mixing(degree)
     inputs = degree.model.inputs
     known = names(plant.inputs)
@@ -132,13 +134,13 @@ def _step(plant: Plant, degree: RelativeDegree, recovered: ca.Function) -> tuple
     for k, place in enumerate(places):
         u[place] -= ca.mtimes(rows[k, :], v[free])
     undone = ca.Function("u", [x, v], [u])
-    states = [_state(degree, mixing, k) for k in range(len(places))]
-    extended = _delayed(plant, places, undone, states)
-    return extended, [s.name for s in states], _composed(extended, places, undone, recovered, len(plant.states))
+    states = [_integrator_state(degree, mixing, k) for k in range(len(places))]
+    extended = _insert_integrators(plant, places, undone, states)
+    return extended, [s.name for s in states], _recover_inputs(extended, places, undone, recovered, len(plant.states))
 
 
-def _state(degree: RelativeDegree, mixing: _Mixing, k: int) -> Signal:
-    """Return the signal of an integrator; one that mixes inputs reaches as far as they do together."""
+def _integrator_state(degree: RelativeDegree, mixing: _Mixing, k: int) -> Signal:
+    """Return the state of an integrator; the range of a combination of inputs is the sum of their ranges."""
     inputs = degree.model.inputs
     input = inputs[mixing.delayed[k]]
     row = mixing.rows[k, :]
@@ -153,20 +155,20 @@ def _state(degree: RelativeDegree, mixing: _Mixing, k: int) -> Signal:
 
 
 def _mixing(degree: RelativeDegree) -> _Mixing:
-    """Return the inputs to delay, and how others are mixed into them."""
+    """Return the inputs to delay and the coefficients of the other inputs in them."""
     D, outputs = degree.decoupling, degree.outputs
     behind = {name for others in degree.rows.dependent.values() for name in others}
     same = behind | {n for n, others in degree.rows.dependent.items() if set(others) <= behind}
-    rows, columns = _block(degree, [outputs.index(n) for n in outputs if n in same], len(behind))
-    rest = [j for j in range(D.size2()) if j not in columns and D[rows, j].nnz()]
+    rows, columns = _best_block(degree, [outputs.index(n) for n in outputs if n in same], len(behind))
+    others_entering = [j for j in range(D.size2()) if j not in columns and D[rows, j].nnz()]
     mixed = ca.SX(len(columns), D.size2())
-    if rest:
-        solved = cofactors.solve(D[rows, columns], D[rows, rest]).value
-        mixed[:, rest] = rounding.without_zeros(solved, degree.model.box)
+    if others_entering:
+        solved = cofactors.solve(D[rows, columns], D[rows, others_entering]).value
+        mixed[:, others_entering] = rounding.without_zeros(solved, degree.model.box)
     return _Mixing(tuple(columns), mixed)
 
 
-def _block(degree: RelativeDegree, rows: Sequence[int], size: int) -> tuple[list[int], list[int]]:
+def _best_block(degree: RelativeDegree, rows: Sequence[int], size: int) -> tuple[list[int], list[int]]:
     """Return the rows and columns of the square block of D that is best conditioned at the worst scattered point."""
     D, model = degree.decoupling, degree.model
     points = box.scatter(model.states, rounding.POINTS, rounding.SEEDS[0])
@@ -175,10 +177,10 @@ def _block(degree: RelativeDegree, rows: Sequence[int], size: int) -> tuple[list
     choices = [
         (list(i), list(j)) for i in combinations(rows, size) for j in combinations(range(len(model.inputs)), size)
     ]
-    return max(choices, key=lambda choice: _least(values[:, choice[0]][:, :, choice[1]]))
+    return max(choices, key=lambda choice: _least_singular_value(values[:, choice[0]][:, :, choice[1]]))
 
 
-def _least(values: Array) -> float:
+def _least_singular_value(values: Array) -> float:
     return float(np.linalg.svd(values, compute_uv=False)[:, -1].min())
 
 
@@ -187,10 +189,10 @@ def _identity(plant: Plant) -> ca.Function:
     return ca.Function("u", [x, u], [u])
 
 
-def _composed(
+def _recover_inputs(
     extended: Plant, places: Sequence[int], undone: ca.Function, recovered: ca.Function, n: int
 ) -> ca.Function:
-    """Return the first plant's inputs from the states and inputs of the extended one."""
+    """Return the original plant's inputs as a function of the states and inputs of the extended one."""
     x, u = ca.SX.sym("x", len(extended.states)), ca.SX.sym("u", len(extended.inputs))
     v = ca.SX(u)
     for k, place in enumerate(places):
@@ -198,9 +200,9 @@ def _composed(
     return ca.Function("u", [x, u], [recovered(x[: recovered.size1_in(0)], undone(x[:n], v))], ["x", "u"], ["before"])
 
 
-def _delayed(plant: Plant, places: Sequence[int], undone: ca.Function, states: Sequence[Signal]) -> Plant:
-    """Return the plant with integrators at `places` of its inputs; undone(x, v) are the inputs from what they hold."""
-    rates = [_rate(s) for s in states]
+def _insert_integrators(plant: Plant, places: Sequence[int], undone: ca.Function, states: Sequence[Signal]) -> Plant:
+    """Return the plant with integrators at the input indices `places`; undone(x, v) maps their states to inputs."""
+    rates = [_rate_input(s) for s in states]
     inputs = list(plant.inputs)
     for place, rate in zip(places, rates, strict=True):
         inputs[place] = rate
@@ -221,7 +223,7 @@ def _delayed(plant: Plant, places: Sequence[int], undone: ca.Function, states: S
     return build(plant.name, [*plant.states, *states], inputs, plant.outputs, plant.parameters, physics)
 
 
-def _rate(state: Signal) -> Signal:
-    """Return the input of an integrator: it may cross the range of its state in a second."""
+def _rate_input(state: Signal) -> Signal:
+    """Return the input of an integrator, which can traverse the range of its state in one second."""
     width = state.high - state.low
     return Signal(f"{state.name}_rate", per_second(state.unit), -width, width, f"rate of {state.name}")

@@ -1,10 +1,10 @@
-"""Feedback linearisation: choose u so that derivatives of the outputs become the demands w.
+"""Input-output feedback linearisation: u for which the r-th derivatives of the outputs equal the demands w.
 
 For a plant with relative degrees r_i, decoupling matrix D(x) and drift a(x) (see `relative_degree`),
 
     d^r_i y_i / dt^r_i = a_i + D_i u,      u = D^-1 (w - a)    gives    d^r_i y_i / dt^r_i = w_i,
 
-p chains of integrators, and n - sum r states that the outputs do not show (see `zero_dynamics`):
+p chains of integrators, and n - sum r states that are not observable from the outputs (see `zero_dynamics`):
 
     w ---->[ u = D^-1 (w - a) ]---- u ---->[ plant ]----> y
                     ^                          |
@@ -14,7 +14,7 @@ With more inputs than outputs and a weight W, u0 the inputs at the operating poi
 
     u = u0 + N (D N)^-1 (w - a - D u0),    N = W^-1 D^T,
 
-is the one of least (u - u0)' W (u - u0). Inverses are written out by cofactors. Sources: F(11)-(13); Isidori, 5.2-5.3.
+has the least (u - u0)' W (u - u0). Inverses are written out by cofactors. Sources: F(11)-(13); Isidori, 5.2-5.3.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,10 +39,10 @@ from synth.synthesise.feedback import weights
 from synth.synthesise.nonlinear import cofactors
 from synth.timing import Continuous
 
-SEED = 7  # not one of those that the relative degree was told by
-LOST = 2.0**26  # of the demands' size: how far terms may grow and cancel, half of the digits
+SEED = 7  # differs from the seeds of the relative degree
+CANCELLATION = 2.0**26  # of the demands' size: the largest terms that may cancel, half of the digits
 
-AUTHORITY = 1e-12  # of the drift: inputs that reach less far than this enter by the rounding error of a constant
+AUTHORITY = 1e-12  # of the drift: a smaller effect of the inputs is the rounding error of a constant
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +57,10 @@ class Law:
 
 @show.result
 class Linearisation:
-    """The law `u` (m,) of the states `x` (n,) and the demands `w` (p,), in symbols, with what it rests on.
+    """The law `u` (m,) of the states `x` (n,) and the demands `w` (p,), in symbols, with plant and relative degree.
 
-    w_i is the derivative of output i of the order of its degree, so its unit is the output's per s^r_i. `determinant`
-    is that of D, or of D N. `zeros` is None where no operating point was given.
+    w_i is the r_i-th derivative of output i, in the output's unit per s^r_i. `determinant` is that of D, or of D N.
+    `zeros` is None without an operating point.
     """
 
     plant: Plant
@@ -82,18 +82,18 @@ class Linearisation:
         return ca.Function("law", [self.x, self.w], [ca.densify(self.u)], ["x", "w"], ["u"])
 
     def chain(self, output: str) -> "Chain":
-        """Return the chain of integrators from a demand ``w_<output>`` to an output, which the law makes of the plant.
+        """Return the chain of integrators from a demand ``w_<output>`` to an output of the linearised plant.
 
-        Its states are the output and its derivatives, by the name of the plant's state that a derivative is, else
+        Its states are the output and its derivatives. A derivative that is a state of the plant has that name, else
         ``<output>_d<k>``.
 
-        Raises SignalError for an output that is not linearised, or that the inputs move at once.
+        Raises SignalError for an output that is not linearised, or that depends directly on the inputs.
         """
         if output not in self.degree.outputs:
             raise SignalError(f"'{output}' is not linearised: choose one of {', '.join(self.degree.outputs)}")
         i = self.degree.outputs.index(output)
         if not (r := self.degree.degrees[i]):
-            raise SignalError(f"the inputs move '{output}' at once, without an integrator: give it no axis")
+            raise SignalError(f"'{output}' depends directly on the inputs, without an integrator: give it no axis")
         states, demand, unit = _chain_states(self, i), f"w_{output}", self.degree.model.outputs[i].unit
         units = {output: unit}
         for name in (*states, demand):
@@ -104,19 +104,18 @@ class Linearisation:
     def condition_map(
         self, down: str, across: str, held: Mapping[str, float] | None = None
     ) -> singularity.ConditionMap:
-        """Return the condition of D over the ranges of two states; other states stand in the middle or as `held`.
+        """Return the condition of D over the ranges of two states; the others are at mid-range or at `held`.
 
         Raises SignalError for a state that does not enter D.
         """
-        return singularity.mapped(self.degree.scaled, down, across, held)
+        return singularity.condition_map(self.degree.scaled, down, across, held)
 
     def check(self, points: int = 64) -> Check:
         """Substitute the law at scattered points and compare d^r y/dt^r with the demands.
 
-        The derivatives are taken along the plant's own f and h, with the inputs as constants: neither the drift nor D,
-        nor the affine form, enters them. The demands at a point are what the outputs' derivatives are at another. The
-        figure is the largest difference in units of the rounding error that the terms meeting in it may carry, but not
-        above 1e-6 of the demands.
+        The derivatives are taken along the plant's f and h with constant inputs, independently of the drift, D and the
+        affine form. The demands at a point are the outputs' derivatives at another one. The figure is the largest
+        difference relative to the rounding error of its terms, which is bounded by 1e-6 of the demands.
 
         Raises ModelError where the model is not finite.
         """
@@ -125,13 +124,13 @@ class Linearisation:
         reached = _derivatives(self, u)
         domain = Box(ca.vertcat(self.x, u), (*states, *inputs))
         at = box.scatter(domain.signals, points, SEED)
-        wanted = np.roll(domain.evaluated(reached, at)[:, 0, :], 1, axis=1)
-        sent, error_u = _sent(self, at[: len(states)], wanted)
-        parts = ca.horzcat(reached, rounding.bound(reached), ca.jacobian(reached, u))
-        values = domain.evaluated(parts, np.vstack([at[: len(states)], sent]))
-        size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(wanted)
-        most = LOST * np.abs(wanted).max(axis=1, keepdims=True)
-        figure = float((np.abs(values[:, 0] - wanted) / (rounding.LIMIT * np.minimum(size, most))).max())
+        demands = np.roll(domain.evaluated(reached, at)[:, 0, :], 1, axis=1)
+        inputs_sent, error_u = _evaluate_law(self, at[: len(states)], demands)
+        parts = ca.horzcat(reached, rounding.error_bound(reached), ca.jacobian(reached, u))
+        values = domain.evaluated(parts, np.vstack([at[: len(states)], inputs_sent]))
+        size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(demands)
+        most = CANCELLATION * np.abs(demands).max(axis=1, keepdims=True)
+        figure = float((np.abs(values[:, 0] - demands) / (rounding.LIMIT * np.minimum(size, most))).max())
         about = f"d^r y/dt^r against the demands at {points} scattered points, law substituted"
         return Check(f"normal form of '{self.plant.name}'", figure, 1.0, "1", about)
 
@@ -150,28 +149,28 @@ class Linearisation:
         return show.Sheet(f"Feedback linearisation of '{self.plant.name}'", tuple(lines), tables)
 
     def _demands(self) -> list[str]:
-        found = []
+        labels = []
         for signal, r in zip(self.degree.model.outputs, self.degree.degrees, strict=True):
             unit = reduce(lambda unit, _: per_second(unit), range(r), signal.unit)
             times = {0: signal.name, 1: f"d {signal.name}/dt"}.get(r, f"d^{r} {signal.name}/dt^{r}")
-            found.append(show.named(times, unit))
-        return found
+            labels.append(show.with_unit(times, unit))
+        return labels
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The integrators of one output, a continuous model from its demand, and the law that makes them of the plant."""
+    """The integrators of one output as a continuous model from its demand, and the linearising law."""
 
     model: StateSpace
     law: Linearisation
 
 
-def _chain_states(found: Linearisation, i: int) -> tuple[str, ...]:
-    known, states = ca.vertsplit(found.x), names(found.degree.model.states)
+def _chain_states(linearisation: Linearisation, i: int) -> tuple[str, ...]:
+    known, states = ca.vertsplit(linearisation.x), names(linearisation.degree.model.states)
     labels = []
-    for k, e in enumerate(ca.vertsplit(found.degree.chains[i])):
+    for k, e in enumerate(ca.vertsplit(linearisation.degree.chains[i])):
         same = [name for x, name in zip(known, states, strict=True) if ca.is_equal(e, x, 2)]
-        labels.append(same[0] if same else f"{found.degree.outputs[i]}_d{k}")
+        labels.append(same[0] if same else f"{linearisation.degree.outputs[i]}_d{k}")
     return tuple(labels)
 
 
@@ -186,29 +185,29 @@ def of_plant(
 ) -> Linearisation:
     """Return the law that linearises the plant from demands on the named `outputs`, all when left out.
 
-    `held` gives inputs that stand still, `point` the equilibrium for the zero dynamics, `weight` W that of the inputs
-    where there are more of them than outputs.
+    `held` gives constant inputs, `point` the equilibrium for the zero dynamics, `weight` W the weight of the inputs if
+    there are more of them than outputs.
 
     Raises SignalError for names and weights; ModelError when the plant is not affine in its inputs, has no defined
-    relative degree somewhere in its domain, has inputs that over their ranges move an output by less than 1e-12 of its
-    drift, or has more inputs than outputs and no weight; else as `zero_dynamics.at_point`.
+    relative degree somewhere in its domain, has inputs whose effect on an output over their ranges is less than 1e-12
+    of the drift, or has more inputs than outputs and no weight; else as `zero_dynamics.at_point`.
     """
     degree = relative_degree.of_plant(plant, outputs, held)
     degree.require_defined()
     _require_authority(degree)
     W = _weight(degree, weight)
-    solved, w = _solved(degree, W, point)
+    solved, w = _decoupling_law(degree, W, point)
     zeros = zero_dynamics.at_point(plant, degree, point, W) if point is not None else None
     return Linearisation(plant, degree, degree.model.x, w, solved.value, solved.determinant, zeros)
 
 
 def _require_authority(degree: RelativeDegree) -> None:
-    for (name, found), r in zip(degree.authority.items(), degree.degrees, strict=True):
-        if found < AUTHORITY:
+    for (name, authority), r in zip(degree.authority.items(), degree.degrees, strict=True):
+        if authority < AUTHORITY:
             raise ModelError(
-                f"over their ranges the inputs move derivative {r} of '{name}' by {found:.2g} of what the drift does "
-                f"(at least {AUTHORITY:g} is needed): such a coefficient is the rounding error of constants folded "
-                "before they reached the model; write it as the zero that it is, or widen the inputs' ranges"
+                f"over their ranges the inputs change derivative {r} of '{name}' by {authority:.2g} of the drift's "
+                f"share (at least {AUTHORITY:g} is needed): such a coefficient is the rounding error of constants "
+                "folded before they reached the model; write it as the zero that it is, or widen the inputs' ranges"
             )
 
 
@@ -225,37 +224,37 @@ def _weight(degree: RelativeDegree, weight: weights.Weight | None) -> Array | No
     return None
 
 
-def _solved(
+def _decoupling_law(
     degree: RelativeDegree, weight: Array | None, point: OperatingPoint | None
 ) -> tuple[cofactors.Solution, ca.SX]:
     D, a = degree.decoupling, degree.drift
     w = ca.vertcat(*(ca.SX.sym(f"w_{name}") for name in degree.outputs))
     if weight is None or D.size1() == D.size2():
         return cofactors.solve(D, w - a), w
-    rest = ca.SX([0.0 if point is None else point[s.name] for s in degree.model.inputs])
+    u0 = ca.SX([0.0 if point is None else point[s.name] for s in degree.model.inputs])
     N = ca.mtimes(ca.SX(np.linalg.inv(weight)), D.T)
-    solved = cofactors.solve(ca.mtimes(D, N), w - a - ca.mtimes(D, rest))
-    return cofactors.Solution(rest + ca.mtimes(N, solved.value), solved.determinant), w
+    solved = cofactors.solve(ca.mtimes(D, N), w - a - ca.mtimes(D, u0))
+    return cofactors.Solution(u0 + ca.mtimes(N, solved.value), solved.determinant), w
 
 
 def _derivatives(law: Linearisation, u: ca.SX) -> ca.SX:
-    """Return d^r_i y_i / dt^r_i (p,) along the plant's f for inputs that stand still."""
+    """Return d^r_i y_i / dt^r_i (p,) along the plant's f for constant inputs."""
     plant, model = law.plant, law.degree.model
     sent = dict(zip(names(model.inputs), ca.vertsplit(u), strict=True))
     everything = ca.vertcat(*(sent[s.name] if s.name in sent else ca.SX(model.held[s.name]) for s in plant.inputs))
     f, h = (function(law.x, everything, plant.values) for function in (plant.f, plant.h))
-    found = []
+    derivatives = []
     for name, r in zip(law.degree.outputs, law.degree.degrees, strict=True):
         e = h[names(plant.outputs).index(name)]
         for _ in range(r):
             e = ca.cse(ca.jtimes(e, law.x, f))
-        found.append(e)
-    return ca.densify(ca.vertcat(*found))
+        derivatives.append(e)
+    return ca.densify(ca.vertcat(*derivatives))
 
 
-def _sent(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
-    """Return the inputs (m, k) that the law sends, and the bound of their rounding errors."""
-    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), rounding.bound(law.u)])
+def _evaluate_law(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
+    """Return the inputs (m, k) of the law and the bound of their rounding errors."""
+    function = ca.Function("u", [law.x, law.w], [ca.densify(law.u), rounding.error_bound(law.u)])
     sent, error = (np.asarray(v) for v in function(x, w))
     box.require_finite("the law", sent, law.degree.model.states, x)
     return sent, error
@@ -265,8 +264,8 @@ def _sent(law: Linearisation, x: Array, w: Array) -> tuple[Array, Array]:
 def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Sequence[ca.SX]) -> Law:
     """Solve `acceleration` (n expressions) = `w` (n) for the n `inputs` (name to symbol).
 
-    Raises ModelError when the counts differ, when the model is not affine in an input, or when the decoupling matrix
-    is singular everywhere; where it is singular at points only, check it over the domain.
+    Raises ModelError when the numbers of inputs and accelerations differ, when the model is not affine in an input, or
+    when the decoupling matrix is singular everywhere. Singular points inside the domain are not checked here.
     """
     u, q = law.column("the inputs", inputs, inputs), ca.vcat(list(acceleration))
     if u.numel() != q.numel() or q.numel() != len(w):
@@ -280,14 +279,14 @@ def linearise(acceleration: Sequence[ca.SX], inputs: Mapping[str, ca.SX], w: Seq
             raise ModelError(f"the model is not affine in '{name}': drop or invert the terms of higher order first")
     drift = ca.substitute(q, u, ca.SX.zeros(u.numel()))
     solved = cofactors.solve(D, ca.vcat(list(w)) - drift)
-    if _vanishes(solved.determinant, D):
+    if _is_zero(solved.determinant, D):
         raise ModelError(f"the decoupling matrix of ({', '.join(inputs)}) is singular everywhere: choose other inputs")
     return Law(drift, D, solved.determinant, dict(zip(inputs, ca.vertsplit(solved.value), strict=True)))
 
 
-def _vanishes(determinant: ca.SX, D: ca.SX) -> bool:
+def _is_zero(determinant: ca.SX, D: ca.SX) -> bool:
     """Tell whether det D is rounding error wherever it is sampled."""
     symbols = ca.symvar(D)
-    at = ca.Function("at", [ca.vcat(symbols)], [determinant, rounding.bound(determinant)])
+    at = ca.Function("at", [ca.vcat(symbols)], [determinant, rounding.error_bound(determinant)])
     points = np.random.default_rng(1).uniform(0.1, 1.0, (8, len(symbols)))
     return all(abs(float(value)) <= rounding.LIMIT * float(error) for value, error in map(at, points))

@@ -1,12 +1,15 @@
-"""What is believed of the state of a sampled model, x+ = A x + B u + w, y = C x + D u + v, w and v white.
+"""Square-root Kalman filter: one prediction or correction per call; `filterpy` SquareRootKalmanFilter.
 
-A belief is a mean x and a covariance P = S S', kept as its root S, so that P is symmetric and semidefinite whatever is
-rounded (Kaminski, Bryson, Schmidt 1971). With orthogonal factors on the left that make the right side triangular
+    x+ = A x + B u + w,  y = C x + D u + v,  w and v white with covariances W and V
+
+The estimate is a mean x and a covariance P = S S'. Only the root S is stored, so P stays symmetric and positive
+semidefinite in spite of rounding (Kaminski, Bryson, Schmidt 1971). A QR decomposition makes the right side triangular:
 
     predict    [S' A'; W^1/2']                     ->  S'                        x <- A x + B u
     update     [V^1/2', 0; S' C', S']              ->  [E', J'; 0, S'],          x <- x + J E^-1 (y - C x - D u)
 
-Each belief is a new one. A sample that is missing is no update; several sensors at unlike rates are one update each.
+Each call returns a new estimate. For a missing sample leave the update out; sensors with different rates take one
+update each.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,7 +30,7 @@ Values = ArrayLike | Mapping[str, float]
 
 
 @show.result
-class Belief:
+class StateEstimate:
     """The mean x (n,) of named states and a root (n, n) of its covariance P = root root'."""
 
     x: Array
@@ -43,58 +46,60 @@ class Belief:
     def sheet(self) -> show.Sheet:
         """Return each state with its standard deviation."""
         values = np.column_stack([self.x, np.linalg.norm(self.root, axis=1)])
-        rows = [show.named(name, self.units.get(name, "")) for name in self.states]
+        rows = [show.with_unit(name, self.units.get(name, "")) for name in self.states]
         table = show.matrix("state", values, rows, ("mean", "deviation"))
-        return show.Sheet(f"Belief of {len(rows)} states", tables=(table,))
+        return show.Sheet(f"Estimate of {len(rows)} states", tables=(table,))
 
 
 @arguments.checked
-def initial(system: System, P: weights.Weight, x: Values | None = None) -> Belief:
-    """Return the belief before the first sample: covariance P (n, n) and mean x (n,), 0 if left out.
+def initial(system: System, P: weights.Weight, x: Values | None = None) -> StateEstimate:
+    """Return the estimate before the first sample: covariance P (n, n) and mean x (n,), 0 if left out.
 
-    Raises SignalError for what does not fit, is not finite, asymmetric or indefinite.
+    Raises SignalError for a P or x of the wrong shape, not finite, asymmetric or indefinite.
     """
     model = of(system)
     mean = np.zeros(len(model.states)) if x is None else _vector("x", x, model.states)
-    root = _root(weights.semidefinite("P", P, model.states))
-    return Belief(readonly(mean), readonly(root), model.states, model.units)
+    root = _square_root(weights.semidefinite("P", P, model.states))
+    return StateEstimate(readonly(mean), readonly(root), model.states, model.units)
 
 
 @arguments.checked
-def predict(belief: Belief, system: System, W: weights.Weight, u: Values | None = None) -> Belief:
-    """Return the belief one sample later; W (n, n) is the covariance on the states, u (m,) the input, 0 if left out.
+def predict(estimate: StateEstimate, system: System, W: weights.Weight, u: Values | None = None) -> StateEstimate:
+    """Return the prediction one sample later; W (n, n) is the process noise, u (m,) the input, 0 if left out.
 
     For a plant in continuous time `noise.sampled` gives the model and W.
 
-    Raises TimingError for a continuous model; SignalError for what does not fit, is not finite, asymmetric or
+    Raises TimingError for a continuous model; SignalError for a W or u of the wrong shape, not finite, asymmetric or
     indefinite.
     """
-    model = _matching(belief, system)
-    W = _root(weights.semidefinite("W", W, model.states))
+    model = _check_states(estimate, system)
+    W = _square_root(weights.semidefinite("W", W, model.states))
     n = len(model.states)
-    root = _triangular(np.vstack([(model.A @ belief.root).T, W.T]))
-    moved = np.zeros(n) if u is None else model.B @ _vector("u", u, model.inputs)
-    return replace(belief, x=readonly(model.A @ belief.x + moved), root=readonly(root.T))
+    root = _triangular(np.vstack([(model.A @ estimate.root).T, W.T]))
+    driven = np.zeros(n) if u is None else model.B @ _vector("u", u, model.inputs)
+    return replace(estimate, x=readonly(model.A @ estimate.x + driven), root=readonly(root.T))
 
 
 @arguments.checked
-def update(belief: Belief, system: System, V: weights.Weight, y: Values, u: Values | None = None) -> Belief:
-    """Return the belief after a sample y of all outputs (p,), or of some by name; V (p, p) is its covariance.
+def update(
+    estimate: StateEstimate, system: System, V: weights.Weight, y: Values, u: Values | None = None
+) -> StateEstimate:
+    """Return the corrected estimate after a sample y of all outputs (p,), or of some by name; V (p, p) is its noise.
 
-    Raises TimingError for a continuous model; SignalError for what does not fit, is not finite, asymmetric or
-    indefinite, and when an output depends on an input that is not given; ModelError when a combination of outputs is
-    known without noise already.
+    Raises TimingError for a continuous model; SignalError for a V, y or u of the wrong shape, not finite, asymmetric or
+    indefinite, and when an output depends on an input that is not given; ModelError when the innovation covariance is
+    singular.
     """
-    model = _matching(belief, system)
+    model = _check_states(estimate, system)
     names = tuple(y) if isinstance(y, Mapping) else model.outputs
     if not names:
-        return belief
+        return estimate
     part = model.select(names, model.inputs)
     if u is None and part.D.any():
-        raise SignalError(f"{', '.join(names)} depend on {', '.join(model.inputs)} at once: give u")
+        raise SignalError(f"{', '.join(names)} depend directly on {', '.join(model.inputs)}: give u")
     rows = [model.outputs.index(name) for name in names]
-    V = _root(weights.semidefinite("V", V, model.outputs)[np.ix_(rows, rows)])
-    S, p, n = belief.root, len(names), len(model.states)
+    V = _square_root(weights.semidefinite("V", V, model.outputs)[np.ix_(rows, rows)])
+    S, p, n = estimate.root, len(names), len(model.states)
     R = _triangular(np.block([[V.T, np.zeros((p, n))], [(part.C @ S).T, S.T]]))
     E, J = R[:p, :p].T, R[:p, p:].T
     sizes = np.sqrt((E**2).sum(axis=1))
@@ -103,25 +108,25 @@ def update(belief: Belief, system: System, V: weights.Weight, y: Values, u: Valu
             f"a combination of {', '.join(names)} is known without noise before it is measured: give each output noise "
             "in V, or leave out what is known"
         )
-    through = np.zeros(p) if u is None else part.D @ _vector("u", u, model.inputs)
-    e = _vector("y", y, names) - part.C @ belief.x - through
-    x = belief.x + J @ scipy.linalg.solve_triangular(E, e, lower=True)
-    return replace(belief, x=readonly(x), root=readonly(R[p:, p:].T))
+    direct = np.zeros(p) if u is None else part.D @ _vector("u", u, model.inputs)
+    e = _vector("y", y, names) - part.C @ estimate.x - direct
+    x = estimate.x + J @ scipy.linalg.solve_triangular(E, e, lower=True)
+    return replace(estimate, x=readonly(x), root=readonly(R[p:, p:].T))
 
 
-def _matching(belief: Belief, system: System) -> StateSpace:
+def _check_states(estimate: StateEstimate, system: System) -> StateSpace:
     model = of(system)
     period(model.time)
-    if model.states != belief.states:
-        raise SignalError(f"the belief is of {', '.join(belief.states)}, the model of {', '.join(model.states)}")
+    if model.states != estimate.states:
+        raise SignalError(f"the estimate is of {', '.join(estimate.states)}, the model of {', '.join(model.states)}")
     return model
 
 
 def _vector(what: str, values: Values, names: Sequence[str]) -> Array:
     if isinstance(values, Mapping):
-        if unlike := sorted(set(values) ^ set(names)):
+        if different := sorted(set(values) ^ set(names)):
             raise SignalError(
-                f"{what} is given for {', '.join(values)}: '{unlike[0]}' is not in {', '.join(names)} too"
+                f"{what} is given for {', '.join(values)}: '{different[0]}' is not in {', '.join(names)} too"
             )
         values = [values[name] for name in names]
     vector = arguments.real(f"values of {what}", values)
@@ -132,8 +137,8 @@ def _vector(what: str, values: Values, names: Sequence[str]) -> Array:
     return vector
 
 
-def _root(P: Array) -> Array:
-    """Return S (n, n) with S S' = P; P is scaled to a diagonal of 1, so that small entries keep their digits."""
+def _square_root(P: Array) -> Array:
+    """Return S (n, n) with S S' = P; scaling P to a diagonal of 1 keeps the digits of small entries."""
     size = np.sqrt(np.diag(P))
     d = np.where(size > 0, size, 1.0)
     values, vectors = scipy.linalg.eigh(P / d / d[:, None])
@@ -143,7 +148,7 @@ def _root(P: Array) -> Array:
 def _triangular(M: Array) -> Array:
     """Return the triangular factor R (n, n) of M (k, n), k >= n: R'R = M'M.
 
-    The largest rows come first, so that reflections do not lose the small ones (Powell, Reid 1969).
+    The rows are sorted, the largest first, to keep the accuracy of the small ones (Powell, Reid 1969).
     """
     order = np.argsort(-np.abs(M).max(axis=1, initial=0.0), kind="stable")
     return np.asarray(scipy.linalg.qr(M[order], mode="economic")[1], dtype=np.float64)

@@ -1,10 +1,11 @@
-"""The start of an estimator from its first measurement, in the place of a transient from 0.
+"""Initial state of an estimator from its first measurement, which avoids the transient from 0.
 
     x^[0] = x_0 + G (y[0] - C x_0 - D u[0]),      G = E C' (C E C')^-1,      E = diag(d)^2
 
-for given values x_0 of the states: of all x^ that explain the measurement, the one nearest to x_0 beside the deviations
-d. A state that no output shows, or with the deviation 0, starts at its given value. It is the limit of the first update
-of a Kalman filter (`belief.update`) for an initial covariance s E, s large. G is rounded once, from ball arithmetic.
+x_0 are prior values of the states and d their standard deviations. Of all x^ that reproduce the measurement, it is the
+nearest to x_0 relative to d. An unobserved state, or one with the deviation 0, starts at its prior value. x^[0] is the
+limit of the first correction of a Kalman filter (`belief.update`) for an initial covariance s E, s large. G
+is computed in ball arithmetic and rounded once.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,12 +22,12 @@ from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import common
 
 ENDS = ("_estimate", "_predicted")
-DEPENDENT = 1e-11  # of the largest singular value, rows and columns scaled: what is smaller is rounding error
+DEPENDENT = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """x = a + G u at the first sample, a (n,) and G (n, m)."""
+    """The initial state x = a + G u at the first sample: a (n,) and G (n, m)."""
 
     a: Array
     G: Array
@@ -41,30 +42,30 @@ def from_measurement(
     values: Mapping[str, float] | None = None,
     deviations: Mapping[str, float] | None = None,
 ) -> Start:
-    """Return the start of a sampled estimator, or of a controller around one, from its first measurement of a plant.
+    """Return the initial state of a sampled estimator, or of a controller that contains one, from a first measurement.
 
-    The estimates are its states ``<state>_estimate`` or ``<state>_predicted``, for each state of the plant; its further
-    states start at 0. `measured` names the plant's outputs to start from, all that the estimator takes if left out.
-    `values` {state: x_0} are 0 and `deviations` {state: d} are 1 where left out, both in the states' units: give
-    deviations where an output adds up states of unlike units.
+    The estimates are its states ``<state>_estimate`` or ``<state>_predicted``, for each state of the plant; its other
+    states start at 0. `measured` names the plant's outputs to start from, by default all that the estimator takes.
+    `values` {state: x_0} are 0 and `deviations` {state: d} are 1 where left out, both in the states' units. Give
+    deviations where an output is a sum of states with different units.
 
-    Raises SignalError for names that are not known, a number that is not finite or a deviation below 0; TimingError for
-    unlike times; ModelError when the outputs do not show states that may change, each in a way of its own.
+    Raises SignalError for unknown names, a number that is not finite or a deviation below 0; TimingError for different
+    times; ModelError when C diag(d) does not have full row rank.
     """
     model, whole = of(estimator), of(plant)
     common(model.time, whole.time)
-    rows = _rows(model, whole)
-    outputs = _outputs(model, whole, measured)
+    rows = _estimate_rows(model, whole)
+    outputs = _measured_outputs(model, whole, measured)
     part = whole.select(outputs, whole.inputs)
-    x_0 = _numbers("value", values, whole.states, 0.0)
-    d = _numbers("deviation", deviations, whole.states, 1.0)
+    x_0 = _state_values("value", values, whole.states, 0.0)
+    d = _state_values("deviation", deviations, whole.states, 1.0)
     if (d < 0).any():
         raise SignalError(
             f"the deviation of '{whole.states[int(np.argmin(d))]}' at the start is below 0: give 0 or more"
         )
     _require_independent(part, d)
-    start = precise.resolved(lambda: _start(part, x_0, d), "the start of the estimator")
-    columns = _columns(model, part)
+    start = precise.correctly_rounded(lambda: _start_map(part, x_0, d), "the start of the estimator")
+    columns = _input_columns(model, part)
     a, G = np.zeros(len(model.states)), np.zeros((len(model.states), len(model.inputs)))
     for row, i in rows.items():
         a[row] = start[i, 0]
@@ -72,8 +73,8 @@ def from_measurement(
     return Start(readonly(a), readonly(G))
 
 
-def _rows(model: StateSpace, plant: StateSpace) -> dict[int, int]:
-    """Return the place of each estimate among the estimator's states and the plant's."""
+def _estimate_rows(model: StateSpace, plant: StateSpace) -> dict[int, int]:
+    """Return {index of an estimate among the estimator's states: index of its state in the plant}."""
     places = {f"{x}{end}": i for i, x in enumerate(plant.states) for end in ENDS}
     rows = {row: places[name] for row, name in enumerate(model.states) if name in places}
     if missing := [x for i, x in enumerate(plant.states) if i not in rows.values()]:
@@ -84,11 +85,11 @@ def _rows(model: StateSpace, plant: StateSpace) -> dict[int, int]:
     return rows
 
 
-def _outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | None) -> tuple[str, ...]:
+def _measured_outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | None) -> tuple[str, ...]:
     taken = tuple(y for y in plant.outputs if y in model.inputs)
     outputs = taken if measured is None else arguments.names("measured outputs", measured)
     if unknown := [y for y in outputs if y not in taken]:
-        raise SignalError(f"'{unknown[0]}' is no output of the plant that the estimator takes: {', '.join(taken)}")
+        raise SignalError(f"'{unknown[0]}' is not an output of the plant that the estimator takes: {', '.join(taken)}")
     if not outputs:
         raise SignalError(
             f"the estimator takes {', '.join(model.inputs) or 'nothing'}, none of which is an output of the plant "
@@ -97,25 +98,27 @@ def _outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | Non
     return outputs
 
 
-def _columns(model: StateSpace, part: StateSpace) -> list[tuple[int, int]]:
-    """Return the place of each signal among the estimator's inputs and among (y, u) of the plant."""
+def _input_columns(model: StateSpace, part: StateSpace) -> list[tuple[int, int]]:
+    """Return (index among the estimator's inputs, index in (y, u) of the plant) for each signal."""
     places = [(model.inputs.index(y), k) for k, y in enumerate(part.outputs)]
     for k, u in enumerate(part.inputs, len(part.outputs)):
-        given = [name for name in (u, f"{u}_limited") if name in model.inputs]
-        if given:
-            places.append((model.inputs.index(given[0]), k))
+        names = [name for name in (u, f"{u}_limited") if name in model.inputs]
+        if names:
+            places.append((model.inputs.index(names[0]), k))
         elif part.D[:, k - len(part.outputs)].any():
-            raise SignalError(f"the outputs follow '{u}' at once, which the estimator does not take: start from others")
+            raise SignalError(
+                f"the outputs depend directly on '{u}', which the estimator does not take: start from others"
+            )
     return places
 
 
-def _numbers(what: str, given: Mapping[str, float] | None, states: Sequence[str], default: float) -> Array:
-    known = {} if given is None else given
+def _state_values(what: str, entries: Mapping[str, float] | None, states: Sequence[str], default: float) -> Array:
+    known = {} if entries is None else entries
     if not isinstance(known, Mapping) or [name for name in known if name not in states]:
-        raise SignalError(f"the start has the {what}s {given!r}: give {{state: {what}}} for {', '.join(states)}")
+        raise SignalError(f"the start has the {what}s {entries!r}: give {{state: {what}}} for {', '.join(states)}")
     numbers = arguments.real(f"{what}s at the start", [known.get(x, default) for x in states])
     if numbers.shape != (len(states),) or not np.isfinite(numbers).all():
-        raise SignalError(f"the start has the {what}s {given!r}: give finite numbers")
+        raise SignalError(f"the start has the {what}s {entries!r}: give finite numbers")
     return numbers
 
 
@@ -124,13 +127,13 @@ def _require_independent(part: StateSpace, d: Array) -> None:
     values = np.linalg.svd(equilibrated(part.C * d)[0], compute_uv=False)
     if len(part.outputs) > len(part.states) or values[-1] <= DEPENDENT * values[0]:
         raise ModelError(
-            f"the outputs {', '.join(part.outputs)} do not each show a combination of states of its own that may "
-            "change, so that no start explains them all: start from fewer outputs in `measured`, or give more states a "
+            f"the outputs {', '.join(part.outputs)} are linearly dependent in the states that may change: no "
+            "initial state explains them all; start from fewer outputs in `measured`, or give more states a "
             "deviation above 0"
         )
 
 
-def _start(part: StateSpace, x_0: Array, d: Array) -> flint.arb_mat:
+def _start_map(part: StateSpace, x_0: Array, d: Array) -> flint.arb_mat:
     """Return [(I - G C) x_0, G, -G D] (n, 1 + p + m) in balls."""
     C, E = precise.matrix(part.C), precise.matrix(np.diag(d))
     shown = C * E

@@ -1,13 +1,13 @@
-"""Steady-state Kalman filters.
+"""Steady-state Kalman filter; MATLAB `kalman` and, for `sampled`, `kalmd`; python-control `lqe`, `dlqe`.
 
                        w              v
                        |              |
                        v              v
                u -->[plant]--------->(+)--> y         x' = A x + B u + G w,   y = C x + D u + v
 
-    continuous   w, v white of the densities W and V, cross density S
+    continuous   w, v white with densities W and V, cross density S
     discrete     x+ in place of x'; W, V and S are covariances at each sample
-    sampled      the continuous plant with w of density W, u held over T, y taken each T with the covariance V
+    sampled      the continuous plant with w of density W, u held over T, y sampled each T with covariance V
 
 P, the covariance of x - x^ before a sample, solves the Riccati equation of the regulator for (A', C') with the weights
 G W G', V and G S (duality). With the innovation e = y - C x^ - D u
@@ -16,8 +16,8 @@ G W G', V and G S (duality). With the innovation e = y - C x^ - D u
                  x^+ = A x^ + B u + L e,    L = (A P C' + G S) (C P C' + V)^-1,              A - L C stable
     current      x^ + M e,                  M = P C' (C P C' + V)^-1,  P_after = (I - M C) P (I - M C)' + M V M'
 
-so that the current estimate has used the sample of its own instant, the predictor's only those before. In continuous
-time M is 0 and the two are one. Source: Anderson, Moore, Optimal Filtering (1979), chapters 4 and 5.
+The current estimate uses the sample of the same instant, the predictor only earlier samples. In continuous time M is 0
+and the two are equal. Source: Anderson, Moore, Optimal Filtering (1979), chapters 4 and 5.
 """
 
 import numpy as np
@@ -35,9 +35,9 @@ from synth.timing import Continuous, Discrete, common, period
 
 @show.result
 class Estimator:
-    """The gains L and M (n, p) of a filter and the covariances of its error (n, n), before and after a sample.
+    """The gains L and M (n, p) of a filter and its error covariances (n, n), `prior` and `posterior` to a sample.
 
-    `model` has the inputs that the filter knows, and its time; `noise` is that on its states and outputs.
+    `model` has the inputs that the filter knows, and its time; `noise` acts on its states and outputs.
     """
 
     model: StateSpace
@@ -59,12 +59,12 @@ class Estimator:
         return dict(zip(self.model.states, np.sqrt(np.diag(self.posterior)).tolist(), strict=True))
 
     def predictor(self) -> StateSpace:
-        """Return the filter from u and y to ``<state>_estimate``, which has used the samples before its own."""
+        """Return the filter from u and y to ``<state>_estimate`` that uses only earlier samples."""
         n, p = self.L.shape
         return self._form("estimate", np.eye(n), np.zeros((n, p)))
 
     def current(self) -> StateSpace:
-        """Return the filter from u and y to ``<state>_estimate``, which has used the sample of its own instant."""
+        """Return the filter from u and y to ``<state>_estimate`` that also uses the sample of the same instant."""
         return self._form("predicted", np.eye(len(self.M)) - self.M @ self.model.C, self.M)
 
     def _form(self, kind: str, H: Array, M: Array) -> StateSpace:
@@ -78,7 +78,7 @@ class Estimator:
         return StateSpace(model.A - L @ model.C, B, H, D, states, known, estimates, model.time, units)
 
     def sheet(self) -> show.Sheet:
-        """Return the errors to expect with the gains, the innovation and the certificate."""
+        """Return the standard deviations of the error with the gains, the innovation and the certificate."""
         model, c = self.model, self.certificate
         sampled = isinstance(model.time, Discrete)
         parts = [("deviation before a sample", self.prior), ("after it", self.posterior)]
@@ -94,7 +94,7 @@ class Estimator:
         lines = ("P is the X of the dual Riccati equation:", *c.lines())
         if c.mirrored:
             lines += (
-                "The weights are the noises here: none reaches that mode, which the filter knows but for its start",
+                "The weights are the noises here: none excites that mode, and the filter only lacks its initial value",
             )
         title = f"Kalman filter of {', '.join(model.states)} from {', '.join(model.outputs)} in {model.time}"
         return show.Sheet(title, lines, tuple(tables))
@@ -105,19 +105,19 @@ def continuous(
     system: System,
     W: weights.Weight,
     V: weights.Weight,
-    G: noise.Entry = None,
+    G: noise.NoiseInput = None,
     S: ArrayLike | None = None,
     exact: bool = False,
 ) -> Estimator:
     """Return the filter of a continuous model for the densities W (q, q), V (p, p) and S (q, p), 0 if left out.
 
-    W and V are matrices, diagonals or {name: density}; W is of the inputs named in G, of the columns w1, w2.. of the
-    matrix G (n, q), or of one noise on each state. `exact` rounds each entry of P and L correctly, alike on every
-    machine.
+    W and V are matrices, diagonals or {name: density}; W belongs to the inputs named in G, to the columns w1, w2.. of
+    the matrix G (n, q), or to one noise on each state. `exact` rounds each entry of P and L correctly, with the same
+    result on every machine.
 
-    Raises TimingError for a sampled model; SignalError for what does not fit, is not finite, asymmetric or indefinite;
-    ModelError when a combination of outputs has no noise, or naming a mode that does not decay and that no output
-    shows, or a mode on the stability boundary that no noise reaches.
+    Raises TimingError for a sampled model; SignalError for arguments of the wrong shape, not finite, asymmetric or
+    indefinite; ModelError when a combination of outputs has no noise, naming a mode that is not detectable, or a mode
+    on the stability boundary that no noise excites.
     """
     model = of(system)
     common(Continuous(), model.time)
@@ -129,7 +129,7 @@ def discrete(
     system: System,
     W: weights.Weight,
     V: weights.Weight,
-    G: noise.Entry = None,
+    G: noise.NoiseInput = None,
     S: ArrayLike | None = None,
     exact: bool = False,
 ) -> Estimator:
@@ -143,51 +143,60 @@ def discrete(
 
 
 @arguments.checked
-def sampled(
-    system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: noise.Entry = None, exact: bool = False
+def kalmd(
+    system: System,
+    W: weights.Weight,
+    V: weights.Weight,
+    period_s: float,
+    G: noise.NoiseInput = None,
+    exact: bool = False,
 ) -> Estimator:
-    """Return the filter at samples each `period_s` of a continuous model with w of density W (q, q).
+    """Return the discrete filter of a continuous model with w of density W (q, q), sampled with `period_s`.
 
-    V (p, p) is the covariance of each sample. Arguments and errors as for `continuous`; SignalError, too, when w
-    reaches an output at once.
+    V (p, p) is the covariance of each sample. Arguments and errors as for `continuous`; also SignalError when w has a
+    direct path to an output.
     """
     return steady(noise.sampled(system, W, V, period_s, G, exact), exact)
 
 
 @arguments.checked
-def steady(noisy: noise.Noisy, exact: bool = False) -> Estimator:
-    """Return the filter of a model, in its own time, with its noise. Raises ModelError as `continuous`."""
+def steady(noisy: noise.NoisyModel, exact: bool = False) -> Estimator:
+    """Return the steady-state filter of a model with its noise, in its own time. Raises ModelError as `continuous`."""
     model, e = noisy.model, noisy.noise
     n, p = model.C.T.shape
     structure.require_detectable(model.A, model.C, model.states, "C", model.time)
-    _require_reached(model, e)
+    _require_noise_on_boundary(model, e)
     dual = StateSpace(
         model.A.T, model.C.T, np.eye(n), np.zeros((n, p)), model.states, model.outputs, model.states, model.time
     )
-    found = riccati.solve(dual, e.W, e.V, e.S, exact=exact)
-    M, posterior = (np.zeros((n, p)), found.X) if isinstance(model.time, Continuous) else _after(found.X, model.C, e.V)
-    return Estimator(model, e, readonly(found.L.T), readonly(M), found.X, readonly(posterior), found)
+    solution = riccati.solve(dual, e.W, e.V, e.S, exact=exact)
+    M, posterior = (
+        (np.zeros((n, p)), solution.X)
+        if isinstance(model.time, Continuous)
+        else _measurement_update(solution.X, model.C, e.V)
+    )
+    return Estimator(model, e, readonly(solution.L.T), readonly(M), solution.X, readonly(posterior), solution)
 
 
-def _require_reached(model: StateSpace, e: noise.Noise) -> None:
-    """Raise ModelError naming the first mode on the stability boundary that no noise reaches, w given v."""
+def _require_noise_on_boundary(model: StateSpace, e: noise.Noise) -> None:
+    """Raise ModelError naming the first mode on the stability boundary that no noise excites, w given v."""
     across = np.linalg.solve(e.V, e.S.T)
     A, W = model.A - across.T @ model.C, e.W - e.S @ across
-    for mode in solvability.boundary_modes(A.T, W, model.states, model.time):
+    for mode in solvability.unobservable_boundary_modes(A.T, W, model.states, model.time):
         who = ", ".join(mode.states)
         raise ModelError(
-            f"(A, G W^1/2) is not stabilisable: no noise reaches the mode {show.number(mode.value, 4)} in {who}, which "
-            "neither grows nor decays, so that its filter would not settle: give "
+            f"(A, G W^1/2) is not stabilisable: no noise excites the mode {show.number(mode.value, 4)} in {who}, which "
+            "neither grows nor decays, and the filter would not converge: give "
             f"{who} noise or take it out of the model"
         )
 
 
-def _after(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
-    """Return M and the covariance after a sample, each entry rounded once."""
+def _measurement_update(P: Array, C: Array, V: Array) -> tuple[Array, Array]:
+    """Return M and the posterior covariance (Joseph form), each entry rounded once."""
     with precise.precision():
         p, c, v = precise.matrix(P), precise.matrix(C), precise.matrix(V)
         cp = c * p
-        m = precise.middle((cp * c.transpose() + v).solve(cp).transpose())
-        rest = precise.identity(len(P)) - m * c
-        after = precise.rounded(rest * p * rest.transpose() + m * v * m.transpose())
-        return precise.rounded(m), (after + after.T) / 2
+        m = precise.midpoints((cp * c.transpose() + v).solve(cp).transpose())
+        joseph = precise.identity(len(P)) - m * c
+        posterior = precise.rounded(joseph * p * joseph.transpose() + m * v * m.transpose())
+        return precise.rounded(m), (posterior + posterior.T) / 2

@@ -1,4 +1,4 @@
-"""Linear quadratic Gaussian control: the state feedback of `lqr` on the estimates of `kalman`, u = K x^.
+"""Linear quadratic Gaussian control (MATLAB `lqg`, `lqgreg`): the gain of `lqr` on the estimate of `kalman`, u = K x^.
 
                          +--> [q' = y - r] --- q ---+           q+ = q + T (y - r) in discrete time
                          |                          v
@@ -7,10 +7,10 @@
           |                         +----------------------+
      measurement noise
 
-Integral states q of chosen outputs are those of the controller itself, known without error; only the plant's states are
-estimated. They are found by their names, ``<output>_integral`` as `lqr.integral` gives them, among the states that the
-gain was designed for, and come with an input ``<output>_reference``. The poles of the loop are those of A + B K, with
-the integrators, and those of the estimator (separation). Source: Anderson, Moore, Optimal Control (1990), chapter 8.
+The controller computes the integral states q of chosen outputs itself, without error; only the plant's states are
+estimated. They are recognised among the gain's states by their names, ``<output>_integral`` as in
+`lqr.with_integrators`, and add an input ``<output>_reference``. The poles of the loop are those of A + B K, with the integrators, and those of
+the estimator (separation principle). Source: Anderson, Moore, Optimal Control (1990), chapter 8.
 """
 
 from collections.abc import Sequence
@@ -51,14 +51,14 @@ class Controller:
 
     @property
     def separation(self) -> float:
-        """The largest distance of a pole of the loop from its own among the regulator's and the estimator's.
+        """The largest distance of a pole of the loop from its counterpart among those of regulator and estimator.
 
         Relative in continuous time, absolute in z. It is small when the gain was designed for the estimator's model.
         """
-        wanted = np.concatenate([self.gain.poles, self.estimator.poles])
-        size = np.abs(wanted) if isinstance(self.loop.time, Continuous) else np.ones(len(wanted))
-        apart = np.abs(self.poles[:, None] - wanted) / size
-        return float(apart[scipy.optimize.linear_sum_assignment(apart)].max())
+        designed = np.concatenate([self.gain.poles, self.estimator.poles])
+        size = np.abs(designed) if isinstance(self.loop.time, Continuous) else np.ones(len(designed))
+        distances = np.abs(self.poles[:, None] - designed) / size
+        return float(distances[scipy.optimize.linear_sum_assignment(distances)].max())
 
     def sheet(self) -> show.Sheet:
         """Return the poles of the two designs, the separation and the compensator."""
@@ -75,9 +75,9 @@ class Controller:
 
 @show.result
 class Expectation:
-    """The mean of x'Q x + u'R u + 2 x'N u for each second, or each sample, and the standard deviations behind it.
+    """The mean of x'Q x + u'R u + 2 x'N u per second, or per sample, and the standard deviations of x and u.
 
-    `residual` is that of the equation of the covariance, over its terms.
+    `residual` is that of the Lyapunov equation of the covariance, relative to its terms.
     """
 
     cost: float
@@ -88,7 +88,7 @@ class Expectation:
 
     def sheet(self) -> show.Sheet:
         """Return the cost, the residual and each signal's standard deviation."""
-        rows = [show.named(name, self.units.get(name, "")) for name in self.deviations]
+        rows = [show.with_unit(name, self.units.get(name, "")) for name in self.deviations]
         table = show.matrix("signal", np.array([list(self.deviations.values())]).T, rows, ("standard deviation",))
         each = "second" if isinstance(self.time, Continuous) else "sample"
         title = f"Expected cost of LQG control for each {each}: {show.number(self.cost)}"
@@ -97,28 +97,27 @@ class Expectation:
 
 @arguments.checked
 def predictor(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
-    """Return the controller whose u has used the samples before its own: a whole period is left to compute it.
+    """Return the controller whose u uses only earlier samples; a whole period is available to compute it.
 
-    Raises TimingError for unlike times; SignalError when the gain's states are not the estimator's, and integrals of
-    its outputs, or its inputs are not known to the estimator; ModelError for an algebraic loop without a solution.
+    Raises TimingError for different times; SignalError when the gain's states are not the estimator's and integrals of
+    its outputs, or the estimator does not know its inputs; ModelError for an algebraic loop without a solution.
     """
     return _controller(gain, estimator, estimator.predictor())
 
 
 @arguments.checked
 def current(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
-    """Return the controller whose u has used the sample of its own instant. Raises as `predictor`."""
+    """Return the controller whose u also uses the sample of the same instant. Raises as `predictor`."""
     return _controller(gain, estimator, estimator.current())
 
 
 @arguments.checked
-def expected(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
-    """Return the expected cost for the gain's weights, and all standard deviations.
+def expected_cost(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
+    """Return the expected cost for the gain's weights, and the standard deviations of all states and inputs.
 
-    The noise is that of the estimator unless another is `acting`.
-
-    It is that of the loop as it is: the gain need not be designed for the same model. With weights of `lqr.lqrd` it
-    is the cost of one period, without the constant that the noise inside a period adds whatever the controller.
+    The noise is that of the estimator, or `acting`. The cost is that of the actual loop: the gain need not be designed
+    for the same model. With weights of `lqr.lqrd` it is the cost of one period, without the constant that the noise
+    inside a period adds for every controller.
 
     Raises ModelError when a pole of the loop does not decay.
     """
@@ -128,10 +127,10 @@ def expected(controller: Controller, acting: noise.Noise | None = None) -> Expec
     driven = B @ Sigma @ B.T
     driven = (driven + driven.T) / 2
     X = noise.stationary(loop.A, driven, loop.time)
-    part = loop.select(gain.inputs, loop.inputs[:k])
+    controls = loop.select(gain.inputs, loop.inputs[:k])
     z = [loop.states.index(name) for name in gain.states]
-    zz, zu = X[np.ix_(z, z)], X[z] @ part.C.T
-    uu = part.C @ X @ part.C.T + part.D @ Sigma @ part.D.T
+    zz, zu = X[np.ix_(z, z)], X[z] @ controls.C.T
+    uu = controls.C @ X @ controls.C.T + controls.D @ Sigma @ controls.D.T
     cost = float(np.sum(gain.Q * zz) + np.sum(gain.R * uu) + 2 * np.sum(gain.N * zu))
     values = np.sqrt(np.concatenate([np.diag(zz), np.diag(uu)]))
     names = (*gain.states, *gain.inputs)
@@ -154,7 +153,7 @@ def _controller(gain: lqr.Gain, estimator: kalman.Estimator, form: StateSpace) -
 
 
 def _feedback(gain: lqr.Gain, form: StateSpace, integrators: StateSpace) -> StateSpace:
-    """Return u = K (x^, q) as a model without states."""
+    """Return u = K (x^, q) as a static model."""
     names = tuple(x if x in integrators.states else f"{x}_estimate" for x in gain.states)
     m, n = gain.K.shape
     units = {**form.units, **integrators.units}
@@ -186,19 +185,19 @@ def integrals(gain: lqr.Gain, model: StateSpace) -> tuple[str, ...]:
     Raises SignalError when the other states or the inputs are not the model's.
     """
     extra = tuple(x for x in gain.states if x not in model.states)
-    found = tuple(x.removesuffix(INTEGRAL) for x in extra)
+    outputs = tuple(x.removesuffix(INTEGRAL) for x in extra)
     missing = [x for x in model.states if x not in gain.states] + [u for u in gain.inputs if u not in model.inputs]
-    missing += [x for x, y in zip(extra, found, strict=True) if y == x or y not in model.outputs]
+    missing += [x for x, y in zip(extra, outputs, strict=True) if y == x or y not in model.outputs]
     if missing:
         raise SignalError(
             f"'{missing[0]}' is not both in the gain and in the estimator's model: design the gain for that model, or "
-            "for `lqr.integral` of it"
+            "for `lqr.with_integrators` of it"
         )
-    return found
+    return outputs
 
 
 def _integrators(model: StateSpace, outputs: Sequence[str]) -> StateSpace:
-    """Return q' = y - r, or q+ = q + T (y - r), for some outputs of a model, named and in units as `lqr.integral`."""
+    """Return q' = y - r, or q+ = q + T (y - r), for some outputs, with names and units as `lqr.with_integrators`."""
     references = tuple(f"{y}_reference" for y in outputs)
     sums = interconnect.integrals(model, {f"{y}{INTEGRAL}": y for y in outputs})
     units = dict(sums.units) | {r: model.unit(y) for y, r in zip(outputs, references, strict=True) if y in model.units}

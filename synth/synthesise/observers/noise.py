@@ -1,11 +1,11 @@
-"""White noise on a linear model: x' = A x + B u + G w, y = C x + D u + F w + v (x+ = .. in discrete time).
+"""White noise on a linear model: x' = A x + B u + G w, y = C x + D u + F w + v (x+ in discrete time).
 
 With E w w' = W, E v v' = V and E w v' = S (densities in continuous time, covariances at each sample in discrete time)
-states and outputs get noise of
+the noise on states and outputs has
 
     W_x = G W G',    V_y = V + F W F' + F S + S' F',    S_xy = G (W F' + S)
 
-A continuous model whose inputs are held over T gathers W_T = int_0^T exp(A s) G W G' exp(A' s) ds in a period.
+A continuous model whose inputs are held over T has W_T = int_0^T exp(A s) G W G' exp(A' s) ds over one period.
 """
 
 from collections.abc import Sequence
@@ -23,19 +23,18 @@ from synth.synthesise.feedback import weights
 from synth.synthesise.riccati import spectrum
 from synth.timing import Continuous, Time
 
-Entry = ArrayLike | Sequence[str] | None
-"""Where w enters: a matrix G (n, q); names of inputs, which are then noise alone and not known; None for one noise on
-each state."""
+NoiseInput = ArrayLike | Sequence[str] | None
+"""Where w enters: a matrix G (n, q); names of inputs, which are then noise; None for one noise on each state."""
 
 SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
-DOUBLINGS = 80  # of the span over which a covariance is summed: with 2^40 for the slowest decay in discrete time
-SETTLED = 2.0**-60  # of what a start has grown to at most: what is left of it when the sum over time is complete
-SIZES = (1e-100, 1e100)  # variances whose squares, beside those of a model, are numbers in double precision
+DOUBLINGS = 80  # of the time span of the sum; the slowest decay in discrete time needs 2^40
+DECAYED = 2.0**-60  # of the largest power of A so far: a smaller power ends the sum
+SIZES = (1e-100, 1e100)  # range of variances: their squares, times those of a model, stay finite in double precision
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Covariances or densities on the states, W (n, n), on the outputs, V (p, p), and of both, S (n, p)."""
+    """Covariances or densities of the noise on the states, W (n, n), on the outputs, V (p, p), and across, S (n, p)."""
 
     W: Array
     V: Array
@@ -43,16 +42,16 @@ class Noise:
 
 
 @dataclass(frozen=True, eq=False)
-class Noisy:
-    """A model, its inputs all known, with its noise."""
+class NoisyModel:
+    """A model, all of its inputs known, with its noise."""
 
     model: StateSpace
     noise: Noise
 
 
 @dataclass(frozen=True, eq=False)
-class _Entered:
-    """A model without the inputs that are noise, and where w enters it: G (n, q), F (p, q) and the names of w."""
+class _NoiseInputs:
+    """A model without its noise inputs, the input matrices G (n, q), F (p, q) of w and the names of w."""
 
     model: StateSpace
     G: Array
@@ -61,19 +60,21 @@ class _Entered:
 
 
 @arguments.checked
-def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None, S: ArrayLike | None = None) -> Noisy:
+def white(
+    system: System, W: weights.Weight, V: weights.Weight, G: NoiseInput = None, S: ArrayLike | None = None
+) -> NoisyModel:
     """Return a model in its own time with w of W (q, q), v of V (p, p) and E w v' = S (q, p).
 
-    Raises SignalError for what does not fit, is not finite, asymmetric or indefinite; ModelError when a combination of
-    outputs has no noise.
+    Raises SignalError for arguments of the wrong shape, not finite, asymmetric or indefinite; ModelError when a
+    combination of outputs has no noise.
     """
-    entered = _entered(of(system), G)
+    entered = _split_inputs(of(system), G)
     outputs = entered.model.outputs
     W, V = weights.semidefinite("W", W, entered.names), weights.semidefinite("V", V, outputs)
     S = np.zeros((len(W), len(V))) if S is None else arguments.matrix("S", S)
     if S.shape != (len(W), len(V)) or not np.isfinite(S).all():
         raise SignalError(f"S is {S.shape}: {len(W)} noises and {len(V)} outputs need a finite {(len(W), len(V))}")
-    if _least(np.block([[W, S], [S.T, V]]))[0] < -SINGULAR:
+    if _least_eigenvalue(np.block([[W, S], [S.T, V]]))[0] < -SINGULAR:
         raise SignalError("S is larger than W and V allow: [[W, S], [S', V]] must be positive semidefinite; lower S")
     with precise.precision():
         g, f, w, v, s = (precise.matrix(part) for part in (entered.G, entered.F, W, V, S))
@@ -82,27 +83,26 @@ def white(system: System, W: weights.Weight, V: weights.Weight, G: Entry = None,
         noise = Noise(*(readonly(precise.rounded(part)) for part in (states, measured, g * (w * ft + s))))
     _require_size(noise, entered.model)
     _require_measurement(noise.V, outputs)
-    return Noisy(entered.model, noise)
+    return NoisyModel(entered.model, noise)
 
 
 @arguments.checked
 def sampled(
-    system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: Entry = None, exact: bool = False
-) -> Noisy:
+    system: System, W: weights.Weight, V: weights.Weight, period_s: float, G: NoiseInput = None, exact: bool = False
+) -> NoisyModel:
     """Return a continuous model with w of density W (q, q) held over `period_s`; each sample has V (p, p).
 
-    `exact` rounds each entry of the process noise once, alike on every machine.
+    `exact` rounds each entry of the process noise once, with the same result on every machine.
 
-    Raises TimingError for a sampled model or a period that is not positive; SignalError as `white`, and for a w that
-    reaches an output at once, as no sample of it has a finite covariance; ModelError as `white` and
-    `discretise.gramian`.
+    Raises TimingError for a sampled model or a period that is not positive; SignalError as `white`, and for a w with a
+    direct path to an output, whose samples have no finite covariance; ModelError as `white` and `discretise.gramian`.
     """
-    entered = _entered(of(system), G)
+    entered = _split_inputs(of(system), G)
     model = entered.model
     if entered.F.any():
         j = int(np.flatnonzero(entered.F.any(axis=1))[0])
         raise SignalError(
-            f"white noise reaches {model.outputs[j]} at once, where a sample has no finite covariance: put the "
+            f"white noise has a direct path to {model.outputs[j]}, whose samples have no finite covariance: put the "
             "sensor's bandwidth into the model"
         )
     held = discretise.zero_order_hold(model, period_s)
@@ -115,44 +115,44 @@ def sampled(
     noise = Noise(process, readonly(V), readonly(np.zeros(model.C.T.shape)))
     _require_size(noise, model)
     _require_measurement(V, model.outputs)
-    return Noisy(held, noise)
+    return NoisyModel(held, noise)
 
 
 @arguments.checked
 def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
-    """Return the covariance X (n, n) that white noise of W (n, n) keeps up in x' = A x + w, or in x+ = A x + w.
+    """Return the stationary covariance X (n, n) of x' = A x + w, or x+ = A x + w, for white w of W (n, n).
 
         A X + X A' + W = 0,     A X A' + W = X
 
-    X is summed over doubled spans of time, from below the fastest to above the slowest decay, and mended once by the
-    sum for what an exact residual leaves.
+    X is the Gramian over a time span that doubles, from below the fastest to above the slowest decay. The exact
+    residual corrects it once.
 
     Raises ModelError naming a pole that does not decay by more than rounding error, or when double precision does not
-    tell.
+    determine X.
     """
     A = arguments.matrix("A", A)
-    A, W = arguments.fitting("A", A, len(A), len(A)), arguments.fitting("W", W, len(A), len(A))
-    if (pole := spectrum.lasting(A, time)) is not None:
+    A, W = arguments.matrix_of_shape("A", A, len(A), len(A)), arguments.matrix_of_shape("W", W, len(A), len(A))
+    if (pole := spectrum.unstable_pole(A, time)) is not None:
         raise ModelError(
-            f"the pole {show.number(pole)} does not decay, so that no covariance stays finite: stabilise it or take it "
-            "out of the model"
+            f"the pole {show.number(pole)} does not decay, and the covariance is unbounded: stabilise it or take "
+            "it out of the model"
         )
     if not len(A):
         return readonly(W)
-    X = _summed(A, W, time)
-    return readonly(X + _summed(A, _unbalance(A, W, X, time), time))
+    X = _stationary_sum(A, W, time)
+    return readonly(X + _stationary_sum(A, _lyapunov_residual(A, W, X, time), time))
 
 
 def residual(A: Array, W: Array, X: Array, time: Time) -> float:
-    """Return the largest entry of A X + X A' + W, or of A X A' + W - X, over the sum of its terms' sizes."""
+    """Return the largest entry of A X + X A' + W, or of A X A' + W - X, relative to its terms."""
     if not len(A):
         return 0.0
     a, x = np.abs(A), np.abs(X)
     terms = a @ x + x @ a.T + np.abs(W) if isinstance(time, Continuous) else a @ x @ a.T + np.abs(W) + x
-    return float((np.abs(_unbalance(A, W, X, time)) / np.where(terms > 0, terms, 1.0)).max())
+    return float((np.abs(_lyapunov_residual(A, W, X, time)) / np.where(terms > 0, terms, 1.0)).max())
 
 
-def _unbalance(A: Array, W: Array, X: Array, time: Time) -> Array:
+def _lyapunov_residual(A: Array, W: Array, X: Array, time: Time) -> Array:
     """Return A X + X A' + W, or A X A' + W - X, each entry rounded once."""
     with precise.precision():
         a, w, x = (precise.matrix(M) for M in (A, W, X))
@@ -161,8 +161,8 @@ def _unbalance(A: Array, W: Array, X: Array, time: Time) -> Array:
     return (left + left.T) / 2
 
 
-def _summed(A: Array, W: Array, time: Time) -> Array:
-    """Return the covariance that W gathers until what it started from has decayed."""
+def _stationary_sum(A: Array, W: Array, time: Time) -> Array:
+    """Return the covariance of noise W over a time in which any initial state has decayed."""
     M, X = A, W
     if isinstance(time, Continuous):
         over = discretise.gramian(A.T, W, 1 / (float(np.abs(np.linalg.eigvals(A).real).min()) or 1.0))
@@ -170,60 +170,60 @@ def _summed(A: Array, W: Array, time: Time) -> Array:
     D, grown = discretise.balancing(A), 1.0
     for _ in range(DOUBLINGS):
         size = float(np.abs(M * D / D[:, None]).max())
-        if size <= SETTLED * grown:
+        if size <= DECAYED * grown:
             return X
         added, grown = M @ X @ M.T, max(grown, size)
         X, M = X + (added + added.T) / 2, M @ M
         if not (np.isfinite(M).all() and np.isfinite(X).all()):
             break
     raise ModelError(
-        "the covariance is not determined in double precision, for rounding of the model decides whether it stays "
+        "the covariance is not determined in double precision, as rounding of the model decides whether it stays "
         "finite: give the model more damping or take slow modes out of it"
     )
 
 
-def _entered(model: StateSpace, G: Entry) -> _Entered:
+def _split_inputs(model: StateSpace, G: NoiseInput) -> _NoiseInputs:
     n, p = len(model.states), len(model.outputs)
     if not n or not p:
         raise SignalError(f"the model has {n} states and {p} outputs: a filter needs one of each at least")
     if G is None:
-        return _Entered(model, np.eye(n), np.zeros((p, n)), model.states)
-    if names := _names(G):
+        return _NoiseInputs(model, np.eye(n), np.zeros((p, n)), model.states)
+    if names := _noise_names(G):
         noisy = model.select(model.outputs, names)
         known = tuple(name for name in model.inputs if name not in names)
-        return _Entered(model.select(model.outputs, known), noisy.B, noisy.D, names)
+        return _NoiseInputs(model.select(model.outputs, known), noisy.B, noisy.D, names)
     G = arguments.matrix("G", G)
     if len(G) != n or not G.size or not np.isfinite(G).all():
         raise SignalError(f"G is {G.shape}: {n} states need a finite matrix of {n} rows, or names of inputs")
-    return _Entered(model, G, np.zeros((p, G.shape[1])), tuple(f"w{k + 1}" for k in range(G.shape[1])))
+    return _NoiseInputs(model, G, np.zeros((p, G.shape[1])), tuple(f"w{k + 1}" for k in range(G.shape[1])))
 
 
-def _names(G: Entry) -> tuple[str, ...]:
+def _noise_names(G: NoiseInput) -> tuple[str, ...]:
     if isinstance(G, str):
         return (G,)
-    given = tuple(G) if isinstance(G, Sequence) else ()
-    return tuple(str(name) for name in given) if all(isinstance(name, str) for name in given) else ()
+    entries = tuple(G) if isinstance(G, Sequence) else ()
+    return tuple(str(name) for name in entries) if all(isinstance(name, str) for name in entries) else ()
 
 
-def _least(covariance: Array) -> tuple[float, Array]:
+def _least_eigenvalue(covariance: Array) -> tuple[float, Array]:
     """Return the least eigenvalue of a covariance scaled to a diagonal of 1, and its direction."""
     values, vectors = scipy.linalg.eigh(weights.unit_diagonal(covariance))
     return float(values[0]), vectors[:, 0]
 
 
 def _require_size(noise: Noise, model: StateSpace) -> None:
-    """Raise SignalError for a variance other than 0 that is too large or too small to be squared."""
+    """Raise SignalError for a nonzero variance whose square overflows or underflows."""
     sizes = np.concatenate([np.diag(noise.W), np.diag(noise.V)])
     for name, size in zip((*model.states, *model.outputs), sizes, strict=True):
         if size and not SIZES[0] <= size <= SIZES[1]:
             raise SignalError(
                 f"the noise on {name} has the size {size:.3g}: a filter needs 0 or {SIZES[0]:.0e} .. {SIZES[1]:.0e}; "
-                "choose units in which it is nearer to 1, or take 0 for a noise that counts for nothing"
+                "choose units in which it is nearer to 1, or take 0 for a negligible noise"
             )
 
 
 def _require_measurement(V: Array, outputs: Sequence[str]) -> None:
-    least, direction = _least(V)
+    least, direction = _least_eigenvalue(V)
     if least < SINGULAR:
         part = np.abs(direction) > 0.1 * np.abs(direction).max()
         who = ", ".join(name for name, takes_part in zip(outputs, part, strict=True) if takes_part)

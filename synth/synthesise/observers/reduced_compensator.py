@@ -1,4 +1,4 @@
-"""Compensators on a reduced-order observer: u = K (x^, z) (the sign is inside K), Y(33)-(35).
+"""Compensators with a reduced-order observer: u = K (x^, z) (the sign is inside K), Y(33)-(35).
 
      d --->(+)--->[ plant ]---> y --->(+)<--- n
             ^                          |
@@ -6,17 +6,16 @@
             +---<---[ K ]<--- x^ ---[ observer: x^ = from_x1 (y - D u) + from_x3 x3 ]
             |         ^                |
             |         +------ z ---[ computed: z' = Az z + Bz q,  q some of y, x^ and u ]
-            +--> u, to the observer and to what is computed
+            +--> u, to the observer and to the computed states
 
-y at a sample acts on u at the same sample; a sample of delay is put into the plant by `discretise.with_delay`. The
-states z are computed, not estimated: integrals of what is measured, or any other model. They belong here and not among
-what is measured, where L would draw on them as if a sensor showed exact integrals. With e = x2 - x2^, d = n = 0 and
-the plant with z driven by the true x, (A, B) of `augmented`,
+u uses the y of the same sample; `discretise.with_delay` adds a sample of delay to the plant. The states z are computed,
+not estimated: integrals of measured signals, or any other model. If they were counted as measured, L would use them as
+exact measurements. With e = x2 - x2^, d = n = 0 and the plant with z driven by the true x, (A, B) of `augmented`,
 
     [x; z]' = (A + B K) [x; z] + R e,     e' = F e,
 
-so that the poles of the loop are the regulator's and the observer's. `separation` is by how much the loop, wired by
-the names of its signals, fails to be so: the largest entry that is off over the largest one, in scaled units.
+so the poles of the loop are those of the regulator and of the observer. `separation` is the deviation of the actual
+loop, connected by signal names, from this form: its largest entry relative to that of the loop, in scaled units.
 """
 
 import flint
@@ -28,7 +27,7 @@ from synth.analyse import equilibrate, interconnect, precise, staircase
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.observers.reduced_observer import ReducedObserver
-from synth.synthesise.observers.reduced_partition import Partition, rows
+from synth.synthesise.observers.reduced_partition import Partition, measurement_rows
 from synth.synthesise.riccati import spectrum
 from synth.synthesise.riccati.spectrum import ball
 from synth.timing import common
@@ -36,7 +35,7 @@ from synth.timing import common
 
 @show.result
 class Compensator:
-    """K (m, n + k) on the states and on what is computed, with the compensator as a `model` from y to u.
+    """K (m, n + k) on the states and on the computed states, with the compensator as a `model` from y to u.
 
     `loop` goes from ``<input>_disturbance`` and ``<measured>_noise`` to y and u. `regulator` holds the poles of
     A + B K, `poles` those of the loop, in 1/s or in z.
@@ -60,22 +59,23 @@ class Compensator:
             f"The loop separates into them to {self.separation:.1e} of its largest entry",
         )
         states = (*plant.states, *self.computed.states)
-        tables = (show.matrix("K", self.K, plant.labels(plant.inputs), states), *self.model.sheet().tables)
+        gain = show.feedback(show.matrix("K", self.K, plant.labels(plant.inputs), states))
+        tables = (gain, *self.model.sheet().tables)
         title = f"Compensator from {', '.join(self.model.inputs)} to {', '.join(self.model.outputs)}"
         return show.Sheet(f"{title}, {plant.time}", lines, tables)
 
 
 @arguments.checked
 def augmented(observer: ReducedObserver, computed: System) -> StateSpace:
-    """Return the plant with the computed states behind its own, driven by the true x: the model to design K on.
+    """Return the plant with the computed states appended, driven by the true x: the model to design K on.
 
-    Raises TimingError for unlike times; SignalError when an input of `computed` is neither measured nor an input of the
-    plant nor ``<state>_estimate``, or a state's name stands twice.
+    Raises TimingError for different times; SignalError when an input of `computed` is neither measured nor an input of
+    the plant nor ``<state>_estimate``, or for a duplicate state name.
     """
     model, part, extra = observer.model, observer.partition, of(computed)
     time = common(model.time, extra.time)
-    y, x, u = _picked(part, extra)
-    C, D = rows(model, part.measured)
+    y, x, u = _input_selection(part, extra)
+    C, D = measurement_rows(model, part.measured)
     n, k = len(model.states), len(extra.states)
     A = np.block([[model.A, np.zeros((n, k))], [extra.B @ (y @ C + x), extra.A]])
     B = np.vstack([model.B, extra.B @ (y @ D + u)])
@@ -86,10 +86,10 @@ def augmented(observer: ReducedObserver, computed: System) -> StateSpace:
 
 @arguments.checked
 def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None = None) -> Compensator:
-    """Return u = K (x^, z) with K (m, n + k) on the plant's states, in its order, then on those of `computed`.
+    """Return u = K (x^, z) with K (m, n + k) on the plant's states, then on those of `computed`.
 
-    Raises SignalError when K does not fit or is not finite; ModelError naming the poles when A + B K does not decay, or
-    when u acts on itself at once through D without a solution; else as `augmented`.
+    Raises SignalError when K has the wrong shape or is not finite; ModelError naming the poles when A + B K is not
+    stable, or when the algebraic loop of u through D has no solution; else as `augmented`.
     """
     extra = interconnect.integrals(observer.model, {}) if computed is None else of(computed)
     plant = augmented(observer, extra)
@@ -101,29 +101,29 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
         )
     with precise.precision():
         regulated = ball(plant.A) + ball(plant.B) * ball(gain)
-        regulator = spectrum.of(regulated)
-    good = spectrum.decays(regulator, plant.time)
-    if not good.all():
+        regulator = spectrum.eigenvalues(regulated)
+    decaying = spectrum.decays(regulator, plant.time)
+    if not decaying.all():
         raise ModelError(
-            f"u = K x leaves the poles {', '.join(show.number(p, 9) for p in regulator[~good])}, which do not decay: "
-            "design K on reduced_compensator.augmented in the same time, with the sign inside K"
+            f"u = K x leaves the poles {', '.join(show.number(p, 9) for p in regulator[~decaying])}, which do not "
+            "decay: design K on reduced_compensator.augmented in the same time, with the sign inside K"
         )
     model = _model(observer, extra, gain)
     loop = _loop(observer.partition, model)
     with precise.precision():
-        poles = spectrum.of(ball(loop.A))
-    off = _separation(observer, loop.A, precise.rounded(regulated))
-    return Compensator(observer, extra, readonly(gain), model, loop, regulator, poles, off)
+        poles = spectrum.eigenvalues(ball(loop.A))
+    separation = _separation(observer, loop.A, precise.rounded(regulated))
+    return Compensator(observer, extra, readonly(gain), model, loop, regulator, poles, separation)
 
 
-def _picked(part: Partition, computed: StateSpace) -> tuple[Array, Array, Array]:
-    """Return the matrices (k, p), (k, n), (k, m) that pick the inputs of `computed` among y, x^ and u."""
+def _input_selection(part: Partition, computed: StateSpace) -> tuple[Array, Array, Array]:
+    """Return the matrices (k, p), (k, n), (k, m) that select the inputs of `computed` from y, x^ and u."""
     estimates = tuple(f"{x}_estimate" for x in part.model.states)
     sources = (*part.measured, *estimates, *part.model.inputs)
     for name in computed.inputs:
         if name not in sources:
             raise SignalError(
-                f"'{name}', an input of what is computed, is not known to the compensator: take one of "
+                f"'{name}', an input of the computed states, is not known to the compensator: take one of "
                 f"{', '.join(sources)}"
             )
     picks = np.eye(len(sources))[[sources.index(name) for name in computed.inputs]]
@@ -132,7 +132,7 @@ def _picked(part: Partition, computed: StateSpace) -> tuple[Array, Array, Array]
 
 
 def _model(observer: ReducedObserver, extra: StateSpace, K: Array) -> StateSpace:
-    """Return the compensator: every signal a matrix over (x3, z, y), in ball arithmetic, rounded once."""
+    """Return the compensator; each signal is a matrix on (x3, z, y) in ball arithmetic, rounded once."""
     part, model = observer.partition, observer.model
     q, k, n, p = len(part.estimated), len(extra.states), len(model.states), len(part.measured)
     columns = np.eye(q + k + p)
@@ -141,29 +141,29 @@ def _model(observer: ReducedObserver, extra: StateSpace, K: Array) -> StateSpace
         Kx, Kz, D, from_x1, from_x3 = (
             ball(m) for m in (K[:, :n], K[:, n:], part.D, observer.from_x1, observer.from_x3)
         )
-        u = _solved(ball(np.eye(len(K))) + Kx * from_x1 * D, Kx * (from_x1 * y + from_x3 * x3) + Kz * z)
+        u = _solve_algebraic_loop(ball(np.eye(len(K))) + Kx * from_x1 * D, Kx * (from_x1 * y + from_x3 * x3) + Kz * z)
         x1 = y - D * u
-        seen = from_x1 * x1 + from_x3 * x3
-        from_y, from_x, from_u = (ball(m) for m in _picked(part, extra))
-        inner = from_y * y + from_x * seen + from_u * u
+        estimate = from_x1 * x1 + from_x3 * x3
+        from_y, from_x, from_u = (ball(m) for m in _input_selection(part, extra))
+        driven = from_y * y + from_x * estimate + from_u * u
         next = (
             ball(observer.F) * x3 + ball(observer.G) * x1 + ball(observer.H) * u,
-            ball(extra.A) * z + ball(extra.B) * inner,
+            ball(extra.A) * z + ball(extra.B) * driven,
         )
-        after, out = np.vstack([precise.rounded(m) for m in next]), precise.rounded(u)
+        next_states, out = np.vstack([precise.rounded(m) for m in next]), precise.rounded(u)
     states = (*(f"{x}_x3" for x in part.estimated), *extra.states)
     units = {**extra.units, **model.units, **{f"{x}_x3": model.unit(x) for x in part.estimated if model.unit(x)}}
     width = q + k
     return StateSpace(
-        after[:, :width], after[:, width:], out[:, :width], out[:, width:],
+        next_states[:, :width], next_states[:, width:], out[:, :width], out[:, width:],
         states, part.measured, model.inputs, model.time, units,
     )  # fmt: skip
 
 
-def _solved(loop: flint.arb_mat, right: flint.arb_mat) -> flint.arb_mat:
+def _solve_algebraic_loop(loop: flint.arb_mat, right: flint.arb_mat) -> flint.arb_mat:
     if equilibrate.is_singular(precise.rounded(loop)):
         raise ModelError(
-            "u acts on itself at once, through D and K, without a solution: I + K from_x1 D is singular; put a sample "
+            "the algebraic loop of u through D and K has no solution: I + K from_x1 D is singular; put a sample "
             "of delay into the plant (discretise.with_delay)"
         )
     return loop.solve(right)
@@ -171,7 +171,7 @@ def _solved(loop: flint.arb_mat, right: flint.arb_mat) -> flint.arb_mat:
 
 def _loop(part: Partition, model: StateSpace) -> StateSpace:
     plant = part.model
-    C, D = rows(plant, part.measured)
+    C, D = measurement_rows(plant, part.measured)
     units = {**plant.units, **model.units}
     measured = StateSpace(plant.A, plant.B, C, D, plant.states, plant.inputs, part.measured, plant.time, units)
     pushed = {u: {u: 1.0, f"{u}_disturbance": 1.0} for u in plant.inputs}
@@ -185,16 +185,16 @@ def _separation(observer: ReducedObserver, A: Array, regulated: Array) -> float:
     part = observer.partition
     p, q, n, k = len(part.measured), len(part.estimated), len(part.model.states), len(regulated) - len(part.M)
     error = part.M[p:] - observer.L @ part.M[:p]  # e = error x - x3
-    to = np.block(
+    transform = np.block(
         [
             [np.eye(n), np.zeros((n, q + k))],
             [np.zeros((k, n + q)), np.eye(k)],
             [error, -np.eye(q), np.zeros((q, k))],
         ]
     )
-    found = to @ A @ np.linalg.inv(to)
-    expected = found.copy()
+    actual = transform @ A @ np.linalg.inv(transform)
+    expected = actual.copy()
     expected[: n + k, : n + k], expected[n + k :, : n + k], expected[n + k :, n + k :] = regulated, 0.0, observer.F
     x = staircase.scaled(expected).x
-    off, whole = ((m * x / x[:, None]) for m in (found - expected, expected))
-    return float(np.abs(off).max() / np.abs(whole).max())
+    deviation, whole = ((m * x / x[:, None]) for m in (actual - expected, expected))
+    return float(np.abs(deviation).max() / np.abs(whole).max())

@@ -1,4 +1,4 @@
-"""Reduced-order observers (Luenberger 1971; Gopinath 1971): of what is measured nothing is estimated.
+"""Reduced-order observer (Luenberger 1971; Gopinath 1971): measured combinations of states are not estimated.
 
         u ----->+---------+
                 |  plant  |---> y ---+--------------------------> x1 = y - D u ---+
@@ -10,15 +10,15 @@ With the blocks of `reduced_partition` (x+ in discrete time) and the gain L (n -
 
     F = A22 - L A12,   G = F L + A21 - L A11,   H = B2 - L B1
 
-so that the error e = x2 - x2^ of an exact model obeys e' = F e, whatever u does. No derivative of y and no sample ahead
-is taken: x2^ at a sample has used the y of that sample, and passes L y on at once. L comes
+the error e = x2 - x2^ of an exact model obeys e' = F e for every u. The observer needs no derivative of y and no future
+sample: x2^ uses the y of the same sample, with the direct gain L. L comes
 
-    by_poles     with the poles of F asked for: state feedback of the dual pair (A22', A12')
-    by_riccati   as the filter of least error covariance for white noise: `reduced_noise`
-    deadbeat     with F^k = 0 for the least k, the observability index of (A12, A22): e = 0 after k samples
-    from_gain    as given, and refused when e does not decay
+    by_poles     from the desired poles of F: state feedback of the dual pair (A22', A12')
+    by_riccati   from the least error covariance for white noise: `reduced_noise`
+    deadbeat     from F^k = 0 for the least k, the observability index of (A12, A22): e = 0 after k samples
+    from_gain    from the caller; it is refused when e does not decay
 
-F, G and H are computed from L in ball arithmetic and rounded once; poles are those of that F, to the last digits.
+F, G and H are computed from L in ball arithmetic and rounded once; the poles are the exact ones of that F, rounded.
 """
 
 from collections.abc import Sequence
@@ -45,8 +45,8 @@ Certificate = pole_placement.Placement | nilpotent.Deadbeat | reduced_noise.Filt
 class ReducedObserver:
     """L (n - p, p) and the recursion of x3 for a partitioned model; `poles` of F in 1/s or in z.
 
-    x^ = from_x1 x1 + from_x3 x3 with from_x1 (n, p), from_x3 (n, n - p). `certificate` is that of the way in which L
-    was found, None for a given L.
+    x^ = from_x1 x1 + from_x3 x3 with from_x1 (n, p), from_x3 (n, n - p). `certificate` is that of the design method of
+    L, None for `from_gain`.
     """
 
     partition: Partition
@@ -107,8 +107,8 @@ class ReducedObserver:
 def from_gain(system: System, measured: Sequence[str] | str, L: ArrayLike) -> ReducedObserver:
     """Return the observer with a given gain L (n - p, p), rows in the order of the estimated states.
 
-    Raises SignalError when L does not fit or is not finite; ModelError naming the poles of an error that does not
-    decay; else as `reduced_partition.of_model`.
+    Raises SignalError when L has the wrong shape or is not finite; ModelError naming the poles of an error that does
+    not decay; else as `reduced_partition.of_model`.
     """
     part = reduced_partition.of_model(system, measured)
     gain, shape = arguments.matrix("L", L), (len(part.estimated), len(part.measured))
@@ -126,34 +126,34 @@ def from_gain(system: System, measured: Sequence[str] | str, L: ArrayLike) -> Re
 
 @arguments.checked
 def by_poles(system: System, measured: Sequence[str] | str, poles: Sequence[complex] | ArrayLike) -> ReducedObserver:
-    """Return the observer whose error has the given poles (n - p,), less the modes that x1 does not show.
+    """Return the observer whose error has the desired poles (n - p,), without those of unobservable modes.
 
     Raises as `pole_placement.place` and `reduced_partition.of_model`.
     """
     part = reduced_partition.of_model(system, measured)
-    found = pole_placement.place(_dual(part), poles)
-    return _observer(part, 0.0 - found.K.T, found)
+    placement = pole_placement.place(_dual(part), poles)
+    return _observer(part, 0.0 - placement.K.T, placement)
 
 
 @arguments.checked
 def by_riccati(system: System, measured: Sequence[str] | str, W: reduced_noise.Weight) -> ReducedObserver:
-    """Return the observer of least error covariance for process noise W (n, n) and measurements without noise.
+    """Return the observer of least error covariance for process noise W (n, n) and noise-free measurements.
 
-    W is on the states: a matrix, a diagonal or {name: entry}; a covariance at each sample, or a density in continuous
-    time. Where the measurements are noisy, the Kalman filter of full order is the optimal one (`kalman`).
+    W acts on the states: a matrix, a diagonal or {name: entry}; a covariance at each sample, or a density in continuous
+    time. For noisy measurements the Kalman filter of full order is optimal (`kalman`).
 
     Raises as `reduced_noise` and `reduced_partition.of_model`.
     """
     part = reduced_partition.of_model(system, measured)
-    found = reduced_noise.noise_free(part, reduced_noise.of(part, W))
-    return _observer(part, found.L, found)
+    design = reduced_noise.steady_filter(part, reduced_noise.partition_noise(part, W))
+    return _observer(part, design.L, design)
 
 
 @arguments.checked
 def deadbeat(system: System, measured: Sequence[str] | str) -> ReducedObserver:
     """Return the observer whose error is 0 after the fewest samples.
 
-    Raises TimingError for a continuous model; ModelError when a mode other than 0 is not shown; else as
+    Raises TimingError for a continuous model; ModelError when a mode other than 0 is not observable; else as
     `reduced_partition.of_model`.
     """
     part = reduced_partition.of_model(system, measured)
@@ -163,18 +163,18 @@ def deadbeat(system: System, measured: Sequence[str] | str) -> ReducedObserver:
         )
     dual = _dual(part)
     try:
-        found = nilpotent.feedback(dual)
+        design = nilpotent.feedback(dual)
     except ModelError as error:
-        value, who = nilpotent.lasting(dual)
+        value, who = nilpotent.largest_uncontrollable_mode(dual)
         raise ModelError(
-            f"mode {show.number(value, 4)} in {who} is not 0 and {', '.join(part.measured)} do not show it: no gain is "
-            f"deadbeat; measure {who} or use by_poles or by_riccati"
+            f"mode {show.number(value, 4)} in {who} is not 0 and not observable from {', '.join(part.measured)}: no "
+            f"gain is deadbeat; measure {who} or use by_poles or by_riccati"
         ) from error
-    return _observer(part, 0.0 - found.K.T, found)
+    return _observer(part, 0.0 - design.K.T, design)
 
 
 def _dual(part: Partition) -> StateSpace:
-    """Return the pair whose state feedback u = K x is L = -K'."""
+    """Return the dual pair, whose state feedback u = K x gives L = -K'."""
     n, p = len(part.estimated), len(part.measured)
     nothing = np.zeros((n, p))
     return StateSpace(
@@ -188,15 +188,15 @@ def _observer(part: Partition, gain: Array, certificate: Certificate) -> Reduced
         A11, A12, A21, A22, B1, B2, L = (ball(block) for block in blocks)
         exact = A22 - L * A12
         F, G, H = (readonly(precise.rounded(m)) for m in (exact, exact * L + A21 - L * A11, B2 - L * B1))
-        poles, inverse = spectrum.of(ball(F)), ball(part.inverse)
-        seen = inverse * ball(np.vstack([np.eye(len(part.measured)), gain]))
-        from_x1, from_x3 = readonly(precise.rounded(seen)), readonly(part.inverse[:, len(part.measured) :])
-    good = spectrum.decays(poles, part.model.time)
-    if not good.all():
+        poles, inverse = spectrum.eigenvalues(ball(F)), ball(part.inverse)
+        columns = inverse * ball(np.vstack([np.eye(len(part.measured)), gain]))
+        from_x1, from_x3 = readonly(precise.rounded(columns)), readonly(part.inverse[:, len(part.measured) :])
+    decaying = spectrum.decays(poles, part.model.time)
+    if not decaying.all():
         bound = "Re s < 0" if isinstance(part.model.time, Continuous) else "|z| < 1"
         raise ModelError(
             f"the observer of {', '.join(part.estimated)} with this gain has the poles "
-            f"{', '.join(show.number(p, 9) for p in poles[~good])}: its error does not decay, which needs {bound}; "
+            f"{', '.join(show.number(p, 9) for p in poles[~decaying])}: its error does not decay, which needs {bound}; "
             "design L by_poles, by_riccati or deadbeat in the model's own time"
         )
     return ReducedObserver(part, readonly(gain), F, G, H, from_x1, from_x3, poles, certificate)

@@ -1,6 +1,7 @@
 """A Riccati equation in balanced coordinates x = D z, u = E v, with diagonal D (n, n), E (m, m) of powers of 2.
 
-There R has a unit diagonal, A, B R^-1 B' and Q are of like size, and what counts as rounding does not depend on units.
+In these coordinates R has a unit diagonal and A, B R^-1 B' and Q are of similar size. What counts as rounding error
+therefore does not depend on the units of the signals.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from synth.synthesise.riccati.equation import Equation, Solution, sizes
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """The scaled equation, the scales D (n,), E (m,) of states and inputs, and the map that doubling takes."""
+    """The scaled equation, the scales D (n,), E (m,) of states and inputs, and the bilinear map for doubling."""
 
     scaled: Equation
     D: Array
@@ -23,21 +24,21 @@ class Balance:
     bilinear: doubling.Bilinear
 
     @staticmethod
-    def of(stated: Equation) -> "Balance":
-        D, E = stated.scales()
-        scaled = stated.scaled(D, E)
-        return Balance(scaled, D, E, doubling.fitting(scaled))
+    def of(equation: Equation) -> "Balance":
+        D, E = equation.scales()
+        scaled = equation.scaled(D, E)
+        return Balance(scaled, D, E, doubling.bilinear_map(scaled))
 
-    def back(self, found: Solution) -> Solution:
-        """Return a solution of the scaled equation as that of the equation itself."""
-        return found.scaled(1 / self.D, 1 / self.E)
+    def unscale(self, solution: Solution) -> Solution:
+        """Return the solution of the original equation for a solution of the scaled one."""
+        return solution.scaled(1 / self.D, 1 / self.E)
 
-    def certified(self, found: Solution) -> newton.Certified:
-        """Return the certificate of a solution of the equation itself."""
-        return newton.certified(self.scaled, found.scaled(self.D, self.E), self.bilinear)
+    def certify(self, solution: Solution) -> newton.CertifiedSolution:
+        """Return the certificate of a solution of the original equation."""
+        return newton.certify(self.scaled, solution.scaled(self.D, self.E), self.bilinear)
 
-    def evaluated(self, X: Array) -> Solution:
-        """Return the solution of the balanced equation to which a symmetric X (n, n) of the equation itself amounts.
+    def evaluate(self, X: Array) -> Solution:
+        """Return a symmetric X (n, n) of the original equation as a solution of the balanced one.
 
         Raises ModelError when R + B'XB is singular.
         """
@@ -47,21 +48,21 @@ class Balance:
         except np.linalg.LinAlgError as error:
             raise ModelError("R + B'XB is singular: this X has no gain; certify one that stabilises") from error
         closed = self.scaled.A - self.scaled.B @ L
-        decay = doubling.decay(closed, self.bilinear)
-        step = np.full_like(X, np.inf) if decay is None else decay.gathered(defect)
+        decay = doubling.stable_map(closed, self.bilinear)
+        step = np.full_like(X, np.inf) if decay is None else decay.gramian(defect)
         return Solution(X, L, closed, defect, step)
 
-    def of_easier(self, weighted: Equation) -> Array | None:
-        """Return the balanced cost of the feedback that is optimal for more moderate weights, None if not found."""
+    def cost_of_moderate_gain(self, weighted: Equation) -> Array | None:
+        """Return the cost of the feedback that is optimal for more moderate weights, None if there is none."""
         try:
-            moderate = weighted.moderate()
-            X = doubling.solution(moderate, doubling.fitting(moderate))
-            return None if X is None else newton.evaluated(self.scaled, moderate.gain(X), self.bilinear)
+            moderate = weighted.with_moderate_weights()
+            X = doubling.solution(moderate, doubling.bilinear_map(moderate))
+            return None if X is None else newton.feedback_cost(self.scaled, moderate.gain(X), self.bilinear)
         except np.linalg.LinAlgError:  # R is singular
             return None
 
     def least_eigenvalue(self, X: Array, forward_error: float) -> float:
-        """Return the least eigenvalue of balanced X over its states' sizes; 0 where X's error hides its sign."""
+        """Return the least eigenvalue of balanced X over its states' sizes; 0 if the error of X exceeds it."""
         X = X * self.D * self.D[:, None]
         size = sizes(X)
         least = float(np.linalg.eigvalsh(X / size / size[:, None])[0])

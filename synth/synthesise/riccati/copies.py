@@ -1,9 +1,10 @@
-"""Linear matrix equations of p copies of a small matrix, I (x) F with F (k, k), in ball arithmetic.
+"""Lyapunov, Stein and Sylvester equations of p copies of a small matrix, I (x) F with F (k, k), in ball arithmetic.
 
     lyapunov    (I (x) F) Y + Y (I (x) F') = H          stein    (I (x) F) Y (I (x) F') - Y = H
     sylvester   M A - (I (x) F) M = H
 
-Each block of Y, and each copy's rows of M, obeys an equation of its own with one operator, which is factored once.
+Each block of Y, and the rows of M for each copy, satisfy a separate equation with the same operator. The operator is
+factored once.
 """
 
 import flint
@@ -39,7 +40,7 @@ def block(F: Mat, p: int) -> Mat:
 
 
 def _by_blocks(operator: Mat, H: Mat) -> Mat:
-    """Return Y whose blocks (k, k), rows stacked, the operator (k^2, k^2) takes to those of H."""
+    """Return Y such that the operator (k^2, k^2) maps its blocks (k, k), rows stacked, to the blocks of H."""
     n = H.nrows()
     k = next(k for k in range(1, n + 1) if k * k == operator.nrows())
     p = n // k

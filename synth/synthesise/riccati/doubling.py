@@ -1,17 +1,17 @@
-"""Riccati, Stein and Lyapunov equations by doubling: each pass takes twice the horizon of the one before.
+"""Structure-preserving doubling for Riccati, Stein and Lyapunov equations: each pass doubles the horizon.
 
     X = A'X (I + G X)^-1 A + H      A <- A V,  G <- G + A (I + G H)^-1 G A',  H <- H + A'H V,   V = (I + G H)^-1 A
     Y = A'Y A + W                   Y <- Y + A'Y A,  A <- A^2
 
-H and Y increase to the solutions (Chu, Fan, Lin, Wang 2004; Smith 1968). How many passes that takes is told by the
-slowest pole, so that the poles are first moved towards z = 0 by a bilinear map, with which X and Y are the same:
+H and Y increase to the solutions (Chu, Fan, Lin, Wang 2004; Smith 1968). The slowest pole determines the number of
+passes. A bilinear map therefore first shifts the poles towards z = 0; X and Y are the same for the mapped equation:
 
     continuous  z = (c + s) / (c - s)        J = (c I - A)^-1,  A_d = (A + c I) J,  g = 2 c,      k = -1
     discrete    z <- (z + k) / (1 + k z)     J = (I + k A)^-1,  A_d = (A + k I) J,  g = 1 - k^2,  k = (c - 1) / (c + 1)
 
     B_d = sqrt(g) J B,   Q_d = g J'Q J,   N_d = sqrt(g) J'(N - k Q J B),   R_d = R - k (N'J B + B'J'N) + k^2 B'J'Q J B
 
-and W_d = g J'W J for the linear equations. c is near the geometric mean of the poles' |s|, or |z - 1| / 2.
+and W_d = g J'W J for the linear equations. c is close to the geometric mean of |s| over the poles, or of |z - 1| / 2.
 """
 
 from collections.abc import Sequence
@@ -22,16 +22,16 @@ import numpy as np
 from synth.statespace import Array
 from synth.synthesise.riccati.equation import Equation
 
-PASSES = 60  # doublings: 2^60 periods; what has not settled by then does not
-SETTLED = 1e-7  # of H: what is still to come is the square of the last increment, and Newton's method comes after
-DECAYED = 1e-2  # of a state: what is left of Y after it is the square of this
-FACTORS = (1.0, 2.0, 4.0)  # of the mean rate, to be tried
-LARGEST = 10.0  # root mean square of the singular values of c J, or (1 + k) J: far from the eigenvalues of A
+PASSES = 60  # doublings: 2^60 periods; a recursion that has not converged by then diverges
+CONVERGED = 1e-7  # of H: the next increment is the square of this one, and Newton's method follows
+DECAYED = 1e-2  # of a state: the remainder of Y is the square of this
+FACTORS = (1.0, 2.0, 4.0)  # of the mean rate: the rates c that are tried
+LARGEST = 10.0  # bound of the rms singular value of c J, or (1 + k) J: c is then far from the eigenvalues of A
 
 
 @dataclass(frozen=True)
 class Bilinear:
-    """The map of rate c: in 1/s for continuous time, else a number."""
+    """The bilinear map of rate c, in 1/s in continuous time, without unit in discrete time."""
 
     c: float
     continuous: bool
@@ -54,21 +54,21 @@ class Bilinear:
         except np.linalg.LinAlgError:
             return None
 
-    def moved(self, A: Array, J: Array) -> Array:
+    def map_matrix(self, A: Array, J: Array) -> Array:
         """Return A_d (n, n)."""
         return A @ J + (self.c if self.continuous else self.k) * J
 
 
 @dataclass(frozen=True, eq=False)
-class Decay:
-    """A stable linear map: the powers A_d^1, A_d^2, A_d^4 .. (n, n) of its bilinear image, J and g."""
+class StableMap:
+    """A stable A, as the powers A_d^1, A_d^2, A_d^4 .. (n, n) of its bilinear image, with J and g."""
 
     powers: Sequence[Array]
     J: Array
     g: float
 
-    def gathered(self, W: Array) -> Array:
-        """Return Y (n, n) for a symmetric W (n, n)."""
+    def gramian(self, W: Array) -> Array:
+        """Return Y (n, n) for a symmetric W (n, n): A'Y + Y A + W = 0, or A'Y A - Y + W = 0."""
         Y = self.g * (self.J.T @ W @ self.J)
         for A in self.powers:
             Y = Y + A.T @ Y @ A
@@ -76,16 +76,16 @@ class Decay:
 
 
 @np.errstate(all="ignore")
-def decay(A: Array, bilinear: Bilinear) -> Decay | None:
-    """Return the decay of dx/dt = A x, or x+ = A x; None when x does not decay."""
+def stable_map(A: Array, bilinear: Bilinear) -> StableMap | None:
+    """Return A of dx/dt = A x, or x+ = A x, as a StableMap; None when it is not stable."""
     J = bilinear.resolvent(A)
     if J is None:
         return None
-    powers = [bilinear.moved(A, J)]
+    powers = [bilinear.map_matrix(A, J)]
     for _ in range(PASSES):
         size = float(np.vdot(powers[-1], powers[-1]))
         if size < DECAYED * DECAYED:
-            return Decay(powers[:-1] or powers, J, bilinear.g)
+            return StableMap(powers[:-1] or powers, J, bilinear.g)
         if not size < 1e300:
             break
         powers.append(powers[-1] @ powers[-1])
@@ -95,18 +95,18 @@ def decay(A: Array, bilinear: Bilinear) -> Decay | None:
 def solution(equation: Equation, bilinear: Bilinear) -> Array | None:
     """Return X (n, n) of a balanced equation in double precision.
 
-    Returns None when the doubling does not settle, or R or R_d is not positive definite in double precision.
+    Returns None when the doubling does not converge, or R or R_d is not positive definite in double precision.
     """
     try:
-        discrete = _mapped(equation, bilinear)
-        found = _settled(*_standard(_offset(discrete)))
-        return None if found is None else found + discrete.Q
+        discrete = _bilinear_equation(equation, bilinear)
+        increment = _double(*_standard_form(_about_Q(discrete)))
+        return None if increment is None else increment + discrete.Q
     except np.linalg.LinAlgError:
         return None
 
 
 @np.errstate(all="ignore")
-def _settled(A: Array, G: Array, H: Array) -> Array | None:
+def _double(A: Array, G: Array, H: Array) -> Array | None:
     """Return the limit of H; raise LinAlgError when I + G H is singular."""
     one = np.eye(len(A))
     for _ in range(PASSES):
@@ -120,14 +120,14 @@ def _settled(A: Array, G: Array, H: Array) -> Array | None:
         size = float(np.vdot(H, H))
         if not size < 1e300:
             return None
-        if float(np.vdot(step, step)) <= SETTLED * SETTLED * size:
+        if float(np.vdot(step, step)) <= CONVERGED * CONVERGED * size:
             return H
     return None
 
 
-def fitting(equation: Equation) -> Bilinear:
-    """Return the map for the poles of the optimal loop, its rate moved off the eigenvalues of A."""
-    c, tried = _mean(equation), []
+def bilinear_map(equation: Equation) -> Bilinear:
+    """Return the bilinear map for the poles of the optimal loop, with a rate away from the eigenvalues of A."""
+    c, tried = _mean_rate(equation), []
     for bilinear in (Bilinear(factor * c, equation.continuous) for factor in FACTORS):
         J = bilinear.resolvent(equation.A)
         unit = bilinear.c if equation.continuous else 1 + bilinear.k
@@ -137,31 +137,31 @@ def fitting(equation: Equation) -> Bilinear:
     return Bilinear(FACTORS[int(np.argmin(tried))] * c, equation.continuous)
 
 
-def _mean(e: Equation) -> float:
-    """Return the geometric mean of the poles' |s|, or of |z - 1| / 2 but 1 at most, from the pencil's determinant."""
+def _mean_rate(e: Equation) -> float:
+    """Return the geometric mean of |s|, or of |z - 1| / 2 but at most 1, from the determinant of the pencil."""
     try:
-        (A, G, Q), one = _standard(e), np.eye(len(e.A))
+        (A, G, Q), one = _standard_form(e), np.eye(len(e.A))
     except np.linalg.LinAlgError:  # R is not positive definite, which only discrete time allows
         return 1.0
     if e.continuous:
-        above = _logarithm(A, -G, -Q, -A.T)
+        above = _mean_log_eigenvalue(A, -G, -Q, -A.T)
         with np.errstate(over="ignore"):
             size = max(float(np.linalg.norm(M)) for M in (A, G, Q))
         largest = np.log(size if np.isfinite(size) else max(float(np.abs(M).max()) for M in (A, G, Q)))
         return float(np.exp(above if above > largest - 30 else largest))
-    above = _logarithm(A - one, -G, -Q, one - A.T)
+    above = _mean_log_eigenvalue(A - one, -G, -Q, one - A.T)
     return float(np.exp(min(max(above, -30.0), np.log(2.0)))) / 2
 
 
-def _logarithm(*quarters: Array) -> float:
-    """Return the mean logarithm of a block matrix' absolute eigenvalues."""
+def _mean_log_eigenvalue(*quarters: Array) -> float:
+    """Return the mean of log |eigenvalue| of a block matrix."""
     P, Q, R, S = quarters
     M = np.concatenate([np.concatenate([P, Q], axis=1), np.concatenate([R, S], axis=1)])
     return float(np.linalg.slogdet(M)[1]) / len(M)
 
 
-def _mapped(e: Equation, bilinear: Bilinear) -> Equation:
-    """Return the discrete equation that has the same solution."""
+def _bilinear_equation(e: Equation, bilinear: Bilinear) -> Equation:
+    """Return the discrete equation with the same solution."""
     J, k, root = bilinear.resolvent(e.A), bilinear.k, np.sqrt(bilinear.g)
     if J is None:
         raise np.linalg.LinAlgError("the map takes an eigenvalue to infinity")
@@ -169,23 +169,23 @@ def _mapped(e: Equation, bilinear: Bilinear) -> Equation:
     QJB, NJB = e.Q @ JB, e.N.T @ JB
     R = e.R - k * (NJB + NJB.T) + k * k * (JB.T @ QJB)
     return Equation(
-        bilinear.moved(e.A, J), root * JB, bilinear.g * J.T @ e.Q @ J, R, root * J.T @ (e.N - k * QJB), False
+        bilinear.map_matrix(e.A, J), root * JB, bilinear.g * J.T @ e.Q @ J, R, root * J.T @ (e.N - k * QJB), False
     )
 
 
-def _offset(e: Equation) -> Equation:
-    """Return the discrete equation for X - Q, in which B'QB stands beside R: then R may be as small as it likes."""
+def _about_Q(e: Equation) -> Equation:
+    """Return the discrete equation for X - Q. Its input weight is R + B'QB, and R may be zero."""
     QA, QB = e.Q @ e.A, e.Q @ e.B
     return Equation(e.A, e.B, e.A.T @ QA, e.R + e.B.T @ QB, e.N + e.A.T @ QB, False)
 
 
-def _standard(e: Equation) -> tuple[Array, Array, Array]:
+def _standard_form(e: Equation) -> tuple[Array, Array, Array]:
     """Return A - B R^-1 N', B R^-1 B' and Q - N R^-1 N'."""
-    whitened = _whitened(e.R, np.concatenate([e.B.T, e.N.T], axis=1))
+    whitened = _whiten(e.R, np.concatenate([e.B.T, e.N.T], axis=1))
     B, N = whitened[:, : len(e.A)], whitened[:, len(e.A) :]
     return e.A - B.T @ N, B.T @ B, e.Q - N.T @ N
 
 
-def _whitened(R: Array, right: Array) -> Array:
-    """Return F^-1 Y, R = F F'; raise LinAlgError when R is not positive definite."""
+def _whiten(R: Array, right: Array) -> Array:
+    """Return F^-1 Y with R = F F' (Cholesky); raise LinAlgError when R is not positive definite."""
     return np.asarray(np.linalg.solve(np.linalg.cholesky(R), right), dtype=np.float64)

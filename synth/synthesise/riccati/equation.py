@@ -1,14 +1,14 @@
-"""The two algebraic Riccati equations in double precision: balancing, residual and Newton's step.
+"""The continuous and the discrete algebraic Riccati equation in double precision: scaling, residual and gain.
 
     continuous  A'X + XA - P R^-1 P' + Q = 0,         P = XB + N,                     L = R^-1 P'
     discrete    A'XA - X - P S^-1 P' + Q = 0,         P = A'XB + N, S = R + B'XB,     L = S^-1 P'
 
-The residual of an X near the solution is what is left of large terms. For any L, with the small d = P' - R L,
+The residual of an X near the solution is a small difference of large terms. For any L, with the small d = P' - R L,
 
     continuous  XA + A'X + Q - P L - L'd - d' R^-1 d,          d = B'X + N' - R L
     discrete    A'X (A - B L) + Q - X - N L - L'd - d' S^-1 d, d = B'X (A - B L) + N' - R L
 
-is the same function; its large terms are evaluated to twice the precision of double, the small ones plainly.
+is the same function. Its large terms are evaluated in twice double precision, the small ones in double precision.
 """
 
 from dataclasses import dataclass, replace
@@ -19,8 +19,8 @@ from synth.analyse import discretise, twofold
 from synth.analyse.twofold import Twofold
 from synth.statespace import Array, Complex
 
-LEAST = 2.0**-52  # of the largest diagonal entry of balanced X: below it a state costs nothing within rounding
-POLISHED = 1e-10  # of each row of L: a correction this small leaves nothing to correct
+LEAST = 2.0**-52  # of the largest diagonal entry of balanced X: below it the cost of a state is zero within rounding
+POLISHED = 1e-10  # of each row of L: a correction this small ends the refinement
 POLISHINGS = 8
 
 
@@ -42,9 +42,9 @@ class Equation:
         return Equation(A, B, self.Q * D * row, self.R * E * column, self.N * E * row, self.continuous)
 
     def scales(self) -> tuple[Array, Array]:
-        """Return powers of 2, D (n,) and E (m,), that bring R's diagonal to 1 and balance A, B R^-1 B' and Q.
+        """Return powers of 2, D (n,) and E (m,), that scale R's diagonal to 1 and balance A, B R^-1 B' and Q.
 
-        Where an input has no weight, |R| + |B'QB| stands for R.
+        For an input without weight, |R| + |B'QB| takes the place of R.
         """
         r = np.diag(self.R)
         if not self.continuous:
@@ -56,12 +56,12 @@ class Equation:
         size = discretise.balancing(M)
         return np.exp2(np.round(np.log2(size[:n] / size[n:]) / 2)), E
 
-    def plain(self) -> "Equation":
-        """Return the equation of the same model, balanced, with weights on the inputs alone."""
+    def minimum_energy(self) -> "Equation":
+        """Return the balanced equation of minimum-energy control of the same model: Q = 0, R = I."""
         return replace(self, Q=np.zeros_like(self.Q), R=np.eye(len(self.R)), N=np.zeros_like(self.N))
 
-    def moderate(self) -> "Equation":
-        """Return the equation with more weight on states or inputs: loops neither much faster nor slower than A.
+    def with_moderate_weights(self) -> "Equation":
+        """Return the equation with more weight on states or inputs; its loop is about as fast as A.
 
         Raises LinAlgError when R is singular.
         """
@@ -84,25 +84,25 @@ class Equation:
         return self.R if self.continuous else self.R + self.B.T @ X @ self.B
 
     def residual(self, X: Array) -> tuple[Array, Array]:
-        """Return the equation's left side at a symmetric X, from sums in twice the precision, and L, polished by d.
+        """Return the equation's left side at a symmetric X, summed in twice double precision, and L, refined by d.
 
-        Polishing ends, too, at a row of L that it does not bring nearer: what is left of it is rounding error.
+        The refinement of a row of L also ends when its correction no longer halves: the rest is rounding error.
 
         Raises LinAlgError when R or S is singular.
         """
         S, L = self.weight(X), self.gain(X)
         last = np.full(len(L), np.inf)
         for _ in range(POLISHINGS):
-            left, rest = self._sums(X, L)
-            d = rest.rounded()
+            large, defect = self._sums(X, L)
+            d = defect.rounded()
             small = np.linalg.solve(S, d)
-            found = left.high + (left.low - (L.T + small.T) @ d)
+            F = large.high + (large.low - (L.T + small.T) @ d)
             polished = L + small
-            left_over = np.abs(small).max(axis=1)
-            if ((left_over <= POLISHED * np.abs(L).max(axis=1)) | (left_over > last / 2)).all():
+            correction = np.abs(small).max(axis=1)
+            if ((correction <= POLISHED * np.abs(L).max(axis=1)) | (correction > last / 2)).all():
                 break
-            L, last = polished, left_over
-        return (found + found.T) / 2, polished
+            L, last = polished, correction
+        return (F + F.T) / 2, polished
 
     def _sums(self, X: Array, L: Array) -> tuple[Twofold, Twofold]:
         """Return the large terms of the residual (n, n), and d (m, n)."""
@@ -125,15 +125,15 @@ class Equation:
         """Return the sum (n, n) of the absolute values of the equation's terms at X."""
         A, B, X, N = np.abs(self.A), np.abs(self.B), np.abs(X), np.abs(self.N)
         XA, BX = X @ A, B.T @ X
-        moved, P = (XA + XA.T, BX + N.T) if self.continuous else (A.T @ XA + X, BX @ A + N.T)
-        return np.asarray(moved + np.abs(self.Q) + P.T @ np.abs(np.linalg.inv(self.weight(X))) @ P)
+        linear, P = (XA + XA.T, BX + N.T) if self.continuous else (A.T @ XA + X, BX @ A + N.T)
+        return np.asarray(linear + np.abs(self.Q) + P.T @ np.abs(np.linalg.inv(self.weight(X))) @ P)
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """X (n, n) and L (m, n) with the closed loop A - B L, and of X what is left of the equation and Newton's step.
+    """X (n, n) and L (m, n) with the closed loop A - B L, the equation's residual `defect` at X and Newton's step.
 
-    `known` are the loop's poles (n,) where they are known better than A - B L, rounded, tells them.
+    `exact_poles` (n,) are the poles of the loop from ball arithmetic, more exact than those of the rounded A - B L.
     """
 
     X: Array
@@ -141,19 +141,19 @@ class Solution:
     closed: Array
     defect: Array
     step: Array
-    known: Complex | None = None
+    exact_poles: Complex | None = None
 
     def scaled(self, D: Array, E: Array) -> "Solution":
-        """Return the solution of `Equation.scaled(D, E)` for that of the equation itself."""
+        """Return the solution of `Equation.scaled(D, E)` for this solution of the equation."""
         row = D[:, None]
         both = D * row
         L, closed = self.L * D / E[:, None], self.closed * D / row
-        return Solution(self.X * both, L, closed, self.defect * both, self.step * both, self.known)
+        return Solution(self.X * both, L, closed, self.defect * both, self.step * both, self.exact_poles)
 
     def poles(self) -> Complex:
         """Return the closed loop's poles (n,)."""
-        if self.known is not None:
-            return self.known
+        if self.exact_poles is not None:
+            return self.exact_poles
         return np.sort_complex(np.linalg.eigvals(self.closed).astype(np.complex128))
 
 
@@ -163,6 +163,6 @@ def decays(poles: Complex, continuous: bool) -> bool:
 
 
 def sizes(X: Array) -> Array:
-    """Return sqrt(X_ii) (n,) of a balanced X, or of its equation's terms, with a floor for states that cost nothing."""
+    """Return sqrt(X_ii) (n,) of a balanced X, or of its equation's terms, with a floor for states without cost."""
     diagonal = np.abs(X.diagonal())
     return np.asarray(np.sqrt(np.maximum(diagonal, LEAST * float(diagonal.max()) or 1.0)))

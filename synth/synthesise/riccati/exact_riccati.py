@@ -1,14 +1,14 @@
-"""Riccati equations in ball arithmetic: X and L correct to the last bit of double, alike on every machine.
+"""Riccati equations in ball arithmetic: X and L are correct to the last bit of double, the same on every machine.
 
-Newton's method (Kleinman 1968, Hewer 1971) from a start near the stabilising solution, or else from the limit Y of
-doubling (module `doubling`) in high precision, X = X0 + Y with A - B L(X0), R or S at X0 and the left side at X0 in
-place of A, R, Q. From X0 = 0 the doubling ends at the least cost, which need not stabilise; from another it misses the
-stabilising solution only by coincidence. Then
+Newton's method (Kleinman 1968, Hewer 1971) starts near the stabilising solution. Without such a start it begins at the
+limit Y of doubling (module `doubling`) in high precision: X = X0 + Y, with A - B L(X0), R or S at X0 and the left side
+at X0 in place of A, R, Q. From X0 = 0 the doubling converges to the least cost, which need not stabilise; from another
+X0 it misses the stabilising solution only by coincidence. Each step solves
 
     continuous  Ac'X + X Ac + Q - N L - L'N' + L'R L = 0,     discrete  Ac'X Ac - X + Q - N L - L'N' + L'R L = 0
 
-with Ac = A - B L, L that of the last X. Each step solves n^2 equations at once: for states of a dozen or fewer. More
-bits are taken until the ball of the last step's solution tells each entry to far below half an ulp. The poles are those
+with Ac = A - B L and the L of the last X. These are n^2 equations at once, which suits up to a dozen states. The number
+of bits is raised until the ball of the last step determines each entry to far below half an ulp. The poles are those
 of A - B L before it is rounded.
 """
 
@@ -28,10 +28,10 @@ Mat = flint.arb_mat
 
 BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
-HALVED = 8  # steps that only halve the error: so they do to the end where a pole lies on the stability boundary
+HALVED = 8  # steps in a row that only halve the error: a pole lies on the stability boundary
 PASSES = 200  # doublings
-STILL = 1e-20  # of H: a pass that adds less ends the doubling
-CLEAR = 1e-15  # of a pole: what decays slower counts as not decaying
+CONVERGED = 1e-20  # of H: a smaller increment ends the doubling
+CLEAR = 1e-15  # of a pole: a slower decay counts as none
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class _Problem:
     def feedback(self, X: Mat) -> Mat:
         """Return L for X."""
         XB = self.B.transpose() * X
-        return precise.middle(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
+        return precise.midpoints(self.weight(X).solve((XB if self.continuous else XB * self.A) + self.N.transpose()))
 
     def residual(self, X: Mat) -> Mat:
         """Return the equation's left side at X."""
@@ -65,7 +65,7 @@ class _Problem:
     def newton(self, X: Mat) -> Mat:
         """Return the next iterate as balls: the cost of the feedback L(X), from a linear (Lyapunov, Stein) equation.
 
-        Raises ZeroDivisionError when its closed loop has poles s + s' = 0 (s s' = 1 in discrete time) to these bits.
+        Raises ZeroDivisionError when the loop has poles s + s' = 0 (s s' = 1 in discrete time) in this precision.
         """
         return self.cost(self.feedback(X))
 
@@ -85,24 +85,24 @@ class _Problem:
 
 
 def solve(equation: Equation, start: Array | None = None) -> Solution:
-    """Return the stabilising solution; a `start` (n, n) near it saves the doubling.
+    """Return the stabilising solution; a `start` (n, n) near it makes the doubling unnecessary.
 
-    Raises ModelError when neither leads to it.
+    Raises ModelError when neither converges to it.
     """
     for bits in BITS:
         started = False
         with precise.precision(bits):
             problem = _problem(equation)
             for begin in _starts(problem, start):
-                X, started = _limit(problem, begin), True
-                found = None if X is None else _found(problem, X)
-                if X is not None and found is not None and np.isfinite(found.step).all():
-                    return _apart(found, X)
-        if not started and bits > BITS[0]:  # twice the bits, and no doubling settles: it is not for want of digits
+                X, started = _newton_limit(problem, begin), True
+                solution = None if X is None else _rounded_solution(problem, X)
+                if X is not None and solution is not None and np.isfinite(solution.step).all():
+                    return _with_rounding_distance(solution, X)
+        if not started and bits > BITS[0]:  # more bits did not make the doubling converge: precision is not the cause
             break
     raise ModelError(
-        f"Newton's method on the Riccati equation does not settle within {bits} bits, or a step has no solution, "
-        "or its loop does not decay: scale the weights or the states, or leave out modes that hardly move"
+        f"Newton's method on the Riccati equation does not converge within {bits} bits, or a step has no solution, "
+        "or its loop is not stable: scale the weights or the states, or leave out modes that are nearly uncontrollable"
     )
 
 
@@ -113,7 +113,7 @@ def certify(equation: Equation, X: Array) -> Solution:
     """
     with precise.precision():
         try:
-            return _found(_problem(equation), precise.matrix(X))
+            return _rounded_solution(_problem(equation), precise.matrix(X))
         except ZeroDivisionError as error:
             raise ModelError(
                 "the Newton step from this X has no solution: its closed loop has poles s + s' = 0 (s s' = 1 in "
@@ -126,72 +126,75 @@ def _problem(e: Equation) -> _Problem:
     return _Problem(A, B, Q, R, N, e.continuous)
 
 
-def _limit(problem: _Problem, X: Mat) -> Mat | None:
-    """Return Newton's limit, None when it is not told by these bits; steps square the error: the last leaves 1e-70."""
-    last, halved = np.inf, 0
+def _newton_limit(problem: _Problem, X: Mat) -> Mat | None:
+    """Return the limit of Newton's method, None when this precision does not determine it.
+
+    Each step squares the error; the last one leaves 1e-70.
+    """
+    last, slow_steps = np.inf, 0
     for _ in range(STEPS):
         try:
             balls = problem.newton(X)
         except ZeroDivisionError:
             return None
-        previous, X = X, precise.middle(balls)
-        moved = precise.norm(X - previous)
-        if moved <= 1e-40 * precise.norm(X):
-            return X if _tells(balls) else None
-        halved, last = (halved + 1 if moved > last / 4 else 0), moved
-        if halved > HALVED:
+        previous, X = X, precise.midpoints(balls)
+        change = precise.norm(X - previous)
+        if change <= 1e-40 * precise.norm(X):
+            return X if _is_resolved(balls) else None
+        slow_steps, last = (slow_steps + 1 if change > last / 4 else 0), change
+        if slow_steps > HALVED:
             return None
     return None
 
 
-def _tells(balls: Mat) -> bool:
-    """Tell whether each entry is known to far below half an ulp, or is far below the largest."""
+def _is_resolved(balls: Mat) -> bool:
+    """Tell whether each entry is accurate to far below half an ulp, or is far smaller than the largest."""
     least = precise.ZERO * precise.norm(balls)
     return all(v.rel_accuracy_bits() >= 64 or abs(v) < least for v in balls.entries())
 
 
-def _apart(found: Solution, X: Mat) -> Solution:
-    """Return the solution with its distance from X, known to far more bits, where Newton's step overstates it.
+def _with_rounding_distance(solution: Solution, X: Mat) -> Solution:
+    """Return the solution with its distance from X, which has far more bits, where Newton's step overestimates it.
 
-    So it does where rounding X changes the loop: X is of the size 1e17, say, and L what is left of differences.
+    The step overestimates it where rounding X changes the loop, e.g. for X of size 1e17 and L a small difference.
     """
-    apart = _bounds(precise.matrix(found.X) - X)
-    return replace(found, step=np.where(found.step > 2 * apart, apart, found.step))
+    distance = _bounds(precise.matrix(solution.X) - X)
+    return replace(solution, step=np.where(solution.step > 2 * distance, distance, solution.step))
 
 
 def _starts(problem: _Problem, start: Array | None) -> Iterator[Mat]:
     if start is not None:
         yield precise.matrix(start)
     one = precise.identity(problem.A.nrows())
-    for size in (flint.arb(0), _size(problem)):
-        limit = _doubled(problem, one * size)
+    for size in (flint.arb(0), _cost_scale(problem)):
+        limit = _doubling_limit(problem, one * size)
         if limit is not None:
             yield limit
 
 
-def _size(p: _Problem) -> flint.arb:
+def _cost_scale(p: _Problem) -> flint.arb:
     return flint.arb((precise.norm(p.Q) + precise.norm(p.R) / precise.norm(p.B) ** 2) if precise.norm(p.B) else 1.0)
 
 
-def _doubled(p: _Problem, X0: Mat) -> Mat | None:
-    """Return the limit of doubling from X0, None where it has none, or where it leaves a pole that does not decay."""
+def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
+    """Return the limit of doubling from X0, None where it diverges or its loop is not stable."""
     one = precise.identity(p.A.nrows())
     try:
         A, G, H = p.A - p.B * p.feedback(X0), p.B * p.weight(X0).solve(p.B.transpose()), p.residual(X0)
-        A, G, H = (precise.middle(Y) for Y in (A, G, H))
+        A, G, H = (precise.midpoints(Y) for Y in (A, G, H))
         if p.continuous:
-            A, G, H = _mapped(A, G, H)
+            A, G, H = _bilinear_transform(A, G, H)
         for _ in range(PASSES):
-            inverse = precise.middle((one + G * H).inv())
+            inverse = precise.midpoints((one + G * H).inv())
             V, A_t = inverse * A, A.transpose()
             step = A_t * H * V
-            G, H, A = (precise.middle(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
+            G, H, A = (precise.midpoints(Y) for Y in (G + A * inverse * G * A_t, H + step, A * V))
             G, H = (G + G.transpose()) * flint.arb(0.5), (H + H.transpose()) * flint.arb(0.5)
             if not precise.norm(H) < 1e300:
                 return None
-            if precise.norm(step) <= STILL * precise.norm(H):
+            if precise.norm(step) <= CONVERGED * precise.norm(H):
                 X = X0 + H
-                poles = spectrum.of(precise.middle(p.A - p.B * p.feedback(X)))
+                poles = spectrum.eigenvalues(precise.midpoints(p.A - p.B * p.feedback(X)))
                 return X if _decays_clearly(poles, p.continuous) else None
     except ZeroDivisionError:
         return None
@@ -199,37 +202,37 @@ def _doubled(p: _Problem, X0: Mat) -> Mat | None:
 
 
 def _decays_clearly(poles: Complex, continuous: bool) -> bool:
-    """Tell whether a loop is stable by more than what ended the doubling: poles on the boundary come as near to it."""
+    """Tell whether a loop is stable by more than the tolerance of the doubling."""
     if continuous:
         return bool((poles.real < -CLEAR * np.abs(poles)).all())
     return bool((np.abs(poles) < 1 - CLEAR).all())
 
 
-def _mapped(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
-    """Return the discrete equation that has the same solution, by z = (c + s) / (c - s)."""
+def _bilinear_transform(A: Mat, G: Mat, H: Mat) -> tuple[Mat, Mat, Mat]:
+    """Return the discrete equation with the same solution, by z = (c + s) / (c - s)."""
     c = flint.arb(max(map(precise.norm, (A, G, H))) * A.nrows() or 1.0)  # beyond the eigenvalues of A
     one = precise.identity(A.nrows())
-    J = precise.middle((A - one * c).inv())
-    W = precise.middle((A.transpose() - one * c + H * J * G).inv())
+    J = precise.midpoints((A - one * c).inv())
+    W = precise.midpoints((A.transpose() - one * c + H * J * G).inv())
     return one + W.transpose() * (2 * c), J * G * W * (2 * c), W * H * J * (2 * c)
 
 
-def _found(problem: _Problem, X: Mat) -> Solution:
-    """Return X and the L that belongs to it, each rounded once; the rest is that of the rounded X.
+def _rounded_solution(problem: _Problem, X: Mat) -> Solution:
+    """Return X and its gain L, each rounded once, with residual and Newton step of the rounded X.
 
-    Where the loop does not decay the step is infinite: X is near another solution.
+    The step is infinite where the loop is not stable: X is then near another solution.
     """
     L = problem.feedback(X)
-    shipped = precise.rounded(X)
-    ball = precise.matrix(shipped)
+    rounded = precise.rounded(X)
+    ball = precise.matrix(rounded)
     closed = problem.A - problem.B * L
-    poles = spectrum.of(precise.middle(closed))
+    poles = spectrum.eigenvalues(precise.midpoints(closed))
     defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
     step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
-    return Solution(shipped, precise.rounded(L), precise.rounded(closed), defect, step, poles)
+    return Solution(rounded, precise.rounded(L), precise.rounded(closed), defect, step, poles)
 
 
 def _bounds(balls: Mat) -> Array:
     """Return an upper bound of each entry's absolute value."""
-    found = np.array([float(abs(v).upper()) for v in balls.entries()]).reshape(balls.nrows(), balls.ncols())
-    return np.where(np.isnan(found), np.inf, found)
+    bounds = np.array([float(abs(v).upper()) for v in balls.entries()]).reshape(balls.nrows(), balls.ncols())
+    return np.where(np.isnan(bounds), np.inf, bounds)

@@ -1,4 +1,4 @@
-"""Algebraic Riccati equations with a certificate.
+"""Algebraic Riccati equations with a certificate; MATLAB `icare`, `idare`, python-control `care`, `dare`.
 
     continuous  A'X + XA - (XB + N) R^-1 (B'X + N') + Q = 0,          L = R^-1 (B'X + N'),             A - B L stable
     discrete    A'XA - X - (A'XB + N) S^-1 (B'XA + N') + Q = 0,       L = S^-1 (B'XA + N'),            A - B L stable
@@ -9,13 +9,14 @@ for A (n, n), B (n, m), Q (n, n), R (m, m), N (n, m); R > 0 in continuous time, 
 
     sum of x'Qx + u'Ru + 2 x'Nu  =  x0'X x0 + sum of (u + L x)' S (u + L x)         for inputs that bring x to rest
 
-shows x0'X x0 to be the least cost of bringing x0 to rest (Willems 1971); it is the least of all where the cost is
-positive semidefinite and sees each mode that does not decay.
+shows that x0'X x0 is the least cost of bringing x0 to rest (Willems 1971). It is the least cost of all inputs where the
+cost is positive semidefinite and each mode that does not decay is observable in it.
 
-By default in double precision: states and inputs are balanced by powers of 2, doubling gives a start, and Newton's
-method with a residual of twice the precision ends within rounding. What comes out is taken when its own certificate
-holds. Else the start is a gain for more moderate weights, then SciPy's Schur method; then ball arithmetic takes over,
-for 12 states or fewer. With `exact` ball arithmetic rounds X and L correctly, alike on every machine.
+By default the equation is solved in double precision: states and inputs are balanced by powers of 2, doubling gives a
+start, and Newton's method with a residual in twice double precision converges to within rounding. The solution is
+accepted if its certificate holds. Otherwise the start is the cost of a gain for more moderate weights, then SciPy's
+Schur method. As a last resort ball arithmetic solves the equation, for up to 12 states. With `exact`, ball arithmetic
+rounds X and L correctly, with the same result on every machine.
 """
 
 import warnings
@@ -35,8 +36,8 @@ from synth.synthesise.riccati.balance import Balance
 from synth.synthesise.riccati.equation import Equation, Solution, decays
 from synth.timing import Continuous, Time
 
-TRUSTED = 1e-8  # forward error up to which a solution in double precision is taken
-BALLS = 12  # states up to which ball arithmetic is tried
+TRUSTED = 1e-8  # forward error up to which a solution in double precision is accepted
+BALLS = 12  # number of states up to which ball arithmetic is tried
 
 
 @show.result
@@ -46,17 +47,18 @@ class Riccati:
     `poles` (n,) are those of A - B L, in 1/s or in z. `defect` and `step` (n, n) hold the absolute entries of the
     equation's left side at X and of the further Newton step from X, an estimate of X's error; from them
 
-    `residual`       the largest entry of the left side at X, each beside the sum of the absolute terms it is left of
+    `residual`       the largest entry of the left side at X, relative to the sum of the absolute values of its terms
     `forward_error`  the largest error of X_ij over sqrt(X_ii X_jj); infinite where A - B L is not stable
-    `condition`      the factor from relative changes of the equation's terms to those of sqrt(X_ii X_jj), at most
+    `condition`      bound of the change of X_ij over sqrt(X_ii X_jj) per relative change of the equation's terms
 
-    so that units do not matter; `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj), 0 where X is not known to
-    tell it from that. sqrt(X_ii) of a state that costs nothing within rounding is that of the least cost within it.
+    None of them depends on units. `least_eigenvalue` is that of X_ij over sqrt(X_ii X_jj), 0 where the error of X is
+    larger. For a state without cost within rounding, sqrt(X_ii) has a floor at the rounding error.
 
-    `marginal` poles decay as the entries of A, B, Q stand, but by less than their rounding. `mirrored` modes, in 1/s or
-    in z, do not decay and the cost does not see them: the loop has the mirror image, -conj(s) or 1 / conj(s), and
-    leaving them alone would cost less. `cost_eigenvalue` and `weight_eigenvalue` are the least of [Q, N; N', R] and of
-    R or S, their diagonals made 1: below 0 for an indefinite cost, and where X is a saddle and no minimum.
+    `marginal` poles decay for the given entries of A, B, Q, but by less than the rounding of these entries. `mirrored`
+    modes, in 1/s or in z, do not decay and are not observable in the cost: the loop has their mirror image, -conj(s) or
+    1 / conj(s), and leaving them unstable would cost less. `cost_eigenvalue` and `weight_eigenvalue` are the least
+    eigenvalues of [Q, N; N', R] and of R or S, scaled to a unit diagonal: below 0 the cost is indefinite, or X is a
+    saddle and no minimum.
     """
 
     X: Array
@@ -83,14 +85,14 @@ class Riccati:
         """Return the certificate and the tables of L, X and the poles."""
         n, m = len(self.states), len(self.inputs)
         tables = (
-            show.matrix("L", self.L, self.inputs, self.states),
+            show.feedback(show.matrix("L", self.L, self.inputs, self.states), sign=-1),
             show.matrix("X", self.X, self.states, self.states),
             modes.table(self.poles, self.time),
         )
         return show.Sheet(f"Riccati solution in {self.time}: {n} states, {m} inputs", self.lines(), tables)
 
     def lines(self) -> tuple[str, ...]:
-        """Return the certificate in words."""
+        """Return the certificate as text."""
         return (
             f"residual {self.residual:.1e}, error of X {self.forward_error:.1e}, condition {self.condition:.1e}, "
             f"least eigenvalue of X, its diagonal made 1, {self.least_eigenvalue:.3g}",
@@ -99,11 +101,11 @@ class Riccati:
 
     @property
     def is_resolved(self) -> bool:
-        """Tell whether double precision resolves the loop with L: else X and L are right, but L's last bits matter."""
+        """Tell whether the loop is stable with L in double precision; if not, the last bits of L matter."""
         return bool(np.isfinite(self.condition) or not np.isfinite(self.forward_error))
 
     def remarks(self) -> tuple[str, ...]:
-        """Return in what sense X is the least cost, where it is not that of all inputs."""
+        """Return the sense in which X is the least cost, where it is not the least of all inputs."""
         remarks, least = [], "X is the least cost of bringing the state to rest"
         if self.weight_eigenvalue < 0:
             return (f"R + B'XB has the eigenvalue {self.weight_eigenvalue:.3g}: X is a saddle of the cost, no minimum",)
@@ -138,33 +140,35 @@ def solve(
     """Solve the Riccati equation of a model's A, B in its own time; Q (n, n), R (m, m), N (n, m), zero if left out.
 
     Q weights the states, R the inputs, as matrix, diagonal or {name: weight}. Q may be indefinite and in discrete time
-    R singular or indefinite: the result says in what sense X is the least cost. `exact` rounds each entry of X and L
-    correctly, at a cost that grows with n^6.
+    R singular or indefinite; the result states in what sense X is the least cost. `exact` rounds each entry of X and L
+    correctly, with a computing time that grows with n^6.
 
-    Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
-    positive definite; ModelError when (A, B) is not stabilisable or the cost does not see a mode on the stability
-    boundary, naming the mode and its states, or when no stabilising solution is found.
+    Raises SignalError for weights of the wrong shape, an asymmetric Q or R, or in continuous time an R that is not
+    positive definite; ModelError when (A, B) is not stabilisable or a mode on the stability boundary is not observable
+    in the cost, naming the mode and its states, or when no stabilising solution is found.
     """
     model = of(system)
-    return solved(model, *checked_weights(model, Q, R, N), exact)
+    return solve_checked(model, *weight_matrices(model, Q, R, N), exact)
 
 
-def solved(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
-    """Do as `solve` for weights that `checked_weights` returned."""
-    stated = _stated(model, Q, R, N)
-    balance = Balance.of(stated)
-    certified = _solution(model, stated, balance)
-    found = balance.back(certified.solution)
+def solve_checked(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
+    """Solve as `solve` does, for weights that `checked_weights` returned."""
+    equation = _equation(model, Q, R, N)
+    balance = Balance.of(equation)
+    certified = _first_certified(model, equation, balance)
+    solution = balance.unscale(certified.solution)
     if exact:
-        found = exact_riccati.solve(stated, found.X)
-        certified = balance.certified(found)
-    near = found if found.known is not None else None
+        solution = exact_riccati.solve(equation, solution.X)
+        certified = balance.certify(solution)
+    start = solution if solution.exact_poles is not None else None
     exact_poles = (
-        (lambda: (near or exact_riccati.solve(stated, found.X)).poles()) if len(model.states) <= BALLS else None
+        (lambda: (start or exact_riccati.solve(equation, solution.X)).poles()) if len(model.states) <= BALLS else None
     )
-    within = solvability.prove(model, stated, certified.poles, certified.condition > newton.RIGID, exact_poles)
+    marginal = solvability.marginal_poles(
+        model, equation, certified.poles, certified.condition > newton.RIGID, exact_poles
+    )
     solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
-    return _result(model, stated, found, certified, balance, within)
+    return _with_certificate(model, equation, solution, certified, balance, marginal)
 
 
 @arguments.checked
@@ -176,25 +180,27 @@ def certify(
     N: ArrayLike | None = None,
     exact: bool = False,
 ) -> Riccati:
-    """Return a symmetric X (n, n) of any origin with its L and its certificate; arguments else as for `solve`.
+    """Return any symmetric X (n, n) with its L and its certificate; other arguments as for `solve`.
 
-    Raises SignalError as `solve`, or when X does not fit; ModelError when S = R + B'XB is singular.
+    Raises SignalError as `solve`, or when X has the wrong shape; ModelError when S = R + B'XB is singular.
     """
     model = of(system)
-    stated = _stated(model, *checked_weights(model, Q, R, N))
+    stated = _equation(model, *weight_matrices(model, Q, R, N))
     X = weights.symmetric("X", X, model.states)
     balance = Balance.of(stated)
-    found = exact_riccati.certify(stated, X) if exact else balance.back(balance.evaluated(X))
-    return _result(model, stated, found, balance.certified(found), balance, np.zeros(0, dtype=np.complex128))
+    solution = exact_riccati.certify(stated, X) if exact else balance.unscale(balance.evaluate(X))
+    return _with_certificate(
+        model, stated, solution, balance.certify(solution), balance, np.zeros(0, dtype=np.complex128)
+    )
 
 
 @arguments.checked
-def checked_weights(
+def weight_matrices(
     system: System, Q: weights.Weight, R: weights.Weight, N: ArrayLike | None
 ) -> tuple[Array, Array, Array]:
     """Return the weights as arrays (n, n), (m, m), (n, m).
 
-    Raises SignalError for weights that do not fit, an asymmetric Q or R, or in continuous time an R that is not
+    Raises SignalError for weights of the wrong shape, an asymmetric Q or R, or in continuous time an R that is not
     positive definite.
     """
     model = of(system)
@@ -203,51 +209,52 @@ def checked_weights(
     return Q, R, weights.cross("N", N, model.states, model.inputs)
 
 
-def _stated(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
+def _equation(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     if not model.states or not model.inputs:
         raise SignalError(f"the model has {len(model.states)} states and {len(model.inputs)} inputs: it needs of each")
     return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 
-def _solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.Certified:
+def _first_certified(model: StateSpace, stated: Equation, balance: Balance) -> newton.CertifiedSolution:
     """Return the first solution of the balanced equation whose certificate holds."""
     scaled, nearest, hidden = balance.scaled, np.inf, None
     n = len(model.states)
     for k, start in enumerate(_starts(balance)):
-        if k == 1 and (hidden := solvability.found_by_search(model, stated)) is not None and n > BALLS:
+        if k == 1 and (hidden := solvability.hidden_mode_error(model, stated)) is not None and n > BALLS:
             raise hidden
-        found = None if start is None else newton.refined(scaled, start, balance.bilinear)
-        if found is not None and decays(found.poles, scaled.continuous):
-            nearest = found.error
+        candidate = None if start is None else newton.refine(scaled, start, balance.bilinear)
+        if candidate is not None and decays(candidate.poles, scaled.continuous):
+            nearest = candidate.error
             if nearest <= TRUSTED:
-                return found
-    if not weights.is_above(weights.joined(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
+                return candidate
+    if not weights.is_above(weights.joint_weight(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
         solvability.require_clear_boundary(scaled)
-    hardly = solvability.hardly_moved(model, scaled)
+    least_mode = solvability.least_stabilisable_mode(model, scaled)
     if n > BALLS:
-        left = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
+        status = f"an error of {nearest:.1e} of X is left" if np.isfinite(nearest) else "no loop that decays was found"
         raise ModelError(
-            f"the Riccati equation has no stabilising solution that double precision resolves: {left}, and the weight "
-            f"R has the condition {np.linalg.cond(scaled.R):.1e}; {hardly} weight inputs and states more alike, or "
-            f"leave out modes that hardly move; {BALLS} states or fewer are left to ball arithmetic, not {n}"
+            f"the Riccati equation has no stabilising solution that double precision resolves: {status}, and the "
+            f"weight R has the condition {np.linalg.cond(scaled.R):.1e}; {least_mode} weight inputs and states "
+            f"more alike, or "
+            f"leave out nearly uncontrollable modes; ball arithmetic takes up to {BALLS} states, not {n}"
         )
     try:
-        return newton.certified(scaled, exact_riccati.solve(scaled), balance.bilinear)
+        return newton.certify(scaled, exact_riccati.solve(scaled), balance.bilinear)
     except ModelError as error:
         if hidden is not None:
             raise hidden from error
-        least = weights.lowest_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N))
+        least = weights.lowest_eigenvalue(weights.joint_weight(scaled.Q, scaled.R, scaled.N))
         hint = f"; balanced, [Q, N; N', R] has the eigenvalue {least:.1e}, which slow modes magnify: raise Q"
         raise ModelError(
-            f"{error}; {hardly} actuate it, or take it out of the model{hint if least < 0 else ''}"
+            f"{error}; {least_mode} actuate it, or take it out of the model{hint if least < 0 else ''}"
         ) from error
 
 
 def _starts(balance: Balance) -> Iterator[Array | None]:
-    """Yield X of the scaled equation: by doubling; from a moderate gain; by SciPy."""
+    """Yield starts X of the scaled equation: from doubling, from a gain for moderate weights, from SciPy."""
     scaled = balance.scaled
     yield doubling.solution(scaled, balance.bilinear)
-    yield from (balance.of_easier(weighted) for weighted in (scaled, scaled.plain()))
+    yield from (balance.cost_of_moderate_gain(weighted) for weighted in (scaled, scaled.minimum_energy()))
     solver = scipy.linalg.solve_continuous_are if scaled.continuous else scipy.linalg.solve_discrete_are
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
@@ -258,19 +265,19 @@ def _starts(balance: Balance) -> Iterator[Array | None]:
     yield X
 
 
-def _result(
+def _with_certificate(
     model: StateSpace,
     stated: Equation,
-    found: Solution,
-    certified: newton.Certified,
+    solution: Solution,
+    certified: newton.CertifiedSolution,
     balance: Balance,
-    within: Complex,
+    marginal: Complex,
 ) -> Riccati:
     scaled = balance.scaled
-    X = found.X * balance.D * balance.D[:, None]
+    X = solution.X * balance.D * balance.D[:, None]
     return Riccati(
-        X=readonly(found.X),
-        L=readonly(found.L),
+        X=readonly(solution.X),
+        L=readonly(solution.L),
         Q=readonly(stated.Q),
         R=readonly(stated.R),
         N=readonly(stated.N),
@@ -278,13 +285,13 @@ def _result(
         residual=certified.residual,
         forward_error=certified.forward_error,
         condition=certified.condition,
-        least_eigenvalue=balance.least_eigenvalue(found.X, certified.forward_error),
-        marginal=tuple(complex(s) for s in within),
-        mirrored=solvability.mirrored(model, stated, scaled, certified.poles),
-        cost_eigenvalue=weights.least_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N)),
+        least_eigenvalue=balance.least_eigenvalue(solution.X, certified.forward_error),
+        marginal=tuple(complex(s) for s in marginal),
+        mirrored=solvability.mirrored_modes(model, stated, scaled, certified.poles),
+        cost_eigenvalue=weights.least_eigenvalue(weights.joint_weight(scaled.Q, scaled.R, scaled.N)),
         weight_eigenvalue=weights.least_eigenvalue(scaled.weight(X)),
-        defect=readonly(np.abs(found.defect)),
-        step=readonly(np.abs(found.step)),
+        defect=readonly(np.abs(solution.defect)),
+        step=readonly(np.abs(solution.step)),
         states=model.states,
         inputs=model.inputs,
         time=model.time,

@@ -1,16 +1,17 @@
-"""Whether a Riccati equation has a stabilising solution, and which modes its loop mirrors.
+"""Existence of the stabilising solution of a Riccati equation, and the modes that the optimal loop mirrors.
 
-It has one only if (A, B) is stabilisable and the cost sees each mode on the stability boundary: no v != 0 and w with
+The solution exists only if (A, B) is stabilisable and each mode on the stability boundary is observable in the cost:
+there are no v != 0 and w with
 
     A v + B w = s v,     Q v + N w = 0,     N'v + R w = 0,     Re s = 0, or |s| = 1 in discrete time
 
-(Popov, Belevitch, Hautus). Where R is regular, v is an eigenvector of A - B R^-1 N' that Q - N R^-1 N' maps to zero.
-For a cost that is positive semidefinite this is enough (Lancaster, Rodman 1995, chapters 16 and 17); for an indefinite
-one the Hamiltonian matrix may have other eigenvalues on the boundary. A mode beyond the boundary that the cost does not
-see is mirrored: the optimal loop has the pole -conj(s), or 1 / conj(s).
+(Popov, Belevitch, Hautus). Where R is regular, v is an eigenvector of A - B R^-1 N' in the null space of
+Q - N R^-1 N'. For a positive semidefinite cost this is sufficient (Lancaster, Rodman 1995, chapters 16 and 17); for an
+indefinite one the Hamiltonian matrix may have other eigenvalues on the boundary. A mode beyond the boundary that is not
+observable in the cost is mirrored: the optimal loop has the pole -conj(s), or 1 / conj(s).
 
-A stable loop with a certified X proves all of it. Where the loop hardly decays, or none is found, the modes are
-searched, and what is refused is named.
+A stable loop with a certified X proves all of this. Where the loop hardly decays, or none is found, the modes are
+searched, and the error names the mode.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,51 +28,51 @@ from synth.synthesise.feedback import weights
 from synth.synthesise.riccati.equation import Equation, decays
 from synth.timing import Continuous, Time
 
-MARGIN = 1e-7  # of the fastest pole: what decays slower may be the rounding error of a mode that does not decay
-DAMPING = 1e-6  # of a pole: what decays slower may be so, too
-BOUNDARY = 1e-10  # of the fastest mode: a mode this near to the boundary, or the mean of a cluster, lies on it
-BEYOND = 1e-9  # of the fastest mode: a mode this far beyond the boundary lies there whatever rounds
+MARGIN = 1e-7  # of the fastest pole: a slower decay may be the rounding error of none
+DAMPING = 1e-6  # of a pole: likewise
+BOUNDARY = 1e-10  # of the fastest mode: within it a mode, or the mean of a cluster, lies on the boundary
+BEYOND = 1e-9  # of the fastest mode: a mode this far beyond the boundary is unstable for any rounding
 CLUSTER = 1e-5  # of the fastest mode: equal modes scatter by less
-MIRRORED = 0.02  # of a mode: a pole nearer than this to its mirror image may be one
-ALONE = 1e-3  # of a mode: others are farther from one that stands alone
-UNIT = 2.0**-50  # times n: a pole nearer to the unit circle is that of A's rounding, as entries near 1 have it
+MIRRORED = 0.02  # of a mode: a pole within this distance of its mirror image may be that image
+ALONE = 1e-3  # of a mode: the least distance of an isolated mode from all others
+UNIT = 2.0**-50  # times n: the distance from the unit circle that rounding of entries near 1 can cause
 SEEN = 1e-10  # of the largest eigenvalue of Q
 
 
-def prove(
-    model: StateSpace, stated: Equation, poles: Complex, rigid: bool, exact: Callable[[], Complex] | None
+def marginal_poles(
+    model: StateSpace, equation: Equation, poles: Complex, rigid: bool, exact: Callable[[], Complex] | None
 ) -> Complex:
-    """Return the poles that decay, but by less than the rounding of the model: none, mostly.
+    """Return the poles that decay, but by less than the rounding of the model; usually there are none.
 
-    Where a mode on the stability boundary is hidden within rounding, `exact` decides: it gives the poles in ball
-    arithmetic or raises ModelError; it is None where that takes too long. Modes are searched where a pole hardly
-    decays, or where X is so sensitive that Newton's linear equation is `rigid`.
+    Where a mode on the stability boundary is unobservable within rounding, `exact` decides: it returns the poles in
+    ball arithmetic or raises ModelError; it is None where that takes too long. Modes are searched where a pole hardly
+    decays, or where Newton's linear equation is `rigid`, i.e. ill-conditioned.
 
-    Raises ModelError unless the poles of the loop decay.
+    Raises ModelError unless all poles of the loop decay.
     """
     size = float(np.abs(poles).max())
-    if stated.continuous:
+    if equation.continuous:
         doubtful = -poles.real < np.maximum(MARGIN * (size or 1.0), DAMPING * np.abs(poles))
     else:
         doubtful = 1 - np.abs(poles) < MARGIN
-    within = np.zeros(0, dtype=np.complex128)
+    marginal = np.zeros(0, dtype=np.complex128)
     searched = doubtful.any() or (rigid and exact is not None)
-    if searched and (error := found_by_search(model, stated)) is not None:
-        poles = _decided(error, exact)
-        rates = -poles.real if stated.continuous else 1 - np.abs(poles)
-        if not stated.continuous and rates.min() < UNIT * len(poles):
+    if searched and (error := hidden_mode_error(model, equation)) is not None:
+        poles = _poles_in_ball_arithmetic(error, exact)
+        rates = -poles.real if equation.continuous else 1 - np.abs(poles)
+        if not equation.continuous and rates.min() < UNIT * len(poles):
             raise error
-        within = poles[rates <= 2 * rates.min()]
-    if not decays(poles, stated.continuous):
-        slowest = poles[np.argmax(poles.real if stated.continuous else np.abs(poles))]
+        marginal = poles[rates <= 2 * rates.min()]
+    if not decays(poles, equation.continuous):
+        slowest = poles[np.argmax(poles.real if equation.continuous else np.abs(poles))]
         raise ModelError(
             f"the Riccati equation's solution leaves the pole {slowest:.4g}, which does not decay: "
-            "scale the weights and the states so that they are of like size"
+            "scale the weights and the states to similar size"
         )
-    return within
+    return marginal
 
 
-def _decided(error: ModelError, exact: Callable[[], Complex] | None) -> Complex:
+def _poles_in_ball_arithmetic(error: ModelError, exact: Callable[[], Complex] | None) -> Complex:
     if exact is None:
         raise error
     try:
@@ -80,15 +81,15 @@ def _decided(error: ModelError, exact: Callable[[], Complex] | None) -> Complex:
         raise error from reason
 
 
-def found_by_search(model: StateSpace, stated: Equation) -> ModelError | None:
-    """Return what `search` raises for a mode that is hidden within rounding and lies on the stability boundary.
+def hidden_mode_error(model: StateSpace, stated: Equation) -> ModelError | None:
+    """Return the ModelError of `require_detectable_boundary` for a mode on the stability boundary, None without one.
 
-    Raises ModelError for one beyond the boundary that no input moves.
+    Raises ModelError for an uncontrollable mode beyond the boundary.
     """
     try:
-        search(model, stated)
+        require_detectable_boundary(model, stated)
     except ModelError as error:
-        modes = structure.unmoved(model.A, model.B, model.states, model.time)
+        modes = structure.uncontrollable_modes(model.A, model.B, model.states, model.time)
         fastest = float(np.abs(np.linalg.eigvals(model.A)).max())
         beyond = (m.value.real / (fastest or 1.0) if stated.continuous else abs(m.value) - 1 for m in modes)
         if any(by > BEYOND for by in beyond):
@@ -97,51 +98,52 @@ def found_by_search(model: StateSpace, stated: Equation) -> ModelError | None:
     return None
 
 
-def search(model: StateSpace, stated: Equation) -> None:
-    """Raise ModelError naming a mode that makes the problem unsolvable, if there is one."""
+def require_detectable_boundary(model: StateSpace, stated: Equation) -> None:
+    """Raise ModelError naming a mode that is not stabilisable, or is on the boundary and not observable in the cost."""
     structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
     if not _is_regular(stated):
-        zeros, rank = _zeros(model, stated)
+        zeros, rank = _invisible_modes(model, stated)
         if rank < len(model.inputs):
-            raise _untold(model)
+            raise _singular_weight_error(model)
         for s in zeros[_near_boundary(zeros, float(np.abs(zeros).max(initial=0.0)), stated.continuous)]:
             raise ModelError(
-                f"the Riccati equation has no stabilising solution: the cost does not see the mode {_text(s)}, which "
-                "lies on the stability boundary, with a suitable input: weight that input, or the states that it moves"
+                f"the Riccati equation has no stabilising solution: the cost does not see the mode {_mode_text(s)}, "
+                "which lies on the stability boundary, with a suitable input: weight that input, or the states that it "
+                "moves"
             )
         return
-    for mode in boundary_modes(*_shifted(stated), model.states, model.time):
+    for mode in unobservable_boundary_modes(*_without_cross_weight(stated), model.states, model.time):
         who = ", ".join(mode.states)
         raise ModelError(
-            f"the Riccati equation has no stabilising solution: (Q, A) does not show the mode {_text(mode.value)} in "
-            f"{who}, |Q v| = {mode.measure:.0e}, which lies on the stability boundary, so that the optimal loop "
-            f"leaves it there: weight {who}, or take it out of the model"
+            f"the Riccati equation has no stabilising solution: (Q, A) does not show the mode {_mode_text(mode.value)} "
+            f"in {who}, |Q v| = {mode.measure:.0e}, which lies on the stability boundary and stays there in the "
+            f"optimal loop: weight {who}, or take it out of the model"
         )
 
 
-def boundary_modes(A: Array, Q: Array, states: Sequence[str], time: Time) -> list[structure.Mode]:
-    """Return the modes of A (n, n) on the stability boundary that Q (n, n) does not show."""
-    hidden = _hidden(A, Q, states)
+def unobservable_boundary_modes(A: Array, Q: Array, states: Sequence[str], time: Time) -> list[structure.Mode]:
+    """Return the modes of A (n, n) on the stability boundary that are not observable through Q (n, n)."""
+    hidden = _unobservable_modes(A, Q, states)
     fastest = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
     near = _near_boundary(np.array([m.value for m in hidden]), fastest, isinstance(time, Continuous))
     return [mode for mode, on in zip(hidden, near, strict=True) if on]
 
 
-def _hidden(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, ...]:
-    """Return the modes of A (n, n) that Q (n, n) does not show."""
+def _unobservable_modes(A: Array, Q: Array, states: Sequence[str]) -> tuple[structure.Mode, ...]:
+    """Return the modes of A (n, n) that are not observable through Q (n, n)."""
     part = staircase.scaled(A.T, Q.T)
-    return structure.named_modes(staircase.unreached(part), part.B.T, part.rate, states)
+    return structure.named_modes(staircase.uncontrollable_modes(part), part.B.T, part.rate, states)
 
 
-def mirrored(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex) -> tuple[complex, ...]:
-    """Return the modes beyond the stability boundary that the cost does not see, for a loop with these poles (n,)."""
+def mirrored_modes(model: StateSpace, stated: Equation, scaled: Equation, poles: Complex) -> tuple[complex, ...]:
+    """Return the modes beyond the stability boundary that are not observable in the cost; `poles` (n,) of the loop."""
     if not _is_regular(stated):
-        zeros, _ = _zeros(model, stated)
+        zeros, _ = _invisible_modes(model, stated)
         beyond = zeros.real > 0 if stated.continuous else np.abs(zeros) > 1
         return tuple(complex(s) for s in zeros[beyond])
-    if _sees(scaled, poles):
+    if _certainly_detectable(scaled, poles):
         return ()
-    hidden = (mode.value for mode in _hidden(*_shifted(stated), model.states))
+    hidden = (mode.value for mode in _unobservable_modes(*_without_cross_weight(stated), model.states))
     return tuple(s for s in hidden if (s.real > 0 if stated.continuous else abs(s) > 1))
 
 
@@ -151,49 +153,52 @@ def require_clear_boundary(scaled: Equation) -> None:
     off = s.real / (float(np.abs(s).max(initial=0.0)) or 1.0) if scaled.continuous else np.abs(s) - 1
     on = s[np.abs(off) <= BOUNDARY]
     if len(on):
-        listed = ", ".join(_text(v) for v in on[:4])
+        listed = ", ".join(_mode_text(v) for v in on[:4])
+        least = weights.lowest_eigenvalue(weights.joint_weight(scaled.Q, scaled.R, scaled.N))
         raise ModelError(
             f"the Riccati equation has no stabilising solution: the cost is indefinite, with the least eigenvalue "
-            f"{weights.lowest_eigenvalue(weights.joined(scaled.Q, scaled.R, scaled.N)):.3g} (balanced), and has no "
-            f"lower bound, for its Hamiltonian matrix has the eigenvalues {listed} on the stability boundary: raise Q"
+            f"{least:.3g} (balanced), and has no lower bound, as its Hamiltonian matrix has the "
+            f"eigenvalues {listed} on the stability boundary: raise Q"
         )
 
 
-def hardly_moved(model: StateSpace, scaled: Equation) -> str:
-    """Tell the mode that does not decay and is the nearest to one that no input moves.
+def least_stabilisable_mode(model: StateSpace, scaled: Equation) -> str:
+    """Describe the mode that does not decay and is nearest to an uncontrollable one.
 
-    How near is the least singular value of [A - s I, B], balanced: a change of A and B of that size stops all inputs.
+    The distance is the least singular value of [A - s I, B], balanced: a change of A and B of that size makes the mode
+    uncontrollable.
     """
     s = np.linalg.eigvals(scaled.A).astype(np.complex128)
-    lasting = s[s.real >= 0 if scaled.continuous else np.abs(s) >= 1]
-    if not lasting.size:
+    unstable = s[s.real >= 0 if scaled.continuous else np.abs(s) >= 1]
+    if not unstable.size:
         return "all modes decay by themselves;"
     one = np.eye(len(s))
-    split = [np.linalg.svd(np.hstack([scaled.A - v * one, scaled.B]))[:2] for v in lasting]
+    split = [np.linalg.svd(np.hstack([scaled.A - v * one, scaled.B]))[:2] for v in unstable]
     k = min(range(len(split)), key=lambda i: float(split[i][1][-1]))
     U, sigma = split[k]
-    who = structure.spelled(structure.direction(U[:, -1].conj(), model.states))
-    reach = float(sigma[-1] / sigma[0])
+    who = structure.direction_text(structure.direction(U[:, -1].conj(), model.states))
+    distance = float(sigma[-1] / sigma[0])
     return (
-        f"mode {lasting[k]:.4g} in {who} is moved least: a change by {reach:.0e} of A and B hides it from all inputs;"
+        f"mode {unstable[k]:.4g} in {who} is the least controllable: a change by {distance:.0e} of A and B "
+        "makes it uncontrollable;"
     )
 
 
 def require_unique_gain(model: StateSpace, weight: Array) -> None:
     """Raise ModelError when R, or S = R + B'XB, as `weight` (m, m) is singular."""
     if not weights.is_regular(weight):
-        raise _untold(model)
+        raise _singular_weight_error(model)
 
 
-def _untold(model: StateSpace) -> ModelError:
+def _singular_weight_error(model: StateSpace) -> ModelError:
     return ModelError(
-        f"R + B'XB is singular: the cost does not tell the inputs {', '.join(model.inputs)} apart, so that many gains "
-        "are as good; weight each of them in R"
+        f"R + B'XB is singular: the cost does not distinguish the inputs {', '.join(model.inputs)} and many "
+        "gains are optimal; weight each of them in R"
     )
 
 
 def _near_boundary(s: Complex, fastest: float, continuous: bool) -> NDArray[np.bool_]:
-    """Tell for each mode whether it, or the mean of those that may equal it, lies on the stability boundary."""
+    """Tell for each mode whether it, or the mean of its cluster, lies on the stability boundary."""
     if not len(s):
         return np.zeros(0, dtype=np.bool_)
     unit = (fastest or 1.0) if continuous else 1.0
@@ -208,18 +213,18 @@ def _is_regular(stated: Equation) -> bool:
     return stated.continuous or weights.is_regular(stated.R)
 
 
-def _shifted(stated: Equation) -> tuple[Array, Array]:
+def _without_cross_weight(stated: Equation) -> tuple[Array, Array]:
     """Return A - B R^-1 N' and Q - N R^-1 N'."""
     shift = np.linalg.solve(stated.R, stated.N.T)
     return stated.A - stated.B @ shift, stated.Q - stated.N @ shift
 
 
-def _zeros(model: StateSpace, stated: Equation) -> tuple[Complex, int]:
-    """Return the modes s, with an input w, that the cost does not see: the zeros of A, B, [Q; N'], [N; R].
+def _invisible_modes(model: StateSpace, stated: Equation) -> tuple[Complex, int]:
+    """Return the modes s, with an input w, that are not observable in the cost: the zeros of A, B, [Q; N'], [N; R].
 
-    Also returns the rank of the response of these to the inputs.
+    Also returns the normal rank of their transfer matrix.
     """
-    joint = weights.joined(stated.Q, stated.R, stated.N)
+    joint = weights.joint_weight(stated.Q, stated.R, stated.N)
     n, names = len(model.states), tuple(f"y{k}" for k in range(len(joint)))
     seen = StateSpace(model.A, model.B, joint[:, :n], joint[:, n:], model.states, model.inputs, names, model.time)
     zeros = structure.transmission_zeros(seen)
@@ -228,9 +233,9 @@ def _zeros(model: StateSpace, stated: Equation) -> tuple[Complex, int]:
 
 
 def _pencil_eigenvalues(e: Equation) -> Complex:
-    """Return the eigenvalues of an equation's Hamiltonian matrix, in discrete time of its symplectic pencil."""
+    """Return the eigenvalues of the Hamiltonian matrix, or in discrete time of the symplectic pencil."""
     if e.continuous:
-        A, Q = _shifted(e)
+        A, Q = _without_cross_weight(e)
         G = e.B @ np.linalg.solve(e.R, e.B.T)
         return np.linalg.eigvals(np.block([[A, -G], [-Q, -A.T]])).astype(np.complex128)
     none, one = np.zeros_like, np.eye(len(e.A))
@@ -240,28 +245,28 @@ def _pencil_eigenvalues(e: Equation) -> Complex:
     return np.asarray(values[np.isfinite(values)], dtype=np.complex128)
 
 
-def _sees(scaled: Equation, poles: Complex) -> bool:
-    """Tell whether the cost certainly sees each mode that does not decay."""
-    joint = weights.joined(scaled.Q, scaled.R, scaled.N) if scaled.N.any() else scaled.Q
+def _certainly_detectable(scaled: Equation, poles: Complex) -> bool:
+    """Tell whether each mode that does not decay is certainly observable in the cost."""
+    joint = weights.joint_weight(scaled.Q, scaled.R, scaled.N) if scaled.N.any() else scaled.Q
     if weights.is_above(joint, weights.ROUNDING):
         return True
-    A, Q = _shifted(scaled)
-    if not _doubtful(np.linalg.eigvals(A).astype(np.complex128), poles, scaled.continuous).any():
+    A, Q = _without_cross_weight(scaled)
+    if not _may_be_mirrored(np.linalg.eigvals(A).astype(np.complex128), poles, scaled.continuous).any():
         return True
     s, V = np.linalg.eig(A)
-    i = np.flatnonzero(_doubtful(s, poles, scaled.continuous))
-    apart = np.abs(s[i, None] - s) + np.where(i[:, None] == np.arange(len(s)), np.inf, 0)
+    i = np.flatnonzero(_may_be_mirrored(s, poles, scaled.continuous))
+    distance = np.abs(s[i, None] - s) + np.where(i[:, None] == np.arange(len(s)), np.inf, 0)
     cost = np.einsum("ji,jk,ki->i", V[:, i].conj(), Q, V[:, i]).real
-    return bool((apart.min(axis=1) > ALONE * np.abs(s[i])).all() and (np.abs(cost) > SEEN * np.linalg.norm(Q)).all())
+    return bool((distance.min(axis=1) > ALONE * np.abs(s[i])).all() and (np.abs(cost) > SEEN * np.linalg.norm(Q)).all())
 
 
-def _doubtful(s: Complex, poles: Complex, continuous: bool) -> NDArray[np.bool_]:
+def _may_be_mirrored(s: Complex, poles: Complex, continuous: bool) -> NDArray[np.bool_]:
     """Tell for each mode whether it does not decay and has a mirror image near a pole."""
-    lasting = s.real >= 0 if continuous else np.abs(s) >= 1
-    mirror = -s.conj() if continuous else 1 / np.where(lasting, s, 1.0).conj()
+    unstable = s.real >= 0 if continuous else np.abs(s) >= 1
+    mirror = -s.conj() if continuous else 1 / np.where(unstable, s, 1.0).conj()
     near = np.abs(poles - mirror[:, None]).min(axis=1) <= MIRRORED * np.abs(mirror)
-    return np.asarray(lasting & near)
+    return np.asarray(unstable & near)
 
 
-def _text(s: complex) -> str:
+def _mode_text(s: complex) -> str:
     return show.number(s.real, 4) if abs(s.imag) < 1e-9 * abs(s) else f"{s.real:.4g}{s.imag:+.4g}i"

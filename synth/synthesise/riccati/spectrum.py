@@ -1,7 +1,8 @@
-"""The eigenvalues of a matrix given exactly, and which of them decay, by more than rounding error.
+"""Eigenvalues of an exactly given matrix in ball arithmetic, and the stability of its modes beyond rounding error.
 
-Eigenvalues of a matrix of doubles are computed with the bits in force and rounded once: also those of a Jordan block,
-which double precision scatters by a root of its precision. What is left to see is what rounding the matrix did.
+The eigenvalues of a matrix of doubles are computed in the precision in force and rounded once. This includes those of a
+Jordan block, which double precision scatters by a root of its precision. The only error left is that of rounding the
+matrix itself.
 """
 
 import flint
@@ -19,17 +20,17 @@ def ball(values: Array) -> flint.arb_mat:
 
 
 def decays(poles: Complex, time: Time) -> NDArray[np.bool_]:
-    """Tell of each pole whether its mode decays, by more than rounding error."""
+    """Tell for each pole whether its mode decays by more than rounding error."""
     if isinstance(time, Continuous):
         return poles.real < -structure.DECAY * np.abs(poles).max(initial=0.0)
     return np.abs(poles) < 1 - structure.DECAY
 
 
-def lasting(A: Array, time: Time) -> complex | None:
-    """Return the eigenvalue of A (n, n) that grows fastest of those that do not decay, None where all do.
+def unstable_pole(A: Array, time: Time) -> complex | None:
+    """Return the fastest growing eigenvalue of A (n, n) of those that do not decay, None where all decay.
 
-    Counted as not decaying is what rounding of A may hold up: Re s >= -DECAY |w|' |A|, w the left eigenvector of length
-    1 in units that balance A, so that a slow mode beside fast ones is judged by its own size; |z| >= 1 - DECAY.
+    An eigenvalue counts as not decaying if rounding of A may stop its decay: Re s >= -DECAY |w|' |A|, with the unit
+    left eigenvector w of the balanced A, or |z| >= 1 - DECAY. A slow mode is thus not compared with the fast ones.
     """
     if not len(A):
         return None
@@ -43,16 +44,16 @@ def lasting(A: Array, time: Time) -> complex | None:
     return complex(values[np.argmax(growth)]) if growth.max() >= 0 else None
 
 
-def of(F: flint.arb_mat) -> Complex:
+def eigenvalues(F: flint.arb_mat) -> Complex:
     """Return the eigenvalues (n,) of a square matrix, sorted, computed in the precision in force, rounded once."""
     if not F.nrows():
         return np.zeros(0, dtype=np.complex128)
     values = flint.acb_mat(F).eig(algorithm="approx")
-    return np.sort_complex(np.array([_tidy(complex(v)) for v in values], dtype=np.complex128))
+    return np.sort_complex(np.array([_without_rounding(complex(v)) for v in values], dtype=np.complex128))
 
 
-def _tidy(value: complex) -> complex:
-    """Return a value without a part that the precision leaves beside the other."""
+def _without_rounding(value: complex) -> complex:
+    """Return a value whose real or imaginary part is 0 where it is rounding error of the other."""
     least = 1e-30 * abs(value)
     real, imaginary = (v if abs(v) > least else 0.0 for v in (value.real, value.imag))
     return complex(real, imaginary)

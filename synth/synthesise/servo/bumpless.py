@@ -1,9 +1,9 @@
-"""Bumpless start: the internal model's state for which a servo regulator takes over without a jump.
+"""Bumpless transfer: the initial state of the internal model for which a servo regulator starts without a jump of u.
 
     K_x x + K_xi xi = u,     xi of least norm
 
-for the state x, or its estimate, and what the actuators do, u. It can be solved for every u when K_xi has full row
-rank: not with more actuators than the internal model has states, nor with actuators of which some act alike.
+for the state x, or its estimate, and the actuators' present values u. A solution exists for every u when K_xi has full
+row rank. It has not if there are more actuators than states of the internal model, or if some actuators act alike.
 
 Library: no design uses it yet; docs/library.md has an example.
 """
@@ -16,16 +16,16 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
 from synth.synthesise.servo.servo import Servo
 
-BUMP = 1e-12  # of the terms of a command: a difference above it is no rounding error
+BUMP = 1e-12  # of the terms of a command: a larger difference is no rounding error
 
 
 @arguments.checked
 def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
-    """Return the least xi (p k,) for which the first command equals the actuators' `present` values (m,).
+    """Return the xi (p k,) of least norm for which the first command equals the actuators' `present` values (m,).
 
     `state` (n,) is the plant's, or its estimate.
 
-    Raises SignalError for sizes that do not fit, ModelError naming the controls that no xi keeps from a jump.
+    Raises SignalError for wrong sizes, ModelError naming the controls that jump for every xi.
     """
     plant, controls, K_xi = regulator.plant, regulator.controls, regulator.K_xi
     x, u = arguments.real("states", state).ravel(), arguments.real("present inputs", present).ravel()
@@ -34,10 +34,10 @@ def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
             f"a bumpless start from {len(x)} states and {len(u)} present inputs: give {len(plant.A)} finite states "
             f"({', '.join(plant.states)}) and {len(controls)} inputs ({', '.join(controls)})"
         )
-    wanted = u - regulator.K_x @ x
-    xi = np.linalg.lstsq(K_xi, wanted, rcond=None)[0]
-    xi = xi + np.linalg.lstsq(K_xi, wanted - K_xi @ xi, rcond=None)[0]
-    jump = K_xi @ xi - wanted
+    command = u - regulator.K_x @ x
+    xi = np.linalg.lstsq(K_xi, command, rcond=None)[0]
+    xi = xi + np.linalg.lstsq(K_xi, command - K_xi @ xi, rcond=None)[0]
+    jump = K_xi @ xi - command
     bumps = np.abs(jump) > BUMP * (np.abs(u) + np.abs(regulator.K_x) @ np.abs(x) + np.abs(K_xi) @ np.abs(xi))
     if bumps.any():
         named = ", ".join(f"{controls[k]} by {jump[k]:.3g}" for k in np.flatnonzero(bumps))

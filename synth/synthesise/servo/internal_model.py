@@ -1,17 +1,17 @@
-"""The internal model of an exosystem w' = S w, of which references and disturbances are linear combinations.
+"""The internal model of an exosystem w' = S w that generates references and disturbances.
 
     xi' = (I_p (x) Phi) xi + (I_p (x) N) e,     Phi in companion form of the minimal polynomial of S,
                                                 N = (0, .., 0, 1)^T
 
-for p regulated outputs: a copy of Phi for each error. By the internal model principle a stable loop around it has
-e -> 0 for every reference and disturbance of the exosystem, whatever the plant, as long as the loop is stable; one copy
-for several errors does not do. Constants have the mode 0, ramps a double one, sines +-i w. Modes that decay need no
-regulator. Sources: F(14), (15), after Davison (1976) and Francis and Wonham (1976).
+for p regulated outputs: one copy of Phi for each error. By the internal model principle a stable loop with it has
+e -> 0 for every reference and disturbance of the exosystem and for every plant for which the loop stays stable. A
+single copy for several errors is not sufficient. Constants have the mode 0, ramps a double one, sines +-i w. Modes that
+decay need no internal model. Sources: F(14), (15), after Davison (1976) and Francis and Wonham (1976).
 
-Sampled, with e held over each period T, xi+ = exp(Phi T) xi + int_0^T exp(Phi s) ds N e has the modes exp(s T), rounded
-once from the exact ones. The error of a plant under zero-order hold is then zero at the samples. Between them a sine
-leaves the response to the steps of u, for a reference of frequency w the share that the plant passes at w + 2 pi k / T;
-after a constant nothing is left there.
+Sampled, with e held over each period T, xi+ = exp(Phi T) xi + int_0^T exp(Phi s) ds N e has the modes exp(s T), each
+rounded once from the exact value. The error of a plant under zero-order hold is then zero at the samples. Between the
+samples a sine leaves a ripple, the response to the steps of u: for a reference of frequency w, the part that the plant
+passes at w + 2 pi k / T. A constant leaves no ripple.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -30,12 +30,12 @@ from synth.synthesise.servo import minimal_polynomial, regulator_equations
 from synth.synthesise.servo.minimal_polynomial import Mode
 from synth.timing import Continuous, Discrete, Time, common
 
-MOST = 100  # times that a mode counts: no signal grows as t^100
+MOST = 100  # multiplicity of a mode: no signal grows as t^100
 
 
 @show.result
 class InternalModel:
-    """One copy, Phi (n, n) and N (n, 1), of an exosystem with `modes` in 1/s, whatever `time` the copy is in."""
+    """One copy, Phi (n, n) and N (n, 1), for an exosystem with `modes` in 1/s, in continuous or discrete `time`."""
 
     Phi: Array
     N: Array
@@ -43,15 +43,15 @@ class InternalModel:
     time: Time
 
     def names(self, outputs: Sequence[str]) -> tuple[str, ...]:
-        """Return the states of a copy for each of the outputs: xi1, xi2, .. of one output, else xi1_<output>, .."""
+        """Return the names of the states: xi1, xi2, .. for one output, else xi1_<output>, .. for each output."""
         ends = [""] if len(outputs) == 1 else [f"_{name}" for name in outputs]
         return tuple(f"xi{k + 1}{end}" for end in ends for k in range(len(self.Phi)))
 
     def units(self, outputs: Sequence[str], units: Mapping[str, str]) -> dict[str, str]:
-        """Return the states' units, as far as those of the outputs are known.
+        """Return the units of the states, as far as those of the outputs are known.
 
-        The last state is the integral of an output, in its unit times s, and each other one that of its successor. It
-        is so in either time: N is 1, or about the period in s.
+        The last state is the integral of an output, in its unit times s; each other state is the integral of the next
+        one. This also holds in discrete time, where N is about the period in s.
         """
         n, names = len(self.Phi), self.names(outputs)
         powers = [f" s^{k}" if k > 1 else " s" for k in range(n, 0, -1)]
@@ -70,30 +70,38 @@ Exosystem = InternalModel | Sequence[float] | Mapping[float, int] | Sequence[Seq
 
 
 @arguments.checked
-def of(given: Exosystem) -> InternalModel:
+def of(exosystem_or_model: Exosystem) -> InternalModel:
     """Return an Exosystem as an InternalModel; frequencies and matrices give a continuous one.
 
     Raises SignalError as `exosystem` and `from_matrix`.
     """
-    if isinstance(given, InternalModel):
-        return given
-    if isinstance(given, Mapping):
-        return exosystem(given)
-    if isinstance(given, Sequence) and any(isinstance(row, Sequence | np.ndarray) for row in given):
-        return from_matrix(arguments.matrix("S", given))
-    if not np.ndim(given):
-        raise SignalError(f"{given!r} is no exosystem: give frequencies in rad/s as a list, or a matrix")
-    return exosystem(np.asarray(given).tolist()) if np.ndim(given) == 1 else from_matrix(given)
+    if isinstance(exosystem_or_model, InternalModel):
+        return exosystem_or_model
+    if isinstance(exosystem_or_model, Mapping):
+        return exosystem(exosystem_or_model)
+    if isinstance(exosystem_or_model, Sequence) and any(
+        isinstance(row, Sequence | np.ndarray) for row in exosystem_or_model
+    ):
+        return from_matrix(arguments.matrix("S", exosystem_or_model))
+    if not np.ndim(exosystem_or_model):
+        raise SignalError(
+            f"{exosystem_or_model!r} is not an exosystem: give frequencies in rad/s as a list, or a matrix"
+        )
+    return (
+        exosystem(np.asarray(exosystem_or_model).tolist())
+        if np.ndim(exosystem_or_model) == 1
+        else from_matrix(exosystem_or_model)
+    )
 
 
 @arguments.checked
 def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalModel:
-    """Return the continuous model of distinct `frequencies` >= 0 in rad/s; frequency 0 gives one integrator.
+    """Return the continuous model of distinct `frequencies` >= 0 in rad/s; frequency 0 is an integrator.
 
-    With {frequency: multiplicity} 0 counted twice stands for ramps, another frequency counted twice for sines that
-    grow as t does.
+    {frequency: multiplicity} with multiplicity 2 gives ramps for the frequency 0, else sines with an amplitude
+    proportional to t.
 
-    Raises SignalError for none, a negative, an infinite or a repeated frequency, what is no number, or a multiplicity
+    Raises SignalError for no frequency, for a negative, infinite, repeated or non-numeric one, or for a multiplicity
     below 1 or above MOST.
     """
     if isinstance(frequencies, str) or not isinstance(frequencies, Iterable):
@@ -131,7 +139,7 @@ def from_matrix(S: ArrayLike) -> InternalModel:
 
 def _continuous(modes: Sequence[Mode]) -> InternalModel:
     with precise.precision():
-        coefficients = [float(c.mid()) for c in minimal_polynomial.product(modes)]
+        coefficients = [float(c.mid()) for c in minimal_polynomial.polynomial(modes)]
     n = len(coefficients) - 1
     Phi = np.diag(np.ones(n - 1), 1)
     Phi[-1] = -np.array(coefficients[:-1]) + 0.0
@@ -140,13 +148,13 @@ def _continuous(modes: Sequence[Mode]) -> InternalModel:
 
 
 @arguments.checked
-def in_time(given: Exosystem, time: Time) -> InternalModel:
-    """Return the model in continuous time, or sampled as the module docstring says, with its modes exp(s T).
+def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
+    """Return the model in continuous time, or sampled with zero-order hold and the modes exp(s T).
 
-    Raises SignalError as `of` and for a frequency at or above Nyquist's; TimingError for a model that is sampled
-    already, in another time; ModelError as `precise.resolved`.
+    Raises SignalError as `of` and for a frequency at or above Nyquist; TimingError for a model that is already sampled
+    in another time; ModelError as `precise.correctly_rounded`.
     """
-    model = of(given)
+    model = of(exosystem)
     if model.time == time or isinstance(time, Continuous):
         common(time, model.time)
         return model
@@ -154,23 +162,23 @@ def in_time(given: Exosystem, time: Time) -> InternalModel:
     n, T = len(model.Phi), time.period_s
     _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
 
-    found = precise.resolved(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
-    return InternalModel(readonly(found[:, :n]), readonly(found[:, n:]), model.modes, time)
+    matrices = precise.correctly_rounded(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
+    return InternalModel(readonly(matrices[:, :n]), readonly(matrices[:, n:]), model.modes, time)
 
 
 @arguments.checked
 def exact(modes: Sequence[Mode], time: Time) -> flint.arb_mat:
-    """Return [Phi, N] (n, n + 1) of exact modes in 1/s, in a time and in balls of the present precision.
+    """Return [Phi, N] (n, n + 1) for exact modes in 1/s, in a time and in balls of the precision in force.
 
     Raises SignalError when there is no mode.
     """
     n = sum(mode.order for mode in modes)
     if not n:
         raise SignalError("the internal model has no modes: give one or more")
-    driven = _driven(minimal_polynomial.product(modes), np.zeros(n))
+    driven = _with_inputs(minimal_polynomial.polynomial(modes), np.zeros(n))
     if isinstance(time, Discrete):
         driven = (driven * flint.arb(time.period_s)).exp()
-    return _part(driven, n, 0, n + 1)
+    return _columns(driven, n, 0, n + 1)
 
 
 def _require_below_nyquist(frequencies: Sequence[float], period_s: float) -> None:
@@ -181,14 +189,14 @@ def _require_below_nyquist(frequencies: Sequence[float], period_s: float) -> Non
 
 @dataclass(frozen=True, eq=False)
 class Leapfrog:
-    """The internal model over one period, exactly, in coordinates eta with xi = T eta in which a sample costs least.
+    """The sampled internal model in coordinates eta, xi = T eta, with the fewest operations per sample.
 
         eta_0' = eta_0 + e                                              for the frequency 0
         p' = p + c q,   q' = q - p' + e,   c = 2 - 2 cos(w T)           for each other frequency w
 
-    Each pair turns by w T whatever c is rounded to: its determinant is 1 and its trace 2 - c, so the poles stay on the
-    unit circle and only w is rounded. `c` (m,) by rising frequency, `T` (n, n); `E` (n, 1) is what the anti-windup
-    input adds to eta_0', p', q' in this order of computation, 0 where none was asked for.
+    Each pair has the determinant 1 and the trace 2 - c for every rounded c. Rounding therefore changes w only, and the
+    poles stay on the unit circle. `c` (m,) is sorted by frequency, `T` is (n, n); the anti-windup input adds `E` (n, 1)
+    to eta_0', p', q' in this order of computation, 0 without anti-windup.
     """
 
     c: Array
@@ -200,10 +208,10 @@ class Leapfrog:
 def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None = None) -> Leapfrog:
     """Return the internal model with e and the anti-windup input E (n,) constant over each period.
 
-    The sampled companion form and the leapfrog form have the same poles and are both driven by e alone, so T takes one
-    controllability matrix to the other.
+    The sampled companion form and the leapfrog form have the same poles and the single input e. T follows from their
+    controllability matrices.
 
-    Raises SignalError as `exosystem`, for a frequency at or above Nyquist's, and for an E of another size; TimingError
+    Raises SignalError as `exosystem`, for a frequency at or above Nyquist, and for an E of another size; TimingError
     when the period is not positive.
     """
     modes = exosystem(frequencies).modes
@@ -217,29 +225,32 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
     w = sorted(float(f) for f in frequencies if f)
 
     def compute() -> flint.arb_mat:
-        held = (_driven(minimal_polynomial.product(modes), column) * flint.arb(period_s)).exp()
+        held = (_with_inputs(minimal_polynomial.polynomial(modes), column) * flint.arb(period_s)).exp()
         c = [4 * (flint.arb(f) * flint.arb(period_s) / 2).sin() ** 2 for f in w]
-        T = _controllability(_part(held, n, 0, n), _part(held, n, n, n + 1)) * _controllability(*_turns(c, n)).inv()
-        added = [*T.solve(_part(held, n, n + 1, n + 2)).entries()]
+        T = (
+            _controllability(_columns(held, n, 0, n), _columns(held, n, n, n + 1))
+            * _controllability(*_leapfrog_step(c, n)).inv()
+        )
+        added = [*T.solve(_columns(held, n, n + 1, n + 2)).entries()]
         for q in range(n - 2 * len(c) + 1, n, 2):
             added[q] += added[q - 1]
         padded = [*c, *[flint.arb(0)] * n]
         return flint.arb_mat([[*(T[i, j] for j in range(n)), added[i], padded[i]] for i in range(n)])
 
-    found = precise.resolved(compute, f"the internal model over {period_s:g} s")
-    return Leapfrog(readonly(found[: len(w), n + 1]), readonly(found[:, :n]), readonly(found[:, n : n + 1]))
+    matrices = precise.correctly_rounded(compute, f"the internal model over {period_s:g} s")
+    return Leapfrog(readonly(matrices[: len(w), n + 1]), readonly(matrices[:, :n]), readonly(matrices[:, n : n + 1]))
 
 
 @arguments.checked
-def augmented(plant: System, given: Exosystem) -> StateSpace:
-    """Return a plant with an internal model driven by each of its outputs; all inputs act, all states are outputs.
+def augmented(plant: System, exosystem: Exosystem) -> StateSpace:
+    """Return a plant with an internal model driven by each of its outputs; all states are outputs.
 
-    The states are the plant's, then `InternalModel.names`. A sampled plant is given the sampled model.
+    The states are the plant's, then `InternalModel.names`. A sampled plant gets the sampled internal model.
 
     Raises as `in_time`; ModelError as `regulator_equations.require_solvable`.
     """
     part = model_of(plant)
-    model = in_time(given, part.time)
+    model = in_time(exosystem, part.time)
     regulator_equations.require_solvable(part, model.modes)
     (n, m), p, k = part.B.shape, len(part.outputs), len(model.Phi)
     N = np.kron(np.eye(p), model.N)
@@ -250,7 +261,7 @@ def augmented(plant: System, given: Exosystem) -> StateSpace:
     return StateSpace(A, B, np.eye(n + p * k), np.zeros((n + p * k, m)), states, part.inputs, states, part.time, units)
 
 
-def _driven(polynomial: flint.arb_poly, E: Array) -> flint.arb_mat:
+def _with_inputs(polynomial: flint.arb_poly, E: Array) -> flint.arb_mat:
     """Return [[Phi, N, E], [0, 0, 0]], (n + 2, n + 2), with the exact coefficients of a monic polynomial."""
     n = len(E)
     M = flint.arb_mat(n + 2, n + 2)
@@ -263,7 +274,7 @@ def _driven(polynomial: flint.arb_poly, E: Array) -> flint.arb_mat:
     return M
 
 
-def _turns(c: Sequence[flint.arb], n: int) -> tuple[flint.arb_mat, flint.arb_mat]:
+def _leapfrog_step(c: Sequence[flint.arb], n: int) -> tuple[flint.arb_mat, flint.arb_mat]:
     """Return one sample of the leapfrog form of order n as (A, B)."""
     A, B = precise.identity(n), flint.arb_mat(n, 1)
     first = n - 2 * len(c)
@@ -283,6 +294,6 @@ def _controllability(A: flint.arb_mat, B: flint.arb_mat) -> flint.arb_mat:
     return flint.arb_mat([[c[i, 0] for c in columns] for i in range(A.nrows())])
 
 
-def _part(M: flint.arb_mat, rows: int, first: int, last: int) -> flint.arb_mat:
+def _columns(M: flint.arb_mat, rows: int, first: int, last: int) -> flint.arb_mat:
     """Return the columns first .. last - 1 of the upper `rows`."""
     return flint.arb_mat([[M[i, j] for j in range(first, last)] for i in range(rows)])

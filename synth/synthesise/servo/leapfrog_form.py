@@ -2,9 +2,9 @@
 
     xi = (I (x) T) eta,     sum+ = sum + e,     p+ = p + c q,     q+ = -p + (1 - c) q + e,     c = 2 - 2 cos(w T)
 
-The states xi of the companion form are in the error's unit times s, s^2, .., and their sizes differ by powers of the
-frequencies. All of eta are in the error's unit and of like size, and so are the gains on them: the form to emit in
-single precision. From inputs to outputs the controller is the same.
+The states xi of the companion form have the error's unit times s, s^2, .., and their sizes differ by powers of the
+frequencies. All states eta have the error's unit and similar size, and so have the gains on them. This form suits code
+in single precision. Its transfer function is that of the original controller.
 """
 
 from collections.abc import Sequence
@@ -23,13 +23,13 @@ from synth.timing import common, period
 
 @arguments.checked
 def controller(regulator: Servo, system: System | None = None) -> StateSpace:
-    """Return the controller of a sampled regulator in eta; or `system`, which is that controller with anti-windup.
+    """Return the controller of a sampled regulator in eta, or `system`, which is that controller with anti-windup.
 
     The states are ``sum`` for the frequency 0 and ``p<k>``, ``q<k>`` by rising frequency, for each output in turn, with
-    ``_<output>`` behind where several are regulated; then the controller's others, as they were.
+    the suffix ``_<output>`` where several are regulated; the other states of the controller follow unchanged.
 
-    Raises TimingError for a continuous regulator or unlike times; SignalError for an internal model with a mode that
-    grows or counts more than once, a frequency as `internal_model.leapfrog`, or a system without the regulator's xi.
+    Raises TimingError for a continuous regulator or different times; SignalError for an internal model with a growing
+    or multiple mode, a frequency as `internal_model.leapfrog`, or a system without the regulator's xi.
     """
     model, outputs = regulator.model, regulator.regulated
     T, old = period(model.time), regulator.model.names(regulator.regulated)
@@ -51,14 +51,18 @@ def controller(regulator: Servo, system: System | None = None) -> StateSpace:
 def _transform(source: StateSpace, form: internal_model.Leapfrog, outputs: Sequence[str], k: int) -> StateSpace:
     p, n = len(outputs), len(form.T)
     A, B, C = source.A.copy(), source.B.copy(), source.C.copy()
-    phi, drive = _step(form.c, n)
+    phi, drive = _leapfrog_step(form.c, n)
     A[:k, :k] = np.kron(np.eye(p), phi)
-    turn = precise.matrix(np.kron(np.eye(p), form.T))
+    T_balls = precise.matrix(np.kron(np.eye(p), form.T))
     if B.size:
-        B[:k] = precise.resolved(lambda: turn.solve(precise.matrix(source.B[:k])), "what drives the internal model")
+        B[:k] = precise.correctly_rounded(
+            lambda: T_balls.solve(precise.matrix(source.B[:k])), "what drives the internal model"
+        )
     errors = [source.inputs.index(f"{y}_error") for y in outputs]
     B[:k, errors] = np.kron(np.eye(p), drive)
-    C[:, :k] = precise.resolved(lambda: precise.matrix(source.C[:, :k]) * turn, "the gain on the internal model")
+    C[:, :k] = precise.correctly_rounded(
+        lambda: precise.matrix(source.C[:, :k]) * T_balls, "the gain on the internal model"
+    )
     names = ["sum"] * (n % 2) + [f"{letter}{j + 1}" for j in range(n // 2) for letter in "pq"]
     states = tuple(name if p == 1 else f"{name}_{y}" for y in outputs for name in names)
     units = {state: source.unit(f"{outputs[i // n]}_error") for i, state in enumerate(states)}
@@ -66,7 +70,7 @@ def _transform(source: StateSpace, form: internal_model.Leapfrog, outputs: Seque
     return replace(source, A=A, B=B, C=C, states=(*states, *source.states[k:]), units=units)
 
 
-def _step(c: Array, n: int) -> tuple[Array, Array]:
+def _leapfrog_step(c: Array, n: int) -> tuple[Array, Array]:
     """Return eta+ = phi eta + drive e, (n, n) and (n, 1)."""
     phi, drive = np.eye(n), np.zeros((n, 1))
     drive[: n % 2] = 1.0

@@ -1,16 +1,15 @@
-"""The regulator equations: the steady state in which the regulated outputs follow an exosystem without error.
+"""The regulator equations (Francis 1977): the steady state in which the regulated outputs have no error.
 
     w' = S w        x' = A x + B u + E w        e = C x + D u + F w           (x+ and w+ in discrete time)
 
     Pi S = A Pi + B Gamma + E,    0 = C Pi + D Gamma + F
 
-for A (n, n), B (n, m), C (p, n), S (q, q), E (n, q), F (p, q). On x = Pi w, u = Gamma w the error is zero, and with any
-K that makes A + B K stable, u = K x + (Gamma - K Pi) w leads there from everywhere (full information, Francis 1977).
+for A (n, n), B (n, m), C (p, n), S (q, q), E (n, q), F (p, q). On x = Pi w, u = Gamma w the error is zero. With any K
+for which A + B K is stable, u = K x + (Gamma - K Pi) w converges to it from every state (full information).
 
-They are solvable for all E and F when no mode s of S is a transmission zero: the Rosenbrock matrix
-[[A - s I, B], [C, D]] must have full row rank n + p. Where it has not, its left null direction (v, y) names the
-combination y^H e of the errors that no input moves at s. With more inputs than errors, the solution of least Gamma is
-taken.
+A solution exists for all E and F when no mode s of S is a transmission zero: the Rosenbrock matrix
+[[A - s I, B], [C, D]] must have full row rank n + p. If it has not, its left null vector (v, y) gives the combination
+y^H e of the errors that no input affects at s. With more inputs than errors, the solution of least Gamma is taken.
 """
 
 from collections.abc import Sequence
@@ -28,12 +27,12 @@ from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.servo import minimal_polynomial
 from synth.timing import Continuous, Time
 
-SOLVED = 1e-9  # of the terms of an equation: a residual above it says that there is no solution
+SOLVED = 1e-9  # of the terms of an equation: above this residual there is no solution
 
 
 @show.result
 class SteadyState:
-    """x = Pi w and u = Gamma w: Pi (n, q), Gamma (m, q); `residual` is the largest of both equations over its terms."""
+    """x = Pi w and u = Gamma w: Pi (n, q), Gamma (m, q); `residual` of both equations is relative to their terms."""
 
     Pi: Array
     Gamma: Array
@@ -42,7 +41,7 @@ class SteadyState:
     inputs: tuple[str, ...]
 
     def feedforward(self, K: ArrayLike) -> Array:
-        """Return Gamma - K Pi (m, q), the gain on w beside the state feedback u = K x; K (m, n).
+        """Return Gamma - K Pi (m, q), the feedforward gain on w for the state feedback u = K x; K (m, n).
 
         Raises SignalError for a K of another shape.
         """
@@ -62,13 +61,13 @@ class SteadyState:
 def solve(system: System, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> SteadyState:
     """Return the steady state of a model whose inputs all act and whose outputs are all regulated.
 
-    S (q, q) is in the model's time; E (n, q) and F (p, q) say how w enters states and errors.
+    S (q, q) is in the model's time; w enters the states through E (n, q) and the errors through F (p, q).
 
-    Raises SignalError for matrices that do not fit or are not finite; ModelError when there is no solution, naming the
-    mode and the combination of outputs where a transmission zero is the reason.
+    Raises SignalError for matrices of the wrong shape or not finite; ModelError when there is no solution, naming the
+    mode and the combination of outputs if a transmission zero is the reason.
     """
     model = of(system)
-    S, E, F = _fitting(model, S, E, F)
+    S, E, F = _check_matrices(model, S, E, F)
     equations = _equations(model, S, E, F)
     z = equations.solve()
     residual = equations.residual(z)
@@ -86,10 +85,10 @@ def solve(system: System, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> SteadySta
 
 @arguments.checked
 def require_solvable(model: StateSpace, modes: Sequence[minimal_polynomial.Mode]) -> None:
-    """Raise ModelError, naming what is missing, unless the model's inputs regulate all its outputs at all `modes`.
+    """Raise ModelError, with the reason, unless the model's inputs can regulate all its outputs at all `modes`.
 
-    Needed are as many inputs as outputs, no mode of the model that neither decays nor is moved, and no transmission
-    zero at a mode of the exosystem (in 1/s, whatever the model's time).
+    The conditions are at least as many inputs as outputs, stabilisability, and no transmission zero at a mode of the
+    exosystem (in 1/s, also for a sampled model).
     """
     if len(model.inputs) < len(model.outputs):
         raise ModelError(
@@ -102,14 +101,14 @@ def require_solvable(model: StateSpace, modes: Sequence[minimal_polynomial.Mode]
 
 @arguments.checked
 def require_no_zero(model: StateSpace, points: Sequence[complex]) -> None:
-    """Raise ModelError for a transmission zero at one of the `points`, in 1/s or in z, naming what cannot be moved."""
+    """Raise ModelError for a transmission zero at one of the `points`, in 1/s or in z, naming the blocked outputs."""
     for point in points:
-        stuck = _unmoved(model, point)
+        stuck = _blocked_outputs(model, point)
         if stuck is not None:
             raise ModelError(
                 f"the plant from {', '.join(model.inputs)} to {', '.join(model.outputs)} has a transmission zero at "
-                f"{_named(point, model.time)} of the exosystem: it cannot be regulated there, for no input moves "
-                f"{structure.spelled(stuck)}; drop it, regulate other outputs or change the actuators"
+                f"{_mode_text(point, model.time)} of the exosystem: it cannot be regulated there, as no input affects "
+                f"{structure.direction_text(stuck)}; drop it, regulate other outputs or change the actuators"
             )
 
 
@@ -117,15 +116,15 @@ def _point(s: complex, time: Time) -> complex:
     return complex(s) if isinstance(time, Continuous) else complex(np.exp(s * time.period_s))
 
 
-def _named(point: complex, time: Time) -> str:
+def _mode_text(point: complex, time: Time) -> str:
     s = point if isinstance(time, Continuous) else np.log(point) / time.period_s
     if abs(s.real) <= 1e-9 * abs(s):
         return f"{abs(s.imag):g} rad/s, a frequency"
     return f"{show.number(s)} 1/s, a mode"
 
 
-def _unmoved(model: StateSpace, point: complex) -> dict[str, complex] | None:
-    """Return the combination of outputs that no input moves at a point, None when there is none."""
+def _blocked_outputs(model: StateSpace, point: complex) -> dict[str, complex] | None:
+    """Return the combination of outputs that no input affects at a point, None when there is none."""
     n = len(model.A)
     R, rows, _ = equilibrated(np.block([[model.A - point * np.eye(n), model.B], [model.C, model.D]]))
     U, sigma, _ = np.linalg.svd(R)
@@ -134,18 +133,18 @@ def _unmoved(model: StateSpace, point: complex) -> dict[str, complex] | None:
     return structure.direction((rows * U[:, -1].conj())[n:], model.outputs)
 
 
-def _fitting(model: StateSpace, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> tuple[Array, Array, Array]:
-    found = [arguments.matrix(name, value) for name, value in (("S", S), ("E", E), ("F", F))]
-    q = len(found[0])
-    for name, value, shape in zip("SEF", found, ((q, q), (len(model.A), q), (len(model.C), q)), strict=True):
+def _check_matrices(model: StateSpace, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> tuple[Array, Array, Array]:
+    matrices = [arguments.matrix(name, value) for name, value in (("S", S), ("E", E), ("F", F))]
+    q = len(matrices[0])
+    for name, value, shape in zip("SEF", matrices, ((q, q), (len(model.A), q), (len(model.C), q)), strict=True):
         if value.shape != shape or not np.isfinite(value).all():
             raise SignalError(f"{name} is {value.shape}: an exosystem of order {q} needs a finite one of {shape}")
-    return found[0], found[1], found[2]
+    return matrices[0], matrices[1], matrices[2]
 
 
 @dataclass(frozen=True, eq=False)
 class _Equations:
-    """M z = b for the columns of [Pi; Gamma], stacked and over `size`; rows and columns are of like size."""
+    """M z = b, scaled; z holds the columns of [Pi; Gamma], stacked and divided by `size`."""
 
     M: Array
     b: Array
@@ -164,7 +163,7 @@ class _Equations:
         return z
 
     def residual(self, z: Array) -> float:
-        """Return the largest residual over the largest sum of the terms' sizes."""
+        """Return the largest residual relative to the largest sum of absolute terms."""
         terms = np.abs(self.M) @ np.abs(z) + np.abs(self.b)
         return float(np.abs(self.M @ z - self.b).max(initial=0.0) / (terms.max(initial=0.0) or 1.0))
 

@@ -1,4 +1,4 @@
-"""Internal-model (servo) regulators: state feedback around copies of an exosystem, with or without an observer.
+"""Servo regulators by the internal model principle: state feedback, with or without an observer.
 
      r (p)
      |
@@ -10,11 +10,11 @@
      +--------------------------------- y ------------------------------------------------+
 
 e = y - r is the error of the regulated outputs, u = K_x x + K_xi xi with the signs inside the gains, K = (K_x, K_xi).
-Only the plant needs an observer: xi is known. With (A, B) stabilisable, as many controls as regulated outputs at least
-and no transmission zero at a mode of the exosystem, the plant together with the copies is stabilisable, and any K that
-stabilises it has e -> 0 for every reference and disturbance of the exosystem, also in a plant that differs, as long as
-the loop stays stable (Davison 1976, Francis and Wonham 1976). `optimal_servo` finds gains. They are those, too, of a
-regulator that feeds back e and its derivatives in the place of x, as `regulator.block` does for one axis.
+Only the plant needs an observer, as xi is known. The augmented plant is stabilisable if (A, B) is stabilisable, there
+are at least as many controls as regulated outputs, and no transmission zero is at a mode of the exosystem. Any K that
+stabilises it has e -> 0 for every reference and disturbance of the exosystem, also with a perturbed plant as long as
+the loop stays stable (Davison 1976, Francis and Wonham 1976). `optimal_servo` computes gains. They also serve a
+regulator that feeds back e and its derivatives in place of x, as `regulator.block` does for one axis.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.servo import internal_model, steady_error
 from synth.synthesise.servo.internal_model import Exosystem, InternalModel
-from synth.synthesise.servo.steady_error import SteadyError, named
+from synth.synthesise.servo.steady_error import SteadyError, with_suffix
 from synth.timing import common
 
 Names = Sequence[str] | str | None
@@ -39,11 +39,11 @@ Names = Sequence[str] | str | None
 
 @show.result
 class Servo:
-    """u = K_x x + K_xi xi for a plant, with its certificate; n states, m controls, p regulated outputs, k modes' order.
+    """u = K_x x + K_xi xi for a plant, with its certificate; n states, m controls, p regulated outputs, order k.
 
-    `K` is (m, n + p k), on the plant's states and `InternalModel.names`. `controller` has the inputs of the names it
-    measures, the states or with an observer some outputs, and ``<output>_error``; an observer takes
-    ``<control>_limited``, what the actuators do. Its outputs are ``<control>_command``. `steady` certifies e -> 0.
+    `K` is (m, n + p k), on the plant's states and `InternalModel.names`. The inputs of `controller` are the measured
+    signals (the states, or with an observer some outputs), ``<output>_error`` and, with an observer, the actual values
+    ``<control>_limited``. Its outputs are ``<control>_command``. `steady` certifies e -> 0.
     """
 
     plant: StateSpace
@@ -76,16 +76,16 @@ class Servo:
 
     @cached_property
     def controller(self) -> StateSpace:
-        """The regulator from errors and the estimator's inputs to the commands."""
-        return _controller(self, self.estimator or _identity(self.plant))
+        """The controller from the errors and the estimator's inputs to the commands."""
+        return _controller(self, self.estimator or _state_measurement(self.plant))
 
     @cached_property
     def steady(self) -> SteadyError:
-        """What is left of the exosystem's signals."""
+        """The steady-state error under the exosystem's signals."""
         return self.around(self.plant)
 
     def closed_loop(self, plant: System | None = None) -> StateSpace:
-        """Return the loop, as `steady_error.closed`, around the plant or around another one with its signals.
+        """Return the loop, as `steady_error.closed_loop`, with the plant or with another one that has its signals.
 
         Raises SignalError for a plant without them, TimingError for one in another time.
         """
@@ -97,21 +97,21 @@ class Servo:
         else:
             C = np.eye(len(other.A))[[other.states.index(name) for name in self.measured]]
             seen = replace(other, C=C, D=np.zeros((len(C), len(other.inputs))), outputs=self.measured)
-        return steady_error.closed(other, seen, self.regulated, self.controls, self.controller)
+        return steady_error.closed_loop(other, seen, self.regulated, self.controls, self.controller)
 
     def around(self, plant: System) -> SteadyError:
-        """Return what is left of the exosystem's signals when the regulator, as it is, meets another plant.
+        """Return the steady-state error when the same regulator controls another plant.
 
         Raises as `closed_loop`.
         """
         loop = self.closed_loop(plant)
-        return steady_error.evaluate(loop, named(self.regulated, "error"), self.model)
+        return steady_error.evaluate(loop, with_suffix(self.regulated, "error"), self.model)
 
     def sheet(self) -> show.Sheet:
-        """Return the gains, the poles and what is left of the exosystem's signals."""
+        """Return the gains, the poles and the steady-state errors."""
         units = {**self.plant.units, **self.model.units(self.regulated, self.plant.units)}
-        columns = tuple(show.named(name, units.get(name, "")) for name in self.states)
-        gains = show.matrix("gain", self.K.T, columns, self.plant.labels(self.controls))
+        columns = tuple(show.with_unit(name, units.get(name, "")) for name in self.states)
+        gains = show.feedback(show.matrix("gain", self.K.T, columns, self.plant.labels(self.controls)))
         certificate = self.steady.sheet()
         lines = (f"Poles {', '.join(show.number(s) for s in self.poles)}", *certificate.lines)
         what = f"{', '.join(self.regulated)} by {', '.join(self.controls)}"
@@ -123,12 +123,12 @@ class Servo:
 def of_gain(
     system: System, exosystem: Exosystem, K: ArrayLike, *, regulated: Names = None, controls: Names = None
 ) -> Servo:
-    """Return the regulator with a state feedback K (m, n + p k) of any origin.
+    """Return the regulator with any state feedback K (m, n + p k).
 
-    Raises SignalError for a K of another shape or an unknown name, ModelError for a loop that K leaves unstable; else
-    as `internal_model.augmented`.
+    Raises SignalError for a K of another shape or an unknown name, ModelError for an unstable loop; else as
+    `internal_model.augmented`.
     """
-    plant, acting, model = parts(system, exosystem, regulated, controls)
+    plant, acting, model = split_plant(system, exosystem, regulated, controls)
     states = internal_model.augmented(acting, model).states
     gain = arguments.matrix("K", K)
     if gain.shape != (len(acting.inputs), len(states)) or not np.isfinite(gain).all():
@@ -136,12 +136,12 @@ def of_gain(
             f"K is {gain.shape}: give a finite one of {(len(acting.inputs), len(states))}, {', '.join(acting.inputs)} "
             f"by {', '.join(states)}"
         )
-    return _stable(Servo(plant, model, acting.outputs, acting.inputs, readonly(gain), plant.states, None))
+    return _require_stable(Servo(plant, model, acting.outputs, acting.inputs, readonly(gain), plant.states, None))
 
 
 @arguments.checked
-def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
-    """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u) (x^+ = ..).
+def with_observer(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
+    """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u).
 
     L is (n, l) for the outputs `measured`. Raises as `estimated`; SignalError for an L of another shape.
     """
@@ -151,46 +151,46 @@ def observed(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     gain = arguments.matrix("L", L)
     if gain.shape != seen.C.T.shape:
         raise SignalError(f"L is {gain.shape}: give {seen.C.T.shape}, states by the outputs {', '.join(seen.outputs)}")
-    states, inputs = named(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
+    states, inputs = with_suffix(plant.states, "estimate"), (*seen.inputs, *seen.outputs)
     B = np.hstack([seen.B - gain @ seen.D, gain])
     n = len(plant.A)
     form = (seen.A - gain @ seen.C, B, np.eye(n), np.zeros((n, len(inputs))))
-    return estimated(servo, StateSpace(*form, states, inputs, states, plant.time))
+    return with_estimator(servo, StateSpace(*form, states, inputs, states, plant.time))
 
 
 @arguments.checked
-def estimated(servo: Servo, estimator: System) -> Servo:
+def with_estimator(servo: Servo, estimator: System) -> Servo:
     """Return the regulator with an estimator of the plant's states, u = K_x x^ + K_xi xi.
 
-    Its inputs are the controls, in the end what the actuators do, and measured outputs; its outputs are
+    The estimator's inputs are the controls (in the loop, their actual values) and measured outputs; its outputs are
     ``<state>_estimate`` or <state>, for each state of the plant.
 
-    Raises SignalError for signals that do not fit or an estimate that follows a control at once, TimingError for
-    another time, ModelError for a loop that is not stable.
+    Raises SignalError for wrong signals or a direct path from a control to an estimate, TimingError for another time,
+    ModelError for a loop that is not stable.
     """
     model = of(estimator)
     plant, u = servo.plant, servo.controls
     common(plant.time, model.time)
     if unknown := [name for name in model.inputs if name not in (*u, *plant.outputs)]:
         raise SignalError(
-            f"the estimator's input '{unknown[0]}' is no control ({', '.join(u)}) and no output of the plant"
+            f"the estimator's input '{unknown[0]}' is neither a control ({', '.join(u)}) nor an output of the plant"
         )
     kept = [f"{x}_estimate" if f"{x}_estimate" in model.outputs else x for x in plant.states]
     acting = [name for name in model.inputs if name in u]
     if model.select(kept, acting).D.any():
         raise SignalError(
-            f"the estimate follows {', '.join(acting)} at once, so that the command would set itself: give an "
+            f"the estimate depends directly on {', '.join(acting)}, which makes an algebraic loop: give an "
             "estimator that uses the controls of the sample before"
         )
     measured = tuple(name for name in model.inputs if name not in u)
-    return _stable(replace(servo, measured=measured, estimator=model.select(kept, model.inputs)))
+    return _require_stable(replace(servo, measured=measured, estimator=model.select(kept, model.inputs)))
 
 
 @arguments.checked
-def parts(
+def split_plant(
     system: System, exosystem: Exosystem, regulated: Names, controls: Names
 ) -> tuple[StateSpace, StateSpace, InternalModel]:
-    """Return the plant, its part from the controls to the regulated outputs, and the internal model, in one time.
+    """Return the plant, its part from the controls to the regulated outputs, and the internal model in the same time.
 
     Raises SignalError for an unknown name or no regulated output; else as `internal_model.in_time`.
     """
@@ -203,11 +203,11 @@ def parts(
     return plant, acting, internal_model.in_time(exosystem, plant.time)
 
 
-def _stable(servo: Servo) -> Servo:
-    if servo.steady.lasting is not None:
+def _require_stable(servo: Servo) -> Servo:
+    if servo.steady.unstable_pole is not None:
         raise ModelError(
-            f"the servo loop has the pole {show.number(servo.steady.lasting)}, which does not decay: give gains that "
-            "stabilise the plant together with the internal model, and an estimator whose error decays"
+            f"the servo loop has the pole {show.number(servo.steady.unstable_pole)}, which does not decay: give gains "
+            "that stabilise the plant together with the internal model, and an estimator whose error decays"
         )
     return servo
 
@@ -217,22 +217,24 @@ def _controller(servo: Servo, estimator: StateSpace) -> StateSpace:
     p = len(regulated)
     Phi, N = np.kron(np.eye(p), model.Phi), np.kron(np.eye(p), model.N)
     limited = {u: f"{u}_limited" for u in controls}
-    fed = [limited.get(name, name) for name in estimator.inputs]
-    own = [f"{name}_estimate" if name in plant.states else name for name in estimator.states]
+    estimator_inputs = [limited.get(name, name) for name in estimator.inputs]
+    estimator_states = [f"{name}_estimate" if name in plant.states else name for name in estimator.states]
     A, B = scipy.linalg.block_diag(Phi, estimator.A), scipy.linalg.block_diag(N, estimator.B)
     C = np.hstack([servo.K_xi, servo.K_x @ estimator.C])
     D = np.hstack([np.zeros((len(controls), p)), servo.K_x @ estimator.D])
     units = {f"{x}_estimate": unit for x, unit in plant.units.items()}
-    units |= {name: estimator.unit(x) for name, x in zip(own, estimator.states, strict=True) if estimator.unit(x)}
+    units |= {
+        name: estimator.unit(x) for name, x in zip(estimator_states, estimator.states, strict=True) if estimator.unit(x)
+    }
     units |= {**plant.units, **model.units(regulated, plant.units)}
     for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
         units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
-    states = (*model.names(regulated), *own)
-    inputs = (*named(regulated, "error"), *fed)
-    return StateSpace(A, B, C, D, states, inputs, named(controls, "command"), plant.time, units)
+    states = (*model.names(regulated), *estimator_states)
+    inputs = (*with_suffix(regulated, "error"), *estimator_inputs)
+    return StateSpace(A, B, C, D, states, inputs, with_suffix(controls, "command"), plant.time, units)
 
 
-def _identity(plant: StateSpace) -> StateSpace:
+def _state_measurement(plant: StateSpace) -> StateSpace:
     n = len(plant.A)
     form = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((n, 0)), np.eye(n))
     return StateSpace(*form, (), plant.states, plant.states, plant.time)

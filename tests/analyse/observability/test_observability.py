@@ -1,4 +1,4 @@
-"""Information, its worst place, zeros of determinants and placement, on measurements whose answers are known."""
+"""Information, its worst case, zeros of determinants and placement, on measurements with known results."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -29,16 +29,18 @@ def test_deviations_are_those_of_the_inverse_information() -> None:
 
 def test_lost_rank_has_no_deviation_and_no_bias() -> None:
     H = information.jacobians(RANGES, [[1.0, 0.0], [1.0, 1.0]])
-    found = information.accuracy(H, 0.1, [1.0, 1.0])
+    accuracy = information.accuracy(H, 0.1, [1.0, 1.0])
     assert (
-        np.isinf(found.deviations[0]).all() and np.isinf(found.condition[0]) and np.isfinite(found.deviations[1]).all()
+        np.isinf(accuracy.deviations[0]).all()
+        and np.isinf(accuracy.condition[0])
+        and np.isfinite(accuracy.deviations[1]).all()
     )
     with pytest.raises(ModelError, match="rank is lost at 1 of the places, the first is number 0"):
         information.bias(H, np.zeros((2, 2)), [1.0, 1.0])
     assert np.isinf(information.accuracy(H[1:, :1], 0.1, [1.0, 1.0]).deviations).all()  # fewer rows than unknowns
 
 
-def test_a_bias_is_what_least_squares_make_of_it() -> None:
+def test_the_bias_is_that_of_least_squares() -> None:
     H = np.random.default_rng(1).normal(size=(4, 5, 3))
     extra = H @ np.array([1.0, -2.0, 0.5]) + 0.0
     np.testing.assert_allclose(information.bias(H, extra, [1.0, 2.0, 3.0]), np.tile([1.0, -2.0, 0.5], (4, 1)))
@@ -62,17 +64,17 @@ def slope_change(q: np.ndarray, half: np.ndarray) -> np.ndarray:
     return np.abs(np.sin(q)) * half + half**2 / 2
 
 
-def test_the_worst_is_met_and_proved() -> None:
-    found = worst_deviation.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
-    assert found.met[0] == pytest.approx(1.0, rel=1e-3) and found.at[0, 0] == pytest.approx(np.pi, abs=0.1)
-    assert found.met[0] <= 1.0 <= found.bound[0] <= 1.0011 * found.met[0]
+def test_the_largest_deviation_is_attained_and_proved() -> None:
+    worst = worst_deviation.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
+    assert worst.met[0] == pytest.approx(1.0, rel=1e-3) and worst.at[0, 0] == pytest.approx(np.pi, abs=0.1)
+    assert worst.met[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.met[0]
 
 
-def test_a_bound_that_forgets_a_change_is_caught() -> None:
+def test_a_bound_without_one_change_is_detected() -> None:
     q = np.linspace(0.0, 6.0, 500)[None]
     half = np.array([[0.05]])
     for changes, exceeded in ((slope_change, False), (lambda q, h: 0 * q, True)):
-        _, bound = worst_deviation.bounded(slope_deviation, changes, q, half)
+        _, bound = worst_deviation.bound_cells(slope_deviation, changes, q, half)
         assert (slope_deviation(q + half) > bound).any() == exceeded
 
 
@@ -104,22 +106,22 @@ def sines(shift: float) -> isolated_zeros.Equations:
 
 def test_all_zeros_are_found() -> None:
     with precise.precision():
-        found = sorted(
+        zeros = sorted(
             tuple(float(isolated_zeros.within_turn(v)) for v in c.at) for c in isolated_zeros.search(sines(0.5))
         )
     expected = sorted((p, np.pi / 4 * k) for p in (np.pi / 6, 5 * np.pi / 6) for k in (1, 3, 5, 7))
-    np.testing.assert_allclose(found, expected, rtol=1e-15)
+    np.testing.assert_allclose(zeros, expected, rtol=1e-15)
 
 
 def test_slopes_are_the_derivatives() -> None:
     with precise.precision():
         at = (precise.matrix([[0.3]])[0, 0], precise.matrix([[0.8]])[0, 0])
-        found = sines(0.5).slopes(at)
+        slopes = sines(0.5).slopes(at)
     expected = [[np.cos(0.3), 0.0], [np.cos(0.3), -2 * np.sin(1.6)]]
-    np.testing.assert_allclose([[float(found[i, j]) for j in (0, 1)] for i in (0, 1)], expected, rtol=1e-15)
+    np.testing.assert_allclose([[float(slopes[i, j]) for j in (0, 1)] for i in (0, 1)], expected, rtol=1e-15)
 
 
-def test_a_zero_that_newton_does_not_meet_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_zero_missed_by_newton_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     right = isolated_zeros.newton
 
     def forgetful(*of: object) -> object:
@@ -132,7 +134,7 @@ def test_a_zero_that_newton_does_not_meet_is_caught(monkeypatch: pytest.MonkeyPa
         isolated_zeros.search(sines(0.5))
 
 
-def test_zeros_that_meet_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_double_zeros_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(isolated_zeros, "CUTS", 6)
     with precise.precision(), pytest.raises(ModelError, match="meet or lie on a line"):
         isolated_zeros.search(sines(1.0))
@@ -144,8 +146,8 @@ def bowl(centre: np.ndarray, x: np.ndarray) -> float:
 
 def test_placement_comes_to_the_nearest_grid_point() -> None:
     cost, square = partial(bowl, np.array([0.1234, -0.5])), placement.Square(1.0, 100)
-    found = placement.search(cost, cost, 2, square, placement.Effort(5))
-    np.testing.assert_allclose(found, [0.12, -0.5], atol=1e-12)
+    coordinates = placement.search(cost, cost, 2, square, placement.Effort(5))
+    np.testing.assert_allclose(coordinates, [0.12, -0.5], atol=1e-12)
     held = placement.improve(partial(bowl, np.array([9.0])), [0.0], square, placement.Effort(tries=60))
     assert held[0] == 1.0
     with pytest.raises(ModelError, match="give both above 0"):

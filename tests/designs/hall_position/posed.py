@@ -22,9 +22,9 @@ TIME = Discrete(1 / 800)
 L = 0.0508
 ALPHA, BETA = 8.4 * 0.37502, -8.4 * 0.02146  # V: fabricated, 3 mm
 ANY = Array(((0.0, 0.0, 0.0), (L, 0.0, 0.0), (0.0, L, 0.0)), ALPHA, BETA)
-FOUR = hall_two_waves.placed(ANY, layouts.SPATIAL[4])
-FIVE = hall_two_waves.placed(ANY, layouts.SPATIAL[5])
-SIX = hall_two_waves.placed(ANY, layouts.SPATIAL[6])
+FOUR = hall_two_waves.with_positions(ANY, layouts.SPATIAL[4])
+FIVE = hall_two_waves.with_positions(ANY, layouts.SPATIAL[5])
+SIX = hall_two_waves.with_positions(ANY, layouts.SPATIAL[6])
 USUAL = Tuning()
 
 Columns = Mapping[str, Numbers]
@@ -32,18 +32,18 @@ Columns = Mapping[str, Numbers]
 
 @cache
 def block(array: Array, tuning: Tuning = USUAL) -> Block:
-    return unranged(six_estimator.guarded(array, TIME, tuning))
+    return unranged(six_estimator.guarded_estimator(array, TIME, tuning))
 
 
 @cache
-def emitted(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
+def emit_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.EmittedCode:
     return write.emit(unranged(block(array, tuning)), scalar, error=six_estimator.SURROGATE_ERROR[scalar])
 
 
 @cache
-def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
-    made = emitted(array, tuning, scalar)
-    return host.load(made.files, made.manifest)
+def compile_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
+    files = emit_c(array, tuning, scalar)
+    return host.load(files.files, files.manifest)
 
 
 def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
@@ -62,27 +62,27 @@ def volts(array: Array, pose: Numbers) -> Numbers:
             [c * t * a + u * s, u * t * a - c * s, b * a],
         ]
     )
-    w, found = 2 * np.pi / array.pitch, []
+    w, sensor_volts = 2 * np.pi / array.pitch, []
     for r in array.positions:
         x, y, z = np.array([X, Y, Z - array.height]) + np.tensordot(r, axes, 1)
         B = np.zeros((3, *X.shape))
         for n, size in ((1, array.alpha), (5, array.beta)):
             E = size * np.exp(-n * w * z)
             B += E * np.array([np.sin(n * w * x), np.sin(n * w * y), np.cos(n * w * x) + np.cos(n * w * y)])
-        found.append(np.stack([(axes[0] * B).sum(axis=0), (axes[1] * B).sum(axis=0)], axis=-1))
-    return np.stack(found, axis=-2)
+        sensor_volts.append(np.stack([(axes[0] * B).sum(axis=0), (axes[1] * B).sum(axis=0)], axis=-1))
+    return np.stack(sensor_volts, axis=-2)
 
 
 def noisy(array: Array, pose: Numbers, seed: int = 0) -> Numbers:
-    found = volts(array, pose)
-    return found + array.deviation * np.random.default_rng(seed).standard_normal(found.shape)
+    exact = volts(array, pose)
+    return exact + array.deviation * np.random.default_rng(seed).standard_normal(exact.shape)
 
 
-def wrapped(angle: Numbers) -> Numbers:
+def wrap_angle(angle: Numbers) -> Numbers:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def known(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numbers]:
+def known_state(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numbers]:
     """Return the reference's state (N,) of bodies that are known to be, at rest, at poses (N, 6)."""
     n, w = len(pose), array.wave_number
     state = {name: np.repeat(v, n) for name, v in reference_six.initial_state(setup(array, tuning)).items()}
@@ -90,34 +90,34 @@ def known(array: Array, pose: Numbers, tuning: Tuning = USUAL) -> dict[str, Numb
         count = np.round(pose[:, i] / array.pitch)
         state |= {f"phase_{axis}": w * (pose[:, i] - count * array.pitch), f"count_{axis}": count}
     state |= {"rise": w * (pose[:, 2] - array.height), "roll": pose[:, 3], "pitch": pose[:, 4]}
-    return state | {"yaw": wrapped(pose[:, 5]), "yaw_known": wrapped(pose[:, 5]), "searching": np.zeros(n)}
+    return state | {"yaw": wrap_angle(pose[:, 5]), "yaw_last_good": wrap_angle(pose[:, 5]), "searching": np.zeros(n)}
 
 
-def records(
+def state_records(
     array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Records:
     """Return the C's state records (N,) for states of the reference."""
-    found = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
+    states = np.repeat(compile_c(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
     for name, v in state.items():
-        found[f"estimator_{name}"] = v
-    return found
+        states[f"estimator_{name}"] = v
+    return states
 
 
-def given(array: Array, V: Numbers) -> dict[str, Numbers]:
+def by_input(array: Array, V: Numbers) -> dict[str, Numbers]:
     """Return voltages (N, sensors, 2) by the names of the inputs."""
     return dict(zip((s.name for s in channels.voltages(len(array.positions))), V.reshape(len(V), -1).T, strict=True))
 
 
-def replayed(
+def replay(
     array: Array, pose: Numbers, V: Numbers, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Columns:
     """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N, 6)."""
-    state, found = records(array, known(array, pose, tuning), tuning, scalar), []
+    state, samples = state_records(array, known_state(array, pose, tuning), tuning, scalar), []
     for now in V:
-        batch = compiled(array, tuning, scalar).batch(state, given(array, now))
+        batch = compile_c(array, tuning, scalar).batch(state, by_input(array, now))
         state = batch.states
-        found.append(batch.outputs)
-    return {name: np.array([f[name] for f in found]) for name in found[0]}
+        samples.append(batch.outputs)
+    return {name: np.array([f[name] for f in samples]) for name in samples[0]}
 
 
 def motion(n: int, columns: int, seed: int, travel: float, turn: float = 0.0) -> Numbers:
@@ -145,8 +145,8 @@ def places(n: int, seed: int, yaw: float = 0.09, gap: float = 4e-4, tilt: float 
     return rng.uniform(low, np.array([L, L, 3e-3 + gap, tilt, tilt, yaw]), (n, 6))
 
 
-def errors(found: Columns, pose: Numbers) -> Numbers:
+def errors(outputs: Columns, pose: Numbers) -> Numbers:
     """Return by how much the poses found are off (.., 6), m and rad."""
-    off = np.stack([found[name] for name in six_estimator.OUTPUTS], axis=-1) - pose
-    off[..., 5] = wrapped(off[..., 5])
+    off = np.stack([outputs[name] for name in six_estimator.OUTPUTS], axis=-1) - pose
+    off[..., 5] = wrap_angle(off[..., 5])
     return off

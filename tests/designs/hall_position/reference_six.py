@@ -38,7 +38,7 @@ def ranges(of: Setup) -> Array:
 
 def problem(of: Setup) -> Problem:
     """Return the problem; phases and the yaw together move a sensor's phase by the reach."""
-    flat, w, half = np.array(of.positions)[:, :2], 2 * pi / of.pitch, of.reach / 2
+    flat, w, half = np.array(of.positions)[:, :2], 2 * pi / of.pitch, of.max_phase_step / 2
     mean, arm = sqrt((flat**2).sum() / len(flat)), w * np.abs(flat).sum(axis=1).max()
     yaw = (sqrt(arm**2 + 2 * arm * half) - arm) / arm
     return Problem(
@@ -51,15 +51,15 @@ def problem(of: Setup) -> Problem:
         [slice(i, i + 1) for i in reversed(range(6))],
         of.corrections,
         of.deviation,
-        of.settled,
+        of.convergence_sigma,
         once=True,
     )
 
 
 def initial_state(of: Setup) -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [*POSE, "yaw_known", "count_x", "count_y", "start_x", "start_y", *MOTION]
-    return glsdc.initial_state([*names, "astray", "searching", "restarted"])
+    names = [*POSE, "yaw_last_good", "count_x", "count_y", "start_x", "start_y", *MOTION]
+    return glsdc.initial_state([*names, "residual_faults", "searching", "lock_lost"])
 
 
 def predict(of: Setup, state: Columns) -> Array:
@@ -77,18 +77,18 @@ def step(of: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[
     start = predict(of, state)
     fits, end, converged = glsdc.descend(minimised, start, volts, weights)
     last, inverse = fits[-1], np.linalg.inv(fits[-1].R)
-    fault, searching = last.squares > freedom * of.residual**2, state["searching"] > 0
+    fault, searching = last.squares > freedom * of.residual_limit**2, state["searching"] > 0
     end = np.where((fault & ~searching)[:, None], 0.0, end)
-    found, next, inside = advance(of, state, start + end, fault)
-    next |= glsdc.follow(minimised, state, of.follow * minimised.units * end, fault & searching)
+    pose, next, inside = advance(of, state, start + end, fault)
+    next |= glsdc.update_motion(minimised, state, of.velocity_gain * minimised.units * end, fault & searching)
     spread = of.deviation * np.sqrt((inverse**2).sum(axis=2))
-    out = {name: found[:, i] for i, name in enumerate(OUTPUTS)}
+    out = {name: pose[:, i] for i, name in enumerate(OUTPUTS)}
     out |= {f"deviation_{name}": spread[:, i] for i, name in enumerate(OUTPUTS)}
-    damped = ((minimised.damping[:, None] * inverse) ** 2).sum(axis=(1, 2)) > of.leaning
-    sudden = last.cost - last.squares > (of.surprise * of.deviation) ** 2
+    damped = ((minimised.damping[:, None] * inverse) ** 2).sum(axis=(1, 2)) > of.max_prior_weight
+    sudden = last.cost - last.squares > (of.innovation_gate_sigma * of.deviation) ** 2
     accepted = inside if is_redundant(of) else inside & ~bad.any(axis=1)
     out |= {"residual": np.sqrt(last.squares / freedom), "converged": converged, "damped": damped}
-    return out | {"valid": converged & ~damped & ~fault & ~sudden & accepted, "restarted": state["restarted"]}, next
+    return out | {"valid": converged & ~damped & ~fault & ~sudden & accepted, "lock_lost": state["lock_lost"]}, next
 
 
 def linearise(of: Setup, pose: Array, volts: Array) -> tuple[Array, Array]:
@@ -134,22 +134,22 @@ def field(of: Setup, at: Array) -> tuple[Array, Array]:
 
 def advance(of: Setup, state: Columns, pose: Array, fault: Array) -> tuple[Array, dict[str, Array], Array]:
     """Return the poses (N, 6) of the outputs, the next states, and which are within their ranges."""
-    found, units, limits = pose.copy(), problem(of).units, ranges(of)
+    outputs, units, limits = pose.copy(), problem(of).units, ranges(of)
     inside = np.all(np.abs(pose[:, 2:5]) < limits, axis=1)
-    moved: dict[str, Array] = {}
+    located: dict[str, Array] = {}
     for i, axis in enumerate("xy"):
         phase, turns = wrap(units[i] * pose[:, i])
         counted = np.abs(state[f"count_{axis}"]) < of.pitches
-        moved |= {f"phase_{axis}": phase, f"count_{axis}": state[f"count_{axis}"] + np.where(counted, turns, 0)}
-        found[:, i] = (phase / (2 * pi) + moved[f"count_{axis}"]) * of.pitch
+        located |= {f"phase_{axis}": phase, f"count_{axis}": state[f"count_{axis}"] + np.where(counted, turns, 0)}
+        outputs[:, i] = (phase / (2 * pi) + located[f"count_{axis}"]) * of.pitch
         inside &= counted
-    found[:, 2] += of.height
-    found[:, 5] = wrap(pose[:, 5])[0]
-    restarted, again = glsdc.restart(state, fault, moved)
+    outputs[:, 2] += of.height
+    outputs[:, 5] = wrap(pose[:, 5])[0]
+    changes, restart = glsdc.restart(state, fault, located)
     level = np.clip(pose[:, 2:5], -limits, limits) * units[2:5]
-    moved |= {name: level[:, i] for i, name in enumerate(POSE[2:5])}
-    next = {name: np.where(again, 0.0, v) for name, v in moved.items()} | restarted
-    next |= {"yaw": np.where(again, state["yaw_known"], found[:, 5])}
-    next |= {"yaw_known": np.where(fault, state["yaw_known"], found[:, 5])}
-    next |= {"searching": np.where(again, 1, np.where(fault, state["searching"], 0))}
-    return found, next | {"restarted": np.maximum(state["restarted"], again)}, inside
+    located |= {name: level[:, i] for i, name in enumerate(POSE[2:5])}
+    next = {name: np.where(restart, 0.0, v) for name, v in located.items()} | changes
+    next |= {"yaw": np.where(restart, state["yaw_last_good"], outputs[:, 5])}
+    next |= {"yaw_last_good": np.where(fault, state["yaw_last_good"], outputs[:, 5])}
+    next |= {"searching": np.where(restart, 1, np.where(fault, state["searching"], 0))}
+    return outputs, next | {"lock_lost": np.maximum(state["lock_lost"], restart)}, inside

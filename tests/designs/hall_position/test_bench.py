@@ -1,4 +1,4 @@
-"""The sequences reach what they are there for: every decision of the machine code, the latch, the search, the worst.
+"""The sequences reach every decision of the machine code, the latch, the search and the costliest steps.
 
 What is measured is the committed C.
 """
@@ -14,7 +14,7 @@ import pytest
 
 from designs.hall_position import bench, config, costs, random_steps
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import cross, host
 from synth.verify import meter, rivals, steps
@@ -40,19 +40,19 @@ LATCH = 1 << safety.LATCH_BIT
 class Subject(NamedTuple):
     """A shipped C, compiled, and its sequences."""
 
-    emitted: Emitted
+    emitted: EmittedCode
     controller: host.Controller
     sequences: dict[str, Steps]
 
     def every(self, most: int) -> Steps:
-        return steps.joined("all", [steps.thinned(s, most) for s in self.sequences.values()])
+        return steps.concatenate("all", [steps.thinned(s, most) for s in self.sequences.values()])
 
 
 @cache
 def subject(name: str) -> Subject:
     folder = GENERATED / name
     files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
-    emitted = Emitted(files, json.loads((folder / "manifest.json").read_text()))
+    emitted = EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
     controller = host.load(emitted.files, emitted.manifest)
     return Subject(emitted, controller, {s.name: s for s in bench.sequences(controller, lambda _: None)})
 
@@ -69,14 +69,14 @@ def test_the_replay_has_faults_and_in_the_end_latches(name: str) -> None:
 
 
 def test_the_sequences_search_restart_and_converge() -> None:
-    found = subject(config.NAME)
-    motions = found.sequences["motions"]
-    assert [s.name for s in found.sequences.values() if s.closed_loop] == ["motions", "turns", "yaws left"]
-    out = steps.taken(found.controller, motions).outputs
+    pair = subject(config.NAME)
+    motions = pair.sequences["motions"]
+    assert [s.name for s in pair.sequences.values() if s.closed_loop] == ["motions", "turns", "yaws left"]
+    out = steps.evaluate(pair.controller, motions).outputs
     assert np.mean(out["valid"]) > 0.3 and np.mean(out["converged"]) > 0.9
-    lost = steps.taken(found.controller, found.sequences["lost"])
-    assert lost.outputs["restarted"].any() and (lost.states["estimator_searching"] > 0).any()
-    words = steps.taken(found.controller, found.sequences["faults"]).faults
+    lost = steps.evaluate(pair.controller, pair.sequences["lost"])
+    assert lost.outputs["lock_lost"].any() and (lost.states["estimator_searching"] > 0).any()
+    words = steps.evaluate(pair.controller, pair.sequences["faults"]).faults
     assert all({0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist()) for bit in range(4))
     assert (words & LATCH).any()
 
@@ -84,27 +84,27 @@ def test_the_sequences_search_restart_and_converge() -> None:
 @GCC
 @pytest.mark.parametrize("name", config.PLACES)
 def test_every_decision_is_seen_both_ways(name: str) -> None:
-    own = rivals.emitted(subject(name).emitted)
-    found = meter.covered(own, meter.run(own, subject(name).every(THIN[name]), ONCE), ONCE)
-    assert found.decisions > 50 and found.missing == ()
+    candidate = rivals.emitted_c(subject(name).emitted)
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(THIN[name]), ONCE), ONCE)
+    assert coverage.decisions > 50 and coverage.missing == ()
 
 
 @GCC
-def test_a_decision_that_nothing_takes_is_told() -> None:
+def test_a_decision_that_nothing_takes_is_detected() -> None:
     """The planted defect: a branch on a value that no step has."""
     (emitted, _, _), name = subject(config.NAME), config.NAME
     planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     text = emitted.files[f"{name}.c"].replace("    return faults;", planted)
-    own = rivals.emitted(Emitted({**emitted.files, f"{name}.c": text}, emitted.manifest))
-    found = meter.covered(own, meter.run(own, subject(name).every(100), ONCE), ONCE)
-    assert [line for line in found.missing if "1.2345678f" in line]
+    candidate = rivals.emitted_c(EmittedCode({**emitted.files, f"{name}.c": text}, emitted.manifest))
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(100), ONCE), ONCE)
+    assert [line for line in coverage.missing if "1.2345678f" in line]
 
 
 @GCC
 @pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
-    given = steps.joined("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
-    most = meter.run(rivals.emitted(subject(name).emitted), given, SHIPPED[build]).cost.instructions.max()
+    costly = steps.concatenate("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
+    most = meter.run(rivals.emitted_c(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
     ceiling = CEILINGS[name][build]
     assert 0.93 * ceiling < most <= ceiling
     assert name != config.NAME or ceiling <= (AIM if build.endswith("contracted") else LIMIT)
@@ -112,22 +112,22 @@ def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> No
 
 @GCC
 def test_casadis_own_c_takes_twice_as_many() -> None:
-    found, build = subject(config.NAME), SHIPPED["gcc, newlib"]
-    few = steps.thinned(found.sequences["motions"], 20)
+    pair, build = subject(config.NAME), SHIPPED["gcc, newlib"]
+    few = steps.thinned(pair.sequences["motions"], 20)
     rival = meter.run(rivals.casadi(config.block(), shimmed=True), few, build).cost.instructions
-    own = meter.run(rivals.emitted(found.emitted), few, build).cost.instructions
-    assert rival.min() > 1.8 * own.max()
+    emitted_cost = meter.run(rivals.emitted_c(pair.emitted), few, build).cost.instructions
+    assert rival.min() > 1.8 * emitted_cost.max()
 
 
 def test_another_design_is_refused() -> None:
     controller = subject(config.NAME).controller
     other = SimpleNamespace(manifest={**controller.manifest, "design": "other"})
-    with pytest.raises(DesignError, match="'other' is none of hall_position, hall_position_three"):
+    with pytest.raises(DesignError, match="'other' is not one of hall_position, hall_position_three"):
         bench.replay(other)  # type: ignore[arg-type]
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    drawn, _ = random_steps.in_operation(random_steps.subject(config.NAME), bench.DRAWN)
-    found = subject(config.NAME).sequences["random"]
-    assert len(found) == bench.DRAWN
-    np.testing.assert_array_equal(found.states["estimator_yaw"], drawn["estimator_yaw"].astype(np.float32))
+    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), bench.RANDOM)
+    sequence = subject(config.NAME).sequences["random"]
+    assert len(sequence) == bench.RANDOM
+    np.testing.assert_array_equal(sequence.states["estimator_yaw"], states["estimator_yaw"].astype(np.float32))

@@ -1,4 +1,4 @@
-"""What the report says of the other estimators' cost: what is slower shows as more, and every row is shown.
+"""Cost of the other estimators in the report: slower code shows as more instructions, and every row is shown.
 
 The C here computes sines by libm, which is emitted in a tenth of the time; the one that ships is measured in the build.
 """
@@ -13,7 +13,7 @@ import pytest
 from designs.hall_position import bench, config, costs
 from designs.hall_position.costs import BUILDS, Row, Subject
 from synth.emit import write
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
 from synth.verify import meter, rivals, steps
@@ -27,13 +27,13 @@ emit_with_libm = partial(write.emit, libm=True)
 
 
 @cache
-def three() -> Emitted:
+def three() -> EmittedCode:
     """Return the C of three sensors."""
     return emit_with_libm(config.block(config.THREE), np.float32)
 
 
 @cache
-def six() -> Emitted:
+def six() -> EmittedCode:
     return emit_with_libm(posed.block(posed.FOUR), np.float32)
 
 
@@ -44,11 +44,11 @@ def subject() -> Subject:
 
 
 @cache
-def measured() -> Row:
+def measure_three() -> Row:
     return costs.row(subject(), PLAIN)
 
 
-def looping(emitted: Emitted) -> Emitted:
+def with_loop(emitted: EmittedCode) -> EmittedCode:
     """Return the C with a loop before it returns."""
     name = f"{config.THREE}.c"
     loop = f"    for (volatile int k = 0; k < {TURNS}; ++k) {{}}\n    return faults;"
@@ -59,20 +59,20 @@ def looping(emitted: Emitted) -> Emitted:
 
 @GCC
 def test_a_loop_that_is_planted_shows_as_more() -> None:
-    found = costs.row(subject()._replace(own=rivals.emitted(looping(three()))), PLAIN)
-    assert 4 * TURNS <= found.own - measured().own <= 10 * TURNS  # load, compare, branch, add, store
-    assert found.rival == measured().rival
+    slower = costs.row(subject()._replace(emitted=rivals.emitted_c(with_loop(three()))), PLAIN)
+    assert 4 * TURNS <= slower.emitted - measure_three().emitted <= 10 * TURNS  # load, compare, branch, add, store
+    assert slower.casadi == measure_three().casadi
 
 
 @GCC
 def test_no_kind_of_steps_has_costlier_ones() -> None:
     """Up to the hundredth by which few of a kind miss its worst."""
     every = bench.sequences(host.load(three().files, three().manifest), lambda _: None)
-    given = steps.joined("all", [steps.thinned(s, THIN) for s in every])
-    spent = meter.run(subject().own, given, PLAIN).cost.instructions
+    all_steps = steps.concatenate("all", [steps.thinned(s, THIN) for s in every])
+    spent = meter.run(subject().emitted, all_steps, PLAIN).cost.instructions
     assert {s.name for s in every} > set(costs.COSTLY)
-    assert spent.max() <= 1.01 * measured().own
-    assert spent.min() < 0.9 * measured().own  # so that it matters which steps are given
+    assert spent.max() <= 1.01 * measure_three().emitted
+    assert spent.min() < 0.9 * measure_three().emitted  # so that it matters which steps are given
 
 
 @GCC
@@ -81,25 +81,25 @@ def test_every_estimator_is_measured_by_every_build(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(write, "emit", lambda *_, **__: six())
     monkeypatch.setattr(costs, "_compile", lambda of, build: None)
     monkeypatch.setattr(costs, "row", lambda of, build: Row(of.name, build.name, len(of.steps), 1, 1))
-    found = costs.measure(three(), posed.FOUR)
+    rows = costs.measure(three(), posed.FOUR)
     names = "three sensors", "six degrees of freedom, 4 sensors"
-    assert [(r.estimator, r.build) for r in found] == [(name, b.name) for name in names for b in BUILDS]
-    assert [r.steps for r in found[::2]] == [len(subject().steps), 2 * costs.SIX]
+    assert [(r.estimator, r.build) for r in rows] == [(name, b.name) for name in names for b in BUILDS]
+    assert [r.steps for r in rows[::2]] == [len(subject().steps), 2 * costs.SIX]
     assert {b.flags for b in BUILDS} == {(), cross.CONTRACTED} and "-O2" in cross.FLAGS
 
 
 def test_without_the_compiler_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cross, "available", lambda: ("zig",))
-    found = costs.measure(Emitted({}, {}), posed.FOUR)
-    assert found == ()
-    assert "arm-none-eabi-gcc is not installed" in rendered(found)
+    rows = costs.measure(EmittedCode({}, {}), posed.FOUR)
+    assert rows == ()
+    assert "arm-none-eabi-gcc is not installed" in render(rows)
 
 
 def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
     poses = costs.motion(posed.FOUR, costs.SIX)
     seen = costs.six_steps(posed.FOUR, host.load(six().files, six().manifest)).inputs[: costs.SIX]
     read = np.array([seen[name] for name in seen.dtype.names or ()]).T
-    read[costs.LOST] *= -1
+    read[costs.FALSE_VOLTAGES] *= -1
     off = read - posed.volts(posed.FOUR, poses).reshape(costs.SIX, -1)
     assert np.std(off) == pytest.approx(posed.FOUR.deviation, rel=0.1)
     assert (np.ptp(poses, axis=0) > np.array([1e-3, 1e-3, 5e-6, 1e-4, 1e-4, 1e-3])).all()
@@ -109,18 +109,22 @@ def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
 
 def test_it_finds_its_way_and_loses_it() -> None:
     controller = host.load(six().files, six().manifest)
-    found = costs.six_steps(posed.FOUR, controller)
-    assert len(found) == 2 * costs.SIX
-    valid = steps.taken(controller, found).outputs["valid"][: costs.SIX] > 0
-    assert valid[: costs.LOST.start].any() and valid[costs.LOST.stop :].any() and not valid[costs.LOST].any()
+    sequence = costs.six_steps(posed.FOUR, controller)
+    assert len(sequence) == 2 * costs.SIX
+    valid = steps.evaluate(controller, sequence).outputs["valid"][: costs.SIX] > 0
+    assert (
+        valid[: costs.FALSE_VOLTAGES.start].any()
+        and valid[costs.FALSE_VOLTAGES.stop :].any()
+        and not valid[costs.FALSE_VOLTAGES].any()
+    )
 
 
 def test_every_row_is_shown() -> None:
-    html = rendered((Row("three", "plain", 600, 3795, 7225), Row("six", "contracted", 240, 5557, 10581)))
+    html = render((Row("three", "plain", 600, 3795, 7225), Row("six", "contracted", 240, 5557, 10581)))
     for text in ("three", "plain", "600", "3,795", "7,225", "1.90", "six", "contracted", "5,557", "10,581"):
         assert text in html.replace("\u202f", ","), text
     assert html.count("1.90") == 2 and "instructions are not cycles" in html
 
 
-def rendered(found: Sequence[Row]) -> str:
-    return page.render(page.Report("costs", "", (costs.section(found),)))
+def render(rows: Sequence[Row]) -> str:
+    return page.render(page.Report("costs", "", (costs.section(rows),)))

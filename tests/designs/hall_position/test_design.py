@@ -24,11 +24,11 @@ needs_provers = pytest.mark.skipif(not PROVERS, reason="apt-get install frama-c-
 
 @pytest.fixture(scope="module")
 def design() -> Design:
-    (found,) = workspace.designs(ROOT, ["hall_position"])
-    return found
+    (hall_position,) = workspace.designs(ROOT, ["hall_position"])
+    return hall_position
 
 
-def committed(name: str) -> tuple[dict[str, str], dict[str, Any]]:
+def committed_files(name: str) -> tuple[dict[str, str], dict[str, Any]]:
     folder = GENERATED / name
     return {p.name: p.read_text() for p in folder.glob("*.[ch]")}, json.loads((folder / "manifest.json").read_text())
 
@@ -44,7 +44,7 @@ def test_the_workspace_finds_it(design: Design) -> None:
 def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:
     """Byte by byte what a guard and the estimator are together; once latched its states go on."""
     assert design.stage is not None
-    other = estimator.guarded(config.array(), config.TIME, config.TUNING)
+    other = estimator.guarded_estimator(config.array(), config.TIME, config.TUNING)
     texts = [write.emit(block, np.float32, libm=True).files for block in (design.stage.controller.block, other)]
     assert texts[0] == texts[1]
 
@@ -57,48 +57,48 @@ def test_every_task_has_a_key(design: Design) -> None:
 
 def test_defects_that_are_planted_are_found(design: Design) -> None:
     assert design.stage is not None
-    assert testing.unnoticed(design.stage) == []
+    assert testing.undetected_defects(design.stage) == []
 
 
 @pytest.mark.parametrize("name", config.PLACES)
 def test_its_manifest_says_when_it_latches(name: str) -> None:
-    _, manifest = committed(name)
+    _, manifest = committed_files(name)
     assert manifest["safety"]["bad_samples"] == 5 and manifest["safety"]["safe_output"] == {}
     assert manifest["design"] == name and manifest["period_s"] == 1 / 800
     latched = [f for f in manifest["faults"] if f.get("latched")]
     assert len(manifest["faults"]) == 2 * len(config.PLACES[name]) + 1 and [f["bit"] for f in latched] == [31]
 
 
-def failed(found: tuple[Check, ...]) -> list[str]:
-    return [c.name for c in found if not c.passed]
+def failed_names(checks: tuple[Check, ...]) -> list[str]:
+    return [c.name for c in checks if not c.passed]
 
 
 @needs_provers
 def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
-    files, manifest = committed(config.NAME)
+    files, manifest = committed_files(config.NAME)
     proof = eva.prove(files, manifest)
-    assert proof.proved == proof.expected > 100 and failed(proof.checks()) == []
-    assert failed(nonfinite.compare(files, manifest).checks()) == []
-    assert failed(misra.inspect(files).checks()) == []
+    assert proof.proved == proof.expected > 100 and failed_names(proof.checks()) == []
+    assert failed_names(nonfinite.compare(files, manifest).checks()) == []
+    assert failed_names(misra.inspect(files).checks()) == []
 
 
 @needs_provers
-def test_a_state_beyond_its_bounds_is_told() -> None:
+def test_a_state_beyond_its_bounds_is_detected() -> None:
     """The planted defect."""
-    files, manifest = committed(config.NAME)
+    files, manifest = committed_files(config.NAME)
     name, line = f"{config.NAME}.c", "state->estimator_motion_x = estimator_motion_x_next;"
     assert files[name].count(line) == 1
     text = files[name].replace(line, "state->estimator_motion_x = 2.0f;")
     proof = eva.prove({**files, name: text}, manifest)
-    assert [claim for claim in proof.unproved if "motion_x" in claim] and failed(proof.checks())
+    assert [claim for claim in proof.unproved if "motion_x" in claim] and failed_names(proof.checks())
 
 
 @needs_provers
-def test_a_number_that_is_none_and_passes_is_told() -> None:
-    files, manifest = committed(config.NAME)
+def test_a_number_that_is_none_and_passes_is_detected() -> None:
+    files, manifest = committed_files(config.NAME)
     name = f"{config.NAME}.c"
     deaf = files[name].replace("if (fabsf(V_ax) <= 5.0f) {", "if (!(fabsf(V_ax) > 5.0f)) {")
-    assert deaf != files[name] and failed(nonfinite.compare({**files, name: deaf}, manifest).checks())
+    assert deaf != files[name] and failed_names(nonfinite.compare({**files, name: deaf}, manifest).checks())
 
 
 def test_its_audit_is_that_of_the_paper(design: Design) -> None:

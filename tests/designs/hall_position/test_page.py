@@ -1,4 +1,4 @@
-"""The report: its parts are there, and what they show is right."""
+"""The report: all parts are present, and their numbers are right."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from designs.hall_position.pages import accuracy, field, six, trust
 from designs.hall_position.paper import rows
 from models import hall_accuracy, hall_fisher
 from models.hall_stage import Stage, grid
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
 from synth.report.captions import Made, Rows
 from synth.report.page import Section, Table, Text
@@ -36,28 +36,28 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
 
 
-def rows_of(made: Made) -> Rows:
-    assert isinstance(made, list)
-    return made
+def rows_of(block: Made) -> Rows:
+    assert isinstance(block, list)
+    return block
 
 
 def tables(section: Section) -> dict[str, Table]:
     """Return the tables of a section and of those inside by caption."""
-    found = {b.caption: b for b in section.blocks if isinstance(b, Table)}
+    by_caption = {b.caption: b for b in section.blocks if isinstance(b, Table)}
     for inner in section.sections:
-        found |= tables(inner)
-    return found
+        by_caption |= tables(inner)
+    return by_caption
 
 
 @pytest.mark.usefixtures("coarse")
 def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    three, row = Emitted({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
-    others = {(id(three), six.placed(STAGE, 4)): (row,)}
+    three, row = EmittedCode({}, {}), Row("three sensors", "gcc -O2", 600, 3795, 7225)
+    others = {(id(three), six.optimised_layout(STAGE, 4)): (row,)}
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
-    monkeypatch.setattr(sections, "cost", lambda found: Section("Cost of two sensors"))
+    monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    bench = rows.on(STAGE, rows.printed())
-    few = [audit.computed(bench.published[n], bench) for n in ("K-1", "K-8")]
+    bench = rows.scope(STAGE, rows.published_rows())
+    few = [audit.recompute(bench.published[n], bench) for n in ("K-1", "K-8")]
     html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
@@ -70,7 +70,7 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
         "K-8",
         "GLSDC",
         "Six degrees",
-        "ships leans",
+        "shipped one leans",
     ):
         assert text in html, text
     assert not re.search(r"\bnan\b|>no number<", html)
@@ -82,30 +82,30 @@ def test_without_a_measured_cost_no_other_is_measured(monkeypatch: pytest.Monkey
     parts: list[Section] = []
     monkeypatch.setattr(page, "_blocks", lambda *_: {})
     monkeypatch.setattr(six, "section", lambda _: Section("Six degrees of freedom"))
-    monkeypatch.setattr(template, "assembled", lambda *given: str(parts.extend(given[3])))
+    monkeypatch.setattr(template, "assembled", lambda *arguments: str(parts.extend(arguments[3])))
     page.report({}, Evidence(config.NAME, (), ()), [], [], None)
     assert [part.blocks for part in parts if part.title == costs.TITLE] == [(Text(costs.ABSENT),)]
 
 
 def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "POINTS", 6)
-    found = accuracy._larger(STAGE.three, 0.1)
+    shown = accuracy._larger(STAGE.three, 0.1)
     along = STAGE.pitch * (np.arange(6) + 0.5) / 6
     for i, j in ((0, 0), (2, 5), (4, 1)):
         expected = hall_fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
-        assert found[i, j] == pytest.approx(expected, rel=1e-12)
+        assert shown[i, j] == pytest.approx(expected, rel=1e-12)
     assert grid(STAGE.three, 6).shape == (3, 36)
 
 
 @pytest.mark.usefixtures("coarse")
 def test_the_tables_tell_what_is_proved_and_where_rank_is_lost() -> None:
-    found = accuracy.blocks(STAGE)
-    worst = {row[0]: row[2:] for row in rows_of(found["accuracy.worst"])}
+    blocks = accuracy.blocks(STAGE)
+    worst = {row[0]: row[2:] for row in rows_of(blocks["accuracy.worst"])}
     assert worst["third sensor added"][:3] == ("5.28", "5.308", "198")
     for name, proved in worst.items():
         if name != "two sensors":
             assert all(float(a) <= float(b) for a, b in zip(proved[:3], proved[3:], strict=True))
-    assert rows_of(found["accuracy.singular"])[0][:2] == (5.0, 40)
+    assert rows_of(blocks["accuracy.singular"])[0][:2] == (5.0, 40)
 
 
 def test_the_law_of_decay_is_within_the_intervals() -> None:
@@ -120,7 +120,7 @@ def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypat
     monkeypatch.setattr(six, "POINTS", 8)
     section = six.section(STAGE)
     assert all(row[3] == "on lines" for row in rows_of(six.blocks(STAGE)["six.determinants"]))
-    of = six.placed(STAGE, 4)
+    of = six.optimised_layout(STAGE, 4)
     expected = 1e6 * hall_accuracy.conditions(of, 8)[hall_accuracy.LEVEL].deviations.max(axis=0)
     shown = tables(section.sections[0])["Largest standard deviations over the pitch under conditions"].rows[0]
     assert shown[1:7] == pytest.approx(tuple(expected))

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from designs.hall_position import config
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.pages import trust
-from designs.hall_position.trust import endurance, failures, fleet, starts
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import endurance, estimator_ensemble, failures, starts
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
 from synth.block import unranged
@@ -20,19 +20,21 @@ from synth.report.captions import Made, Rows
 from synth.report.page import Table
 from synth.simulate import ensemble
 
-TWO = {config.NAME: trust.kinds()[config.NAME]}
+TWO = {config.NAME: trust.estimators()[config.NAME]}
 
 
 @cache
 def with_libm(kind: EstimatorConfig) -> host.Controller:
     """Return the same C with sines of libm, which is emitted in a tenth of the time."""
-    made = write.emit(unranged(estimator.guarded(kind.array, fleet.TIME, kind.tuning)), np.float32, libm=True)
-    return host.load(made.files, made.manifest)
+    files = write.emit(
+        unranged(estimator.guarded_estimator(kind.array, estimator_ensemble.TIME, kind.tuning)), np.float32, libm=True
+    )
+    return host.load(files.files, files.manifest)
 
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fleet, "compiled", with_libm)
+    monkeypatch.setattr(estimator_ensemble, "compile_estimator", with_libm)
     for name, value in {
         "POINTS": 6,
         "BODIES": 400,
@@ -45,20 +47,20 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(trust, name, value)
 
 
-def rows_of(made: Made) -> Rows:
-    return made.rows if isinstance(made, Table) else made  # type: ignore[return-value]
+def rows_of(block: Made) -> Rows:
+    return block.rows if isinstance(block, Table) else block  # type: ignore[return-value]
 
 
 def test_the_basin_is_shown_as_it_is() -> None:
     blocks = trust.basins(TWO)
     (kind,) = TWO.values()
-    found = starts.basin(kind, 400, trust.YAW, 20)
-    rows = zip(rows_of(blocks["trust.basins"]), [*found.first, *found.then], strict=True)
+    basin = starts.basin(kind, 400, trust.YAW, 20)
+    rows = zip(rows_of(blocks["trust.basins"]), [*basin.first, *basin.last], strict=True)
     for k, (row, expected) in enumerate(rows):
-        assert row[:2] == ("two sensors", 1 if k < len(found.off) else 20)
+        assert row[:2] == ("two sensors", 1 if k < len(basin.off) else 20)
         assert row[3:] == pytest.approx(tuple(100 * expected))
-    assert rows_of(blocks["trust.wrong"]) == [("two sensors", found.samples, found.wrong)]
-    assert isinstance(blocks["trust.reach"], Figure)
+    assert rows_of(blocks["trust.wrong"]) == [("two sensors", basin.samples, basin.wrong)]
+    assert isinstance(blocks["trust.capture_radius"], Figure)
 
 
 def test_what_is_valid_and_wrong_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -71,9 +73,9 @@ def test_cold_starts_are_shown_as_they_are() -> None:
     row = rows_of(trust.cold_starts(TWO)["trust.cold_starts"])[0]
     (kind,) = TWO.values()
     grid = Pose(*hall_two_waves.poses(kind.array.pitch, 4, trust.YAWS))
-    found = starts.cold_start(kind, grid, 60)
-    took = found.first_valid
-    assert row[1:3] == pytest.approx((100 * found.right[-1].mean(), 100 * (took > 0).mean()))
+    scores = starts.cold_start(kind, grid, 60)
+    took = scores.first_valid
+    assert row[1:3] == pytest.approx((100 * scores.right[-1].mean(), 100 * (took > 0).mean()))
     assert row[4] == pytest.approx(1.25 * took.max())
 
 
@@ -88,19 +90,21 @@ def test_motion_is_within_the_limits_that_are_derived() -> None:
 def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "FAILING", 20)
     monkeypatch.setattr(trust, "MAPPED", 6)
-    rows = trust.failing(TWO)
+    rows = trust.failure_rows(TWO)
     (kind,) = TWO.values()
-    found = [failures.tried(kind, "dead", sensor, 20, None, sensor) for sensor in (1, 2)]
+    outcomes = [failures.run_failure(kind, "dead", sensor, 20, None, sensor) for sensor in (1, 2)]
     row = next(r for r in rows if r[1:3] == ("dead", "at rest"))
     assert len(rows) == 2 * len(failures.FAILURES)
-    assert row[4] == pytest.approx(50 * sum(f.flagged for f in found))
-    assert row[7] == max(f.late for f in found) and row[8] == pytest.approx(100 * max(f.away for f in found))
-    assert sum("unseen" in axes.get_title() for axes in trust._unseen(kind).axes) == 2
+    assert row[4] == pytest.approx(50 * sum(f.flagged for f in outcomes))
+    assert row[7] == max(f.delay for f in outcomes) and row[8] == pytest.approx(
+        100 * max(f.misleading for f in outcomes)
+    )
+    assert sum("not flagged" in axes.get_title() for axes in trust._undetected_error_map(kind).axes) == 2
 
 
 def test_a_failure_that_is_not_flagged_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sensor that fails as nobody sees is flagged in no body that rests."""
     monkeypatch.setattr(trust, "FAILING", 20)
     monkeypatch.setattr(failures, "FAILURES", {"none": lambda now, before: now})
-    rows = trust.failing(TWO)
+    rows = trust.failure_rows(TWO)
     assert rows[0][1:3] == ("none", "at rest") and float(rows[0][3]) == 0 and float(rows[0][6]) > 80

@@ -14,7 +14,7 @@ from designs.hall_position import bench, config
 from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host
 
@@ -24,11 +24,11 @@ SEARCH = 60  # samples from init, at rest, in which the place is found
 
 
 @cache
-def made() -> Mapping[str, Emitted]:
+def emitted_files() -> Mapping[str, EmittedCode]:
     return DESIGN.emit(np.float32)
 
 
-def committed(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]]:
+def committed_files(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]]:
     folder = ROOT / "generated_c" / name
     manifest, vectors = (json.loads((folder / f"{file}.json").read_text()) for file in ("manifest", "vectors"))
     return {p.name: p.read_text() for p in folder.glob("*.[ch]")}, manifest, vectors
@@ -37,9 +37,9 @@ def committed(name: str) -> tuple[dict[str, str], dict[str, Any], dict[str, Any]
 @pytest.mark.parametrize("name", config.PLACES)
 def test_regeneration_gives_the_committed_bytes(name: str) -> None:
     folder = ROOT / "generated_c" / name
-    fresh = {file: text for file, text in made()[name].files.items() if file != "vectors.json"}
-    found = {file: (folder / file).read_text() for file in fresh}
-    assert found == fresh, f"generated_c/{name} is stale: run `python -m designs.hall_position` and commit"
+    fresh = {file: text for file, text in emitted_files()[name].files.items() if file != "vectors.json"}
+    recorded = {file: (folder / file).read_text() for file in fresh}
+    assert recorded == fresh, f"generated_c/{name} is stale: run `python -m designs.hall_position` and commit"
     assert {p.name for p in folder.iterdir()} == {*fresh, "vectors.json"}
 
 
@@ -56,35 +56,35 @@ def test_no_constant_is_near_where_rounding_turns(name: str) -> None:
 @pytest.mark.parametrize("name", config.PLACES)
 def test_the_committed_c_answers_its_vectors(name: str) -> None:
     """To the last bit: without contraction no compiler has a choice, and the C calls nothing of libm but roots."""
-    files, manifest, recorded = committed(name)
-    given = {n: np.array(v) for n, v in recorded["inputs"].items()}
-    replay = host.load(files, manifest).replay(given)
+    files, manifest, recorded = committed_files(name)
+    inputs = {n: np.array(v) for n, v in recorded["inputs"].items()}
+    replay = host.load(files, manifest).replay(inputs)
     assert replay.faults.tolist() == recorded["faults"]
     for signal, values in recorded["outputs"].items():
         np.testing.assert_array_equal(replay.outputs[signal], np.array(values, dtype=np.float32))
     number = next(iter(re.findall(r"estimator_field_5 = (-[\d.]+)f;", files[f"{name}.c"])))
-    spoilt = {file: text.replace(number, number[:-1] + "9") for file, text in files.items()}
-    other = host.load(spoilt, manifest).replay(given)
+    corrupted = {file: text.replace(number, number[:-1] + "9") for file, text in files.items()}
+    other = host.load(corrupted, manifest).replay(inputs)
     assert any((other.outputs[n] != np.array(v, dtype=np.float32)).any() for n, v in recorded["outputs"].items())
 
 
 @pytest.mark.parametrize("name", config.PLACES)
 def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
-    _, _, recorded = committed(name)
+    _, _, recorded = committed_files(name)
     words, out = np.array(recorded["faults"]), {n: np.array(v) for n, v in recorded["outputs"].items()}
-    wanted = np.zeros(bench.VECTORS, dtype=np.int64)
-    wanted[bench.BAD] = 1 << 1
-    wanted[bench.LOST] = 1 << 2
-    wanted[bench.LOST.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
-    np.testing.assert_array_equal(words, wanted)
-    way, pitch, valid = bench.way(), config.array(name).pitch, out["valid"] > 0
-    assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : bench.BAD.start].all() and valid.mean() > 0.5
+    expected = np.zeros(bench.VECTORS, dtype=np.int64)
+    expected[bench.SHORT_FAULT] = 1 << 1
+    expected[bench.LONG_FAULT] = 1 << 2
+    expected[bench.LONG_FAULT.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
+    np.testing.assert_array_equal(words, expected)
+    way, pitch, valid = bench.path(), config.array(name).pitch, out["valid"] > 0
+    assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : bench.SHORT_FAULT.start].all() and valid.mean() > 0.5
     for axis, true in (("X", way.X), ("Y", way.Y)):
         off = (out[axis] - true + pitch / 2) % pitch - pitch / 2  # pitches are counted from init on
         deviations = off[valid] / out[f"deviation_{axis}"][valid]
         # They are those of a body at rest: the damping adds what it holds back of a motion.
         assert np.abs(deviations).max() < 10 and np.sqrt(np.mean(deviations**2)) < 1.2
-    survives = valid[bench.BAD].all() and valid[bench.LOST].all()
+    survives = valid[bench.SHORT_FAULT].all() and valid[bench.LONG_FAULT].all()
     assert survives == (name == config.THREE)
 
 
@@ -92,7 +92,7 @@ def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
 def test_no_warning(compiler: str) -> None:
     chosen = host_compiler.find_compiler() if compiler == "host" else host_compiler.zig_compiler()
     assert chosen is not None, "the ziglang wheel is not installed: pip install -e .[dev]"
-    for files in made().values():
+    for files in emitted_files().values():
         host_compiler.check({n: t for n, t in files.files.items() if n.endswith((".c", ".h"))}, compiler=chosen)
 
 
@@ -104,12 +104,14 @@ def test_the_field_is_that_of_the_fabricated_matrix() -> None:
 
 
 @pytest.mark.parametrize("name", config.PLACES)
-def test_the_numbers_are_told(name: str) -> None:
+def test_the_gains_are_committed(name: str) -> None:
     document = json.loads((ROOT / "generated_c" / name / "gains.json").read_text())
-    array, told = config.array(name), document["design"]
+    array, numbers = config.array(name), document["design"]
     k = {c: v["value"] for c, v in document["constants"].items()}
     p = np.linspace(-3, 3, 100)
     series = sum(k[f"estimator_field_{n}"] * np.sin(p) ** n for n in (1, 3, 5))
-    np.testing.assert_allclose(series, told["alpha_V"] * np.sin(p) + told["beta_V"] * np.sin(5 * p), atol=1e-6)
-    np.testing.assert_allclose(np.array(told["positions_pitches"]) * told["pitch_m"], array.positions, rtol=1e-12)
-    assert told["period_s"] == config.TIME.period_s and told["tuning"] == pytest.approx(vars(config.TUNING), rel=1e-11)
+    np.testing.assert_allclose(series, numbers["alpha_V"] * np.sin(p) + numbers["beta_V"] * np.sin(5 * p), atol=1e-6)
+    np.testing.assert_allclose(np.array(numbers["positions_pitches"]) * numbers["pitch_m"], array.positions, rtol=1e-12)
+    assert numbers["period_s"] == config.TIME.period_s and numbers["tuning"] == pytest.approx(
+        vars(config.TUNING), rel=1e-11
+    )

@@ -1,4 +1,4 @@
-"""Verification passes the sound estimator and tells every planted defect: in the reference, the Block and the C."""
+"""Verification passes the sound estimator and detects every planted defect: in the reference, the Block and the C."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -13,14 +13,14 @@ from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.reference_glsdc import Setup
 from designs.hall_position.trust import endurance
-from designs.hall_position.verification import Compared, Steps
+from designs.hall_position.verification import Comparison, Steps
 from synth.block import Block
 from synth.blocks import safety
 from synth.check import Check
 from synth.emit import write
 from synth.execute import build, host
 from synth.verify import agree, suite
-from synth.verify.agree import Stepped
+from synth.verify.agree import StepResults
 from synth.verify.suite import Witnesses
 
 SIZES = {"motions": 4000, "random": 2000, "edge": 1000}
@@ -38,24 +38,24 @@ def sound() -> Witnesses:
 
 
 @cache
-def drawn(kind: str) -> Steps:
+def steps_of(kind: str) -> Steps:
     of = subject()
     if kind == "motions":
         inputs = random_steps.along_motions(of, SIZES[kind])
-        return verification.conditioned(of, kind, *verification.along(of, sound().c64, inputs))
+        return verification.condition_steps(of, kind, *verification.steps_along(of, sound().c64, inputs))
     draw = {"random": random_steps.in_operation, "edge": random_steps.at_the_edges}[kind]
-    return verification.conditioned(of, kind, *draw(of, SIZES[kind]))
+    return verification.condition_steps(of, kind, *draw(of, SIZES[kind]))
 
 
-def failed(found: Compared | Sequence[Check]) -> list[str]:
-    checks = found[1] if isinstance(found, tuple) else found
+def failed_names(comparison: Comparison | Sequence[Check]) -> list[str]:
+    checks = comparison[1] if isinstance(comparison, tuple) else comparison
     return [c.name for c in checks if not c.passed]
 
 
-def told(witness: agree.Witness, kind: str = "random", name: str = "casadi") -> list[str]:
-    given = drawn(kind)
-    c64 = sound().of["c64"](given.states, given.inputs)
-    return failed(verification.exact(subject(), given, (name, witness(given.states, given.inputs)), c64))
+def failing_checks(witness: agree.Witness, kind: str = "random", name: str = "casadi") -> list[str]:
+    steps = steps_of(kind)
+    c64 = sound().of["c64"](steps.states, steps.inputs)
+    return failed_names(verification.compare_double(subject(), steps, (name, witness(steps.states, steps.inputs)), c64))
 
 
 def off_by(block: Block, factor: float) -> Block:
@@ -65,10 +65,10 @@ def off_by(block: Block, factor: float) -> Block:
 
 def test_the_sound_estimator_passes() -> None:
     of = subject()
-    parts = list(verification.compared(of, sound(), SIZES, lambda _: None))
+    parts = list(verification.compare_witnesses(of, sound(), SIZES, lambda _: None))
     checks = [c for _, some in parts for c in some]
     assert [c.name for c in checks if not c.passed] == []
-    pairs = {(a.what, a.first, a.second) for found, _ in parts for a in found}
+    pairs = {(a.what, a.first, a.second) for agreements, _ in parts for a in agreements}
     kinds = [f"{PAIR}, {kind} steps" for kind in SIZES]
     assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {(kinds[0], "c64", "c32")}
     counted = [c for c in checks if "magnified over" in c.name]
@@ -79,73 +79,85 @@ def test_the_sound_estimator_passes() -> None:
     ("kind", "name"),
     [
         *((kind, name) for kind in SIZES for name in ("beta", "damping")),
-        *(("random", name) for name in ("reach", "follow", "settled", "leaning", "surprise", "residual")),
+        *(
+            ("random", name)
+            for name in (
+                "max_phase_step",
+                "velocity_gain",
+                "convergence_sigma",
+                "max_prior_weight",
+                "innovation_gate_sigma",
+                "residual_limit",
+            )
+        ),
     ],
 )
-def test_a_wrong_number_in_the_reference_is_told(kind: str, name: str) -> None:
-    factor = 2.0 if name == "residual" else 1.05
-    other = Setup(subject().of.numbers | {name: factor * getattr(subject().of, name)})
-    assert told(agree.reference(partial(reference_guard.step, other)), kind, "reference")
+def test_a_wrong_number_in_the_reference_is_detected(kind: str, name: str) -> None:
+    factor = 2.0 if name == "residual_limit" else 1.05
+    other = Setup(subject().setup.numbers | {name: factor * getattr(subject().setup, name)})
+    assert failing_checks(agree.reference(partial(reference_guard.step, other)), kind, "reference")
 
 
 @pytest.mark.parametrize("name", ["BAD_SAMPLES", "SPAN"])
-def test_a_wrong_guard_in_the_reference_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_guard_in_the_reference_is_detected(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference_guard, name, 4)
-    found = told(agree.reference(partial(reference_guard.step, subject().of)), "edge", "reference")
-    assert found
+    failing = failing_checks(agree.reference(partial(reference_guard.step, subject().setup)), "edge", "reference")
+    assert failing
 
 
-@pytest.mark.parametrize("made", [agree.casadi, agree.casadi_own_c])
-def test_a_wrong_constant_in_casadis_step_is_told(made: Callable[[Block], agree.Witness]) -> None:
-    assert told(made(off_by(subject().block, 1 + 1e-9))) and not told(made(subject().block))
+@pytest.mark.parametrize("make_witness", [agree.casadi, agree.casadi_own_c])
+def test_a_wrong_constant_in_casadis_step_is_detected(make_witness: Callable[[Block], agree.Witness]) -> None:
+    assert failing_checks(make_witness(off_by(subject().block, 1 + 1e-9))) and not failing_checks(
+        make_witness(subject().block)
+    )
 
 
-def test_a_missing_fault_is_told() -> None:
+def test_a_missing_fault_is_detected() -> None:
     deaf = agree.casadi(replace(subject().block, faults=()))
-    assert all("fault words" in name for name in told(deaf)) and told(deaf)
+    assert all("fault words" in name for name in failing_checks(deaf)) and failing_checks(deaf)
 
 
-def test_an_error_where_errors_are_magnified_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of these alone: what is asked of the others would not see it."""
-    given, witness = drawn("random"), sound().of["reference"]
+def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted in ill-conditioned steps only: the checks of the other steps do not see it."""
+    steps, witness = steps_of("random"), sound().of["reference"]
     monkeypatch.setattr(verification, "ILL_CONDITIONED", 100.0)
-    above = given.severity > verification.ILL_CONDITIONED
+    above = steps.severity > verification.ILL_CONDITIONED
     assert 0 < np.mean(above) < 0.5
 
-    def spoilt(states: Any, inputs: Any) -> Stepped:
-        found = witness(states, inputs)
-        return replace(found, outputs={**found.outputs, "X": found.outputs["X"] + np.where(above, 1e-8, 0.0)})
+    def corrupted(states: Any, inputs: Any) -> StepResults:
+        stepped = witness(states, inputs)
+        return replace(stepped, outputs={**stepped.outputs, "X": stepped.outputs["X"] + np.where(above, 1e-8, 0.0)})
 
-    (name,) = told(spoilt)
-    assert "where magnified" in name and not told(witness)
-    assert not verification.ill_conditioned(given).passed  # too many are compared so
-    one = replace(given, severity=np.ones(len(above)))
-    assert verification.ill_conditioned(one).found == 0
+    (name,) = failing_checks(corrupted)
+    assert "where magnified" in name and not failing_checks(witness)
+    assert not verification.ill_conditioned_share(steps).passed  # too many are compared so
+    one = replace(steps, severity=np.ones(len(above)))
+    assert verification.ill_conditioned_share(one).found == 0
 
 
-def test_no_number_is_told() -> None:
+def test_nan_is_detected() -> None:
     witness = sound().of["reference"]
 
-    def spoilt(states: Any, inputs: Any) -> Stepped:
-        found = witness(states, inputs)
-        yaw = found.outputs["yaw"].copy()
-        yaw[np.argmax(drawn("random").severity)] = np.nan
-        return replace(found, outputs={**found.outputs, "yaw": yaw})
+    def corrupted(states: Any, inputs: Any) -> StepResults:
+        stepped = witness(states, inputs)
+        yaw = stepped.outputs["yaw"].copy()
+        yaw[np.argmax(steps_of("random").severity)] = np.nan
+        return replace(stepped, outputs={**stepped.outputs, "yaw": yaw})
 
-    assert told(spoilt)
+    assert failing_checks(corrupted)
 
 
 @cache
 def wrong_in_single() -> Witnesses:
     block = off_by(subject().block, 1.001)
-    made = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
-    return replace(sound(), c32=host.load(made.files, made.manifest))
+    files = write.emit(block, np.float32, error=estimator.SURROGATE_ERROR[np.float32])
+    return replace(sound(), c32=host.load(files.files, files.manifest))
 
 
-def test_single_precision_that_is_wrong_is_told() -> None:
-    of, given = subject(), drawn("motions")
-    assert failed(verification.in_single(of, sound(), given)) == []
-    names = failed(verification.in_single(of, wrong_in_single(), given))
+def test_single_precision_that_is_wrong_is_detected() -> None:
+    of, steps = subject(), steps_of("motions")
+    assert failed_names(verification.compare_single(of, sound(), steps)) == []
+    names = failed_names(verification.compare_single(of, wrong_in_single(), steps))
     assert any(name.endswith("where converged") for name in names)
 
 
@@ -153,62 +165,62 @@ def test_single_precision_that_is_wrong_is_told() -> None:
     ("output", "factor", "more"),
     [("yaw", 1.0, 1e-4), ("residual", 1.0, 1e-3), ("deviation_X", 1.01, 0.0), ("deviation_yaw", 0.9, 0.0)],
 )
-def test_another_output_that_is_wrong_in_single_is_told(
+def test_another_output_that_is_wrong_in_single_is_detected(
     output: str, factor: float, more: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    emitted, by = agree.emitted, sound()
+    emitted, by = agree.emitted_c, sound()
 
-    def spoilt(controller: host.Controller) -> agree.Witness:
-        def step(states: Any, inputs: Any) -> Stepped:
-            found = emitted(controller)(states, inputs)
-            wrong = np.asarray(found.outputs[output], dtype=np.float64) * factor + more
-            return replace(found, outputs={**found.outputs, output: wrong})
+    def corrupted(controller: host.Controller) -> agree.Witness:
+        def step(states: Any, inputs: Any) -> StepResults:
+            stepped = emitted(controller)(states, inputs)
+            wrong = np.asarray(stepped.outputs[output], dtype=np.float64) * factor + more
+            return replace(stepped, outputs={**stepped.outputs, output: wrong})
 
         return step if controller is by.c32 else emitted(controller)
 
-    monkeypatch.setattr(agree, "emitted", spoilt)
-    (name,) = failed(verification.in_single(subject(), by, drawn("motions")))
+    monkeypatch.setattr(agree, "emitted", corrupted)
+    (name,) = failed_names(verification.compare_single(subject(), by, steps_of("motions")))
     assert output.split("_")[0] in name
 
 
-def test_costs_that_hang_by_more_than_rounding_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is left out of single precision is limited: a margin a thousand times as wide leaves out too much."""
+def test_a_wider_margin_leaves_out_too_many_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The share of steps left out in single precision is limited: a thousand times the margin exceeds it."""
     monkeypatch.setattr(verification, "STEP", 1000 * verification.STEP)
-    (name,) = failed(verification.in_single(subject(), sound(), drawn("motions")))
+    (name,) = failed_names(verification.compare_single(subject(), sound(), steps_of("motions")))
     assert name.endswith("costs apart by rounding in single")
 
 
-def test_a_deviation_that_is_wrong_in_double_is_told() -> None:
+def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
     witness = sound().of["reference"]
 
-    def spoilt(states: Any, inputs: Any) -> Stepped:
-        found = witness(states, inputs)
-        return replace(found, outputs={**found.outputs, "deviation_Y": found.outputs["deviation_Y"] * (1 + 1e-9)})
+    def corrupted(states: Any, inputs: Any) -> StepResults:
+        stepped = witness(states, inputs)
+        return replace(stepped, outputs={**stepped.outputs, "deviation_Y": stepped.outputs["deviation_Y"] * (1 + 1e-9)})
 
-    (name,) = told(spoilt)
+    (name,) = failing_checks(corrupted)
     assert name.endswith("deviations")
 
 
 def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     other = replace(
         sound(),
-        c64=build.compiled(
+        c64=build.compile_block(
             replace(subject().block, faults=()), np.float64, error=estimator.SURROGATE_ERROR[np.float64]
         ),
     )
-    names = failed(verification.in_single(subject(), other, drawn("motions")))
+    names = failed_names(verification.compare_single(subject(), other, steps_of("motions")))
     assert any("decisions otherwise" in name for name in names)
 
 
-def test_own_ways_that_part_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_free_running_witnesses_that_diverge_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     of = subject()
     inputs = random_steps.along_motions(of, SIZES["motions"])
-    names = failed(verification.free_running(of, wrong_in_single(), inputs))
+    names = failed_names(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
-    changed = {"deviation": 1.5 * of.of.deviation, "beta": 1.0001 * of.of.beta}
-    other = partial(reference_guard.step, Setup(of.of.numbers | changed))
+    changed = {"deviation": 1.5 * of.setup.deviation, "beta": 1.0001 * of.setup.beta}
+    other = partial(reference_guard.step, Setup(of.setup.numbers | changed))
     by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
-    assert any("reference" in name for name in failed(verification.free_running(of, by, inputs)))
+    assert any("reference" in name for name in failed_names(verification.free_running(of, by, inputs)))
 
 
 def test_motions_cross_pitches_turn_around_and_latch() -> None:
@@ -217,18 +229,21 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
     start = {s.name: s.initial for s in of.block.states}
-    found = agree.recorded(sound().of["c64"], start, inputs).outputs
-    valid = found["valid"] > 0
-    known = np.where(valid, found["X"], -np.inf).max(axis=0) - np.where(valid, found["X"], np.inf).min(axis=0)
+    outputs = agree.run(sound().of["c64"], start, inputs).outputs
+    valid = outputs["valid"] > 0
+    known = np.where(valid, outputs["X"], -np.inf).max(axis=0) - np.where(valid, outputs["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2
-    given = drawn("motions")
-    yaw = np.unwrap(given.states["estimator_yaw"].reshape(n, bodies), axis=0)
+    steps = steps_of("motions")
+    yaw = np.unwrap(steps.states["estimator_yaw"].reshape(n, bodies), axis=0)
     assert np.ptp(yaw[:, 1]) > 2 * np.pi
-    words = sound().of["c64"](given.states, given.inputs).faults.reshape(n, bodies)
+    words = sound().of["c64"](steps.states, steps.inputs).faults.reshape(n, bodies)
     latched = words >> safety.LATCH_BIT > 0
     assert latched[-1].tolist() == [k % random_steps.BAD_COLUMNS == 0 for k in range(bodies)]
     assert not latched[:305].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}
-    assert all(np.mean(drawn(kind).severity > verification.ILL_CONDITIONED) < verification.ILL_SHARE for kind in SIZES)
+    assert all(
+        np.mean(steps_of(kind).severity > verification.ILL_CONDITIONED) < verification.MAX_ILL_CONDITIONED
+        for kind in SIZES
+    )
 
 
 def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -236,13 +251,13 @@ def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None
     check = Check("magnified", 0.0, 1.0, "1")
     monkeypatch.setattr(verification, "witnesses", lambda of: of.name)
     monkeypatch.setattr(
-        verification, "compared", lambda of, by, sizes, say: [((), [replace(check, name=f"{by} {sizes}")])]
+        verification, "compare_witnesses", lambda of, by, sizes, say: [((), [replace(check, name=f"{by} {sizes}")])]
     )
     monkeypatch.setattr(
         endurance, "checks", lambda name, kind, bodies, n: [replace(check, name=f"{name} {bodies * n}")]
     )
     for whole, sizes, samples in ((True, verification.WHOLE, 10_000_000), (False, verification.QUICK, 100_000)):
-        found = verification.verify(heard.append, whole)
-        wanted = [f"{name} {each}" for name in config.PLACES for each in (sizes, samples)]
-        assert found.design == PAIR and [c.name for c in found.checks] == wanted
+        evidence = verification.verify(heard.append, whole)
+        expected = [f"{name} {each}" for name in config.PLACES for each in (sizes, samples)]
+        assert evidence.design == PAIR and [c.name for c in evidence.checks] == expected
     assert verification.WHOLE["motions"] == 100_000 and len(heard) == 8

@@ -44,18 +44,18 @@ class Pose:
 
 @cache
 def block(array: Array, tuning: Tuning = USUAL) -> Block:
-    return estimator.guarded(array, TIME, tuning)
+    return estimator.guarded_estimator(array, TIME, tuning)
 
 
 @cache
-def emitted(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.Emitted:
+def emit_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> write.EmittedCode:
     return write.emit(unranged(block(array, tuning)), scalar, error=estimator.SURROGATE_ERROR[scalar])
 
 
 @cache
-def compiled(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
-    made = emitted(array, tuning, scalar)
-    return host.load(made.files, made.manifest)
+def compile_c(array: Array, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64) -> host.Controller:
+    files = emit_c(array, tuning, scalar)
+    return host.load(files.files, files.manifest)
 
 
 def setup(array: Array, tuning: Tuning = USUAL) -> Setup:
@@ -71,24 +71,24 @@ def volts(array: Array, pose: Pose) -> Numbers:
     return motions.volts(array, motions.Pose(pose.X, pose.Y, pose.yaw))
 
 
-def wrapped(angle: Numbers) -> Numbers:
+def wrap_angle(angle: Numbers) -> Numbers:
     return (angle + np.pi) % (2 * np.pi) - np.pi
 
 
-def known(array: Array, pose: Pose, tuning: Tuning = USUAL) -> dict[str, Numbers]:
+def known_state(array: Array, pose: Pose, tuning: Tuning = USUAL) -> dict[str, Numbers]:
     """Return the reference's state (N,) of bodies that are known to be at poses (N,), and to move as they say."""
     n = len(pose.X)
     state = {name: np.repeat(v, n) for name, v in reference.initial_state(setup(array, tuning)).items()}
     for axis, at in zip("xy", centre(array, pose), strict=True):
         pitch = np.round(at / L)
         state |= {f"phase_{axis}": W * (at - pitch * L), f"pitch_{axis}": pitch}
-    if pose.motion and tuning.follow:
-        ahead = centre(array, moved(pose, pose.motion))
-        state |= {f"motion_{a}": W * (e - b) for a, e, b in zip("xy", ahead, centre(array, pose), strict=True)}
+    if pose.motion and tuning.velocity_gain:
+        next_centre = centre(array, displace(pose, pose.motion))
+        state |= {f"motion_{a}": W * (e - b) for a, e, b in zip("xy", next_centre, centre(array, pose), strict=True)}
         state |= {"motion_yaw": pose.motion.yaw}
-    yaw = wrapped(pose.yaw)
-    known = {"searching": np.zeros(n), "certain": np.ones(n), "placed": np.ones(n)}
-    return state | known | {"yaw": yaw, "yaw_known": yaw}
+    yaw = wrap_angle(pose.yaw)
+    known = {"searching": np.zeros(n), "ambiguity_resolved": np.ones(n), "acquired": np.ones(n)}
+    return state | known | {"yaw": yaw, "yaw_last_good": yaw}
 
 
 def centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
@@ -97,34 +97,34 @@ def centre(array: Array, pose: Pose) -> tuple[Numbers, Numbers]:
     return pose.X + c * x - s * y, pose.Y + s * x + c * y
 
 
-def moved(pose: Pose, by: Pose, times: float = 1.0) -> Pose:
+def displace(pose: Pose, by: Pose, times: float = 1.0) -> Pose:
     return Pose(pose.X + times * by.X, pose.Y + times * by.Y, pose.yaw + times * by.yaw)
 
 
-def records(
+def state_records(
     array: Array, state: Columns, tuning: Tuning = USUAL, scalar: type[np.floating] = np.float64
 ) -> host.Records:
     """Return the C's state records (N,) for states of the reference."""
-    found = np.repeat(compiled(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
+    states = np.repeat(compile_c(array, tuning, scalar).init()[np.newaxis], len(state["yaw"]))
     for name, v in state.items():
-        found[f"estimator_{name}"] = v
-    return found
+        states[f"estimator_{name}"] = v
+    return states
 
 
-def given(array: Array, V: Numbers) -> dict[str, Numbers]:
+def by_input(array: Array, V: Numbers) -> dict[str, Numbers]:
     """Return voltages (N, sensors, 2) by the names of the inputs."""
     flat = V.reshape(len(V), -1).T
     return dict(zip((s.name for s in channels.voltages(len(array.positions))), flat, strict=True))
 
 
-def replayed(array: Array, pose: Pose, V: Numbers, tuning: Tuning = USUAL) -> host.Columns:
+def replay(array: Array, pose: Pose, V: Numbers, tuning: Tuning = USUAL) -> host.Columns:
     """Return the C's outputs (n, N) over voltages (n, N, sensors, 2), begun at poses (N,)."""
-    state, found = records(array, known(array, pose, tuning), tuning), []
+    state, samples = state_records(array, known_state(array, pose, tuning), tuning), []
     for now in V:
-        batch = compiled(array, tuning).batch(state, given(array, now))
+        batch = compile_c(array, tuning).batch(state, by_input(array, now))
         state = batch.states
-        found.append(batch.outputs)
-    return {name: np.array([f[name] for f in found]) for name in found[0]}
+        samples.append(batch.outputs)
+    return {name: np.array([f[name] for f in samples]) for name in samples[0]}
 
 
 def motion(n: int, columns: int, seed: int, travel: float, yaw: float, turn: float = 0.0) -> Pose:
@@ -141,16 +141,16 @@ def motion(n: int, columns: int, seed: int, travel: float, yaw: float, turn: flo
     return Pose(wander(travel), wander(travel), wander(yaw) + turn * t * rng.choice([-1, 1], columns))
 
 
-def begun(pose: Pose) -> Pose:
+def before_start(pose: Pose) -> Pose:
     """Return where bodies are a sample before their motions (n, N) begin, as these go on."""
     first, second = (Pose(pose.X[i], pose.Y[i], pose.yaw[i]) for i in (0, 1))
-    motion = moved(second, first, -1.0)
-    return replace(moved(first, motion, -1.0), motion=motion)
+    motion = displace(second, first, -1.0)
+    return replace(displace(first, motion, -1.0), motion=motion)
 
 
-def off(found: Columns, pose: Pose) -> Numbers:
+def position_error(outputs: Columns, pose: Pose) -> Numbers:
     """Return how far the positions found are off, m."""
-    return np.hypot(found["X"] - pose.X, found["Y"] - pose.Y)
+    return np.hypot(outputs["X"] - pose.X, outputs["Y"] - pose.Y)
 
 
 def places(n: int, seed: int, yaw: float) -> Pose:

@@ -25,12 +25,12 @@ def stage() -> Plant:
 
 @pytest.fixture(scope="session")
 def single() -> host.Controller:
-    return declared.compiled(DESIGN.stage, np.float32)
+    return declared.compiled_controller(DESIGN.stage, np.float32)
 
 
 @pytest.fixture(scope="session")
 def double() -> host.Controller:
-    return declared.compiled(DESIGN.stage, np.float64)
+    return declared.compiled_controller(DESIGN.stage, np.float64)
 
 
 @pytest.fixture(scope="session")

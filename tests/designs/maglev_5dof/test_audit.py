@@ -11,7 +11,7 @@ from scipy.linalg import solve_continuous_are
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.paper import rows as paper
-from designs.maglev_5dof.paper.bench import SPRINGS, Bench
+from designs.maglev_5dof.paper.bench import SPRINGS, AuditSetup
 from models import maglev_figures, maglev_polynomial, maglev_stage
 from synth.analyse import trim
 from synth.report import audit
@@ -110,11 +110,11 @@ def test_poles_are_those_of_an_independent_riccati_solution(rows: dict[str, Row]
     A = np.array([[0, 1, 0, 0, 0], [0] * 5, [0, 0, 0, 1, 0], [0, 0, 0, 0, 1], [1, 0, 0, -w2, 0]], dtype=float)
     B = np.array([[0.0], [1], [0], [0], [0]])
     Q = np.diag(next(a.weights for a in control.AXES if a.name == axis))
-    wanted = np.linalg.eigvals(A - B @ B.T @ solve_continuous_are(A, B, Q, np.eye(1)))
-    found = {f.name: f.value for f in rows[row].recomputed}
-    pairs = [complex(found[f"{n} pair, real"], found[f"{n} pair, imaginary"]) for n in ("first", "second")]
-    mine = np.array([found["fast"], *pairs, *np.conj(pairs)])
-    assert np.abs(np.sort_complex(mine) - np.sort_complex(wanted)).max() < 1e-6
+    expected = np.linalg.eigvals(A - B @ B.T @ solve_continuous_are(A, B, Q, np.eye(1)))
+    values = {f.name: f.value for f in rows[row].recomputed}
+    pairs = [complex(values[f"{n} pair, real"], values[f"{n} pair, imaginary"]) for n in ("first", "second")]
+    mine = np.array([values["fast"], *pairs, *np.conj(pairs)])
+    assert np.abs(np.sort_complex(mine) - np.sort_complex(expected)).max() < 1e-6
 
 
 def test_the_nonlinear_step_is_that_of_a_loop_written_out_by_hand(rows: dict[str, Row]) -> None:
@@ -141,24 +141,24 @@ def test_the_nonlinear_step_is_that_of_a_loop_written_out_by_hand(rows: dict[str
         lift = v["G"] + 4 / v["M_y"] * (-F0 + linear * i - quadratic * i**2)
         return np.array([q[1], lift, q[3], q[4], e - (1.5 * np.pi) ** 2 * q[3]])
 
-    found = solve_ivp(slope, (0, 3), [0.022, 0, 0, 0, 0], "Radau", np.arange(3000) * 1e-3, rtol=1e-9, atol=1e-12)
-    overshoot = 100 * (found.y[0].max() - 0.029) / 0.007
+    solution = solve_ivp(slope, (0, 3), [0.022, 0, 0, 0, 0], "Radau", np.arange(3000) * 1e-3, rtol=1e-9, atol=1e-12)
+    overshoot = 100 * (solution.y[0].max() - 0.029) / 0.007
     assert rows["F-11"]["overshoot, nonlinear, 22 to 29 mm"] == pytest.approx(overshoot, abs=1e-4)
 
 
-def bench(**changed: float) -> Bench:
-    return Bench(DESIGN.stage, PLANT.with_parameters(**changed), SHORT, COARSE)
+def bench(**changed: float) -> AuditSetup:
+    return AuditSetup(DESIGN.stage, PLANT.with_parameters(**changed), SHORT, COARSE)
 
 
-def row(name: str, on: Bench, printed: Published | None = None) -> Row:
+def row(name: str, on: AuditSetup, printed: Published | None = None) -> Row:
     """Return a row as recomputed on a bench, as printed or with another print of it."""
     published = {**PRINTS, name: printed or PRINTS[name]}
-    return audit.computed(published[name], paper.scope(on, published))
+    return audit.recompute(published[name], paper.scope(on, published))
 
 
 def recomputed(names: Iterable[str], **changed: float) -> dict[str, Row]:
-    found = bench(**changed)
-    return {n: row(n, found) for n in names}
+    setup = bench(**changed)
+    return {n: row(n, setup) for n in names}
 
 
 SHARED = bench()
@@ -169,7 +169,7 @@ def nominal() -> dict[str, Row]:
     return {r.id: r for r in audit.rows(paper.scope(SHARED, PRINTS))}
 
 
-def moved(before: Row, after: Row) -> bool:
+def differs(before: Row, after: Row) -> bool:
     """Whether a figure changed by more than rounding, or came to exist or ceased to."""
     old, new = (np.array([f.value for f in r.recomputed]) for r in (before, after))
     return not np.allclose(old, new, rtol=1e-7, atol=1e-9, equal_nan=True)
@@ -177,7 +177,7 @@ def moved(before: Row, after: Row) -> bool:
 
 def wrong_dependences(before: dict[str, Row], after: dict[str, Row], parameter: str) -> list[str]:
     """Return the rows that moved without declaring the parameter, or declare it and did not move."""
-    return [n for n, r in before.items() if moved(r, after[n]) != (parameter in r.depends)]
+    return [n for n, r in before.items() if differs(r, after[n]) != (parameter in r.depends)]
 
 
 @pytest.mark.parametrize("parameter", NAMES)

@@ -10,13 +10,13 @@ import pytest
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from synth.check import Check
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.verify import meter, on_target, rivals, steps, stimuli
 from synth.verify.steps import Steps
 
 FOLDER = Path(__file__).parents[3] / "generated_c" / control.NAME
-EMITTED = Emitted(
+EMITTED = EmittedCode(
     {path.name: path.read_text() for path in FOLDER.glob("*.[ch]")}, json.loads((FOLDER / "manifest.json").read_text())
 )
 BUILDS = [b for b in meter.builds() if "contracted" not in b.name]
@@ -51,7 +51,7 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
     loops = [s for s in sequences.values() if s.closed_loop]
     assert len(loops) >= 30 and all(len(s) <= stimuli.EACH for s in loops)
     assert {"tracking", "windup_with", "set_down_18.1", "faults", "latches"} <= set(sequences)
-    taken = {name: steps.taken(controller, s) for name, s in sequences.items()}
+    taken = {name: steps.evaluate(controller, s) for name, s in sequences.items()}
     windup = taken["windup_with"].outputs
     assert float(np.hypot(windup["i_d2"], windup["i_q2"]).max()) > 0.999 * control.CURRENT  # a motor at its limit
     assert (taken["set_down_25"].faults >> 31).any() and not taken["tracking"].faults.any()
@@ -63,10 +63,10 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
 
 @pytest.mark.parametrize("build", BUILDS, ids=[b.compiler for b in BUILDS])
 def test_every_decision_is_seen_both_ways(build: meter.Build, sequences: dict[str, Steps]) -> None:
-    own = rivals.emitted(EMITTED)
+    candidate = rivals.emitted_c(EMITTED)
     short = [steps.thinned(s, 50 if s.closed_loop else 5000) for s in sequences.values()]
-    found = meter.covered(own, meter.run(own, steps.joined("all", short), build), build)
-    assert found.decisions > 40 and not found.missing, found.missing
+    coverage = meter.coverage(candidate, meter.run(candidate, steps.concatenate("all", short), build), build)
+    assert coverage.decisions > 40 and not coverage.missing, coverage.missing
 
 
 def test_the_replay_is_the_hosts_to_the_bit(inputs: dict[str, Any]) -> None:

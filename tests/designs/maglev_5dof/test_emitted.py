@@ -9,7 +9,7 @@ import pytest
 
 from designs.maglev_5dof import reference, reference_gains, verification
 from designs.maglev_5dof.design import DESIGN
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import host
 
 ROOT = Path(__file__).parents[3]
@@ -17,7 +17,7 @@ NAMES = ("maglev_5dof", "maglev_5dof_phase")
 
 
 @pytest.fixture(scope="module")
-def regenerated() -> Mapping[str, Emitted]:
+def regenerated() -> Mapping[str, EmittedCode]:
     return DESIGN.emit(np.float32)
 
 
@@ -47,15 +47,15 @@ def test_gains_ship_the_published_weights_and_their_certificate() -> None:
     assert gains["constants"]["regulator_y_k_e"]["value"] == y["K"][0]
 
 
-def test_the_constants_are_the_gains_in_the_coordinates_of_the_loop(regenerated: Mapping[str, Emitted]) -> None:
+def test_the_constants_are_the_gains_in_the_coordinates_of_the_loop(regenerated: Mapping[str, EmittedCode]) -> None:
     """K on (e, de, xi) and xi = T eta: the constants on eta are K T, rounded once to single precision."""
     gains = json.loads(regenerated["maglev_5dof"].files["gains.json"])
-    for axis, found in gains["design"].items():
+    for axis, document in gains["design"].items():
         shipped = [gains["constants"][f"regulator_{axis}_k_{s}"]["value"] for s in ("e", "de", "sum", "p1", "q1")]
         exact = np.array(reference_gains.gain(reference.WEIGHTS[axis]))
-        exact[2:] = exact[2:] @ np.array(found["T"])
+        exact[2:] = exact[2:] @ np.array(document["T"])
         np.testing.assert_allclose(shipped, exact, rtol=2.0**-24 * 1.001)
         assert shipped == [float(np.float32(v)) for v in shipped]
-        assert 1 <= found["sampled_data_optimum"]["worst_cost_ratio_of_K"] < 2
-        moved = np.roll(np.array(found["T"]), 1, axis=1)
-        assert not np.allclose(shipped[2:], np.array(found["K"])[2:] @ moved, rtol=1e-3)
+        assert 1 <= document["sampled_data_optimum"]["worst_cost_ratio_of_K"] < 2
+        moved = np.roll(np.array(document["T"]), 1, axis=1)
+        assert not np.allclose(shipped[2:], np.array(document["K"])[2:] @ moved, rtol=1e-3)

@@ -17,38 +17,38 @@ from synth.simulate.rig import Rig
 
 
 @pytest.fixture(scope="module")
-def found() -> dict[str, Experiment]:
+def all_runs() -> dict[str, Experiment]:
     return {e.name: e for e in DESIGN.simulate(lambda _: None)}
 
 
-def test_every_check_passes(found: dict[str, Experiment]) -> None:
+def test_every_check_passes(all_runs: dict[str, Experiment]) -> None:
     failed = [
         f"{e.name}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}"
-        for e in found.values()
+        for e in all_runs.values()
         for c in e.checks
         if not c.passed
     ]
     assert not failed
-    assert sum(len(e.checks) for e in found.values()) >= 80
+    assert sum(len(e.checks) for e in all_runs.values()) >= 80
 
 
-def test_names_are_unique_and_no_run_without_a_planted_fault_reports_one(found: dict[str, Experiment]) -> None:
-    for name, e in found.items():
+def test_names_are_unique_and_no_run_without_a_planted_fault_reports_one(all_runs: dict[str, Experiment]) -> None:
+    for name, e in all_runs.items():
         expected = name.startswith("set_down")
         assert bool((e.trajectory.faults != 0).any()) == expected, name
 
 
-def test_both_ellipses_stay_in_range(found: dict[str, Experiment]) -> None:
+def test_both_ellipses_stay_in_range(all_runs: dict[str, Experiment]) -> None:
     for name in ("ellipse", "tracking"):
-        y = found[name].trajectory["y"]
+        y = all_runs[name].trajectory["y"]
         assert 0.018 < y.min() < y.max() < 0.031
 
 
-def test_zero_current_slams_up_and_the_safe_output_does_not(found: dict[str, Experiment]) -> None:
-    assert found["zero_current"].figures["speed there, m/s"] > 0.4
-    assert found["zero_current"].figures["time to the upper stop, s"] < 0.05
+def test_zero_current_slams_up_and_the_safe_output_does_not(all_runs: dict[str, Experiment]) -> None:
+    assert all_runs["zero_current"].figures["speed there, m/s"] > 0.4
+    assert all_runs["zero_current"].figures["time to the upper stop, s"] < 0.05
     for name in ("set_down_18.1", "set_down_20", "set_down_25", "set_down_30"):
-        e = found[name]
+        e = all_runs[name]
         assert e.trajectory["y"][-1] == pytest.approx(0.031, abs=1e-6)
         assert e.trajectory["y"].min() > 0.018
 
@@ -77,7 +77,7 @@ def _with_gain(block: Block, name: str) -> Block:
 
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:
     block = _with_gain(control.controller(stage).block, "regulator_y_k_de")
-    wrong = build.compiled(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
+    wrong = build.compile_block(block, np.float32, error=control.SURROGATE_ERROR[np.float32])
     run = experiments.step(Rig(DESIGN.stage, stage, wrong), "y", 0.022, 0.029, gap=0.022)
     assert run.response.t_s > experiments.Y_LIMITS[1]
 
@@ -87,9 +87,9 @@ def test_a_wrong_sign_in_the_physics_is_caught(stage: Plant, single: host.Contro
     wrong = stage.with_parameters(**MappingProxyType({parameter: -stage.parameter(parameter).value}))
     runs = [experiments.step(Rig(DESIGN.stage, plant, single), "theta", 0.0, 0.01) for plant in (stage, wrong)]
     late, gone = experiments.THETA_LIMITS[1], 1e-3
-    found = [r.response.t_s > late or np.abs(r.trajectory["y"] - 0.025).max() > gone for r in runs]
-    assert found == [False, True]
+    caught = [r.response.t_s > late or np.abs(r.trajectory["y"] - 0.025).max() > gone for r in runs]
+    assert caught == [False, True]
 
 
-def test_anti_windup_is_what_differs(found: dict[str, Experiment]) -> None:
-    assert found["windup_with"].figures["overshoot"] < 0.9 * found["windup_without"].figures["overshoot"]
+def test_anti_windup_is_what_differs(all_runs: dict[str, Experiment]) -> None:
+    assert all_runs["windup_with"].figures["overshoot"] < 0.9 * all_runs["windup_without"].figures["overshoot"]

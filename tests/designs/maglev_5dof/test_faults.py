@@ -18,7 +18,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
 from synth.simulate.sensors import Override
 
-INPUTS = stages.guarded(control.INTERFACE)
+INPUTS = stages.guarded_inputs(control.INTERFACE)
 NAMES = [g.signal.name for g in INPUTS]
 MEASURED = [g.signal.name for g in INPUTS if g.measurement]
 LATCHED = 1 << 31
@@ -125,7 +125,7 @@ def test_a_latch_stays_until_init(single: host.Controller) -> None:
     assert single.replay(good).faults.max() == 0
 
 
-def _emitted(stage: Plant) -> write.Emitted:
+def _emitted(stage: Plant) -> write.EmittedCode:
     error = control.SURROGATE_ERROR[np.float32]
     return write.emit(control.controller(stage).block, np.float32, error=error)
 

@@ -42,7 +42,7 @@ def loops() -> robustness.Loops:
 
 @pytest.fixture(scope="module")
 def opened(loops: robustness.Loops) -> Opened:
-    return {(o.signal, int(o.point.removesuffix(" mm"))): o for o in robustness.opened(loops)}
+    return {(o.signal, int(o.point.removesuffix(" mm"))): o for o in robustness.open_loops(loops)}
 
 
 @pytest.mark.parametrize("gap", GAPS)
@@ -50,7 +50,7 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
     stage: Plant, loops: robustness.Loops, gap: int
 ) -> None:
     """The equilibrium is the controller's too, at the ends of the range as well; init's last currents are none."""
-    point, rest = trim.trim(stage, {"y": gap * 1e-3}, list(WIRES)), robustness.rest(loops, f"{gap} mm")
+    point, rest = trim.trim(stage, {"y": gap * 1e-3}, list(WIRES)), robustness.equilibrium(loops, f"{gap} mm")
     for s in control.CURRENTS:
         assert rest.state[f"safe_output_last_{s.name}"] == pytest.approx(point[s.name], abs=1e-6)
     assert abs(point["i_d1"] - control.SAFE_CURRENT) > 1e-3
@@ -60,7 +60,7 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
 @pytest.mark.parametrize("gap", GAPS)
 def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, opened: Opened, gap: int) -> None:
     """The whole loop is put together here, from the controller as it ships and the plant under its delay."""
-    rest = robustness.rest(loops, f"{gap} mm")
+    rest = robustness.equilibrium(loops, f"{gap} mm")
     K, sensors = rest.controller, {s.name: s.of for s in control.INTERFACE.sensors}
     P = discretise.with_delay(discretise.zero_order_hold(rest.plant, control.TIME.period_s), 1)
     S = np.array([[float(sensors.get(i) == o) for o in P.outputs] for i in K.inputs])
@@ -78,21 +78,21 @@ def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, op
 def test_margins(opened: Opened) -> None:
     assert opened.keys() == MARGINS.keys()
     for key, (phase, gain, peak) in MARGINS.items():
-        found = opened[key].margins
-        assert found.stable
-        fastest = max(found.gain_crossings, key=lambda c: c.frequency)
-        highest = max(found.phase_crossings, key=lambda c: c.frequency)
+        margins = opened[key].margins
+        assert margins.stable
+        fastest = max(margins.gain_crossings, key=lambda c: c.frequency)
+        highest = max(margins.phase_crossings, key=lambda c: c.frequency)
         assert fastest.phase_margin == pytest.approx(phase, abs=0.06), key
         assert highest.gain_margin == pytest.approx(gain, rel=5e-3), key
-        assert found.peak_sensitivity == pytest.approx(peak, abs=6e-3), key
+        assert margins.peak_sensitivity == pytest.approx(peak, abs=6e-3), key
 
 
 def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, opened: Opened) -> None:
     """Cut at the position alone, with the law's gaps left in place, the loop would show another low-frequency gain."""
-    rest, of = robustness.rest(loops, "25 mm"), loops.closed
+    rest, of = robustness.equilibrium(loops, "25 mm"), loops.closed
     block = compose("cut", loop.cut(DESIGN.stage.controller.parts, "y"), inputs=[*rest.inputs, "y"], outputs=CUT)
-    K = loop.linearised(block, rest.state, {**rest.inputs, "y": 0.025})
-    partial = loop.opened(rest.plant, K, "y", of.sensors, of.actuators)
+    K = loop.linearise_block(block, rest.state, {**rest.inputs, "y": 0.025})
+    partial = loop.open_loop(rest.plant, K, "y", of.sensors, of.actuators)
     z = np.exp(1j * np.array([20.0]) * control.TIME.period_s)
     whole, part = (np.abs(L.response(z)[0, 0, 0]) for L in (opened["y", 25].L, partial))
     assert abs(whole / part - 1) > 0.1

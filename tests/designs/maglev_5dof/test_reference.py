@@ -25,15 +25,15 @@ ERRORS = {"y": 0.0165, "x": 0.15, "z": 0.15, "phi": 0.023, "theta": 0.045}
 ODE = {"y": 1, "phi": 7, "theta": 9}  # rows of the plant's derivative
 
 
-def inputs(n: int = 1, **given: object) -> dict[str, Array]:
+def inputs(n: int = 1, **changes: object) -> dict[str, Array]:
     """Return n good samples: the platen level at 25 mm, set-points where it is."""
     at = {f"y{j}": 0.025 for j in range(1, 5)} | {"x": 0.0, "z": 0.0, "y_ref": 0.025}
     at |= dict.fromkeys(("x_ref", "z_ref", "phi_ref", "theta_ref"), 0.0)
-    return {name: np.full(n, given.get(name, value)) for name, value in at.items()}
+    return {name: np.full(n, changes.get(name, value)) for name, value in at.items()}
 
 
-def start(n: int = 1, **given: float) -> dict[str, Array]:
-    return {name: np.full(n, given.get(name, value)) for name, value in full_plant.initial_state().items()}
+def start(n: int = 1, **changes: float) -> dict[str, Array]:
+    return {name: np.full(n, changes.get(name, value)) for name, value in full_plant.initial_state().items()}
 
 
 def any_state(rng: np.random.Generator, n: int) -> dict[str, Array]:
@@ -63,7 +63,9 @@ class TestMotor:
         errors = []
         for gap, *expected in TestMotor.TABLE:
             m = reference.motor(np.array(gap), parameters)
-            errors += [abs(found / value - 1) for found, value in zip((m.a, m.b, m.h), expected, strict=True)]
+            errors += [
+                abs(coefficient / value - 1) for coefficient, value in zip((m.a, m.b, m.h), expected, strict=True)
+            ]
         return float(max(errors))
 
     def test_forces(self) -> None:
@@ -115,8 +117,8 @@ A[1, 2], A[4, 0], A[4, 3] = 0, 1, -(reference_gains.OMEGA0**2)
 class TestGains:
     @staticmethod
     def poles(K: Array) -> Array:
-        found = np.linalg.eigvals(A + B @ K[None, :])
-        upper = found[found.imag >= 0]
+        values = np.linalg.eigvals(A + B @ K[None, :])
+        upper = values[values.imag >= 0]
         return upper[np.argsort(upper.real)]
 
     @pytest.mark.parametrize("axis", ["y", "x", "theta"])
@@ -167,7 +169,7 @@ class TestDiscretisation:
     def test_internal_model(self) -> None:
         """One sample in eta, written by `model_step` from each unit vector, is that in xi = T eta."""
         Phi, N, E = self.sampled()
-        k, to_xi = reference.constants(), np.array(reference_gains.turning().T.tolist(), dtype=float)
+        k, to_xi = reference.constants(), np.array(reference_gains.internal_model().T.tolist(), dtype=float)
 
         def after(eta: Array, e: float, excess: float) -> Array:
             return np.array(reference.model_step(np.array(e), np.array(excess), eta, k))
@@ -181,7 +183,7 @@ class TestDiscretisation:
     @pytest.mark.parametrize("axis", reference.AXES)
     def test_the_gain_on_eta_is_that_on_xi(self, axis: str) -> None:
         K = reference.constants().K[reference.AXES.index(axis)]
-        to_xi = np.array(reference_gains.turning().T.tolist(), dtype=float)
+        to_xi = np.array(reference_gains.internal_model().T.tolist(), dtype=float)
         np.testing.assert_array_equal(K[:2], gain(axis)[:2])
         np.testing.assert_allclose(np.linalg.solve(to_xi.T, K[2:]), gain(axis)[2:], rtol=1e-9)
 
@@ -199,11 +201,11 @@ class TestDiscretisation:
         w = reference_gains.FILTER
         b, a, _ = signal.cont2discrete(([w**2, 0.0], [1.0, 2.0 * w, w**2]), T, method="foh")
         expected = signal.lfilter(b.ravel(), a, q)
-        memory, found = np.zeros(3), []
+        memory, rates = np.zeros(3), []
         for value in q:
             v, memory = reference.rate(value, memory, np.array(True), reference.constants())
-            found.append(v)
-        np.testing.assert_allclose(found, expected, atol=1e-11)
+            rates.append(v)
+        np.testing.assert_allclose(rates, expected, atol=1e-11)
         held, a, _ = signal.cont2discrete(([w**2, 0.0], [1.0, 2.0 * w, w**2]), T, method="zoh")
         assert np.max(np.abs(signal.lfilter(held.ravel(), a, q) - expected)) > 1e-2
 
@@ -377,7 +379,7 @@ class TestLaw:
         q, w = samples
         rng = np.random.default_rng(7)
         before = rng.uniform(-3, 3, (len(q["y"]), 6)).T
-        out, _ = self.currents(w, q, self.gaps(q), before, reference.constants(restored=False))
+        out, _ = self.currents(w, q, self.gaps(q), before, reference.constants(corrected=False))
         i_d, i_q = self.stacked(out)[:4], self.stacked(before)[4:]
         free = np.max(np.abs(i_d), axis=0) < 0.99 * reference.CURRENT
         assert np.mean(free) > 0.5
@@ -385,7 +387,7 @@ class TestLaw:
         np.testing.assert_allclose(i_d[:, free], expected[:, free], atol=1e-11)
         assert np.max(np.abs(i_d[:, free] - self.printed(q, w, 0 * i_q)[:, free])) > 1e-3
 
-    def reached(self, samples: tuple[dict[str, Array], dict[str, Array]], restored: bool) -> Callable[[str], Array]:
+    def reached(self, samples: tuple[dict[str, Array], dict[str, Array]], corrected: bool) -> Callable[[str], Array]:
         """Return the errors in acceleration of the full plant, but for what is left of the springs, off the limits.
 
         The pose and the demands stand still until the currents do.
@@ -393,23 +395,23 @@ class TestLaw:
         q, w = samples
         out = np.tile([*reference.SAFE.values()], (len(q["y"]), 1)).T
         for _ in range(40):
-            out, excess = self.currents(w, q, self.gaps(q), out, reference.constants(restored=restored))
+            out, excess = self.currents(w, q, self.gaps(q), out, reference.constants(corrected=corrected))
         u = self.stacked(out)
         free = (np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT) & (excess == 0).all(axis=0)
         assert np.mean(free) > 0.5
         derivative = self.at(q["y"], q["phi"], q["theta"], u)
         for row, axis, k_s in ((7, "phi", P.k_s_phi), (9, "theta", P.k_s_theta)):
-            derivative[row] += (1 - reference.COMPENSATED[axis] if restored else 0) * k_s * q[axis]
+            derivative[row] += (1 - reference.COMPENSATED[axis] if corrected else 0) * k_s * q[axis]
         rows = ODE | {"x": 3, "z": 5}
         return lambda s: np.abs(derivative[rows[s]] - w[s])[free]
 
     def test_double_integrators(self, samples: tuple[dict[str, Array], dict[str, Array]]) -> None:
-        """F(13): x and z obey it exactly, y, phi and theta too where the law is restored, else but for i_d^2."""
-        restored, printed = self.reached(samples, True), self.reached(samples, False)
+        """F(13): x and z obey it exactly, y, phi and theta too where the law is corrected, else but for i_d^2."""
+        corrected, printed = self.reached(samples, True), self.reached(samples, False)
         for s in ("x", "z"):
-            assert np.max(restored(s)) < 1e-12
+            assert np.max(corrected(s)) < 1e-12
         for s in ODE:
-            assert np.max(restored(s)) < 1e-10
+            assert np.max(corrected(s)) < 1e-10
         assert np.mean(printed("y")) > 1e-2
 
     def test_currents_of_the_sample_before_leave_an_error_of_their_change(
@@ -424,8 +426,8 @@ class TestLaw:
         free = np.max(np.abs(u), axis=0) < 0.9 * reference.CURRENT
         change = u[:4] ** 2 + u[4:] ** 2 - v[:4] ** 2 - v[4:] ** 2
         c = full_plant.motors(q["y"], q["phi"], q["theta"], P).c
-        found = self.at(q["y"], q["phi"], q["theta"], u)[ODE["y"]] - w["y"]
-        np.testing.assert_allclose(found[free], -(np.sum(c * change, axis=0) / P.M_y)[free], atol=1e-11)
+        error = self.at(q["y"], q["phi"], q["theta"], u)[ODE["y"]] - w["y"]
+        np.testing.assert_allclose(error[free], -(np.sum(c * change, axis=0) / P.M_y)[free], atol=1e-11)
 
     def test_each_motor_is_taken_at_its_own_gap(self) -> None:
         """A warp, of which the pose tells nothing, changes the currents; so do gaps past the box of the stage."""
@@ -433,13 +435,15 @@ class TestLaw:
         before, k = np.array([*reference.SAFE.values()]), reference.constants()
         q = {"y": np.array(0.018), "phi": np.array(0.003), "theta": np.array(-0.014)}
         past = {"y": np.array(0.0172), "phi": np.array(0.0031), "theta": np.array(-0.0141)}
-        found = [self.currents(w, q, self.gaps(at, warp), before, k)[0] for at, warp in ((q, 0), (q, 5e-4), (past, 0))]
-        assert all(abs(found[0][0] - other[0]) > 1e-2 for other in found[1:])
+        currents = [
+            self.currents(w, q, self.gaps(at, warp), before, k)[0] for at, warp in ((q, 0), (q, 5e-4), (past, 0))
+        ]
+        assert all(abs(currents[0][0] - other[0]) > 1e-2 for other in currents[1:])
 
-    @pytest.mark.parametrize("restored", [True, False])
-    def test_motor_limit(self, restored: bool) -> None:
+    @pytest.mark.parametrize("corrected", [True, False])
+    def test_motor_limit(self, corrected: bool) -> None:
         rng, n = np.random.default_rng(3), 20_000
-        state, out, _ = reference.step(any_state(rng, n), any_inputs(rng, n), reference.constants(restored=restored))
+        state, out, _ = reference.step(any_state(rng, n), any_inputs(rng, n), reference.constants(corrected=corrected))
         rms = np.max([np.hypot(out[f"i_d{j}"], out[f"i_q{j}"]) for j in range(1, 5)], axis=0)
         assert np.all(rms <= 7 / sqrt(2) * (1 + 1e-15))
         assert np.mean(rms > 4.949) > 0.5
@@ -451,7 +455,7 @@ class TestLaw:
                 assert np.all(np.abs(state[f"regulator_{s}_{name}"]) <= bound)
 
     def test_the_limit_is_what_limits(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(reference, "limited", lambda u, first, second: u)
+        monkeypatch.setattr(reference, "limit_thrust", lambda u, first, second: u)
         with pytest.raises(AssertionError):
             self.test_motor_limit(True)
 
@@ -471,7 +475,7 @@ class TestLaw:
         assert excess[0] == pytest.approx(0, abs=1e-12)
         assert abs(excess[1]) > 1
         moved = np.array([after[f"regulator_x_{n}"] - without[f"regulator_x_{n}"] for n in reference.ETA])
-        to_xi, E = np.array(reference_gains.turning().T.tolist(), dtype=float), TestDiscretisation.sampled()[2]
+        to_xi, E = np.array(reference_gains.internal_model().T.tolist(), dtype=float), TestDiscretisation.sampled()[2]
         np.testing.assert_allclose(to_xi @ moved, E[:, None] * excess, rtol=1e-8, atol=1e-15)
 
 
@@ -480,8 +484,8 @@ def test_kinematics_invert_5() -> None:
     tilt, roll = P.r * sin(at["phi"]), P.r * sin(at["theta"])
     v = np.array([at["y"] - tilt, at["y"] + roll, at["y"] + tilt, at["y"] - roll, 0.01, 0.02])
     y, x, z, phi, theta = reference.pose(v, P.r)
-    found = {"y": y, "x": x, "z": z, "phi": phi, "theta": theta}
-    assert found == pytest.approx(at | {"x": 0.01, "z": 0.02}, abs=1e-16)
+    pose = {"y": y, "x": x, "z": z, "phi": phi, "theta": theta}
+    assert pose == pytest.approx(at | {"x": 0.01, "z": 0.02}, abs=1e-16)
     assert phi == pytest.approx(asin(tilt / P.r), rel=1e-12)
 
 

@@ -74,7 +74,7 @@ def scenario(duration: float) -> tuple[Array, dict[str, Array]]:
 
 
 @pytest.fixture(scope="module")
-def restored() -> Run:
+def corrected() -> Run:
     return closed_loop(*scenario(3.0), reference.constants())
 
 
@@ -99,35 +99,35 @@ def linear_step(axis: str, height: float, n: int, delayed: bool = True) -> Array
     return np.array(path)
 
 
-def test_steps_are_those_of_the_double_integrator(restored: Run) -> None:
+def test_steps_are_those_of_the_double_integrator(corrected: Run) -> None:
     """Restored and within its limits, the law leaves F(13) with the hold and the delay; without the delay it shows."""
     for axis, height, column in (("y", 0.007, STEP), ("x", 0.01, SMALL)):
         expected = linear_step(axis, height, 3000)
-        found = restored.error(axis, column)
-        assert np.max(np.abs(found - expected)) < 6e-3 * height
+        error = corrected.error(axis, column)
+        assert np.max(np.abs(error - expected)) < 6e-3 * height
         prompt = linear_step(axis, height, 3000, delayed=False)
         assert np.max(np.abs(prompt - expected)) > 7e-3 * height
 
 
-def test_table_iii(restored: Run) -> None:
+def test_table_iii(corrected: Run) -> None:
     """F table III: overshoot under 30 %, |error| below 0.1 mm within 3 s; 7 mm overshoot by 14.3 % or less."""
-    assert 13.0 < 100 * np.max(restored.error("y", STEP)) / 0.007 < 14.3
+    assert 13.0 < 100 * np.max(corrected.error("y", STEP)) / 0.007 < 14.3
     for axis, height, column in (("y", 0.007, STEP), ("x", 0.03, THRUST), ("y", 0.007, KICK)):
-        error = restored.error(axis, column)
+        error = corrected.error(axis, column)
         assert np.max(error) < 0.3 * height
         assert np.max(np.abs(error[2500:])) < 1e-4
 
 
-def test_levitation_comes_first(restored: Run) -> None:
+def test_levitation_comes_first(corrected: Run) -> None:
     """The gap holds while x steps by 30 mm."""
-    assert np.max(np.abs(restored.error("y", THRUST))) < 20e-6
+    assert np.max(np.abs(corrected.error("y", THRUST))) < 20e-6
 
 
-def test_tracking(restored: Run) -> None:
-    """Mean |error| of y over the last period of 3 s, 4-DOF references: as printed about 45 um, restored under 2."""
+def test_tracking(corrected: Run) -> None:
+    """Mean |error| of y over the last period of 3 s, 4-DOF references: as printed about 45 um, corrected under 2."""
     x, r = scenario(3.0)
     one = {s: v[:, TRACK : TRACK + 1] for s, v in r.items()}
-    printed = closed_loop(x[:, TRACK : TRACK + 1], one, reference.constants(restored=False))
+    printed = closed_loop(x[:, TRACK : TRACK + 1], one, reference.constants(corrected=False))
     period = slice(-round(2 * pi / reference_gains.OMEGA0 / T), None)
     assert 40e-6 < np.mean(np.abs(printed.error("y", 0)[period])) < 50e-6
-    assert np.mean(np.abs(restored.error("y", TRACK)[period])) < 2e-6
+    assert np.mean(np.abs(corrected.error("y", TRACK)[period])) < 2e-6

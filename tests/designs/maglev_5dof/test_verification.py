@@ -38,8 +38,8 @@ def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
 
 def _worst(controller: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> agree.Agreement:
     expected = agree.reference(reference.step)(*drawn)
-    block, found = DESIGN.stage.controller.block, agree.emitted(controller)(*drawn)
-    return agree.compare("planted", ("reference", expected), ("c64", found), verification.EDGE_FLOOR, block)
+    block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*drawn)
+    return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
 
 def test_most_random_steps_are_near_operation(stage: Plant) -> None:
@@ -48,30 +48,30 @@ def test_most_random_steps_are_near_operation(stage: Plant) -> None:
     states, inputs = verification.random_steps(block, 5000)
     after, outputs, faults = reference.step(states, inputs)
     assert not faults.any() and set(states) == {s.name for s in block.states}
-    assert 0.01 < np.mean(verification.saturated(outputs)) < 0.2
-    held = verification.holding(np.array([0.018, 0.025, 0.031]))
+    assert 0.01 < np.mean(verification.is_saturated(outputs)) < 0.2
+    held = verification.holding_current(np.array([0.018, 0.025, 0.031]))
     np.testing.assert_allclose(held[1], 0.67864, atol=1e-5)
-    near = np.abs(states["safe_output_last_i_d1"] - verification.holding(inputs["y1"]))
+    near = np.abs(states["safe_output_last_i_d1"] - verification.holding_current(inputs["y1"]))
     assert near.max() <= 0.5 and {1, 5} <= set(states["guard_left"])
     assert all(np.std(after[n]) > 0 for n in after if n not in ("guard_latched", "guard_left", "guard_ready"))
 
 
-def _apart(found: agree.Agreement) -> bool:
-    return max(found.worst, found.state_worst) > 1e3 * suite.EXACT or found.faults_differ > 0
+def _disagrees(agreement: agree.Agreement) -> bool:
+    return max(agreement.worst, agreement.state_worst) > 1e3 * suite.EXACT or agreement.faults_differ > 0
 
 
 def _compiled(plant: Plant) -> host.Controller:
     error = control.SURROGATE_ERROR[np.float64]
-    return build.compiled(control.controller(plant).block, np.float64, error=error)
+    return build.compile_block(control.controller(plant).block, np.float64, error=error)
 
 
-def _emitted(block: Block) -> write.Emitted:
+def _emitted(block: Block) -> write.EmittedCode:
     return write.emit(block, np.float64, error=control.SURROGATE_ERROR[np.float64])
 
 
 def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> None:
-    found = _worst(double, drawn)
-    assert max(found.worst, found.state_worst) <= suite.EXACT and found.faults_differ == 0
+    worst = _worst(double, drawn)
+    assert max(worst.worst, worst.state_worst) <= suite.EXACT and worst.faults_differ == 0
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_a_planted_change_in_the_c_is_caught(
     assert old in text
     before, _, after = text.rpartition(old)
     files = {**emitted.files, "maglev_5dof.c": before + new + after}
-    assert _apart(_worst(host.load(files, emitted.manifest), drawn))
+    assert _disagrees(_worst(host.load(files, emitted.manifest), drawn))
 
 
 def test_a_planted_sign_in_a_gain_is_caught(
@@ -107,14 +107,14 @@ def test_a_planted_sign_in_a_gain_is_caught(
     block = control.controller(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
-    assert _apart(_worst(host.load(emitted.files, emitted.manifest), drawn))
+    assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), drawn))
 
 
 def test_a_planted_sign_in_the_physics_is_caught(
     stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
 ) -> None:
     wrong = stage.with_parameters(k_s_theta=-stage.parameter("k_s_theta").value)
-    assert _apart(_worst(_compiled(wrong), drawn))
+    assert _disagrees(_worst(_compiled(wrong), drawn))
 
 
 def test_the_plant_agrees_with_the_reference_plant() -> None:
@@ -122,9 +122,9 @@ def test_the_plant_agrees_with_the_reference_plant() -> None:
     plant, rng = maglev_stage.plant(), np.random.default_rng(1)
     x = np.array([rng.uniform(s.low, s.high, 500) for s in plant.states])
     u = np.array([rng.uniform(s.low, s.high, 500) for s in plant.inputs])
-    found = np.asarray(plant.f(x, u, np.tile(plant.values[:, None], 500)))
+    derivative = np.asarray(plant.f(x, u, np.tile(plant.values[:, None], 500)))
     currents = np.array([*u[:4], u[5], u[4], u[5], u[4]])
     expected = full_plant.plant(x, currents, reference.Parameters())
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(derivative, expected, rtol=1e-9, atol=1e-9)
     turned = full_plant.plant(x, -currents, reference.Parameters())
-    assert np.abs(found - turned).max() > 1.0
+    assert np.abs(derivative - turned).max() > 1.0

@@ -33,15 +33,15 @@ def loop(plant: Plant, axis: str, C: Transfer, time: Discrete, filtered: bool, d
 
     def L(z: Array) -> Array:
         if axis in SPRING:
-            return C(z) * z**-delay * held(plant, axis, time.period_s, z)
-        g, rho = sensed(plant, axis)
+            return C(z) * z**-delay * held_plant(plant, axis, time.period_s, z)
+        g, rho = sensor_slopes(plant, axis)
         X, P = kalman(axis, time, z) if filtered else (np.ones_like(z), 1 / z)
-        return C(z) * g * X / (1 - rho * P) * z**-delay * held(plant, axis, time.period_s, z)
+        return C(z) * g * X / (1 - rho * P) * z**-delay * held_plant(plant, axis, time.period_s, z)
 
     return L
 
 
-def held(plant: Plant, axis: str, T: float, z: Array) -> Array:
+def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
     b = 1 / plant.parameter(INERTIA[axis]).value
     if axis not in SPRING:
         return b * T**2 / 2 * (z + 1) / (z - 1) ** 2
@@ -49,7 +49,7 @@ def held(plant: Plant, axis: str, T: float, z: Array) -> Array:
     return b * (1 - np.cos(w * T)) / w**2 * (z + 1) / (z**2 - 2 * np.cos(w * T) * z + 1)
 
 
-def sensed(plant: Plant, axis: str) -> tuple[float, float]:
+def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0."""
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
@@ -72,7 +72,7 @@ def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:
     """Return (21)-(25) by Tustin's rule, from the printed numbers."""
-    print_, part = rows.printed(), 1.0 if published else (leadlag.PART | vertical.PART)[axis]
+    print_, part = rows.printed(), 1.0 if published else (leadlag.GAIN_SHARE | vertical.GAIN_SHARE)[axis]
 
     def C(z: Array) -> Array:
         s = 2 / time.period_s * (z - 1) / (z + 1)
@@ -97,7 +97,7 @@ def optimal(plant: Plant, axis: str, weights: tuple[float, ...] = lqg.WEIGHTS) -
 
     def C(z: Array) -> Array:
         # Of a position 1: x3, the current i of the sample before and the sum, then i itself.
-        found = []
+        rows = []
         for v in z:
             # i = -k1 (1 + T r + b T^2/2 i/z) - k2 (r + b T i/z) - k3 (1 + s),  r = x3 + L,  s = 1/(z - 1)
             # z x3 = p x3 - L (1 - p) + (b T - L b T^2/2) i/z
@@ -105,8 +105,8 @@ def optimal(plant: Plant, axis: str, weights: tuple[float, ...] = lqg.WEIGHTS) -
             fixed = L - L * (1 - p) / (v - p)
             on_rate = k1 * T + k2
             left = 1 + k1 * pushed * T**2 / 2 / v + k2 * pushed * T / v + on_rate * a
-            found.append((k1 + on_rate * fixed + k3 * (1 + 1 / (v - 1))) / left)
-        return np.array(found) * pushed * plant.parameter(INERTIA[axis]).value
+            rows.append((k1 + on_rate * fixed + k3 * (1 + 1 / (v - 1))) / left)
+        return np.array(rows) * pushed * plant.parameter(INERTIA[axis]).value
 
     return C
 

@@ -41,12 +41,12 @@ def estimation(predicted: bool = True) -> Block:
 
 
 @cache
-def compiled(scalar: type[np.floating], predicted: bool = True) -> host.Controller:
+def compile_estimation(scalar: type[np.floating], predicted: bool = True) -> host.Controller:
     made = write.emit(unranged(estimation(predicted)), scalar)
     return host.load(made.files, made.manifest)
 
 
-def held(voltages: Columns) -> dict[str, Any]:
+def held_voltages(voltages: Columns) -> dict[str, Any]:
     return {f"{name}_held": v for name, v in voltages.items()}
 
 
@@ -55,17 +55,17 @@ def noisy(voltages: Columns, seed: int = 0) -> dict[str, Array]:
     return {name: v + SIGMA * rng.normal(size=v.shape) for name, v in voltages.items()}
 
 
-def seen(u: Columns) -> dict[str, Any]:
+def estimation_inputs(u: Columns) -> dict[str, Any]:
     """Return what the estimation reads of voltages (N,) that the guard accepts."""
-    return held(u) | {"ready": np.arange(len(u["V_ax"])) > 0, "complete": 1.0}
+    return held_voltages(u) | {"ready": np.arange(len(u["V_ax"])) > 0, "complete": 1.0}
 
 
-def replayed(
+def replay(
     pose: Columns, noise: bool = False, scalar: type[np.floating] = np.float64, predicted: bool = True
 ) -> host.Columns:
     """Return the outputs of the C along a trajectory (N,) that begins in the middle pitch."""
     u = sensing_maps.voltages(PLANT, pose)
-    return compiled(scalar, predicted).replay(seen(noisy(u) if noise else u)).outputs
+    return compile_estimation(scalar, predicted).replay(estimation_inputs(noisy(u) if noise else u)).outputs
 
 
 def pitches(run: host.Columns, axis: str) -> Array:
@@ -79,7 +79,7 @@ def rms(v: Array) -> float:
     return float(np.sqrt(np.mean(np.square(v))))
 
 
-def way(travel: float, n: int) -> dict[str, Array]:
+def forward_and_back(travel: float, n: int) -> dict[str, Array]:
     """To and fro through the middle: x up to `travel` and back to -travel, y the other way round at half the speed."""
     x = travel * np.interp(np.arange(n), [0, n / 4, 3 * n / 4, n], [0, 1, -1, 0])
     return {"x": x, "y": -0.5 * x}
@@ -89,26 +89,26 @@ def motion(n: int, columns: int, seed: int) -> dict[str, Array]:
     """Sines of 0.2 to 1 Hz in x, y and phi, (n, columns), that begin anywhere in the middle pitch."""
     rng = np.random.default_rng(seed)
     t = np.arange(n)[:, None] * TIME.period_s
-    found = {}
+    pose = {}
     for axis, size, start in (("x", 0.06, 0.4 * L), ("y", 0.06, 0.4 * L), ("phi", 4e-3, 0.0)):
         rate, turn = rng.uniform(0.2, 1.0, columns), rng.uniform(0, 2 * np.pi, columns)
         wave = size * rng.uniform(0.2, 1, columns) * np.sin(2 * np.pi * rate * t + turn)
-        found[axis] = wave - wave[0] + rng.uniform(-start, start, columns)
-    return found
+        pose[axis] = wave - wave[0] + rng.uniform(-start, start, columns)
+    return pose
 
 
 def start(predicted: bool, n: int) -> dict[str, Array]:
     """Return the reference's states (n,) after init."""
-    rest = reference_sensing.filters_at_rest() if predicted else {"sensing_phi_raw": np.array(0.0)}
+    rest = reference_sensing.initial_filter_state() if predicted else {"sensing_phi_raw": np.array(0.0)}
     return {name: np.zeros(n) + v for name, v in (reference_sensing.initial_state() | rest).items()}
 
 
-def stepped(
+def reference_step(
     state: Columns, v: Columns, flags: tuple[Array, Array], predicted: bool
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next states of the reference, with its filters or predicting the sample before."""
-    told = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
-    told |= {"suspected": state["sensing_named"]}
+    suspicion = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
+    suspicion |= {"suspected": state["sensing_contradiction_confirmed"]}
     if predicted:
         out, after = reference_sensing.step(state, v, flags, REFERENCE)
     else:
@@ -116,4 +116,4 @@ def stepped(
         last["phi"] = state["sensing_phi_raw"]
         out, after = reference_sensing.sense(state, v, flags, last, REFERENCE)
         after["sensing_phi_raw"] = out["phi_raw"]
-    return out | told, after
+    return out | suspicion, after

@@ -16,7 +16,7 @@ from synth.verify import agree, suite
 from synth.verify.evidence import Evidence
 
 PLANT = planar_stage.plant()
-DRAWN, EDGES = 30_000, 5000
+RANDOM_STEPS, EDGES = 30_000, 5000
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,27 +26,27 @@ class Bench:
     subject: Subject
     states: Columns
     inputs: Columns
-    emitted: write.Emitted
-    c64: agree.Stepped
+    emitted: write.EmittedCode
+    c64: agree.StepResults
 
 
 def bench(subject: Subject, edges: int = EDGES) -> Bench:
     """Draw steps in operation and so many at the edges, and take them with the C in double precision."""
-    drawn = random_steps.in_operation(subject, PLANT, DRAWN), random_steps.at_the_edges(subject.block, edges)
+    drawn = random_steps.in_operation(subject, PLANT, RANDOM_STEPS), random_steps.at_the_edges(subject.block, edges)
     states, inputs = ({n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(*drawn, strict=True))
     made = emitted(subject.block)
-    return Bench(subject, states, inputs, made, agree.emitted(host.load(made.files, made.manifest))(states, inputs))
+    return Bench(subject, states, inputs, made, agree.emitted_c(host.load(made.files, made.manifest))(states, inputs))
 
 
-def emitted(block: Block) -> write.Emitted:
+def emitted(block: Block) -> write.EmittedCode:
     """Return the C in double precision."""
     return write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
 
 
-def told(at: Bench, witness: agree.Witness) -> bool:
+def is_detected(at: Bench, witness: agree.Witness) -> bool:
     """Tell whether a witness fails one of the checks against the sound C."""
-    found = {"casadi": witness(at.states, at.inputs), "c64": at.c64}
-    ((_, checks),) = verification.compared("planted", at.subject, found)
+    pair = {"casadi": witness(at.states, at.inputs), "c64": at.c64}
+    ((_, checks),) = verification.compare_witnesses("planted", at.subject, pair)
     return not all(c.passed for c in checks)
 
 
@@ -61,7 +61,7 @@ def constants(at: Bench, factor: float) -> Iterator[tuple[str, agree.Witness]]:
 def thinned(at: Bench, every: int) -> Bench:
     """Return every so manieth of the steps."""
     states, inputs = ({n: v[::every] for n, v in columns.items()} for columns in (at.states, at.inputs))
-    c64 = agree.emitted(host.load(at.emitted.files, at.emitted.manifest))(states, inputs)
+    c64 = agree.emitted_c(host.load(at.emitted.files, at.emitted.manifest))(states, inputs)
     return Bench(at.subject, states, inputs, at.emitted, c64)
 
 
@@ -81,7 +81,7 @@ def mutants(at: Bench, count: int) -> Iterator[tuple[str, agree.Witness]]:
         other = text[:at_place] + ("-" if text[at_place] == "+" else "+") + text[at_place + 1 :]
         line = text[text.rindex("\n", 0, at_place) + 1 : text.index("\n", at_place)].strip()
         files = {**at.emitted.files, f"{name}.c": other}
-        yield f"{line}, column {at_place}", agree.emitted(host.load(files, at.emitted.manifest))
+        yield f"{line}, column {at_place}", agree.emitted_c(host.load(files, at.emitted.manifest))
 
 
 def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:
@@ -91,6 +91,6 @@ def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:
     kinds = {"random steps", "edge steps", *replays}
     assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {("random steps", "c64", "c32")}
     assert len(set(replays)) == 4
-    found = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
-    assert {what: found[what] for what in samples} == samples
+    by_case = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
+    assert {what: by_case[what] for what in samples} == samples
     assert evidence.document()["passed"] is True

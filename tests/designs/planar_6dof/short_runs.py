@@ -24,8 +24,10 @@ def runs(loop: Rig) -> list[Experiment]:
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 20e-6, 0.1), "step_x", "x by 20 um", None)
     rest = Experiment("standstill", "At rest", "3.2 s", loop.run(3.2, {}, {}), ("x", "y", "phi"), {})
     time = sample_times(0.3, loop.period_s)
-    wanted = {"x": 1e-3 * np.sin(6 * time), "y": 1e-3 * (1 - np.cos(6 * time))}
-    circle = Experiment("circle", "Circle (Fig. 9)", "0.3 s", simulate(loop, 0.3, wanted, {}), ("x", "y"), wanted)
+    references = {"x": 1e-3 * np.sin(6 * time), "y": 1e-3 * (1 - np.cos(6 * time))}
+    circle = Experiment(
+        "circle", "Circle (Fig. 9)", "0.3 s", simulate(loop, 0.3, references, {}), ("x", "y"), references
+    )
     finite = replace(step, name="step_x_finite", title="x by 20 um, finite matrix")
     return [step, finite, circle, rest]
 
@@ -35,5 +37,5 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(page, "PLACES", 2)
     monkeypatch.setattr(sensing_maps, "SPEED", 2.0)
     monkeypatch.setattr(drawings, "POINTS", 8)
-    monkeypatch.setattr(page, "DRAWN", 3)
+    monkeypatch.setattr(page, "MAP_POINTS", 3)
     monkeypatch.setattr(loops, "over_pitch", partial(loops.over_pitch, places=1))

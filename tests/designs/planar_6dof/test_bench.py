@@ -20,7 +20,7 @@ from models import planar_allocation as allocation
 from models import planar_stage
 from synth import declared
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import host
 from synth.verify import meter, on_target, rivals, steps, stimuli
 from synth.verify.steps import Steps
@@ -45,21 +45,21 @@ COSTLY = 500  # steps of each of those where the costliest steps are
 # What nothing takes both ways: how many decisions of a line, and why.
 UNREACHABLE = (
     (r"if \(\(guard_ready .*(fabsf.*){3}", 1, "an acceleration beyond its bound has a velocity beyond it"),
-    (r"if \(\w+ && !(\w+|\(sensing_doubt != 0u\))\) \{", 1, "one of them is known from above"),
+    (r"if \(\w+ && !(\w+|\(sensing_contradiction_left != 0u\))\) \{", 1, "one of them is known from above"),
 )
 LATCH = 1 << safety.LATCH_BIT
 
 
-def shipped(name: str) -> Emitted:
+def shipped(name: str) -> EmittedCode:
     folder = GENERATED / name
     files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
-    return Emitted(files, json.loads((folder / "manifest.json").read_text()))
+    return EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
 
 
 class Subject(NamedTuple):
     """A design's shipped C, compiled, and the sequences that need no closed loop but the recording with faults."""
 
-    emitted: Emitted
+    emitted: EmittedCode
     controller: host.Controller
     sequences: dict[str, Steps]
 
@@ -67,7 +67,7 @@ class Subject(NamedTuple):
     def every(self) -> Steps:
         """All sequences, those thinned that are drawn at random."""
         parts = [s if s.name.startswith("rare") else steps.thinned(s, THIN) for s in self.sequences.values()]
-        return steps.joined("all", parts)
+        return steps.concatenate("all", parts)
 
 
 @cache
@@ -75,8 +75,8 @@ def subject(name: str) -> Subject:
     emitted = shipped(name)
     controller = host.load(emitted.files, emitted.manifest)
     at_rest = loops.of(BLOCKS[name], controller).at_rest()
-    found = stimuli.excursions(controller, at_rest, [], bench.own(controller))
-    return Subject(emitted, controller, {s.name: s for s in found})
+    excursions = stimuli.excursions(controller, at_rest, [], bench.stimuli(controller))
+    return Subject(emitted, controller, {s.name: s for s in excursions})
 
 
 DESIGNS = {d.DESIGN.name: d.DESIGN for d in (leadlag, lqg_design)}
@@ -84,7 +84,7 @@ BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
 
 
 @cache
-def replayed(name: str) -> dict[str, Any]:
+def recorded_inputs(name: str) -> dict[str, Any]:
     return dict(DESIGNS[name].bench.replay(subject(name).controller))
 
 
@@ -100,7 +100,7 @@ def sizes(outputs: dict[str, Any]) -> np.ndarray:
 
 
 def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
-    replay = design.controller.replay(replayed(design.emitted.manifest["design"]))
+    replay = design.controller.replay(recorded_inputs(design.emitted.manifest["design"]))
     words, latched = replay.faults, (replay.faults & LATCH) != 0
     first = int(np.argmax(latched))
     assert len(words) == stimuli.REPLAY and 9500 <= first < 9510 and latched[first:].all()
@@ -113,7 +113,7 @@ def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
 
 def test_the_replay_is_the_hosts_to_the_bit() -> None:
     lqg = subject("planar_6dof_lqg")
-    short = {name: column[-700:] for name, column in replayed("planar_6dof_lqg").items()}  # with the latch
+    short = {name: column[-700:] for name, column in recorded_inputs("planar_6dof_lqg").items()}  # with the latch
     checks = on_target.verify(lqg.emitted, short, "cortex-m4f", lambda _: None)
     assert checks and all(c.passed for c in checks), checks
 
@@ -140,12 +140,12 @@ def test_the_controller_follows_the_travel_in_all_pitches(design: Subject) -> No
 
 
 def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -> None:
-    (far,) = (s for s in bench.own(design.controller) if s.name == "saturated")
-    outputs = steps.taken(design.controller, far).outputs
-    found = sizes(outputs)
+    (far,) = (s for s in bench.stimuli(design.controller) if s.name == "saturated")
+    outputs = steps.evaluate(design.controller, far).outputs
+    amplitudes = sizes(outputs)
     # Both currents of a motor have limits of their own: only where both stand there its size is LIMIT.
-    assert np.any(found > 0.999 * allocation.LIMIT, axis=1).all()
-    assert found.max() < allocation.LIMIT * (1 + 3e-5)  # the polynomials change a current's size by 2e-5
+    assert np.any(amplitudes > 0.999 * allocation.LIMIT, axis=1).all()
+    assert amplitudes.max() < allocation.LIMIT * (1 + 3e-5)  # the polynomials change a current's size by 2e-5
     for s in interface.OUTPUTS:  # C seldom has all of its current, as the yaw is demanded too
         near = 0.5 if s.name.startswith("i_C") else 0.02
         assert all(np.count_nonzero(np.abs(outputs[s.name] - end) < near) > 5 for end in (s.low, s.high))
@@ -153,21 +153,21 @@ def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -
 
 def test_every_input_fails_and_each_hall_channel_is_suspected(design: Subject) -> None:
     controller, sequences = design.controller, design.sequences
-    words = steps.taken(controller, sequences["faults"]).faults
+    words = steps.evaluate(controller, sequences["faults"]).faults
     for bit in range(len(interface.INPUTS)):
         assert {0, 1} == set((words[words & LATCH == 0] >> bit & 1).tolist())
     flags = [f["name"] for f in controller.manifest["structs"]["state"]["fields"] if f["ctype"] == "uint32_t"]
     named = set()
-    for given in (sequences["failures"], sequences["failures again"]):
-        after = steps.taken(controller, given).states
-        named |= {flag for flag in flags if np.any(after[flag] > given.states[flag])}
-    assert {"sensing_doubt", "sensing_named"} <= named
-    told = steps.taken(controller, sequences["failures named"]).faults
+    for sequence in (sequences["failures"], sequences["failures again"]):
+        after = steps.evaluate(controller, sequence).states
+        named |= {flag for flag in flags if np.any(after[flag] > sequence.states[flag])}
+    assert {"sensing_contradiction_left", "sensing_contradiction_confirmed"} <= named
+    faults = steps.evaluate(controller, sequences["failures named"]).faults
     bits = [1 << f["bit"] for f in controller.manifest["faults"] if f.get("suspect")]
-    assert len(bits) == len(planar_stage.HALL) and all({0, bit} == set((told & bit).tolist()) for bit in bits)
+    assert len(bits) == len(planar_stage.HALL) and all({0, bit} == set((faults & bit).tolist()) for bit in bits)
 
 
-def unexplained(missing: tuple[str, ...]) -> list[str]:
+def unexplained_decisions(missing: tuple[str, ...]) -> list[str]:
     """Return decisions that were not seen both ways and for which UNREACHABLE has no reason."""
     lines, left = Counter(text.split("; ")[-1] for text in missing), []
     for text in missing:
@@ -182,10 +182,10 @@ def unexplained(missing: tuple[str, ...]) -> list[str]:
 )
 def test_every_decision_is_seen_both_ways(name: str, build: str) -> None:
     """One compiler for the lead-lag, whose text differs from LQG's in filters and loops alone."""
-    own = rivals.emitted(subject(name).emitted)
-    found = meter.covered(own, meter.run(own, subject(name).every, BUILDS[build]), BUILDS[build])
-    assert found.decisions > 60 and len(found.missing) < 20
-    assert not unexplained(found.missing), "\n".join(unexplained(found.missing))
+    candidate = rivals.emitted_c(subject(name).emitted)
+    coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every, BUILDS[build]), BUILDS[build])
+    assert coverage.decisions > 60 and len(coverage.missing) < 20
+    assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
 
 
 def test_a_decision_that_nothing_takes_is_told() -> None:
@@ -194,37 +194,37 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
     text = emitted.files["planar_6dof_lqg.c"].replace(
         "    return faults;", "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     )
-    own = rivals.emitted(Emitted({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
-    found = meter.covered(own, meter.run(own, steps.thinned(every, 300), build), build)
-    assert [line for line in unexplained(found.missing) if "1.2345678f" in line]
+    candidate = rivals.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
+    coverage = meter.coverage(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
+    assert [line for line in unexplained_decisions(coverage.missing) if "1.2345678f" in line]
 
 
 def test_what_the_failures_are_for_is_told_without_them() -> None:
     """The planted defect: a meter that leaves the failures out. No channel is named then, and no input refused."""
     lqg, build = subject("planar_6dof_lqg"), BUILDS[FIRST]
-    own = rivals.emitted(lqg.emitted)
+    candidate = rivals.emitted_c(lqg.emitted)
     sound = steps.thinned(lqg.sequences["travel"], THIN)
-    left = unexplained(meter.covered(own, meter.run(own, sound, build), build).missing)
-    assert any("sensing_named" in line for line in left)
+    left = unexplained_decisions(meter.coverage(candidate, meter.run(candidate, sound, build), build).missing)
+    assert any("sensing_contradiction_confirmed" in line for line in left)
     assert any("5.0f" in line for line in left)
 
 
 @pytest.mark.parametrize("build", SHIPPED)
 def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject) -> None:
     costly = [s for s in design.sequences.values() if s.name.endswith(("anew", "again"))]
-    given = steps.joined("costly", [steps.thinned(s, COSTLY) for s in costly])
-    found = meter.run(rivals.emitted(design.emitted), given, SHIPPED[build])
-    most, ceiling = found.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]
+    stimulus = steps.concatenate("costly", [steps.thinned(s, COSTLY) for s in costly])
+    run = meter.run(rivals.emitted_c(design.emitted), stimulus, SHIPPED[build])
+    most, ceiling = run.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]
     assert 0.95 * ceiling < most <= ceiling
 
 
 @pytest.mark.parametrize("name", CEILINGS)
 def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    given: list[Any] = []
-    monkeypatch.setattr(stimuli, "sequences", lambda *arguments: given.append(arguments) or [])
-    monkeypatch.setattr(bench, "own", lambda controller: [])
+    measured_steps: list[Any] = []
+    monkeypatch.setattr(stimuli, "sequences", lambda *arguments: measured_steps.append(arguments) or [])
+    monkeypatch.setattr(bench, "stimuli", lambda controller: [])
     stage, controller = DESIGNS[name].stage, subject(name).controller
     assert stage is not None
-    declared.bench(replace(stage, experiments=()), bench.own, bench.FLOOR).sequences(controller, lambda _: None)
-    assert given[0][0].controller is controller and given[0][3] == []
+    declared.bench(replace(stage, experiments=()), bench.stimuli, bench.FLOOR).sequences(controller, lambda _: None)
+    assert measured_steps[0][0].controller is controller and measured_steps[0][3] == []
     assert DESIGNS[name].bench.floor == bench.FLOOR and DESIGNS[name].bench.block() is BLOCKS[name]

@@ -30,10 +30,10 @@ from tests.designs.planar_6dof.measured import (
     estimation,
     motion,
     noisy,
-    replayed,
+    reference_step,
+    replay,
     rms,
     start,
-    stepped,
 )
 
 BOUNDS = {name: (sensing.POWER * A if name.startswith("m_") else sensing.RESIDUAL) * A for name in RESIDUALS}
@@ -50,7 +50,7 @@ def test_nothing_is_suspected_in_1e5_noisy_samples(predicted: bool) -> None:
     t = np.arange(n) * TIME.period_s
     pose = {"x": 0.1 * np.sin(0.7 * t), "y": 0.09 * np.sin(1.1 * t), "phi": 6e-3 * np.sin(7 * t)}
     pose |= {"z": 2e-4 * np.sin(3 * t), "theta": 1e-3 * np.sin(2 * t), "psi": 1e-3 * np.sin(5 * t)}
-    run = replayed(pose, noise=True, scalar=np.float32, predicted=predicted)
+    run = replay(pose, noise=True, scalar=np.float32, predicted=predicted)
     assert not any(run[s.name].any() for s in (sensing.SUSPECTED, *sensing.SUSPECTS))
     assert all(np.abs(run[name]).max() > 0.3 * bound for name, bound in BOUNDS.items()) and rho(run).max() < 1.0
     assert rms(run["phi" if predicted else "phi_raw"] - pose["phi"]) < (2e-3 if predicted else 4e-3)
@@ -77,20 +77,20 @@ def outcomes(columns: int, predicted: bool) -> dict[tuple[str, bool], Outcome]:
     u, which = noisy(clean, 4), np.repeat(np.arange(len(kinds)), columns)
     for j, (name, stuck) in enumerate(kinds):
         u[name][at:, which == j] = u[name][at, which == j] if stuck else 0.0
-    state, named, told, over = start(predicted, len(which)), [], [], []
+    state, named, word_named, over = start(predicted, len(which)), [], [], []
     for i in range(n):
-        flags = np.full(len(which), float(i > 0)), ~(state["sensing_named"] > 0)  # the guard's
-        out, state = stepped(state, {k: v[i] for k, v in u.items()}, flags, predicted)
-        told.append(out["suspected"] > 0)
+        flags = np.full(len(which), float(i > 0)), ~(state["sensing_contradiction_confirmed"] > 0)  # the guard's
+        out, state = reference_step(state, {k: v[i] for k, v in u.items()}, flags, predicted)
+        word_named.append(out["suspected"] > 0)
         named.append([out[f"suspect_{v}"] > 0 for v in HALL])
         over.append(rho(out) * (i > 0))
-    found, bits, size = np.array(named), np.array(told), np.array(over)  # (n, 6, N), (n, N), (n, N)
+    flagged, bits, size = np.array(named), np.array(word_named), np.array(over)  # (n, 6, N), (n, N), (n, N)
     assert not bits[:at].any()
-    assert found.any(axis=1)[bits].all()  # never nobody
+    assert flagged.any(axis=1)[bits].all()  # never nobody
     first, started, second = (np.full(len(which), n) for _ in range(3))
     for j in range(len(which)):
         for sample in np.flatnonzero(size[:, j] > 1):
-            again = np.flatnonzero(size[sample + 1 : sample + 1 + sensing.MEMORY, j] > sensing.AGAIN)
+            again = np.flatnonzero(size[sample + 1 : sample + 1 + sensing.MEMORY, j] > sensing.CONFIRMATION)
             if again.size:
                 started[j], second[j] = sample, sample + 1 + again[0]
                 break
@@ -100,10 +100,10 @@ def outcomes(columns: int, predicted: bool) -> dict[tuple[str, bool], Outcome]:
     result = {}
     for j, (name, stuck) in enumerate(kinds):
         mine = seen & (which == j)
-        own = found[last[mine], HALL.index(name), np.flatnonzero(mine)]
+        itself = flagged[last[mine], HALL.index(name), np.flatnonzero(mine)]
         result[name, stuck] = Outcome(
             float(mine[which == j].mean()),
-            float(own.mean()) if mine.any() else 0.0,
+            float(itself.mean()) if mine.any() else 0.0,
             int((first - second)[mine].max(initial=0)),
             int((first - started)[mine].max(initial=0)),
         )
@@ -113,17 +113,17 @@ def outcomes(columns: int, predicted: bool) -> dict[tuple[str, bool], Outcome]:
 @pytest.mark.parametrize("predicted", [True, False])
 def test_a_sensor_that_fails_in_motion_is_named_at_once(predicted: bool) -> None:
     """Two contradictions and the sample in which the word tells it, 5 after the first at most."""
-    for found in outcomes(80, predicted).values():
-        assert found.noticed > 0.95 and found.among > 0.95
-        assert found.delay == 1 and found.late <= sensing.MEMORY + 1
+    for outcome in outcomes(80, predicted).values():
+        assert outcome.noticed > 0.95 and outcome.among > 0.95
+        assert outcome.delay == 1 and outcome.late <= sensing.MEMORY + 1
 
 
 def test_a_sensor_that_is_not_checked_goes_unnoticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference_sensing, "POWER", 10.0)
     monkeypatch.setitem(BOUNDS, "m_x", np.inf)
     monkeypatch.setitem(BOUNDS, "m_y", np.inf)
-    found = outcomes(10, True)
-    assert found["V_bx", False].noticed < 0.5 and found["V_cx", False].noticed > 0.95
+    by_channel = outcomes(10, True)
+    assert by_channel["V_bx", False].noticed < 0.5 and by_channel["V_cx", False].noticed > 0.95
     monkeypatch.setattr(reference_sensing, "RESIDUAL", 10.0)
     monkeypatch.setitem(BOUNDS, "r_1", np.inf)
     monkeypatch.setitem(BOUNDS, "r_2", np.inf)
@@ -132,7 +132,7 @@ def test_a_sensor_that_is_not_checked_goes_unnoticed(monkeypatch: pytest.MonkeyP
 
 def guarded(predicted: bool) -> Block:
     held = [replace(s, name=s.name.removesuffix("_held")) for s in sensing.HELD]
-    inputs = [safety.Guarded(s, 0.0, True, held=False) for s in held]
+    inputs = [safety.GuardedInput(s, 0.0, True, held=False) for s in held]
     parts = [safety.guard(TIME, inputs, WAIT, HALL), sensing.sensing(PLANT, TIME, predicted)]
     parts += filtering.blocks(TIME) if predicted else []
     return compose("guarded", parts, inputs=HALL, outputs=["x", "y", "phi"] if predicted else AS_MEASURED)
@@ -191,9 +191,9 @@ def test_a_loose_contact_is_named(every: int, predicted: bool) -> None:
         u = resting(n)
         u[name][at::every] = 0.0
         faults = guarded_c(predicted).replay(u).faults
-        told = at + every + 1
-        assert not faults[:told].any() and (faults[told : told + WAIT] & suspect[name]).all()
-        assert faults[told + WAIT - 1] >> safety.LATCH_BIT
+        latest = at + every + 1
+        assert not faults[:latest].any() and (faults[latest : latest + WAIT] & suspect[name]).all()
+        assert faults[latest + WAIT - 1] >> safety.LATCH_BIT
     u = resting(n)
     u["V_ax"][at :: sensing.MEMORY + 1] = 0.0
     assert not guarded_c(predicted).replay(u).faults.any()
@@ -216,7 +216,7 @@ def test_a_single_glitch_is_passed_over(predicted: bool) -> None:
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_faults_says_what_is_not_noticed(predicted: bool) -> None:
     filters = filtering.blocks(TIME) if predicted else ()
-    zero, stuck = (f(PLANT, TIME, 5, filters) for f in (sensing_maps.faults, sensing_maps.stuck))
+    zero, stuck = (f(PLANT, TIME, 5, filters) for f in (sensing_maps.zero_voltages, sensing_maps.stuck_voltages))
     first, second = ({name: w.summary(name) for name, w in of.items()} for of in (zero, stuck))
     assert [*first] == [*second] == [*HALL] and all(r["named, %"] == 100 for r in (*first.values(), *second.values()))
     # What drops to zero near its zero is not noticed, and is worth little; V_bx and V_cy hide wherever the circle of

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.planar_6dof import emitted as shared
+from designs.planar_6dof import artefacts as shared
 from designs.planar_6dof import lqg
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
@@ -20,12 +20,12 @@ from designs.planar_6dof_lqg import reference as lqg_reference
 from models import planar_stage
 from synth.block import Block
 from synth.blocks import safety
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.execute import compile as host_compiler
 from synth.execute import host
 
 ROOT = Path(__file__).parents[3]
-EMITTED: dict[str, Callable[[type[np.floating]], dict[str, Emitted]]] = {
+EMITTED: dict[str, Callable[[type[np.floating]], dict[str, EmittedCode]]] = {
     leadlag.NAME: leadlag_design.DESIGN.emit,
     lqg.NAME: lqg_design.DESIGN.emit,
 }
@@ -34,22 +34,22 @@ LAST_BITS = 8  # units in the last place of double precision by which libm's fun
 
 
 @cache
-def made(name: str, double: bool) -> Emitted:
+def made(name: str, double: bool) -> EmittedCode:
     return EMITTED[name](np.float64 if double else np.float32)[name]
 
 
 @pytest.fixture(scope="module")
-def regenerated() -> dict[str, Emitted]:
+def regenerated() -> dict[str, EmittedCode]:
     return {name: made(name, False) for name in EMITTED}
 
 
 def vectors(name: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((ROOT / "generated_c" / name / "vectors.json").read_text())
-    return found
+    document: dict[str, Any] = json.loads((ROOT / "generated_c" / name / "vectors.json").read_text())
+    return document
 
 
 @pytest.mark.parametrize("name", EMITTED)
-def test_regeneration_gives_the_committed_bytes(regenerated: dict[str, Emitted], name: str) -> None:
+def test_regeneration_gives_the_committed_bytes(regenerated: dict[str, EmittedCode], name: str) -> None:
     folder = ROOT / "generated_c" / name
     fresh = {file: text for file, text in regenerated[name].files.items() if file != "vectors.json"}
     committed = {file: (folder / file).read_text() for file in fresh}
@@ -91,10 +91,10 @@ def test_the_vectors_cross_borders_and_hold_bad_samples(name: str) -> None:
         assert np.count_nonzero(np.diff((s > 0).astype(int))) >= 2  # pitches: the cosine is at its other end there
     assert np.ptp(inputs["phi_ref"]) > 1e-3
     bits = {n: i for i, n in enumerate(inputs)}
-    wanted = np.zeros(shared.STEPS, dtype=int)
-    wanted[shared.BAD] |= 1 << bits[shared.CHANNEL]
-    wanted[shared.ASTRAY] |= 1 << bits[shared.SET_POINT]
-    np.testing.assert_array_equal(faults, wanted)
+    expected = np.zeros(shared.STEPS, dtype=int)
+    expected[shared.BAD] |= 1 << bits[shared.CHANNEL]
+    expected[shared.BAD_REFERENCE] |= 1 << bits[shared.SET_POINT]
+    np.testing.assert_array_equal(faults, expected)
     assert not (faults >> safety.LATCH_BIT).any()
 
 
@@ -118,10 +118,12 @@ def test_the_lqg_gains_are_those_of_49_and_of_the_reference() -> None:
         for state in states:
             assert printed[state].agrees(abs(K[current][design["states"].index(state)]))
     for axis, k in lqg_reference.axes().items():
-        found = design["axes"][axis]
-        scale = k.k_q / found["gains"]["k1"]
-        np.testing.assert_allclose([found["gains"]["k2"], found["b"]], [k.k_v / scale, k.b * scale], rtol=1e-11)
-        assert found["observer"]["L"] == pytest.approx((1 - k.p) * 800) and found["observer"]["F"] == pytest.approx(k.p)
+        document = design["axes"][axis]
+        scale = k.k_q / document["gains"]["k1"]
+        np.testing.assert_allclose([document["gains"]["k2"], document["b"]], [k.k_v / scale, k.b * scale], rtol=1e-11)
+        assert document["observer"]["L"] == pytest.approx((1 - k.p) * 800) and document["observer"][
+            "F"
+        ] == pytest.approx(k.p)
     other = design["printed_weights"]["K"]["i_CQ"]
     assert other[0] == pytest.approx(-898.22, abs=0.01) and not printed["x"].agrees(-other[0])
     certificates = (design["certificate"], design["printed_weights"]["certificate"])
@@ -132,15 +134,15 @@ def test_the_compensators_are_those_of_the_reference() -> None:
     design = leadlag_design.gains()
     assert list(design["compensators"]) == list(leadlag_reference.compensators())
     for axis, k in leadlag_reference.compensators().items():
-        found = design["compensators"][axis]["sampled"]
-        assert found["gain"] == pytest.approx(k.D, rel=1e-12)
-        np.testing.assert_allclose([*found["zeros"], *found["poles"]], [k.z1, k.z2, k.p, 1.0], atol=1e-11)
+        sampled = design["compensators"][axis]["sampled"]
+        assert sampled["gain"] == pytest.approx(k.D, rel=1e-12)
+        np.testing.assert_allclose([*sampled["zeros"], *sampled["poles"]], [k.z1, k.z2, k.p, 1.0], atol=1e-11)
         certificate = design["compensators"][axis]["certificate"]
         assert abs(certificate["gain_error"]) < 5e-3 and abs(certificate["phase_error_degrees"]) < 0.1
 
 
 @pytest.mark.parametrize("name", EMITTED)
-def test_gains_are_shipped_as_they_are_rounded(regenerated: dict[str, Emitted], name: str) -> None:
+def test_gains_are_shipped_as_they_are_rounded(regenerated: dict[str, EmittedCode], name: str) -> None:
     document = json.loads(regenerated[name].files["gains.json"])
     assert set(document) == {"constants", "design"}
     block = BLOCKS[name](planar_stage.plant())

@@ -26,7 +26,7 @@ from synth.simulate.sensors import Override
 PLANT = planar_stage.plant()
 ACTUATORS = [s.name for s in interface.OUTPUTS]
 VALUES = {p.name: ca.SX(p.value) for p in PLANT.parameters}
-Found = dict[str, dict[str, Experiment]]
+Runs = dict[str, dict[str, Experiment]]
 STEPS = ("step_x", "step_y", "step_phi")
 RESTS = ("standstill", "standstill_printed_noise", "standstill_6.525_V", "standstill_24_V")
 FAILURES = [f"{kind}_{where}" for where in ("resting", "moving") for kind in ("nan", "zero", "stuck")]
@@ -44,7 +44,7 @@ def optimal() -> Rig:
 
 
 @pytest.fixture(scope="module")
-def found(lead: Rig, optimal: Rig) -> Found:
+def all_runs(lead: Rig, optimal: Rig) -> Runs:
     """Return every experiment but those over the finite matrix, which `test_finite` runs."""
     runs = {"leadlag": (leadlag_experiments.ALL, lead), "lqg": (lqg_experiments.ALL, optimal)}
     return {
@@ -53,45 +53,45 @@ def found(lead: Rig, optimal: Rig) -> Found:
     }
 
 
-def test_every_experiment_keeps_its_limits(found: Found) -> None:
-    checks = [(n, e.name, c) for n, run in found.items() for e in run.values() for c in e.checks]
+def test_every_experiment_keeps_its_limits(all_runs: Runs) -> None:
+    checks = [(n, e.name, c) for n, run in all_runs.items() for e in run.values() for c in e.checks]
     assert not [f"{n} {e}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
     assert len(checks) >= 80
-    assert set(found["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES}
-    assert set(found["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES}
+    assert set(all_runs["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES}
+    assert set(all_runs["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES}
 
 
-def test_steps_of_the_lead_lag_controller(found: Found) -> None:
+def test_steps_of_the_lead_lag_controller(all_runs: Runs) -> None:
     """With the Kalman filter and a sample of delay; `test_control` finds the same with the positions known."""
     for axis, rise, beyond in (("x", 19.2, 23.8), ("y", 19.1, 23.8), ("phi", 10.4, 17.4)):
-        e = found["leadlag"][f"step_{axis}"]
+        e = all_runs["leadlag"][f"step_{axis}"]
         assert 1e3 * e.figures["rise, s"] == pytest.approx(rise, abs=0.3)
         assert 100 * e.figures["overshoot"] == pytest.approx(beyond, abs=1)
         assert abs(e.figures["true error at the end, without noise, of the step"]) < 0.01
 
 
-def test_noise_at_rest(found: Found) -> None:
+def test_noise_at_rest(all_runs: Runs) -> None:
     """As runs of 400 s have it, within 3 sd of a short one; what is raw follows what is planted."""
     for name, filtered, true in (("leadlag", (6.9, 6.9), (4.15, 4.15)), ("lqg", (6.38, 9.05), (9.13, 9.12))):
-        e = found[name]["standstill"]
+        e = all_runs[name]["standstill"]
         for axis, seen, moved in zip("xy", filtered, true, strict=True):
             assert e.figures[f"filtered {axis}, um rms"] == pytest.approx(seen, rel=0.1)
             assert e.figures[f"true {axis}, um rms"] == pytest.approx(moved, rel=0.1)
-    for run in found.values():
+    for run in all_runs.values():
         for name, factor in (("standstill", 13), ("standstill_printed_noise", 50)):
             assert 0.9 * factor < run[name].figures["raw x, um rms"] < 2 * factor
 
 
-def test_the_stated_voltage_is_too_little_for_the_noise_of_the_lqg_controller(found: Found) -> None:
+def test_the_stated_voltage_is_too_little_for_the_noise_of_the_lqg_controller(all_runs: Runs) -> None:
     """The lead-lag controller does with it: its noise is that with ideal amplifiers, but for the length of a record."""
     for name, low, high in (("leadlag", 0.85, 1.15), ("lqg", 3.0, 7.0)):
-        ideal, short = (found[name][n].figures for n in ("standstill", "standstill_6.525_V"))
+        ideal, short = (all_runs[name][n].figures for n in ("standstill", "standstill_6.525_V"))
         for axis in ("y, um", "phi, urad"):
             assert low < short[f"true {axis} rms"] / ideal[f"true {axis} rms"] < high
 
 
-def test_the_circle_crosses_pitches_and_no_border_shows(found: Found) -> None:
-    e = found["leadlag"]["circle"]
+def test_the_circle_crosses_pitches_and_no_border_shows(all_runs: Runs) -> None:
+    e = all_runs["leadlag"]["circle"]
     for axis in "xy":
         assert e.figures[f"pitches crossed, {axis}"] > 3.9
         assert e.figures[f"switching samples, {axis}"] > 30
@@ -146,12 +146,12 @@ def test_voltages_are_those_of_resistance_inductance_and_motion(lead: Rig) -> No
     plant, v, T = planar_stage.plant(), 0.1, lead.period_s
     idle = dict.fromkeys(ACTUATORS, 0.0)
     run = replace(lead, plant=plant).ideal.run(0.6, {"vx": v}, actuators={}, forcing=idle)
-    u = planar_voltages.needed(plant, run)
+    u = planar_voltages.phase_voltages(plant, run)
     assert np.abs(u[6:]).max() == pytest.approx(2 / 3 * allocation.force_constant(plant) * v, rel=1e-3)
     assert np.abs(u[:6]).max() < 1e-9
     R, L = (plant.parameter(n).value for n in ("resistance", "inductance"))
     still = replace(lead, plant=plant).ideal.run(0.002, {}, {}, actuators={}, forcing=idle | {"i_AA": 0.01})
-    u = planar_voltages.needed(plant, still)
+    u = planar_voltages.phase_voltages(plant, still)
     assert u[0, 0] == pytest.approx(0.01 * (R + L / T)) and u[0, 1] == pytest.approx(0.01 * R, rel=0.03)
 
 
@@ -160,7 +160,7 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig
     idle = dict.fromkeys(ACTUATORS, 0.0) | {"i_CA": 0.2}
     R, L = (PLANT.parameter(n).value for n in ("resistance", "inductance"))
     for volts in (1e3, 0.5):
-        bad = replace(lead, plant=planar_voltages.amplified(volts)).ideal
+        bad = replace(lead, plant=planar_voltages.plant_with_amplifiers(volts)).ideal
         run = bad.run(0.003, {}, {}, actuators={}, forcing=idle, substeps=64)
         t = run.time
         expected = 0.2 * (1 - np.exp(-t / planar_voltages.LAG)) if volts > 1 else 0.5 / R * (1 - np.exp(-t * R / L))
@@ -173,7 +173,7 @@ def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
         assert f.failure.named == 0 and f.failure.latched == 4 and not f.others and f.contradicted is None
     late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
     assert late.failure.named is None and late.failure.latched is None
-    assert late.failure.left() == 0 == late.failure.slew() == late.unanswered
+    assert late.failure.left() == 0 == late.failure.slew() == late.isolation_delay
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
@@ -183,8 +183,8 @@ def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
         time = sample_times(60.0, loop.period_s)
         part = leadlag_experiments.RADIUS * np.clip(time / leadlag_experiments.GROWTH, 0, 1) ** 2
         turn = leadlag_experiments.RATE * time
-        for wanted in ({}, {"x": part * np.cos(turn), "y": part * np.sin(turn)}):
-            run = simulate(noisy, 60.0, wanted, {})
+        for references in ({}, {"x": part * np.cos(turn), "y": part * np.sin(turn)}):
+            run = simulate(noisy, 60.0, references, {})
             largest = failures.residuals(noisy, run)[1:].max()
             assert (largest > 1) == alarm and largest > 0.4
             assert alarm or not run.faults.any()
@@ -193,13 +193,13 @@ def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
 # Planted defects
 
 
-def planted(block: Block, name: str, factor: float) -> Block:
+def with_wrong_constant(block: Block, name: str, factor: float) -> Block:
     changed = tuple(replace(c, value=factor * c.value) if c.name == name else c for c in block.constants)
     assert changed != block.constants
     return replace(block, constants=changed)
 
 
-def failed(e: Experiment) -> set[str]:
+def failing_checks(e: Experiment) -> set[str]:
     return {c.name for c in e.checks if not c.passed}
 
 
@@ -209,34 +209,34 @@ def test_a_wrong_plant_is_caught(lead: Rig, parameter: str, factor: float) -> No
     wrong = lead.plant.with_parameters(**{parameter: factor * lead.plant.parameter(parameter).value})
     bad = replace(lead, plant=wrong)
     run = experiments.step(bad, "x", FIGURE_8["x"])
-    found = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
-    assert failed(found) & {"rise", "overshoot", "settling"}
+    experiment = experiments.step_experiment(bad, run, "", "", leadlag_experiments.LIMITS)
+    assert failing_checks(experiment) & {"rise", "overshoot", "settling"}
 
 
 def test_delay_counts_and_a_second_sample_is_caught(lead: Rig) -> None:
-    found = []
+    values = []
     for delay in (0, 1, 2):
         late = lead.with_interface(delay=delay)
         run = experiments.step(late, "x", FIGURE_8["x"])
-        found.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
-    beyond = [e.figures["overshoot"] for e in found]
+        values.append(experiments.step_experiment(late, run, "", "", leadlag_experiments.LIMITS))
+    beyond = [e.figures["overshoot"] for e in values]
     assert beyond[0] + 0.005 < beyond[1] < beyond[2] - 0.005
-    assert [failed(e) for e in found] == [set(), set(), {"overshoot"}]
+    assert [failing_checks(e) for e in values] == [set(), set(), {"overshoot"}]
 
 
 def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
-    wrong = loops.compiled(planted(loops.view(leadlag.TIME), "sensing_position_1", 1.01))
-    monkeypatch.setattr(loops, "_compiled_view", lambda period_s, predicted: wrong)
-    found = leadlag_experiments.circle_experiment(lead, "circle")
-    assert failed(found) == {"jump of x at a switching sample", "jump of y at a switching sample"}
+    wrong = loops.compile_block(with_wrong_constant(loops.position_block(leadlag.TIME), "sensing_position_1", 1.01))
+    monkeypatch.setattr(loops, "_position_controller", lambda period_s, predicted: wrong)
+    experiment = leadlag_experiments.circle_experiment(lead, "circle")
+    assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
 
 def test_a_fault_is_caught(lead: Rig) -> None:
     mask = np.arange(100) == 50
     run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
-    assert experiments.usual(run)[0].found == 1 and not experiments.usual(run)[0].passed
+    assert experiments.common_checks(run)[0].found == 1 and not experiments.common_checks(run)[0].passed
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:

@@ -57,9 +57,9 @@ def test_the_gains_are_where_the_recursion_comes_to_rest(axis: str, rate: int) -
     T = 1 / rate
     K, _ = recursion(axis, T, updated=True)
     shipped = {c.name: c.value for c in filtering.block(axis, Discrete(T)).constants}
-    found = [shipped[f"k_{n}"] for n in "psh"]
-    np.testing.assert_allclose(found, K * [1, T, T**2 / 2], rtol=1e-6)  # the recursion's own rounding
-    np.testing.assert_allclose(found, reference_sensing.gain(filtering.JERK[axis], T), rtol=EXACT)
+    gains = [shipped[f"k_{n}"] for n in "psh"]
+    np.testing.assert_allclose(gains, K * [1, T, T**2 / 2], rtol=1e-6)  # the recursion's own rounding
+    np.testing.assert_allclose(gains, reference_sensing.gain(filtering.JERK[axis], T), rtol=EXACT)
 
 
 def test_as_printed_nothing_is_filtered() -> None:
@@ -101,14 +101,14 @@ def test_it_rests_at_the_raw_position_until_it_is_ready(axis: str) -> None:
 
 @pytest.mark.parametrize("axis", AXES)
 def test_it_starts_anew_before_a_state_leaves_its_bounds(axis: str) -> None:
-    found = compiled(axis, 800, np.float32)
-    raw, box = (next(f for f in found.manifest["structs"][s]["fields"]) for s in ("input", "state"))
+    controller = compiled(axis, 800, np.float32)
+    raw, box = (next(f for f in controller.manifest["structs"][s]["fields"]) for s in ("input", "state"))
     turns = np.cumsum(np.random.default_rng(0).integers(5, 50, 300))
     swings = raw["high"] * np.where(np.searchsorted(turns, np.arange(3000)) % 2, 1.0, -1.0)
-    state = found.init()
+    state = controller.init()
     restarts = 0
     for value in swings.astype(np.float32):
-        found.step(state, {f"{axis}_raw": value, "ready": 1.0})
+        controller.step(state, {f"{axis}_raw": value, "ready": 1.0})
         values = [float(state[n]) for n in state.dtype.names or ()]
         assert max(map(abs, values)) <= box["high"] * (1 + 1e-7)
         restarts += values == [value, 0.0, 0.0]
@@ -139,8 +139,8 @@ def from_positions(text: str) -> str:
     """Return C whose velocity is the difference of predicted and filtered position: s = (v + a) + a, v + a = p+ - x."""
 
     def name(value: str) -> str:
-        (found,) = re.findall(rf"const (?:float|double) (t\d+) = {value} \+ ", text)
-        return str(found)
+        (local,) = re.findall(rf"const (?:float|double) (t\d+) = {value} \+ ", text)
+        return str(local)
 
     now, a = name("filter_x_p"), name("filter_x_h")
     moved, count = re.subn(r"(state->filter_x_s = )t\d+;", rf"\g<1>({name(now)} - {now}) + {a};", text)

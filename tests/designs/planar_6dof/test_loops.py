@@ -43,7 +43,7 @@ def optimal(axis: str) -> C:
 
 
 @pytest.fixture(scope="module")
-def opened(cases: dict[str, Case]) -> dict[str, loops.Parts]:
+def opened(cases: dict[str, Case]) -> dict[str, loops.LoopParts]:
     return {name: loops.parts(PLANT, block) for name, (block, *_) in cases.items()}
 
 
@@ -51,13 +51,13 @@ def circle(time: Discrete) -> np.ndarray:
     return np.exp(2j * np.pi * np.geomspace(0.3, 0.45 / time.period_s, 40) * time.period_s)
 
 
-def distance(parts: loops.Parts, case: Case, axis: str) -> float:
+def distance(parts: loops.LoopParts, case: Case, axis: str) -> float:
     """Return how far the loop of a controller is from the one written out, of it or of 1 + L, at 40 frequencies."""
     _, time, filtered, compensator = case
     z = circle(time)
     expected = analytic.loop(PLANT, axis, compensator(axis), time, filtered)(z)
-    found = loops.opened(parts, [axis]).response(z)[:, 0, 0]
-    return float(np.abs(found / expected - 1).max())
+    response = loops.open_loop(parts, [axis]).response(z)[:, 0, 0]
+    return float(np.abs(response / expected - 1).max())
 
 
 # The loop of the whole controller is the one that is written out
@@ -66,23 +66,23 @@ def distance(parts: loops.Parts, case: Case, axis: str) -> float:
 @pytest.mark.parametrize("axis", allocation.AXES)
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_each_loop_is_the_analytic_one(
-    cases: dict[str, Case], opened: dict[str, loops.Parts], name: str, axis: str
+    cases: dict[str, Case], opened: dict[str, loops.LoopParts], name: str, axis: str
 ) -> None:
     assert distance(opened[name], cases[name], axis) < NEAR
 
 
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_the_loop_at_the_currents_is_the_analytic_one(
-    cases: dict[str, Case], opened: dict[str, loops.Parts], name: str
+    cases: dict[str, Case], opened: dict[str, loops.LoopParts], name: str
 ) -> None:
     """Three currents, whose loop is a full matrix though that of the positions is diagonal."""
     _, time, filtered, compensator = cases[name]
     z, whole = circle(time), loops.horizontal(opened[name])
     single = {a: analytic.loop(PLANT, a, compensator(a), time, filtered) for a in HORIZONTAL}
     expected = analytic.currents(PLANT, single, z)
-    found = whole["currents"].response(z)
+    response = whole["currents"].response(z)
     size = np.abs(expected).max(axis=(1, 2), keepdims=True)
-    assert (np.abs(found - expected) / size).max() < NEAR
+    assert (np.abs(response - expected) / size).max() < NEAR
     assert (np.abs(expected[:, 1, 2]) / size[:, 0, 0]).max() > 0.1
     across = whole["positions"].response(z)
     assert np.abs(across[:, 0, 2] * PLANT.parameter("a").value).max() < NEAR * np.abs(across[:, 0, 0]).max()
@@ -92,13 +92,13 @@ def test_the_loop_at_the_currents_is_the_analytic_one(
 def test_the_linear_controller_is_that_of_the_emitted_c(cases: dict[str, Case], name: str) -> None:
     """Jacobians by central differences of the compiled C in double, from the state in which the platen rests."""
     block = cases[name][0]
-    state, inputs = loops.resting(PLANT, block, loops.MIDDLE)
-    expected = analyse.linearised(block, state, inputs)
+    state, inputs = loops.rest_point(PLANT, block, loops.MIDDLE)
+    expected = analyse.linearise_block(block, state, inputs)
     emitted = write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
     A, B, C, D = differences(host.load(emitted.files, emitted.manifest), block, state, inputs)
-    found = replace(expected, A=A, B=B, C=C, D=D)
+    linear = replace(expected, A=A, B=B, C=C, D=D)
     z = circle(cases[name][1])
-    a, b = (m.select(m.outputs, loops.SENSED).response(z) for m in (found, expected))
+    a, b = (m.select(m.outputs, loops.SENSED).response(z) for m in (linear, expected))
     size = np.abs(b).max(axis=1, keepdims=True)  # of the answer to each sensor, A/V or A/m; two of them do not matter
     assert (np.abs(a - b) / np.maximum(size, 1e-3)).max() < 1e-5  # central differences of 1e-7 of a range
     assert (size > 0.1).sum() == 7 * len(z)
@@ -108,12 +108,12 @@ def differences(
     controller: host.Controller, block: Block, state: dict[str, float], inputs: dict[str, float]
 ) -> list[np.ndarray]:
     """Return A, B, C, D of the C; flags and counters stay, and their columns are 0."""
-    known, given = [s.name for s in block.states], names(block.inputs)
-    moved = [s.name for s in block.states if not s.integer] + list(given)
+    known, input_names = [s.name for s in block.states], names(block.inputs)
+    moved = [s.name for s in block.states if not s.integer] + list(input_names)
     steps = {s.name: 1e-7 * (s.signal.high - s.signal.low) for s in block.states}
     steps |= {s.name: 1e-7 * (s.high - s.low) for s in block.inputs}
     n = 2 * len(moved)
-    records, columns = np.zeros(n, controller.state), {name: np.full(n, inputs[name]) for name in given}
+    records, columns = np.zeros(n, controller.state), {name: np.full(n, inputs[name]) for name in input_names}
     for name in known:
         records[name] = state[name]
     for k, name in enumerate(moved):
@@ -123,19 +123,19 @@ def differences(
     batch = controller.batch(records, columns)
     after = np.array([np.asarray(batch.states[s], dtype=float) for s in known])
     out = np.array([np.asarray(batch.outputs[s], dtype=float) for s in names(block.outputs)])
-    found = []
+    matrices = []
     for rows in (after, out):
         slopes = {m: (rows[:, 2 * k] - rows[:, 2 * k + 1]) / (2 * steps[m]) for k, m in enumerate(moved)}
         nothing = np.zeros(len(rows))
-        found += [np.array([slopes.get(m, nothing) for m in part]).T for part in (known, given)]
-    return found
+        matrices += [np.array([slopes.get(m, nothing) for m in part]).T for part in (known, input_names)]
+    return matrices
 
 
 def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
     """At a place beside the middle as well: nothing is refused, and the currents are those of the sensors' error."""
     for block, *_ in cases.values():
         for place in (loops.MIDDLE, {"x": 0.011, "y": -0.02}):
-            state, inputs = loops.resting(PLANT, block, place)
+            state, inputs = loops.rest_point(PLANT, block, place)
             x, u = [state[s.name] for s in block.states], [inputs[n] for n in names(block.inputs)]
             after, y = (np.asarray(v).ravel() for v in block.function()(x, u))
             size = np.array([s.signal.high - s.signal.low for s in block.states])
@@ -146,29 +146,29 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
 # What is made of a loop
 
 
-def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.Parts], cases: dict[str, Case]) -> None:
+def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.LoopParts], cases: dict[str, Case]) -> None:
     """The calibrated slope of x is off by a few per cent at most, and so is the crossover."""
-    middle = margins.of_loop(loops.opened(opened["leadlag"], ["x"]))
-    found = loops.over_pitch(PLANT, cases["leadlag"][0], places=3)
-    for each in found:
+    middle = margins.of_loop(loops.open_loop(opened["leadlag"], ["x"]))
+    by_place = loops.over_pitch(PLANT, cases["leadlag"][0], places=3)
+    for each in by_place:
         assert each["x"].stable and each["x"].phase_margin == pytest.approx(middle.phase_margin, abs=3)
-    assert len({each["x"].phase_margin for each in found}) > 1
+    assert len({each["x"].phase_margin for each in by_place}) > 1
 
 
-def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.Parts]) -> None:
+def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.LoopParts]) -> None:
     whole = loops.horizontal(opened["lqg"])
-    found = {name: disk.of_loop(L) for name, L in whole.items()}
-    alone = [disk.of_loop(loops.opened(opened["lqg"], [a])).lower for a in HORIZONTAL]
-    assert found["positions"].lower == pytest.approx(min(alone), rel=1e-3)
-    assert found["both"].lower < 0.6 * found["positions"].lower
-    assert all(m.certified for m in found.values())
-    for name, m in found.items():  # the factors found put a pole onto the unit circle
+    disks = {name: disk.of_loop(L) for name, L in whole.items()}
+    alone = [disk.of_loop(loops.open_loop(opened["lqg"], [a])).lower for a in HORIZONTAL]
+    assert disks["positions"].lower == pytest.approx(min(alone), rel=1e-3)
+    assert disks["both"].lower < 0.6 * disks["positions"].lower
+    assert all(m.certified for m in disks.values())
+    for name, m in disks.items():  # the factors found put a pole onto the unit circle
         L = whole[name]
         value = L.response([np.exp(1j * m.frequency * lqg.TIME.period_s)])[0]
         assert abs(np.linalg.det(np.eye(len(value)) + value @ np.diag(m.factors))) < 1e-3
 
 
-def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.Parts]) -> None:
+def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.LoopParts]) -> None:
     L = loops.horizontal(opened["lqg"])["currents"]
     z, other = circle(lqg.TIME), loops.scaled(L, {"i_CQ": 0.01})
     a, b = L.response(z), other.response(z)
@@ -176,11 +176,11 @@ def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, l
     np.testing.assert_allclose(b[:, 2, 0], 0.01 * a[:, 2, 0], rtol=1e-9)
 
 
-def test_a_signal_that_does_not_go_around_is_refused(opened: dict[str, loops.Parts]) -> None:
+def test_a_signal_that_does_not_go_around_is_refused(opened: dict[str, loops.LoopParts]) -> None:
     with pytest.raises(
         SignalError, match=r"cannot open at 'x_raw', which is neither .*: name one of x, y, phi, z, theta, psi, i_AQ"
     ):
-        loops.opened(opened["lqg"], ["x_raw"])
+        loops.open_loop(opened["lqg"], ["x_raw"])
 
 
 # Planted defects
@@ -194,7 +194,7 @@ def test_another_delay_is_caught(cases: dict[str, Case], name: str, delay: int) 
         assert distance(parts, cases[name], axis) > 0.5
 
 
-def planted(block: Block, name: str, factor: float) -> Block:
+def with_wrong_constant(block: Block, name: str, factor: float) -> Block:
     changed = tuple(replace(c, value=factor * c.value) if c.name == name else c for c in block.constants)
     assert changed != block.constants
     return replace(block, constants=changed)
@@ -209,15 +209,15 @@ def changed_parameter(plant: Plant, name: str) -> Plant:
     [
         ("leadlag", "filter_x_k_s", "x"),
         ("leadlag", "filter_phi_k_p", "phi"),
-        ("leadlag", "loop_y_direct", "y"),
-        ("leadlag", "loop_psi_driven", "psi"),
+        ("leadlag", "loop_y_gain", "y"),
+        ("leadlag", "loop_psi_integral_input", "psi"),
         ("lqg", "lqg_x_H", "x"),
-        ("lqg", "lqg_phi_on_force", "phi"),
+        ("lqg", "lqg_phi_achieved_gain", "phi"),
         ("lqg", "sensing_position_1", "y"),
     ],
 )
 def test_a_wrong_constant_is_caught(cases: dict[str, Case], name: str, constant: str, axis: str) -> None:
-    parts = loops.parts(PLANT, planted(cases[name][0], constant, 1.001))
+    parts = loops.parts(PLANT, with_wrong_constant(cases[name][0], constant, 1.001))
     assert distance(parts, cases[name], axis) > 1e-5
 
 
@@ -228,7 +228,7 @@ def test_a_wrong_stage_is_caught(cases: dict[str, Case], parameter: str, axis: s
 
 
 def test_a_loop_without_its_filter_is_caught(cases: dict[str, Case]) -> None:
-    bare = loops.parts(PLANT, own.whole(PLANT, own.unfiltered("x"), leadlag.law(PLANT)))
+    bare = loops.parts(PLANT, own.whole(PLANT, own.without_filter("x"), leadlag.law(PLANT)))
     assert distance(bare, cases["leadlag"], "x") > 0.5
     assert distance(bare, cases["leadlag"], "y") < 1e-4  # single precision
 
@@ -236,5 +236,5 @@ def test_a_loop_without_its_filter_is_caught(cases: dict[str, Case]) -> None:
 def test_a_wrong_arm_shows_at_the_currents(cases: dict[str, Case]) -> None:
     """An allocation for another arm c leaves the yaw of motor C: positions are then no diagonal loop."""
     wrong = lqg.controller(changed_parameter(PLANT, "c"))
-    found = loops.horizontal(loops.parts(PLANT, wrong))["positions"].response(circle(lqg.TIME))
-    assert np.abs(found[:, 2, 0]).max() > 1e-4
+    response = loops.horizontal(loops.parts(PLANT, wrong))["positions"].response(circle(lqg.TIME))
+    assert np.abs(response[:, 2, 0]).max() > 1e-4

@@ -44,15 +44,17 @@ def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensor
 
 
 def test_the_filter_leaves_about_half_of_the_noise(lead: Rig, runs: list[Experiment]) -> None:
-    found = simulated.seen(lead, runs[3].trajectory)
-    assert 0.3 < np.std(found["x"][100:500]) / np.std(found["x_raw"][100:500]) < 0.6
+    measured = simulated.measured_positions(lead, runs[3].trajectory)
+    assert 0.3 < np.std(measured["x"][100:500]) / np.std(measured["x_raw"][100:500]) < 0.6
 
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_the_map_of_what_is_not_noticed(predicted: bool) -> None:
-    failed = sensing_maps.faults(PLANT, leadlag.TIME, 6, filtering.blocks(leadlag.TIME) if predicted else ())
-    found = {name: (w.noticed < 0).reshape(6, 6) for name, w in failed.items()}
-    told = {name: w.summary(name)["unnoticed, %"] for name, w in failed.items()}
-    assert {name: 100 * silent.mean() for name, silent in found.items()} == pytest.approx(told)
-    assert found["V_bx"].any() and not found["V_bx"].all() and not found["V_ax"].any()
-    assert (found["V_bx"] == found["V_cy"].T).all() and (found["V_bx"] == found["V_bx"][:, :1]).all()
+    failed = sensing_maps.zero_voltages(PLANT, leadlag.TIME, 6, filtering.blocks(leadlag.TIME) if predicted else ())
+    undetected = {name: (w.noticed < 0).reshape(6, 6) for name, w in failed.items()}
+    shares = {name: w.summary(name)["unnoticed, %"] for name, w in failed.items()}
+    assert {name: 100 * silent.mean() for name, silent in undetected.items()} == pytest.approx(shares)
+    assert undetected["V_bx"].any() and not undetected["V_bx"].all() and not undetected["V_ax"].any()
+    assert (undetected["V_bx"] == undetected["V_cy"].T).all() and (
+        undetected["V_bx"] == undetected["V_bx"][:, :1]
+    ).all()

@@ -23,18 +23,18 @@ def test_steps_in_operation_are_near_it(subject: Subject) -> None:
     for s in (*subject.block.inputs, *(s.signal for s in subject.block.states)):
         values = (inputs | states)[s.name].astype(np.float32)
         assert (s.low <= values).all() and (values <= s.high).all(), s.name
-    found = agree.casadi(subject.block)(states, inputs)
-    assert 0.02 < np.mean(random_steps.saturated(found.outputs)) < 0.5
-    assert np.mean(found.faults == 0) > 0.95
+    stepped = agree.casadi(subject.block)(states, inputs)
+    assert 0.02 < np.mean(random_steps.is_saturated(stepped.outputs)) < 0.5
+    assert np.mean(stepped.faults == 0) > 0.95
     offsets = [np.unique(states[f"sensing_offset_{axis}"]) for axis in "xy"]
-    assert [len(found) for found in offsets] == [5, 5]  # all pitches of the travel
-    moved = [n for n in random_steps.of_law(subject.block) if np.std(found.states[n] - states[n]) > 0]
-    assert moved == random_steps.of_law(subject.block) and len(moved) >= 12
+    assert [len(stepped) for stepped in offsets] == [5, 5]  # all pitches of the travel
+    moved = [n for n in random_steps.law_states(subject.block) if np.std(stepped.states[n] - states[n]) > 0]
+    assert moved == random_steps.law_states(subject.block) and len(moved) >= 12
 
 
 def test_a_state_of_another_name_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(random_steps, "ANYTHING", ("sensing_first_",))
-    with pytest.raises(SignalError, match="remembers sensing_doubt: say what that is"):
+    monkeypatch.setattr(random_steps, "UNCONSTRAINED", ("sensing_first_",))
+    with pytest.raises(SignalError, match="has the states sensing_contradiction_left with no value"):
         random_steps.in_operation(SUBJECTS["lqg"], PLANT, 10)
 
 

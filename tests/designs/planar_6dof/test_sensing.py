@@ -26,16 +26,16 @@ from tests.designs.planar_6dof.measured import (
     Columns,
     L,
     W,
-    compiled,
+    compile_estimation,
     estimation,
-    held,
+    estimation_inputs,
+    forward_and_back,
+    held_voltages,
     motion,
     noisy,
     pitches,
-    replayed,
+    replay,
     rms,
-    seen,
-    way,
 )
 
 
@@ -45,23 +45,23 @@ def poses(n: int, seed: int, lift: float, yaw: float) -> dict[str, Array]:
     return {axis: rng.uniform(-bound, bound, n) for axis, bound in size.items()}
 
 
-def sensed(block: Block, pose: Columns) -> dict[str, Array]:
+def sense(block: Block, pose: Columns) -> dict[str, Array]:
     """Return the outputs of the sensing Block at poses (N,) that are predicted as they are."""
     n = len(pose["x"])
-    given = held(sensing_maps.voltages(PLANT, pose)) | {"ready": np.ones(n), "complete": np.ones(n)}
-    given |= {f"{axis}_predicted": pose[axis] for axis in filtering.AXES}
+    inputs = held_voltages(sensing_maps.voltages(PLANT, pose)) | {"ready": np.ones(n), "complete": np.ones(n)}
+    inputs |= {f"{axis}_predicted": pose[axis] for axis in filtering.AXES}
     state = np.tile(block.initial[:, None], n)
-    y = block.function().map(n)(state, np.array([given[s.name] for s in block.inputs]))[1].full()
+    y = block.function().map(n)(state, np.array([inputs[s.name] for s in block.inputs]))[1].full()
     return dict(zip((s.name for s in block.outputs), y, strict=True))
 
 
-def changed(block: Block, **constants: float) -> Block:
+def with_constants(block: Block, **constants: float) -> Block:
     return replace(block, constants=tuple(replace(c, value=constants.get(c.name, c.value)) for c in block.constants))
 
 
 def errors(block: Block, pose: Columns) -> dict[str, Array]:
-    found = sensed(block, pose)
-    return {axis: found[f"{axis}_raw"] - pose[axis] for axis in filtering.AXES}
+    outputs = sense(block, pose)
+    return {axis: outputs[f"{axis}_raw"] - pose[axis] for axis in filtering.AXES}
 
 
 # The field's fits.
@@ -111,16 +111,19 @@ def test_the_error_map_tells_them_and_the_noise() -> None:
 
 
 def test_the_noise_of_the_map_is_that_of_noisy_samples() -> None:
-    found = sensing_maps.error_map(PLANT, points=8)
-    i, j = np.unravel_index(found.noise["phi"].argmin(), found.noise["phi"].shape)
+    error_map = sensing_maps.error_map(PLANT, points=8)
+    i, j = np.unravel_index(error_map.noise["phi"].argmin(), error_map.noise["phi"].shape)
     n = 4000
-    u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, found.place[i]), "y": np.full(n, found.place[j])}))
+    u = noisy(sensing_maps.voltages(PLANT, {"x": np.full(n, error_map.place[i]), "y": np.full(n, error_map.place[j])}))
     block = sensing.sensing(PLANT, TIME)
-    given = held(u) | {"x_predicted": np.full(n, found.place[i]), "y_predicted": np.full(n, found.place[j])}
-    given |= {"phi_predicted": np.zeros(n), "ready": np.ones(n), "complete": np.ones(n)}
-    y = block.function().map(n)(np.tile(block.initial[:, None], n), np.array([given[s.name] for s in block.inputs]))
+    inputs = held_voltages(u) | {
+        "x_predicted": np.full(n, error_map.place[i]),
+        "y_predicted": np.full(n, error_map.place[j]),
+    }
+    inputs |= {"phi_predicted": np.zeros(n), "ready": np.ones(n), "complete": np.ones(n)}
+    y = block.function().map(n)(np.tile(block.initial[:, None], n), np.array([inputs[s.name] for s in block.inputs]))
     raw = y[1].full()[:3]
-    expected = [found.noise[axis][i, j] for axis in filtering.AXES]
+    expected = [error_map.noise[axis][i, j] for axis in filtering.AXES]
     np.testing.assert_allclose(raw.std(axis=1), expected, rtol=0.05)  # 4000 samples, and curvature
 
 
@@ -129,14 +132,16 @@ def test_a_calibration_without_harmonics_is_seen() -> None:
         np.stack([np.tan(v) ** (2 * np.arange(4) + 1) for v in np.linspace(0.01, 0.78, 50)]),
         np.linspace(0.01, 0.78, 50) / W,
     )[0]
-    plain = changed(sensing.sensing(PLANT, TIME), **{f"position_{2 * n + 1}": v for n, v in enumerate(arctangent)})
+    plain = with_constants(
+        sensing.sensing(PLANT, TIME), **{f"position_{2 * n + 1}": v for n, v in enumerate(arctangent)}
+    )
     assert 300e-6 < rms(errors(plain, poses(2000, 0, 0.0, 0.0))["x"]) < 350e-6
 
 
 def test_a_yaw_that_is_not_turned_back_is_seen() -> None:
     block, pose = sensing.sensing(PLANT, TIME), poses(2000, 0, 0.0, 6e-3)
     blind = {name: v for name, v in pose.items() if name != "phi"} | {"phi": np.zeros(2000)}
-    u = held(sensing_maps.voltages(PLANT, pose)) | {f"{a}_predicted": blind[a] for a in filtering.AXES}
+    u = held_voltages(sensing_maps.voltages(PLANT, pose)) | {f"{a}_predicted": blind[a] for a in filtering.AXES}
     u |= {"ready": np.ones(2000), "complete": np.ones(2000)}
     y = block.function().map(2000)(np.tile(block.initial[:, None], 2000), np.array([u[s.name] for s in block.inputs]))
     assert rms(y[1].full()[0] - pose["x"]) > 15e-6
@@ -149,7 +154,7 @@ def yaw_gain(block: Block) -> float:
     step, state = block.function().map(len(x)), np.tile(block.initial[:, None], len(x))
     raw = []
     for phi in (1e-4, -1e-4):
-        u = held(sensing_maps.voltages(PLANT, {"x": x, "y": y, "phi": np.full_like(x, phi)}))
+        u = held_voltages(sensing_maps.voltages(PLANT, {"x": x, "y": y, "phi": np.full_like(x, phi)}))
         u |= {"x_predicted": x, "y_predicted": y, "phi_predicted": np.zeros_like(x)}
         u |= {"ready": np.ones_like(x), "complete": np.ones_like(x)}
         raw.append(step(state, np.array([u[s.name] for s in block.inputs]))[1].full()[2])
@@ -159,7 +164,9 @@ def yaw_gain(block: Block) -> float:
 def test_without_the_amplitudes_the_yaw_is_lost_where_both_differences_are_blind() -> None:
     block = sensing.sensing(PLANT, TIME)
     assert yaw_gain(block) > 0.7  # what harmonics do to h_3 is left out
-    assert yaw_gain(changed(block, third=0.0)) < 0.6  # 0 where both vanish: between the points of the grid
+    assert (
+        yaw_gain(with_constants(block, amplitude_weight=0.0)) < 0.6
+    )  # 0 where both vanish: between the points of the grid
 
 
 # Seams, counts, long ways.
@@ -173,18 +180,18 @@ def seams(pose: Columns, axis: str) -> np.ndarray:
 
 @pytest.mark.parametrize("predicted", [True, False])
 def test_sections_and_pitches_join_in_both_directions(predicted: bool) -> None:
-    pose = way(0.11, 16_000)
-    clean, found = (replayed(pose, noise, predicted=predicted) for noise in (False, True))
+    pose = forward_and_back(0.11, 16_000)
+    clean, noisy = (replay(pose, noise, predicted=predicted) for noise in (False, True))
     for axis in "xy":
         at = seams(pose, axis)
-        steps = {kind: np.diff(run[f"{axis}_raw"] - pose[axis]) for kind, run in (("clean", clean), ("noisy", found))}
+        steps = {kind: np.diff(run[f"{axis}_raw"] - pose[axis]) for kind, run in (("clean", clean), ("noisy", noisy))}
         others = np.delete(steps["noisy"], at - 1)
         assert len(at) > 30 and {-1, 1} <= set(np.sign(np.diff(pose[axis])[at - 1]))
         # By construction there is no jump: what is left at a seam is the noise of any sample.
         assert np.abs(steps["clean"][at - 1]).max() < 0.05 * rms(others)
         assert rms(steps["noisy"][at - 1]) < 1.5 * rms(others)
         assert np.mean(np.abs(steps["noisy"][at - 1]) > 3 * rms(others)) <= 0.02
-        counts = pitches(found, axis)
+        counts = pitches(noisy, axis)
         assert set(counts) == ({-2, -1, 0, 1, 2} if axis == "x" else {-1, 0, 1})
         assert np.abs(pose[axis] - L * counts).max() < 0.51 * L
 
@@ -192,10 +199,10 @@ def test_sections_and_pitches_join_in_both_directions(predicted: bool) -> None:
 def test_a_seam_that_does_not_join_is_seen() -> None:
     block = sensing.sensing(PLANT, TIME)
     first = next(c.value for c in block.constants if c.name == "position_1")
-    torn = changed(block, position_1=1.005 * first)
+    torn = with_constants(block, position_1=1.005 * first)
     near = np.array([L / 8 * (1 - 1e-6), L / 8 * (1 + 1e-6)])
     pose = {"x": near, "y": 0 * near, "phi": 0 * near, "z": 0 * near}
-    assert np.diff(sensed(block, pose)["x_raw"])[0] < 1e-7 < 20e-6 < abs(np.diff(sensed(torn, pose)["x_raw"])[0])
+    assert np.diff(sense(block, pose)["x_raw"])[0] < 1e-7 < 20e-6 < abs(np.diff(sense(torn, pose)["x_raw"])[0])
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
@@ -204,12 +211,12 @@ def test_a_circle_of_200_mm_is_followed(scalar: type[np.floating]) -> None:
     pose = {"x": 0.1 * np.sin(angle), "y": 0.1 * np.cos(angle) - 0.1}
     pose["y"] = np.concatenate([np.linspace(0, 0.1, 2000), pose["y"] + 0.1])  # from the middle to its top first
     pose["x"] = np.concatenate([np.zeros(2000), pose["x"]])
-    found = replayed(pose, noise=True, scalar=scalar)
+    outputs = replay(pose, noise=True, scalar=scalar)
     for axis in "xy":
-        assert np.abs(found[f"{axis}_raw"] - pose[axis]).max() < 5.5 * 65e-6  # five and a half times the noise
-        settled = (found[axis] - pose[axis])[3000:]
-        assert rms(settled) < 0.4 * 54e-6 + 5e-6 and np.abs(np.diff(pitches(found, axis))).max() == 1
-    assert {*pitches(found, "x")} == {-2, -1, 0, 1, 2}
+        assert np.abs(outputs[f"{axis}_raw"] - pose[axis]).max() < 5.5 * 65e-6  # five and a half times the noise
+        settled = (outputs[axis] - pose[axis])[3000:]
+        assert rms(settled) < 0.4 * 54e-6 + 5e-6 and np.abs(np.diff(pitches(outputs, axis))).max() == 1
+    assert {*pitches(outputs, "x")} == {-2, -1, 0, 1, 2}
 
 
 def running_sum(s: Array, c: Array) -> float:
@@ -225,10 +232,10 @@ def running_sum(s: Array, c: Array) -> float:
 def test_the_published_sum_of_differences_drifts_and_the_count_does_not(wrong: float, lost: float) -> None:
     x = np.linspace(0, 4 * L, 40_001)
     assert running_sum(wrong * np.sin(W * x), np.cos(W * x)) / x[-1] - 1 == pytest.approx(lost, abs=5e-4)
-    pose = {"x": way(0.1, 4000)["x"]}
+    pose = {"x": forward_and_back(0.1, 4000)["x"]}
     u = sensing_maps.voltages(PLANT, pose)
     u["V_ax"] = wrong * u["V_ax"]
-    run = compiled(np.float64).replay(seen(u)).outputs
+    run = compile_estimation(np.float64).replay(estimation_inputs(u)).outputs
     error = run["x_raw"] - pose["x"]
     assert np.abs(error).max() < 10e-6 + 2 * abs(wrong - 1) / W  # of the pair itself, and by a wrong yaw
     assert np.ptp([error[pitches(run, "x") == n].mean() for n in (-1, 0, 1)]) < 1e-6  # the same in every pitch
@@ -240,7 +247,7 @@ def test_the_count_stays_within_its_bounds(ready: float, predicted: bool) -> Non
     """Also where all is taken for a position, since nothing has been known yet."""
     rng = np.random.default_rng(0)
     inputs = {f"{name}_held": rng.uniform(-5, 5, 3000) for name in HALL} | {"ready": ready, "complete": 1.0}
-    run = compiled(np.float64, predicted).replay(inputs).outputs
+    run = compile_estimation(np.float64, predicted).replay(inputs).outputs
     bounds = {"x_raw": 2.5 * L, "y_raw": 2.5 * L, "within_x": L / 2, "within_y": L / 2, "phi_raw": sensing.YAW}
     bounds |= {"x": 0.2, "y": 0.2, "phi": 0.05} if predicted else {}
     largest = {name: np.abs(run[name]).max() / bound for name, bound in bounds.items()}
@@ -267,7 +274,7 @@ def test_what_a_step_costs(predicted: bool, most: int) -> None:
     alone = replace(block, outputs=tuple(s for s in block.outputs if s.name in position))
     made = write.emit(unranged(alone), np.float32)
     pose = {k: v[:, 0] for k, v in motion(300, 1, 0).items()}
-    inputs = seen(noisy(sensing_maps.voltages(PLANT, pose)))
-    given = steps.recorded(host.load(made.files, made.manifest), "motion", inputs)
+    inputs = estimation_inputs(noisy(sensing_maps.voltages(PLANT, pose)))
+    stimulus = steps.record(host.load(made.files, made.manifest), "motion", inputs)
     build = next(b for b in meter.builds() if b.compiler == cross.available()[-1])
-    assert meter.run(rivals.emitted(made), given, build).cost.instructions.max() <= most
+    assert meter.run(rivals.emitted_c(made), stimulus, build).cost.instructions.max() <= most

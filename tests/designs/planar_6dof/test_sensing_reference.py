@@ -13,19 +13,19 @@ from tests.designs.planar_6dof.measured import (
     PLANT,
     RESIDUALS,
     A,
-    compiled,
+    compile_estimation,
     estimation,
-    held,
+    estimation_inputs,
+    forward_and_back,
+    held_voltages,
     motion,
     noisy,
-    seen,
+    reference_step,
     start,
-    stepped,
-    way,
 )
 
 
-def tried(n: int, columns: int, seed: int) -> dict[str, Array]:
+def noisy_voltages(n: int, columns: int, seed: int) -> dict[str, Array]:
     """Noisy voltages (n, columns) along motions; half of the columns lose a sensor, some are random at times."""
     pose = motion(n, columns, seed)
     u = noisy({k: v.reshape(n, columns) for k, v in sensing_maps.voltages(PLANT, pose).items()}, seed)
@@ -39,7 +39,11 @@ def tried(n: int, columns: int, seed: int) -> dict[str, Array]:
 
 def disagreement(n: int, columns: int, predicted: bool = True) -> float:
     """Return the worst difference of Block and C from the reference, of 1 or of the signal's largest value."""
-    u, block, found = tried(n, columns, 7), estimation(predicted), compiled(np.float64, predicted)
+    u, block, controller = (
+        noisy_voltages(n, columns, 7),
+        estimation(predicted),
+        compile_estimation(np.float64, predicted),
+    )
     step, names, outputs = (
         block.function().map(columns),
         [s.name for s in block.states],
@@ -47,19 +51,22 @@ def disagreement(n: int, columns: int, predicted: bool = True) -> float:
     )
     refused = np.random.default_rng(8).random((n, columns)) < 0.02
     state = start(predicted, columns)
-    x, records = np.tile(block.initial[:, None], columns).astype(float), np.repeat(found.init()[np.newaxis], columns)
+    x, records = (
+        np.tile(block.initial[:, None], columns).astype(float),
+        np.repeat(controller.init()[np.newaxis], columns),
+    )
     gap, size = np.zeros(len(outputs) + len(names)), np.ones(len(outputs) + len(names))
     for i in range(n):
         v, flags = {name: column[i] for name, column in u.items()}, (np.full(columns, float(i > 0)), ~refused[i])
-        out, state = stepped(state, v, flags, predicted)
-        batch = found.batch(records, held(v) | {"ready": flags[0], "complete": flags[1].astype(float)})
+        out, state = reference_step(state, v, flags, predicted)
+        batch = controller.batch(records, held_voltages(v) | {"ready": flags[0], "complete": flags[1].astype(float)})
         x, y = (m.full() for m in step(x, np.array([*v.values(), *flags])))
         records = batch.states
-        wanted = np.array([*(out[name] for name in outputs), *(state[name] for name in names)])
+        expected = np.array([*(out[name] for name in outputs), *(state[name] for name in names)])
         by_c = np.array([*(batch.outputs[name] for name in outputs), *(records[name] for name in names)])
-        apart = np.maximum(np.abs(np.vstack([y, x]) - wanted), np.abs(by_c - wanted))
-        gap, size = np.maximum(gap, apart.max(axis=1)), np.maximum(size, np.abs(wanted).max(axis=1))
-    assert size[names.index("sensing_doubt") + len(outputs)] >= sensing.MEMORY
+        apart = np.maximum(np.abs(np.vstack([y, x]) - expected), np.abs(by_c - expected))
+        gap, size = np.maximum(gap, apart.max(axis=1)), np.maximum(size, np.abs(expected).max(axis=1))
+    assert size[names.index("sensing_contradiction_left") + len(outputs)] >= sensing.MEMORY
     assert all(one.any() for one in reference_sensing.suspects(state, A).values())  # every branch was taken
     return float((gap / size).max())
 
@@ -82,16 +89,18 @@ def test_another_reference_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -
 @pytest.mark.parametrize("predicted", [True, False])
 def test_a_sample_that_is_refused_moves_nothing(predicted: bool) -> None:
     """Whatever stands in the place of its voltages; the filters go on as they predict."""
-    u = noisy(sensing_maps.voltages(PLANT, way(0.02, 400)))
+    u = noisy(sensing_maps.voltages(PLANT, forward_and_back(0.02, 400)))
     refused = np.isin(np.arange(400), [100, 101, 250])
     runs = []
     for instead in (0.0, 4.9):
-        given = {name: np.where(refused, instead, v) for name, v in u.items()}
-        runs.append(compiled(np.float64, predicted).replay(seen(given) | {"complete": ~refused}).outputs)
+        inputs = {name: np.where(refused, instead, v) for name, v in u.items()}
+        runs.append(
+            compile_estimation(np.float64, predicted).replay(estimation_inputs(inputs) | {"complete": ~refused}).outputs
+        )
     moved = [name for name in runs[0] if name not in RESIDUALS]
     assert all((runs[0][name] == runs[1][name]).all() for name in moved) and "x_raw" in moved
     for axis in "xy":
         within = np.asarray(runs[0][f"within_{axis}"])
         assert (within[refused] == within[np.flatnonzero(refused) - [1, 2, 1]]).all()
-        assert np.abs(runs[0][f"{axis}_raw"] - way(0.02, 400)[axis]).max() < (5e-4 if predicted else 1e-3)
+        assert np.abs(runs[0][f"{axis}_raw"] - forward_and_back(0.02, 400)[axis]).max() < (5e-4 if predicted else 1e-3)
     assert not np.asarray(runs[0]["suspected"]).any()

@@ -29,9 +29,9 @@ def loop_of(subject: Subject) -> Rig:
 @pytest.fixture(scope="module", params=SUBJECTS)
 def runs(request: pytest.FixtureRequest) -> dict[str, Trajectory]:
     subject = SUBJECTS[request.param]
-    found = verification.runs(loop_of(subject), subject.step, WHOLE)
-    assert found["replay of a saturated step"]["x"].max() > 0.95 * subject.step
-    return found
+    recorded = verification.record_runs(loop_of(subject), subject.step, WHOLE)
+    assert recorded["replay of a saturated step"]["x"].max() > 0.95 * subject.step
+    return recorded
 
 
 def test_the_tour_crosses_pitches_and_sections_both_ways(runs: dict[str, Trajectory]) -> None:
@@ -47,7 +47,7 @@ def test_the_tour_crosses_pitches_and_sections_both_ways(runs: dict[str, Traject
 def test_the_step_is_beyond_the_motors(runs: dict[str, Trajectory]) -> None:
     run = runs["replay of a saturated step"]
     # The LQG law limits its error, so that the motors push at their limit for 10 ms.
-    assert np.count_nonzero(random_steps.saturated(run.commands)) > 5
+    assert np.count_nonzero(random_steps.is_saturated(run.commands)) > 5
     assert not run.faults.any()
 
 
@@ -70,12 +70,12 @@ def test_a_sensor_that_sticks_is_suspected_and_latches(runs: dict[str, Trajector
 def test_too_many_steps_at_limits_do_not_pass() -> None:
     subject = replace(SUBJECTS["leadlag"], size=3.0)
     states, inputs = random_steps.in_operation(subject, planar_stage.plant(), 1000)
-    found = verification.shares(states, agree.casadi(subject.block)(states, inputs))
-    assert [c.name for c in found if not c.passed] == ["share of random steps at a limit"]
+    checks = verification.share_checks(states, agree.casadi(subject.block)(states, inputs))
+    assert [c.name for c in checks if not c.passed] == ["share of random steps at a limit"]
     idle = replace(subject, size=1e-3)
     states, inputs = random_steps.in_operation(idle, planar_stage.plant(), 1000)
-    found = verification.shares(states, agree.casadi(subject.block)(states, inputs))
-    assert [c.name for c in found if not c.passed] == ["share of random steps within all limits"]
+    checks = verification.share_checks(states, agree.casadi(subject.block)(states, inputs))
+    assert [c.name for c in checks if not c.passed] == ["share of random steps within all limits"]
 
 
 def test_single_precision_that_is_wrong_does_not_pass(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,9 +83,9 @@ def test_single_precision_that_is_wrong_does_not_pass(monkeypatch: pytest.Monkey
     subject = SUBJECTS["leadlag"]
     sound = loop_of(subject)
     assert all(c.passed for c in verification.single_against_double(sound, sound))
-    name = "loop_y_direct"
+    name = "loop_y_gain"
     off = tuple(replace(c, value=1.001 * c.value) if c.name == name else c for c in subject.block.constants)
-    wrong = replace(sound, controller=loops.compiled(replace(subject.block, constants=off)))
+    wrong = replace(sound, controller=loops.compile_block(replace(subject.block, constants=off)))
     failed = [c.name for c in verification.single_against_double(sound, wrong) if not c.passed]
     assert "single less double, y" in failed
 
@@ -94,15 +94,15 @@ def test_decisions_of_single_precision_are_counted() -> None:
     subject = SUBJECTS["lqg"]
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     drawn = random_steps.in_operation(subject, planar_stage.plant(), 2000)
-    a, checks = standard.in_single(by, *drawn, verification.FLOOR, verification.COUNTS)
+    a, checks = standard.compare_precisions(by, *drawn, verification.FLOOR, verification.COUNTS)
     assert a.faults_differ == 0 and 0 < a.worst < 1e-3 and all(c.passed for c in checks)
     first = subject.block.inputs[0].name
     spoilt = drawn[1] | {first: np.where(np.arange(2000) < 10, 5 + 1e-7, drawn[1][first])}
-    wide = replace(by, c64=loops.compiled(replace(subject.block, faults=()), np.float64))
-    failed = standard.in_single(wide, drawn[0], spoilt, verification.FLOOR, verification.COUNTS)[1][1]
+    wide = replace(by, c64=loops.compile_block(replace(subject.block, faults=()), np.float64))
+    failed = standard.compare_precisions(wide, drawn[0], spoilt, verification.FLOOR, verification.COUNTS)[1][1]
     assert failed.found >= 10 / 2000
 
 
 def test_the_tour_starts_at_rest() -> None:
-    wanted = verification.tour(1.0, Discrete(1e-3))
-    assert all(abs(values[0]) < 1e-12 and abs(values[1]) < 1e-4 for values in wanted.values())
+    references = verification.tour(1.0, Discrete(1e-3))
+    assert all(abs(values[0]) < 1e-12 and abs(values[1]) < 1e-4 for values in references.values())

@@ -19,10 +19,10 @@ from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
 from synth.verify import agree
 from tests import tolerances
-from tests.designs.planar_6dof import opened
+from tests.designs.planar_6dof import ideal_loops
 
 DOUBLE = tolerances.of("double")
-PLANT = opened.PLANT
+PLANT = ideal_loops.PLANT
 RATES = (Discrete(1e-3), Discrete(1 / 800))
 
 
@@ -34,10 +34,10 @@ def test_heights_undo_the_lasers() -> None:
     y = np.asarray(PLANT.h.map(100)(x, np.zeros((9, 100)), np.tile(PLANT.values[:, None], 100)))
     distances = dict(zip(names(PLANT.outputs), y, strict=True))
     held = {f"{d}_held": distances[d] for d in planar_stage.LASERS}
-    found = agree.casadi(vertical.vertical_kinematics(PLANT, RATES[0]))({}, held).outputs
-    other = reference_control.heights(distances)
+    outputs = agree.casadi(vertical.vertical_kinematics(PLANT, RATES[0]))({}, held).outputs
+    other = reference_control.vertical_kinematics(distances)
     for axis in allocation.VERTICAL:
-        for seen in (found[axis], other[axis]):
+        for seen in (outputs[axis], other[axis]):
             np.testing.assert_allclose(seen, pose[axis], rtol=0, atol=1e-3 * DOUBLE)
 
 
@@ -51,15 +51,15 @@ def test_the_parts_are_the_sampled_compensator(time: Discrete) -> None:
     """With what is made wired to what is demanded, a loop has the response of `lead_lag`'s model."""
     z = np.exp(1j * np.geomspace(1e-3, np.pi, 40))
     for axis, K in every_loop(time):
-        wanted, driven = vertical.DEMAND[axis], vertical.MADE[axis]
-        unlimited = opened.passed(time, {driven.name: wanted.name}, wanted.unit)
+        demand, achieved = vertical.DEMAND[axis], vertical.ACHIEVED_DEMAND[axis]
+        unlimited = ideal_loops.renaming_blocks(time, {achieved.name: demand.name}, demand.unit)
         block = vertical.block(PLANT, axis, K, time)
-        inputs = [s.name for s in block.inputs if s.name != driven.name]
-        whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[wanted.name])
-        model = loop.linearised(whole, {}, dict.fromkeys(inputs, 0.0))
-        found = model.channel(wanted.name, vertical.REFERENCES[axis].name).response(z)
-        found = allocation.scales(PLANT)[axis] * found
-        np.testing.assert_allclose(found, K.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
+        inputs = [s.name for s in block.inputs if s.name != achieved.name]
+        whole = compose("whole", [block, *unlimited], inputs=inputs, outputs=[demand.name])
+        model = loop.linearise_block(whole, {}, dict.fromkeys(inputs, 0.0))
+        response = model.channel(demand.name, vertical.REFERENCES[axis].name).response(z)
+        response = allocation.scales(PLANT)[axis] * response
+        np.testing.assert_allclose(response, K.discrete.response(z), rtol=1e-9)  # z - 1 is 1e-3 at the least
 
 
 @pytest.mark.parametrize("time", RATES)
@@ -69,9 +69,9 @@ def test_shipped_compensators_are_those_of_the_reference(time: Discrete) -> None
         other = reference_control.vertical(axis, Fraction(1, round(1 / time.period_s)))
         np.testing.assert_allclose([K.gain, *K.zeros], [other.D, other.z1, other.z2], rtol=DOUBLE)
         constants = {c.name: c.value for c in vertical.block(PLANT, axis, K, time).constants}
-        into_lag = -other.D * other.z1 / allocation.scales(PLANT)[axis]
-        assert constants["into_lag"] == pytest.approx(into_lag, rel=DOUBLE)
-        assert "pole" not in constants and other.p == 0
+        lead_input = -other.D * other.z1 / allocation.scales(PLANT)[axis]
+        assert constants["lead_input"] == pytest.approx(lead_input, rel=DOUBLE)
+        assert "lead_pole" not in constants and other.p == 0
 
 
 def test_an_integral_goes_to_what_the_motors_make_and_back() -> None:
@@ -83,7 +83,7 @@ def test_an_integral_goes_to_what_the_motors_make_and_back() -> None:
     state, made, seen = controller.init(), 0.0, []
     for k in range(2 * n):
         error = 2e-4 if k < n else -2e-6
-        out = controller.step(state, {"z": -error, "z_ref_held": 0.0, "made_z": made}).outputs
+        out = controller.step(state, {"z": -error, "z_ref_held": 0.0, "achieved_z": made}).outputs
         made = float(np.clip(out["d_z"], -limit, limit))
         seen.append((float(state["integral"]), float(out["d_z"])))
     integral, demand = np.array(seen).T
@@ -104,18 +104,18 @@ MARGINS = {
 def test_margins_as_shipped(axis: str) -> None:
     laws = ((leadlag.law(PLANT), leadlag.TIME), (lqg.law(PLANT), lqg.TIME))
     for (law, time), (phase, gain, peak) in zip(laws, MARGINS[axis], strict=True):
-        found = opened.margins_of(law, time, axis, filtered=False)
-        assert found.stable
-        assert found.phase_margin == pytest.approx(phase, abs=0.1)
-        assert found.gain_margin == pytest.approx(gain, abs=0.01)
-        assert found.peak_sensitivity == pytest.approx(peak, abs=0.01)
+        margins = ideal_loops.margins_of(law, time, axis, filtered=False)
+        assert margins.stable
+        assert margins.phase_margin == pytest.approx(phase, abs=0.1)
+        assert margins.gain_margin == pytest.approx(gain, abs=0.01)
+        assert margins.peak_sensitivity == pytest.approx(peak, abs=0.01)
 
 
 def test_as_printed_psi_is_unstable_with_a_sample_of_delay_and_theta_almost() -> None:
     laws = ((leadlag.law(PLANT, "published"), leadlag.TIME), (lqg.law(PLANT, variant="published"), lqg.TIME))
     for (law, time), peak in zip(laws, (6.58, 38.5), strict=True):
-        psi = opened.margins_of(law, time, "psi", filtered=False)
+        psi = ideal_loops.margins_of(law, time, "psi", filtered=False)
         assert not psi.stable and 0 < psi.gain_reduction_margin < 0.5
-        theta = opened.margins_of(law, time, "theta", filtered=False)
+        theta = ideal_loops.margins_of(law, time, "theta", filtered=False)
         assert theta.peak_sensitivity == pytest.approx(peak, rel=1e-2)
-        assert opened.margins_of(law, time, "psi", filtered=False, delay=0).stable
+        assert ideal_loops.margins_of(law, time, "psi", filtered=False, delay=0).stable

@@ -10,10 +10,10 @@ from synth.blocks import safety
 from synth.emit import write
 from synth.execute import host
 from tests import tolerances
-from tests.designs.planar_6dof import drawn, opened
+from tests.designs.planar_6dof import ideal_loops, ideal_runs
 
 DOUBLE = tolerances.of("double")
-PLANT = opened.PLANT
+PLANT = ideal_loops.PLANT
 # axis: crossover in Hz, phase margin in degrees, gain margin, peak sensitivity, with a sample of delay
 WITHOUT_FILTER = {"x": (17.34, 65.1, 7.03, 1.26), "y": (17.34, 65.1, 7.03, 1.26), "phi": (30.09, 58.8, 4.00, 1.50)}
 BEHIND_FILTER = {"x": (17.70, 10.1, 1.75, 6.21), "y": (17.70, 10.1, 1.75, 6.21), "phi": (39.35, 16.9, 1.50, 4.66)}
@@ -30,7 +30,7 @@ def c64() -> host.Controller:
 
 @pytest.fixture(scope="module")
 def known() -> host.Controller:
-    return drawn.compiled(control.law(PLANT), control.TIME, filtered=True)
+    return ideal_runs.compile_law(control.law(PLANT), control.TIME, filtered=True)
 
 
 @pytest.mark.parametrize("axis", allocation.HORIZONTAL)
@@ -42,27 +42,27 @@ def test_margins(variant: str, filtered: bool, expected: dict[str, tuple[float, 
     # With the vertical loops as shipped: those as printed are unstable, in whatever loop is opened.
     horizontal = control.law(PLANT, variant)[:3]
     law = [*horizontal, *control.law(PLANT)[3:]]
-    found = opened.margins_of(law, control.TIME, axis, filtered)
+    margins = ideal_loops.margins_of(law, control.TIME, axis, filtered)
     crossover, phase, gain, peak = expected[axis]
-    assert found.stable
-    assert found.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
-    assert found.phase_margin == pytest.approx(phase, abs=0.1)
-    assert found.gain_margin == pytest.approx(gain, abs=0.01)
-    assert found.peak_sensitivity == pytest.approx(peak, abs=0.01)
+    assert margins.stable
+    assert margins.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
+    assert margins.phase_margin == pytest.approx(phase, abs=0.1)
+    assert margins.gain_margin == pytest.approx(gain, abs=0.01)
+    assert margins.peak_sensitivity == pytest.approx(peak, abs=0.01)
 
 
 def test_a_second_sample_of_delay_is_seen() -> None:
-    late = opened.margins_of(control.law(PLANT), control.TIME, "phi", True, delay=2)
-    assert late.phase_margin < opened.margins_of(control.law(PLANT), control.TIME, "phi", True).phase_margin - 5
+    late = ideal_loops.margins_of(control.law(PLANT), control.TIME, "phi", True, delay=2)
+    assert late.phase_margin < ideal_loops.margins_of(control.law(PLANT), control.TIME, "phi", True).phase_margin - 5
 
 
 @pytest.mark.parametrize("axis", RESPONSES)
 def test_steps_of_the_stage(known: host.Controller, axis: str) -> None:
     """The nonlinear stage behind hold, filter and a sample of delay; the other axes stay where they are."""
     height, beyond, time = RESPONSES[axis]
-    run = drawn.run(known, 0.6, {axis: height})
-    assert drawn.overshoot(run[axis], height) == pytest.approx(beyond, abs=0.01)
-    assert drawn.rise(run[axis], height, control.TIME.period_s) == pytest.approx(time, abs=1e-3)
+    run = ideal_runs.run(known, 0.6, {axis: height})
+    assert ideal_runs.overshoot(run[axis], height) == pytest.approx(beyond, abs=0.01)
+    assert ideal_runs.rise(run[axis], height, control.TIME.period_s) == pytest.approx(time, abs=1e-3)
     assert run[axis][-1] == pytest.approx(height, rel=5e-3)
     others = [np.abs(run[a]).max() for a in allocation.HORIZONTAL if a != axis]
     assert max(others) < 1e-9
@@ -71,9 +71,9 @@ def test_steps_of_the_stage(known: host.Controller, axis: str) -> None:
 def test_a_step_beyond_the_motors_does_not_wind_up() -> None:
     """30 mm in x with the published gain: the motors stand at their limit, and the step does not overshoot."""
     law = [*control.law(PLANT, "published")[:3], *control.law(PLANT)[3:]]
-    run = drawn.run(drawn.compiled(law, control.TIME), 1.5, {"x": 0.03})
-    assert np.count_nonzero(random_steps.saturated(run.commands)) > 5
-    assert drawn.overshoot(run["x"], 0.03) < 1e-3
+    run = ideal_runs.run(ideal_runs.compile_law(law, control.TIME), 1.5, {"x": 0.03})
+    assert np.count_nonzero(random_steps.is_saturated(run.commands)) > 5
+    assert ideal_runs.overshoot(run["x"], 0.03) < 1e-3
     assert run["x"][-1] == pytest.approx(0.03, rel=1e-3)
 
 
@@ -87,7 +87,7 @@ def test_gains_are_those_of_the_reference() -> None:
 def test_a_bad_measurement_for_long_takes_the_currents_to_zero(c64: host.Controller) -> None:
     n = 40
     inputs = {g.signal.name: np.zeros(n) for g in interface.INPUTS}
-    inputs |= {name: np.full(n, v) for name, v in drawn.at_rest().items()} | {"x_ref": np.full(n, 1e-4)}
+    inputs |= {name: np.full(n, v) for name, v in ideal_runs.at_rest().items()} | {"x_ref": np.full(n, 1e-4)}
     inputs["d1"][10:] = np.nan
     got = c64.replay(inputs)
     latched = got.faults >> safety.LATCH_BIT > 0

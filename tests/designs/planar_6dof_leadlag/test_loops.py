@@ -16,7 +16,7 @@ Z = np.exp(2j * np.pi * np.geomspace(0.3, 400, 40) * TIME.period_s)
 
 
 @pytest.fixture(scope="module")
-def found() -> dict[tuple[str, str], OpenLoop]:
+def by_kind() -> dict[tuple[str, str], OpenLoop]:
     return {(o.signal, o.label): o for o in loops.all_loops(PLANT)}
 
 
@@ -25,19 +25,19 @@ def distance(o: OpenLoop, published: bool, filtered: bool) -> float:
     return float(np.abs(o.L.response(Z)[:, 0, 0] / expected - 1).max())
 
 
-def test_every_kind_is_the_analytic_loop(found: dict[tuple[str, str], OpenLoop]) -> None:
+def test_every_kind_is_the_analytic_loop(by_kind: dict[tuple[str, str], OpenLoop]) -> None:
     for axis in AXES:
-        assert distance(found[axis, "as shipped"], False, True) < SINGLE
-        assert distance(found[axis, "as printed"], True, True) < SINGLE
-        assert distance(found[axis, "as printed"], False, True) > 0.1
+        assert distance(by_kind[axis, "as shipped"], False, True) < SINGLE
+        assert distance(by_kind[axis, "as printed"], True, True) < SINGLE
+        assert distance(by_kind[axis, "as printed"], False, True) > 0.1
     for axis in "xy":  # the yaw is predicted by the filter that is bypassed
-        assert distance(found[axis, "as printed, unfiltered"], True, False) < SINGLE
-        assert distance(found[axis, "as printed, unfiltered"], True, True) > 0.1
+        assert distance(by_kind[axis, "as printed, unfiltered"], True, False) < SINGLE
+        assert distance(by_kind[axis, "as printed, unfiltered"], True, True) > 0.1
 
 
-def test_one_axis_as_printed_is_psi_that_is_not_stable(found: dict[tuple[str, str], OpenLoop]) -> None:
-    assert [key for key, o in found.items() if not o.margins.stable] == [("psi", "as printed")]
-    assert len(found) == 2 * len(AXES) + len(HORIZONTAL)
-    assert max(found[axis, "as shipped"].margins.peak_sensitivity for axis in AXES) < 2.3
-    assert found["x", "as printed"].margins.phase_margin < 11
-    assert found["x", "as printed, unfiltered"].margins.phase_margin > 60
+def test_one_axis_as_printed_is_psi_that_is_not_stable(by_kind: dict[tuple[str, str], OpenLoop]) -> None:
+    assert [key for key, o in by_kind.items() if not o.margins.stable] == [("psi", "as printed")]
+    assert len(by_kind) == 2 * len(AXES) + len(HORIZONTAL)
+    assert max(by_kind[axis, "as shipped"].margins.peak_sensitivity for axis in AXES) < 2.3
+    assert by_kind["x", "as printed"].margins.phase_margin < 11
+    assert by_kind["x", "as printed, unfiltered"].margins.phase_margin > 60

@@ -20,25 +20,25 @@ def at() -> Bench:
 
 
 def test_the_sound_reference_is_no_defect(at: Bench) -> None:
-    assert not planted.told(at, agree.reference(reference.step))
-    assert not planted.told(at, agree.casadi(at.subject.block))
+    assert not planted.is_detected(at, agree.reference(reference.step))
+    assert not planted.is_detected(at, agree.casadi(at.subject.block))
 
 
 def test_steps_that_are_mostly_at_the_limits() -> None:
     subject = replace(design.subject(), size=3.0)
     at = planted.bench(subject, edges=0)
-    assert np.mean(random_steps.saturated(at.c64.outputs)) > 0.9
-    assert not planted.told(at, agree.reference(reference.step))
-    assert not planted.told(at, agree.casadi(subject.block))
+    assert np.mean(random_steps.is_saturated(at.c64.outputs)) > 0.9
+    assert not planted.is_detected(at, agree.reference(reference.step))
+    assert not planted.is_detected(at, agree.casadi(subject.block))
 
 
 def test_every_constant_counts(at: Bench) -> None:
     few = planted.thinned(at, 9)
-    assert [name for name, witness in planted.constants(few, 1.05) if not planted.told(few, witness)] == []
+    assert [name for name, witness in planted.constants(few, 1.05) if not planted.is_detected(few, witness)] == []
 
 
 def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
-    missed = [line for line, witness in planted.mutants(at, 24) if not planted.told(at, witness)]
+    missed = [line for line, witness in planted.mutants(at, 24) if not planted.is_detected(at, witness)]
     assert missed == []
 
 
@@ -46,7 +46,7 @@ def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
     ("module", "name", "value"),
     [
         (reference, "GAIN", reference.GAIN | {"x": "-15000"}),
-        (reference, "PART", reference.PART | {"phi": "0.51"}),
+        (reference, "GAIN_SHARE", reference.GAIN_SHARE | {"phi": "0.51"}),
         (reference, "RESET", Fraction("0.1001")),
         (reference_control, "VERTICAL", reference_control.VERTICAL | {"psi": ("1100", "80.0414", "604.199", "0.15")}),
         (reference_control, "CENTRES", {m: reference_control.CENTRES[n] for m, n in zip("ABC", "BAC", strict=True)}),
@@ -68,7 +68,7 @@ def test_a_wrong_number_in_the_reference_is_told(
     assert hasattr(module, name)
     monkeypatch.setattr(module, name, value)
     fresh()
-    assert planted.told(at, agree.reference(reference.step))
+    assert planted.is_detected(at, agree.reference(reference.step))
     monkeypatch.undo()
     fresh()
 
@@ -93,4 +93,4 @@ def test_a_wrong_section_in_the_reference_is_told(at: Bench, monkeypatch: pytest
         return place(reference_sensing.Pair(self.s / 1.01, self.c, self.k))
 
     monkeypatch.setattr(reference_sensing.Pair, "place", property(late))
-    assert planted.told(at, agree.reference(reference.step))
+    assert planted.is_detected(at, agree.reference(reference.step))

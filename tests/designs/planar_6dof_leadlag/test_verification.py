@@ -11,8 +11,8 @@ REPLAY, STEPS = 2.0, 40_000  # s; `synth verify` replays 60, and draws 100,000
 
 def test_every_check_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shared, "RANDOM_STEPS", STEPS)
-    told: list[str] = []
-    evidence = shared.verify(design.subject(), told.append, REPLAY)
+    messages: list[str] = []
+    evidence = shared.verify(design.subject(), messages.append, REPLAY)
     assert [c for c in evidence.checks if not c.passed] == []
-    assert evidence.design == control.NAME and told
+    assert evidence.design == control.NAME and messages
     planted.require_witnesses(evidence, {f"replay of {REPLAY:g} s": 2000, "random steps": STEPS})

@@ -16,10 +16,10 @@ from synth.execute import host
 from synth.synthesise.observers import reduced_observer
 from synth.verify import agree
 from tests import tolerances
-from tests.designs.planar_6dof import drawn, opened
+from tests.designs.planar_6dof import ideal_loops, ideal_runs
 
 DOUBLE = tolerances.of("double")
-PLANT = opened.PLANT
+PLANT = ideal_loops.PLANT
 PRINTED = {  # (49), with the decimals that the scan lost: value and last digit, in the order x y phi z1 z2 z3 d f v
     (0, 1): (507.24, 2), (0, 2): (472.64, 2), (0, 4): (19975, 0), (0, 5): (41394, 0), (0, 7): (6.4304, 4),
     (0, 8): (2.6962, 4), (2, 0): (1757.55, 2), (2, 3): (84872, 0), (2, 6): (18.1556, 4),
@@ -45,7 +45,7 @@ HEIGHTS = {"x": 50e-6, "y": 50e-6, "phi": np.radians(0.3)}
 
 @pytest.fixture(scope="module")
 def known() -> host.Controller:
-    return drawn.compiled(lqg.law(PLANT), lqg.TIME)
+    return ideal_runs.compile_law(lqg.law(PLANT), lqg.TIME)
 
 
 def test_the_gain_is_that_of_49() -> None:
@@ -65,10 +65,10 @@ def test_the_printed_weights_do_not_make_49() -> None:
 
 
 def test_demands_fall_apart_into_axes() -> None:
-    K, own = lqg.demanded(PLANT), np.zeros((3, 9), dtype=bool)
+    K, diagonal = lqg.demand_gain(PLANT), np.zeros((3, 9), dtype=bool)
     for i in range(3):
-        own[i, [i, 3 + i, 6 + i]] = True
-    assert not K[~own].any() and (K[own] < 0).all()
+        diagonal[i, [i, 3 + i, 6 + i]] = True
+    assert not K[~diagonal].any() and (K[diagonal] < 0).all()
     per_ampere = [allocation.scales(PLANT)[a] / PLANT.parameter(n).value for a, n in INERTIA.items()]
     np.testing.assert_allclose([a.b for a in lqg.axes(PLANT)], per_ampere, rtol=DOUBLE)
     assert list(INERTIA) == [a.name for a in lqg.axes(PLANT)]
@@ -80,13 +80,13 @@ def test_demands_fall_apart_into_axes() -> None:
 @pytest.mark.parametrize("order", MARGINS)
 @pytest.mark.parametrize("axis", allocation.HORIZONTAL)
 def test_margins(order: Order, axis: str) -> None:
-    found = opened.margins_of(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME, axis, filtered=False)
+    margins = ideal_loops.margins_of(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME, axis, filtered=False)
     crossover, phase, gain, peak = MARGINS[order][axis]
-    assert found.stable
-    assert found.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
-    assert found.phase_margin == pytest.approx(phase, abs=0.1)
-    assert found.gain_margin == pytest.approx(gain, abs=0.01)
-    assert found.peak_sensitivity == pytest.approx(peak, abs=0.01)
+    assert margins.stable
+    assert margins.gain_crossings[-1].frequency / (2 * np.pi) == pytest.approx(crossover, abs=0.02)
+    assert margins.phase_margin == pytest.approx(phase, abs=0.1)
+    assert margins.gain_margin == pytest.approx(gain, abs=0.01)
+    assert margins.peak_sensitivity == pytest.approx(peak, abs=0.01)
 
 
 def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
@@ -96,10 +96,10 @@ def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
         A = np.array([[1, T, 0], [0, 1, 0], [1, 0, 1]])
         B = axis.b * np.array([[T**2 / 2], [T], [0]])
         regulated = np.linalg.eigvals(A - B @ [[axis.k1, axis.k2, axis.k3]])
-        L = opened.of_axis(lqg.law(PLANT), lqg.TIME, axis.name, filtered=False)
+        L = ideal_loops.of_axis(lqg.law(PLANT), lqg.TIME, axis.name, filtered=False)
         poles = np.linalg.eigvals(L.A - L.B @ L.C)
-        for wanted in (*regulated, lqg.OBSERVER_POLE[axis.name]):
-            assert np.abs(poles - wanted).min() < tolerances.of("multiple_root"), axis.name
+        for pole in (*regulated, lqg.OBSERVER_POLE[axis.name]):
+            assert np.abs(poles - pole).min() < tolerances.of("multiple_root"), axis.name
         assert np.abs(regulated).max() < 0.96
 
 
@@ -107,9 +107,9 @@ def test_poles_of_the_loop_are_the_regulators_and_the_observers() -> None:
 def test_what_the_observers_pole_costs(monkeypatch: pytest.MonkeyPatch, axis: str) -> None:
     for p, expected in PEAKS[axis].items():
         monkeypatch.setitem(lqg.OBSERVER_POLE, axis, p)
-        L = opened.of_axis(lqg.law(PLANT), lqg.TIME, axis, filtered=False)
-        found = opened.margins.of_loop(L)
-        assert found.stable and found.peak_sensitivity == pytest.approx(expected, abs=0.01)
+        L = ideal_loops.of_axis(lqg.law(PLANT), lqg.TIME, axis, filtered=False)
+        margins = ideal_loops.margins.of_loop(L)
+        assert margins.stable and margins.peak_sensitivity == pytest.approx(expected, abs=0.01)
         if p in CURRENTS.get(axis, {}):
             assert NOISE[axis] * demand(axis, p) == pytest.approx(CURRENTS[axis][p], abs=0.005)
 
@@ -162,8 +162,8 @@ def test_behind_the_filter_it_is_unstable(monkeypatch: pytest.MonkeyPatch, p: fl
     for axis in allocation.HORIZONTAL:
         monkeypatch.setitem(lqg.OBSERVER_POLE, axis, p)
     behind = [after_filter(b) for b in lqg.law(PLANT)]
-    assert not opened.margins_of(behind, lqg.TIME, "x", filtered=True, delay=delay).stable
-    assert opened.margins_of(lqg.law(PLANT), lqg.TIME, "x", filtered=False, delay=delay).stable
+    assert not ideal_loops.margins_of(behind, lqg.TIME, "x", filtered=True, delay=delay).stable
+    assert ideal_loops.margins_of(lqg.law(PLANT), lqg.TIME, "x", filtered=False, delay=delay).stable
 
 
 def after_filter(block: Block) -> Block:
@@ -190,9 +190,9 @@ def test_h_of_42_is_refused() -> None:
 @pytest.mark.parametrize("axis", HEIGHTS)
 def test_steps_of_the_stage(known: host.Controller, axis: str) -> None:
     height = HEIGHTS[axis]
-    run = drawn.run(known, 0.4, {axis: height})
-    assert 0.35 < drawn.overshoot(run[axis], height) < 0.47
-    assert drawn.rise(run[axis], height, lqg.TIME.period_s) < 0.014
+    run = ideal_runs.run(known, 0.4, {axis: height})
+    assert 0.35 < ideal_runs.overshoot(run[axis], height) < 0.47
+    assert ideal_runs.rise(run[axis], height, lqg.TIME.period_s) < 0.014
     assert run[axis][-1] == pytest.approx(height, rel=1e-6)
     assert max(np.abs(run[a]).max() for a in allocation.HORIZONTAL if a != axis) < 1e-9
 
@@ -208,13 +208,20 @@ def test_a_step_beyond_the_motors_does_not_wind_up(monkeypatch: pytest.MonkeyPat
     law = unbounded(monkeypatch)
     deaf = law
     for axis in ("x", "phi"):
-        deaf = [*loop.cut(deaf, f"made_{axis}"), *opened.passed(lqg.TIME, {f"made_{axis}": f"d_{axis}"}, "A")]
+        deaf = [
+            *loop.cut(deaf, f"achieved_{axis}"),
+            *ideal_loops.renaming_blocks(lqg.TIME, {f"achieved_{axis}": f"d_{axis}"}, "A"),
+        ]
     assert len(deaf) == len(law) + 2
-    runs = [drawn.run(drawn.compiled(each, lqg.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
-    told, untold = (drawn.overshoot(run["x"], 5e-3) for run in runs)
-    assert np.count_nonzero(random_steps.saturated(runs[0].commands)) > 20
+    runs = [ideal_runs.run(ideal_runs.compile_law(each, lqg.TIME), 0.6, {"x": 5e-3}) for each in (law, deaf)]
+    with_anti_windup, without = (ideal_runs.overshoot(run["x"], 5e-3) for run in runs)
+    assert np.count_nonzero(random_steps.is_saturated(runs[0].commands)) > 20
     # A motor's 1.13 A along its motion leave 55 %.
-    assert told < 0.6 and not untold < 2 * told and runs[0]["x"][-1] == pytest.approx(5e-3, rel=1e-6)
+    assert (
+        with_anti_windup < 0.6
+        and not without < 2 * with_anti_windup
+        and runs[0]["x"][-1] == pytest.approx(5e-3, rel=1e-6)
+    )
 
 
 # axis: height in m, overshoot
@@ -224,8 +231,8 @@ LARGE = {"x": (0.06, 0.01), "y": (0.06, 0.03)}
 @pytest.mark.parametrize("axis", LARGE)
 def test_large_steps_overshoot_little(known: host.Controller, axis: str) -> None:
     height, beyond = LARGE[axis]
-    run = drawn.run(known, 1.5, {axis: height})
-    assert drawn.overshoot(run[axis], height) < beyond
+    run = ideal_runs.run(known, 1.5, {axis: height})
+    assert ideal_runs.overshoot(run[axis], height) < beyond
     assert run[axis][-1] == pytest.approx(height, rel=1e-6)
     # No faster than where an error that counts as ERROR pushes no more, but for what the motors take to see it.
     made = next(a for a in lqg.axes(PLANT) if a.name == axis)
@@ -234,17 +241,17 @@ def test_large_steps_overshoot_little(known: host.Controller, axis: str) -> None
 
 
 def test_without_a_bound_of_the_error_a_large_step_loses_the_platen(monkeypatch: pytest.MonkeyPatch) -> None:
-    run = drawn.run(drawn.compiled(unbounded(monkeypatch), lqg.TIME), 0.6, {"x": 0.06})
+    run = ideal_runs.run(ideal_runs.compile_law(unbounded(monkeypatch), lqg.TIME), 0.6, {"x": 0.06})
     assert not np.abs(run["x"]).max() < 0.1
 
 
 @pytest.mark.parametrize("order", ["reduced", "full"])
 def test_it_starts_at_rest_wherever_the_platen_is(order: Order) -> None:
     """Its observer knows no rate before the first good sample; one that took itself for ready would see 5 m/s."""
-    controller = drawn.compiled(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME)
+    controller = ideal_runs.compile_law(lqg.law(PLANT, regulate=REGULATORS[order]), lqg.TIME)
     first = np.r_[0.0, np.ones(159)]
     calm, kicked = (
-        drawn.run(controller, 0.2, {"x": 0.02}, start={"x": 0.02}, ready=flags)["x"] for flags in (first, 1.0)
+        ideal_runs.run(controller, 0.2, {"x": 0.02}, start={"x": 0.02}, ready=flags)["x"] for flags in (first, 1.0)
     )
     assert np.abs(calm - 0.02).max() < 1e-9
     assert np.abs(kicked - 0.02).max() > 1e-4
@@ -252,7 +259,7 @@ def test_it_starts_at_rest_wherever_the_platen_is(order: Order) -> None:
 
 def test_gains_are_those_of_the_reference() -> None:
     for axis in lqg.axes(PLANT):
-        other, found = reference.axes()[axis.name], lqg.observer(axis)
+        other, observer = reference.axes()[axis.name], lqg.observer(axis)
         pairs = ((axis.b, other.b), (axis.k1, other.k_q), (axis.k2, other.k_v), (axis.k3, other.k_z))
-        for mine, theirs in (*pairs, (found.F[0, 0], other.p)):
+        for mine, theirs in (*pairs, (observer.F[0, 0], other.p)):
             assert mine == pytest.approx(theirs, rel=DOUBLE)

@@ -18,26 +18,26 @@ BARS = {"reduced": 95, "full": 100}  # instructions by gcc on a Cortex-M4F
 
 
 def test_the_loop_separates_and_is_as_slow_as_the_regulator() -> None:
-    found = core.compensator()
-    assert found.separation < tolerances.of("double")
-    assert np.abs(found.poles).max() == pytest.approx(0.94863, abs=1e-5)
-    np.testing.assert_allclose(sorted(found.observer.poles.real), sorted(lqg.OBSERVER_POLE.values()), rtol=1e-12)
+    compensator = core.compensator()
+    assert compensator.separation < tolerances.of("double")
+    assert np.abs(compensator.poles).max() == pytest.approx(0.94863, abs=1e-5)
+    np.testing.assert_allclose(sorted(compensator.observer.poles.real), sorted(lqg.OBSERVER_POLE.values()), rtol=1e-12)
 
 
 def test_the_reduced_core_is_the_librarys_compensator() -> None:
-    found = loop.linearised(core.block("reduced"), {}, dict.fromkeys(HORIZONTAL, 0.0))
+    linear = loop.linearise_block(core.block("reduced"), {}, dict.fromkeys(HORIZONTAL, 0.0))
     z = np.exp(1j * np.geomspace(1e-3, np.pi, 30))
-    np.testing.assert_allclose(found.response(z), core.compensator().model.response(z), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(linear.response(z), core.compensator().model.response(z), rtol=1e-9, atol=1e-9)
 
 
 def test_the_full_core_regulates_the_plant_with_the_estimators_poles() -> None:
     held = lqg.discretise.zero_order_hold(lqg.model(integrals=False), lqg.TIME.period_s)
-    K = loop.linearised(core.block("full"), {}, dict.fromkeys(HORIZONTAL, 0.0))
+    K = loop.linearise_block(core.block("full"), {}, dict.fromkeys(HORIZONTAL, 0.0))
     poles = np.linalg.eigvals(np.block([[held.A, held.B @ K.C], [K.B @ held.C, K.A]]))
     assert not K.D.any()
     assert np.abs(poles).max() < 0.96
-    for wanted in core.estimator().poles:
-        assert np.abs(poles - wanted).min() < tolerances.of("multiple_root")
+    for pole in core.estimator().poles:
+        assert np.abs(poles - pole).min() < tolerances.of("multiple_root")
 
 
 @pytest.mark.parametrize("order", BARS)
@@ -49,6 +49,6 @@ def test_what_a_step_costs(order: Order) -> None:
     emitted = write.emit(unranged(core.block(order)), np.float32)
     controller = host.load(emitted.files, emitted.manifest)
     errors = {axis: 1e-6 * np.sin(np.arange(50) + i) for i, axis in enumerate(HORIZONTAL)}
-    small = steps.recorded(controller, "small", errors, closed_loop=True)
-    for given, build in ((small, "gcc, newlib"), (steps.drawn(controller, 1000), "gcc, newlib, small")):
-        assert meter.run(rivals.emitted(emitted), given, builds[build]).cost.instructions.max() <= BARS[order]
+    small = steps.record(controller, "small", errors, closed_loop=True)
+    for stimulus, build in ((small, "gcc, newlib"), (steps.random_steps(controller, 1000), "gcc, newlib, small")):
+        assert meter.run(rivals.emitted_c(emitted), stimulus, builds[build]).cost.instructions.max() <= BARS[order]

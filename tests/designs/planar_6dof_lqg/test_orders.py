@@ -21,11 +21,11 @@ def test_the_full_order_costs_more(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(meter, "builds", lambda: builds)
     loop = loops.of(lqg.controller(planar_stage.plant()))
     rest = Experiment("standstill", "At rest", "0.5 s", loop.run(0.5, {}, {}), ("x",), {})
-    (table,) = core.spent([rest])
+    (table,) = core.cost_table([rest])
     assert isinstance(table, Table)
-    found = {(row[0], row[1], row[4]): row for row in table.rows}
+    costs = {(row[0], row[1], row[4]): row for row in table.rows}
     for build in (b.name for b in builds):
         for what, most in (("core alone, (33) and (40)", 0.8), ("whole controller", 0.99)):
-            reduced, full = (found[what, order, build] for order in core.ORDERS)
+            reduced, full = (costs[what, order, build] for order in core.ORDERS)
             assert float(reduced[5]) < most * float(full[5]) and float(reduced[2]) < float(full[2])
-    assert core.spent([]) == ()
+    assert core.cost_table([]) == ()

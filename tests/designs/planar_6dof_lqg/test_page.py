@@ -9,7 +9,7 @@ from designs.planar_6dof import loop as loops
 from designs.planar_6dof import loops as shared
 from designs.planar_6dof_lqg import page
 from models import planar_stage
-from synth.emit.write import Emitted
+from synth.emit.write import EmittedCode
 from synth.verify.evidence import Evidence
 from tests.designs.planar_6dof import short_runs
 
@@ -19,12 +19,12 @@ ROOT = Path(__file__).parents[3]
 def test_it_shows_the_whole_loop_and_what_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     loop = loops.of(lqg.controller(planar_stage.plant()))
     short_runs.coarse(monkeypatch)
-    found = shared.parts(planar_stage.plant(), lqg.controller(planar_stage.plant()))
-    monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(found, ("x", "psi"), "as shipped"))
-    monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(found)})
+    parts = shared.parts(planar_stage.plant(), lqg.controller(planar_stage.plant()))
+    monkeypatch.setattr(page.loops, "all_loops", lambda _: shared.of_parts(parts, ("x", "psi"), "as shipped"))
+    monkeypatch.setattr(page.loops, "horizontals", lambda _: {"as shipped": shared.horizontal(parts)})
     step = experiments.step_experiment(loop, experiments.step(loop, "x", 50e-6, 1.5), "step_x", "x by 50 um", None)
     gains = (ROOT / "generated_c" / lqg.NAME / "gains.json").read_text()
-    html = page.report({lqg.NAME: Emitted({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None)
+    html = page.report({lqg.NAME: EmittedCode({"gains.json": gains}, {})}, Evidence(lqg.NAME, (), ()), [step], [], None)
     assert len(html.encode()) < short_runs.MOST
     assert html.count("open loop and sensitivity") == 2 and html.count("<td>as shipped</td>") == 2 + 3
     for text in ("Disk margins of all channels", "The library refuses it", "has the poles −1", "weights (47)"):

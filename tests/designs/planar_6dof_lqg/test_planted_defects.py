@@ -19,25 +19,25 @@ def at() -> Bench:
 
 
 def test_the_sound_reference_is_no_defect(at: Bench) -> None:
-    assert not planted.told(at, agree.reference(reference.step))
-    assert not planted.told(at, agree.casadi(at.subject.block))
+    assert not planted.is_detected(at, agree.reference(reference.step))
+    assert not planted.is_detected(at, agree.casadi(at.subject.block))
 
 
 def test_steps_that_are_mostly_at_the_limits() -> None:
     subject = replace(design.subject(), size=3.0)
     at = planted.bench(subject, edges=0)
-    assert np.mean(random_steps.saturated(at.c64.outputs)) > 0.9
-    assert not planted.told(at, agree.reference(reference.step))
-    assert not planted.told(at, agree.casadi(subject.block))
+    assert np.mean(random_steps.is_saturated(at.c64.outputs)) > 0.9
+    assert not planted.is_detected(at, agree.reference(reference.step))
+    assert not planted.is_detected(at, agree.casadi(subject.block))
 
 
 def test_every_constant_counts(at: Bench) -> None:
     few = planted.thinned(at, 9)
-    assert [name for name, witness in planted.constants(few, 1.05) if not planted.told(few, witness)] == []
+    assert [name for name, witness in planted.constants(few, 1.05) if not planted.is_detected(few, witness)] == []
 
 
 def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
-    missed = [line for line, witness in planted.mutants(at, 24) if not planted.told(at, witness)]
+    missed = [line for line, witness in planted.mutants(at, 24) if not planted.is_detected(at, witness)]
     assert missed == []
 
 
@@ -57,6 +57,6 @@ def test_a_wrong_number_in_the_reference_is_told(
     assert hasattr(module, name)
     monkeypatch.setattr(module, name, value)
     reference.axes.cache_clear()
-    assert planted.told(at, agree.reference(reference.step))
+    assert planted.is_detected(at, agree.reference(reference.step))
     monkeypatch.undo()
     reference.axes.cache_clear()

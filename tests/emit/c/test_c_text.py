@@ -22,7 +22,7 @@ from synth.emit.c.layout import layout
 from synth.emit.lower import LIBM
 from synth.emit.passes import fold
 from synth.emit.passes.replace import Surrogate
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError
 from synth.execute import compile as compiler
 from synth.execute import host
@@ -136,7 +136,7 @@ def memory() -> Block:
 BLOCKS = {"single": single_operations, "trees": trees, "memory": memory}
 
 
-def emit_cached(block: Block, scalar: type[np.floating]) -> Emitted:
+def emit_cached(block: Block, scalar: type[np.floating]) -> EmittedCode:
     return emit(block, scalar, libm=True)
 
 

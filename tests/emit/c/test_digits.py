@@ -9,8 +9,8 @@ from synth.emit.c import digits
 
 
 def test_cut_drops_last_bits() -> None:
-    assert digits.cut(np.pi, 4) == 3.142
-    assert digits.cut(math.nextafter(0.1, 1), 12) == digits.cut(0.1, 12) == 0.1
+    assert digits.significant(np.pi, 4) == 3.142
+    assert digits.significant(math.nextafter(0.1, 1), 12) == digits.significant(0.1, 12) == 0.1
 
 
 @pytest.mark.parametrize("value", [1.0, 1e-17, 1.0000001e-17, 9.99e-5, 0.0123, 1.7e300])

@@ -15,10 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.block import Block, Step, build
-from synth.blocks.safety import LATCH_BIT, NO_SAFE_OUTPUT, Guarded, Safety, frozen, guard, safe_output
+from synth.blocks.safety import LATCH_BIT, NO_SAFE_OUTPUT, GuardedInput, Safety, frozen, guard, safe_output
 from synth.compose import compose
 from synth.emit.c.manifest import dumps
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError, WiringError
 from synth.execute import host
 from synth.signals import Signal
@@ -29,10 +29,10 @@ TIME = Discrete(1.25e-3)
 GAP = Signal("gap", "m", 0.01, 0.03, "air gap")
 
 
-def emit_guard(scalar: type[np.floating]) -> Emitted:
+def emit_guard(scalar: type[np.floating]) -> EmittedCode:
     block = compose(
         "stage",
-        [guard(TIME, [Guarded(GAP, 0.02, True), Guarded(Signal("wish", "m", 0, 1), 0, False)], 5)],
+        [guard(TIME, [GuardedInput(GAP, 0.02, True), GuardedInput(Signal("wish", "m", 0, 1), 0, False)], 5)],
         inputs=["gap", "wish"],
         outputs=["gap_held"],
     )
@@ -103,7 +103,7 @@ def stage() -> Block:
         tag="F(3), F(4)",
     )
     blocks = [
-        guard(TIME, [Guarded(gap, 0.25, True), Guarded(wish, 0, False)], 3),
+        guard(TIME, [GuardedInput(gap, 0.25, True), GuardedInput(wish, 0, False)], 3),
         law,
         safe_output(TIME, [force], STAGE),
     ]
@@ -271,7 +271,7 @@ def test_a_block_that_does_not_latch_has_no_safety() -> None:
     output = Signal("force", "N", -1, 1)
     block = safe_output(TIME, [output], Safety(1, {"force": 0}, {"force": 1}, "rest"))
     assert emit(block, np.float64).manifest["safety"] is None
-    assert emit(guard(TIME, [Guarded(GAP, 0.02, False)], 3), np.float64).manifest["safety"] is None
+    assert emit(guard(TIME, [GuardedInput(GAP, 0.02, False)], 3), np.float64).manifest["safety"] is None
 
 
 def test_the_safety_is_that_of_the_blocks_and_the_c_keeps_it() -> None:
@@ -302,16 +302,16 @@ def test_an_output_that_passes_a_safe_one_on_has_its_safety() -> None:
         inputs=[force],
         outputs=both,
     )
-    parts = [guard(TIME, [Guarded(GAP, 0.02, True)], 2), safe_output(TIME, [force], replace(STAGE, bad_samples=2))]
+    parts = [guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safe_output(TIME, [force], replace(STAGE, bad_samples=2))]
     block = compose("two", [*parts, shared], inputs=["gap", "force_computed"], outputs=["right", "left", "half"])
     assert block.safety == Safety(2, {"right": 0.0, "left": 0.0}, {"right": 5.0, "left": 5.0}, "at rest")
 
 
 def test_a_latch_that_contradicts_its_safety_is_refused() -> None:
     force = Signal("force", "N", -1, 1)
-    parts = [guard(TIME, [Guarded(GAP, 0.02, True)], 2), safe_output(TIME, [force], STAGE)]
+    parts = [guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safe_output(TIME, [force], STAGE)]
     with pytest.raises(WiringError, match="'guard' latches after 2 bad samples, 'safe_output' after 3: declare one"):
         compose("two", parts, inputs=["gap", "force_computed"], outputs=["force"])
-    untold = replace(guard(TIME, [Guarded(GAP, 0.02, True)], 2), safety=None)
+    untold = replace(guard(TIME, [GuardedInput(GAP, 0.02, True)], 2), safety=None)
     with pytest.raises(EmitError, match=r"block 'guard' latches \(fault bit 31\) but does not say what it does then"):
         emit(untold, np.float64)

@@ -19,7 +19,7 @@ from synth.emit.approx import univariate
 from synth.emit.passes import fold, replace
 from synth.emit.passes.replace import Surrogate
 from synth.emit.proof import ranges
-from synth.emit.write import Emitted, emit
+from synth.emit.write import EmittedCode, emit
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -154,7 +154,7 @@ def draws(low: float, high: float, scalar: type[np.floating], count: int = 3000)
     return np.unique(np.clip(np.append(inside, np.array([low, high], scalar)), scalar(low), scalar(high)))
 
 
-def error(made: Emitted, f: Callable[[Any], Any], scalar: type[np.floating]) -> float:
+def error(made: EmittedCode, f: Callable[[Any], Any], scalar: type[np.floating]) -> float:
     """Return the largest relative error of output y as a function f of input a, over random inputs."""
     controller = host.load(made.files, made.manifest)
     x = draws(LOW, HIGH, scalar)
@@ -208,7 +208,7 @@ def test_a_changed_coefficient_breaks_the_certificate() -> None:
     wrong = f"{float(body[1][:-1]) * (1 + 3 * surrogate['max_relative_error']):.9g}f"
     files = {**made.files, "made.c": made.files["made.c"].replace(body[1], wrong)}
     assert wrong != body[1]
-    assert error(Emitted(files, made.manifest), mpmath.exp, F32) > surrogate["max_relative_error"]
+    assert error(EmittedCode(files, made.manifest), mpmath.exp, F32) > surrogate["max_relative_error"]
 
 
 @pytest.mark.parametrize("scalar", [F32, F64])

@@ -283,7 +283,7 @@ def test_unknown_loads_and_operations_are_refused() -> None:
 
 
 def test_a_guard_block_outputs_numbers_within_range() -> None:
-    block = safety.guard(TIME, [safety.Guarded(signal("u", -1, 2), 0.5, True)], 4)
+    block = safety.guard(TIME, [safety.GuardedInput(signal("u", -1, 2), 0.5, True)], 4)
     program, node_ranges = analyse(block)
     assert node_ranges[program.outputs["u_held"]] == Range(-1, 2) == node_ranges[program.next["last_u"]]
     ranges.require_inductive(program, node_ranges, block, F32)

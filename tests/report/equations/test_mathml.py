@@ -1,4 +1,4 @@
-"""Formulas: what stands on the page amounts to the expression; what would mislead a reader is noticed."""
+"""Displayed formulas evaluate to the expression; misleading markup is detected."""
 
 import math
 from collections.abc import Callable
@@ -79,7 +79,7 @@ def deeper(inner: st.SearchStrategy[sp.Expr]) -> st.SearchStrategy[sp.Expr]:
 
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(st.recursive(st.one_of(st.sampled_from(X), NUMBERS), deeper, max_leaves=12))
-def test_what_is_shown_amounts_to_the_expression(expr: sp.Expr) -> None:
+def test_markup_evaluates_to_the_expression(expr: sp.Expr) -> None:
     with np.errstate(all="ignore"):
         shown = mathml_value.value(mathml.expression(expr), VALUES)
         true = true_value(expr)
@@ -90,7 +90,7 @@ def shown(markup: str) -> np.ndarray:
     return mathml_value.value(markup, VALUES)
 
 
-def test_a_pair_of_parentheses_that_is_missing_on_the_page_is_missing_in_the_value() -> None:
+def test_missing_parentheses_change_the_value() -> None:
     markup = mathml.expression(sp.Mul(X[0], X[1] + X[2], evaluate=False))
     bare = markup.replace('<mo fence="true" stretchy="false">(</mo>', "").replace(
         '<mo fence="true" stretchy="false">)</mo>', ""
@@ -104,20 +104,20 @@ def test_a_pair_of_parentheses_that_is_missing_on_the_page_is_missing_in_the_val
     ("markup", "message"),
     [
         ("<mi>q</mi>", "which has no value"),
-        ("<mi>x</mi><mi>x</mi>", "goes on behind its end"),
+        ("<mi>x</mi><mi>x</mi>", "continues after its end"),
         ("<mi>x</mi><mo>+</mo>", "ends where a value is needed"),
         ("<mo>(</mo><mi>x</mi>", "does not close it"),
         ("<msup><mrow><mi>x</mi><mo>+</mo><mn>1</mn></mrow><mn>2</mn></msup>", "raises several pieces"),
-        ('<mn data-value="1.2346">1.2345…</mn>', "cut the number off"),
-        ("<mi>sine</mi><mo>\u2061</mo><mo>(</mo><mi>x</mi><mo>)</mo>", "no reader knows"),
+        ('<mn data-value="1.2346">1.2345…</mn>', "truncate the number"),
+        ("<mi>sine</mi><mo>\u2061</mo><mo>(</mo><mi>x</mi><mo>)</mo>", "is not a known function"),
     ],
 )
-def test_what_a_reader_could_not_make_sense_of_is_refused(markup: str, message: str) -> None:
+def test_invalid_markup_is_refused(markup: str, message: str) -> None:
     with pytest.raises(DesignError, match=message):
         shown(markup)
 
 
-def test_numbers_are_cut_off_where_an_ellipsis_says_so_alone() -> None:
+def test_numbers_are_truncated_only_with_an_ellipsis() -> None:
     assert mathml.expression(sp.Float(0.0127)) == "<mn>0.0127</mn>"
     assert mathml.expression(sp.Float(1.2594458438287153)) == '<mn data-value="1.2594458438287153">1.25944…</mn>'
     assert "0.0123456…" in mathml.expression(sp.Float(0.01234567891))

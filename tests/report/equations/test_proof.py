@@ -1,4 +1,4 @@
-"""Derived equations: those of a plant and of a composition, and what is planted in them is noticed by name."""
+"""Derived equations of a plant and of a composition; planted defects are reported by name."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -23,7 +23,7 @@ SINES = table("sines", [0.0, 0.7, 1.0, 0.7])
 
 
 def plant() -> Plant:
-    """Return a pendulum on two springs, whose forces are alike."""
+    """Return a pendulum on two springs with forces of equal form."""
     states = [Signal("theta", "rad", -1, 1, "tilt"), Signal("wtheta", "rad/s", -5, 5)]
     inputs = [Signal("g1", "m", -1, 1), Signal("g2", "m", -1, 1)]
     parameters = [Parameter("k_s", 3.0, "N/m", 0.1, "measured"), Parameter("b", 0.2, "m", 0.0, "drawing")]
@@ -72,7 +72,7 @@ def controller() -> Block:
     return compose("two", [axis("x"), axis("y"), mix], inputs=["e_x", "e_y"], outputs=["both"])
 
 
-def test_a_plant_is_shown_with_its_names_and_what_is_alike_once() -> None:
+def test_a_plant_is_shown_with_its_names_and_equal_forms_once() -> None:
     groups = derive.plant(plant(), forces)
     proof.plant(plant(), groups, forces)
     names = [e.name for g in groups for e in g.equations]
@@ -82,7 +82,7 @@ def test_a_plant_is_shown_with_its_names_and_what_is_alike_once() -> None:
     assert alike["F1"] == ["F2"]
 
 
-def test_a_composition_is_shown_by_its_blocks_and_those_alike_once() -> None:
+def test_a_composition_is_shown_by_blocks_and_equal_forms_once() -> None:
     groups = derive.block(controller())
     proof.block(controller(), groups)
     assert [g.title for g in groups] == ["axis_x", "axis_y", "mix"]
@@ -92,7 +92,7 @@ def test_a_composition_is_shown_by_its_blocks_and_those_alike_once() -> None:
     assert len(formulas) == 2 and formulas[0].title == "axis_x: (3)"
 
 
-def test_what_the_physics_does_not_compute_is_no_name_in_it() -> None:
+def test_expressions_that_the_physics_does_not_compute_are_refused() -> None:
     def stranger(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
         return {"F3": u["g1"] ** 3}
 
@@ -102,12 +102,14 @@ def test_what_the_physics_does_not_compute_is_no_name_in_it() -> None:
 
 def planted(groups: tuple[Group, ...], name: str, change: Callable[[sp.Expr], sp.Expr]) -> tuple[Group, ...]:
     """Return the groups with one equation changed."""
-    found = [e for g in groups for e in g.equations if e.name == name]
-    assert found
+    matching = [e for g in groups for e in g.equations if e.name == name]
+    assert matching
     return tuple(
         replace(
             g,
-            equations=tuple(replace(e, expression=change(e.expression)) if e is found[0] else e for e in g.equations),
+            equations=tuple(
+                replace(e, expression=change(e.expression)) if e is matching[0] else e for e in g.equations
+            ),
         )
         for g in groups
     )

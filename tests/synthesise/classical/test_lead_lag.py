@@ -17,7 +17,7 @@ from synth.timing import Continuous, Discrete
 from tests import tolerances
 
 T, W = 1e-3, 108.9
-METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.held)
+METHODS = (lead_lag.tustin, lead_lag.prewarped, lead_lag.matched, lead_lag.zero_order_hold)
 UNITS = {"q_error": "m", "f": "N"}
 
 
@@ -45,8 +45,8 @@ def test_time_constants_and_zeros_and_poles_say_the_same() -> None:
         (900.0, (-80.0413, -10.0), (-604.199, 0.0)),  # Y(24)
     ):
         expected = gain * (s - zeros[0]) * (s - zeros[1]) / (s - poles[0]) / (s - poles[1])
-        found = Compensator(gain, zeros, poles).model.response(s)[:, 0, 0]
-        np.testing.assert_allclose(found, expected, rtol=tolerances.of("double"))
+        response = Compensator(gain, zeros, poles).model.response(s)[:, 0, 0]
+        np.testing.assert_allclose(response, expected, rtol=tolerances.of("double"))
 
 
 def test_pi_and_filtered_pd_are_special_cases() -> None:
@@ -57,8 +57,8 @@ def test_pi_and_filtered_pd_are_special_cases() -> None:
     np.testing.assert_allclose(pi.model.response(s)[:, 0, 0], 7 * (1 + 0.2 * s) / s, rtol=1e-12)
     np.testing.assert_allclose(pd.model.response(s)[:, 0, 0], 7 * (1 + 0.2 * s) / (1 + 0.01 * s), rtol=1e-12)
     for method in METHODS:
-        found = method(gain, T, W)
-        assert found.discrete.D[0, 0] == -7.0 and found.zeros == () and found.phase_error == 0
+        sampled = method(gain, T, W)
+        assert sampled.discrete.D[0, 0] == -7.0 and sampled.zeros == () and sampled.phase_error == 0
 
 
 def random(rng: np.random.Generator) -> Compensator:
@@ -84,33 +84,35 @@ def test_python_control_samples_it_alike(seed: int) -> None:
     expected = {
         lead_lag.tustin: control.sample_system(system, T, "tustin"),
         lead_lag.prewarped: control.sample_system(system, T, "tustin", prewarp_frequency=at),
-        lead_lag.held: control.sample_system(system, T, "zoh"),
+        lead_lag.zero_order_hold: control.sample_system(system, T, "zoh"),
     }
     for method, witness in expected.items():
-        found = method(K, T, at)
+        sampled = method(K, T, at)
         near = tolerances.of("double") * np.abs(witness(z)).max()
         np.testing.assert_allclose(
-            found.discrete.response(z)[:, 0, 0], witness(z), rtol=0, atol=near, err_msg=found.method
+            sampled.discrete.response(z)[:, 0, 0], witness(z), rtol=0, atol=near, err_msg=sampled.method
         )
-        assert len(found.poles) == len(K.poles) and found.discrete.time == Discrete(T)
+        assert len(sampled.poles) == len(K.poles) and sampled.discrete.time == Discrete(T)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_zeros_poles_and_gain_are_those_of_the_sampled_model(method: lead_lag.Method) -> None:
     for K in (paper(), Compensator(3.0, (), (-50.0, 0.0)), Compensator(-3.0, (-20.0,), (-50.0, -300.0))):
-        found, z = method(K, T, W), np.exp(1j * np.array([0.02, 0.4, 2.0]))
+        sampled, z = method(K, T, W), np.exp(1j * np.array([0.02, 0.4, 2.0]))
         value = (
-            found.gain * np.prod([z - v for v in found.zeros], axis=0) / np.prod([z - v for v in found.poles], axis=0)
+            sampled.gain
+            * np.prod([z - v for v in sampled.zeros], axis=0)
+            / np.prod([z - v for v in sampled.poles], axis=0)
         )
-        np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
-        assert sum(abs(p - 1) < 1e-15 for p in found.poles) == K.poles.count(0.0)
+        np.testing.assert_allclose(sampled.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
+        assert sum(abs(p - 1) < 1e-15 for p in sampled.poles) == K.poles.count(0.0)
 
 
 def test_matched_zeros_and_poles_lie_at_the_exponentials() -> None:
-    found = lead_lag.matched(paper(), T, W)
-    assert found.zeros == pytest.approx(np.exp(T * np.array(paper().zeros)), rel=1e-15)
-    assert found.poles == pytest.approx(np.exp(T * np.array(paper().poles)), rel=1e-15)
-    assert abs(found.gain_error) < 1e-13 and abs(found.phase_error) > 0.1
+    sampled = lead_lag.matched(paper(), T, W)
+    assert sampled.zeros == pytest.approx(np.exp(T * np.array(paper().zeros)), rel=1e-15)
+    assert sampled.poles == pytest.approx(np.exp(T * np.array(paper().poles)), rel=1e-15)
+    assert abs(sampled.gain_error) < 1e-13 and abs(sampled.phase_error) > 0.1
     lag = lead_lag.matched(Compensator(-3.0, (), (-50.0, -300.0)), T, W)
     assert lag.zeros == (-1.0, -1.0) and lag.gain < 0
 
@@ -120,9 +122,9 @@ def test_matching_never_turns_the_sign_at_rest() -> None:
     with pytest.raises(ModelError, match=r"at 50 rad/s .* 126.4 degrees off in phase: match at a lower frequency"):
         lead_lag.matched(slow, 0.05, 50.0)
     for K in (slow, Compensator(-1.0, (2.0,), (-100.0, 3.0, -45.0))):  # zero and pole to the right, gain negative
-        found = lead_lag.matched(K, 0.05, 5.0)
-        ratio = (found.discrete.response(1.0) / K.model.response(0.0))[0, 0, 0].real
-        assert ratio == pytest.approx(1.0, abs=0.1) and abs(found.gain_error) < 1e-13
+        sampled = lead_lag.matched(K, 0.05, 5.0)
+        ratio = (sampled.discrete.response(1.0) / K.model.response(0.0))[0, 0, 0].real
+        assert ratio == pytest.approx(1.0, abs=0.1) and abs(sampled.gain_error) < 1e-13
 
 
 @pytest.mark.parametrize("period", [1e-4, 1e-3, 1e-2])
@@ -139,29 +141,29 @@ def test_the_zeros_of_the_held_one_are_those_of_its_model(
     zeros: tuple[float, ...], poles: tuple[float, ...], period: float
 ) -> None:
     """The listing says what the model does, to the digits of the model, however small its gain."""
-    found = lead_lag.held(Compensator(-3.0, zeros, poles), period, W)
+    sampled = lead_lag.zero_order_hold(Compensator(-3.0, zeros, poles), period, W)
     z = np.array([0.3 + 2j, -3.0, 1.4j])
-    listed = [np.prod([z - v for v in part], axis=0) for part in (found.zeros, found.poles)]
-    value = found.gain * listed[0] / listed[1]
-    np.testing.assert_allclose(found.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
+    listed = [np.prod([z - v for v in part], axis=0) for part in (sampled.zeros, sampled.poles)]
+    value = sampled.gain * listed[0] / listed[1]
+    np.testing.assert_allclose(sampled.discrete.response(z)[:, 0, 0], value, rtol=tolerances.of("double"))
 
 
-def test_the_errors_at_the_frequency_are_told() -> None:
+def test_the_errors_at_the_frequency_are_reported() -> None:
     z, s = np.exp(1j * W * T), 1j * W
     for method in METHODS:
-        found = method(paper(), T, W)
-        ratio = found.discrete.response(z)[0, 0, 0] / paper().model.response(s)[0, 0, 0]
-        assert found.gain_error == pytest.approx(abs(ratio) - 1, abs=1e-12)
-        assert found.phase_error == pytest.approx(np.degrees(np.angle(ratio)), abs=1e-10)
+        sampled = method(paper(), T, W)
+        ratio = sampled.discrete.response(z)[0, 0, 0] / paper().model.response(s)[0, 0, 0]
+        assert sampled.gain_error == pytest.approx(abs(ratio) - 1, abs=1e-12)
+        assert sampled.phase_error == pytest.approx(np.degrees(np.angle(ratio)), abs=1e-10)
     exact = lead_lag.prewarped(paper(), T, W)
     assert abs(exact.gain_error) < 1e-12 and abs(exact.phase_error) < 1e-10
     bent = lead_lag.tustin(paper(), T, W)  # its frequency scale is (2/T) tan(w T / 2)
-    moved = paper().model.response(2j / T * np.tan(W * T / 2))[0, 0, 0] / paper().model.response(s)[0, 0, 0]
-    assert bent.gain_error == pytest.approx(abs(moved) - 1, abs=1e-12) and abs(bent.gain_error) > 1e-4
+    warped_ratio = paper().model.response(2j / T * np.tan(W * T / 2))[0, 0, 0] / paper().model.response(s)[0, 0, 0]
+    assert bent.gain_error == pytest.approx(abs(warped_ratio) - 1, abs=1e-12) and abs(bent.gain_error) > 1e-4
 
 
 def test_the_numbers_are_rounded_once() -> None:
-    """Fifty digits, rounded: the numbers are alike on every machine."""
+    """Fifty digits, rounded: the numbers are the same on every machine."""
     with mpmath.workdps(50):
         half = mpmath.mpf(W) * mpmath.mpf(T) / 2
         scale = mpmath.mpf(W) / mpmath.tan(half)
@@ -172,19 +174,19 @@ def test_the_numbers_are_rounded_once() -> None:
             gain *= scale - mpmath.mpf(v)
         for v in K.poles:
             gain /= scale - mpmath.mpf(v)
-        found = lead_lag.prewarped(K, T, W)
-        assert [*found.zeros, *found.poles] == z and found.gain == float(gain)
+        sampled = lead_lag.prewarped(K, T, W)
+        assert [*sampled.zeros, *sampled.poles] == z and sampled.gain == float(gain)
         assert lead_lag.matched(K, T, W).poles[0] == float(mpmath.exp(mpmath.mpf(K.poles[0]) * mpmath.mpf(T)))
 
 
 def test_the_difference_equation_answers_as_scipys_filter() -> None:
     """A chain of sections stepped by hand, against lfilter on the polynomials of the printed zeros, poles and gain."""
-    u, found = np.random.default_rng(1).normal(size=40), lead_lag.prewarped(paper(), T, W)
+    u, sampled = np.random.default_rng(1).normal(size=40), lead_lag.prewarped(paper(), T, W)
     x, y = np.zeros(2), []
     for value in u:
-        y.append(float((found.discrete.C @ x + found.discrete.D[0] * value)[0]))
-        x = found.discrete.A @ x + found.discrete.B[:, 0] * value
-    expected = scipy.signal.lfilter(found.gain * np.poly(found.zeros), np.poly(found.poles), u)
+        y.append(float((sampled.discrete.C @ x + sampled.discrete.D[0] * value)[0]))
+        x = sampled.discrete.A @ x + sampled.discrete.B[:, 0] * value
+    expected = scipy.signal.lfilter(sampled.gain * np.poly(sampled.zeros), np.poly(sampled.poles), u)
     np.testing.assert_allclose(y, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
@@ -236,7 +238,7 @@ def test_what_is_no_compensator_is_refused() -> None:
     with pytest.raises(TimingError, match=r"not between 0 and Nyquist, 3141.59 rad/s"):
         lead_lag.prewarped(paper(), T, 3200.0)
     with pytest.raises(TimingError, match="give the continuous one"):
-        lead_lag.held(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
+        lead_lag.zero_order_hold(Compensator(1.0, (), (0.5,), Discrete(T)), T, W)
     with pytest.raises(TimingError, match="must be finite and positive"):
         lead_lag.matched(paper(), -1.0, W)
 
@@ -246,7 +248,7 @@ def test_signals_and_units_are_carried_and_printed() -> None:
     assert model.labels((*model.states, *model.outputs)) == ("f_section1 [m s]", "f_section2 [m s]", "f [N]")
     lag = Compensator(1.0, (), (-1.0, -2.0), units={"error": "m"}).model
     assert [lag.unit(s) for s in lag.states] == ["m s", "m s s"]
-    found = lead_lag.prewarped(paper(), T, W)
-    assert found.discrete.unit("f_section1") == "m"
+    sampled = lead_lag.prewarped(paper(), T, W)
+    assert sampled.discrete.unit("f_section1") == "m"
     assert "q_error [m] to f [N]" in repr(paper()) and "-1136.3636" in repr(paper())
-    assert "prewarped tustin" in repr(found) and "17.332 Hz" in repr(found) and "0.27490527" in repr(found)
+    assert "prewarped tustin" in repr(sampled) and "17.332 Hz" in repr(sampled) and "0.27490527" in repr(sampled)

@@ -18,7 +18,7 @@ SLOW = StateSpace([[-0.1]], [[1]], [[1]], [[0.2]], ("w",), ("y",), ("zy",), Cont
 FAST = StateSpace([[-50]], [[1]], [[-45]], [[1]], ("r",), ("f",), ("zf",), Continuous())
 
 
-def closed(plant: StateSpace, controller: StateSpace) -> np.ndarray:
+def closed_loop_matrix(plant: StateSpace, controller: StateSpace) -> np.ndarray:
     """The loop's matrix on (x, w)."""
     A = plant.A + plant.B @ controller.D
     return np.block([[A, plant.B @ controller.C], [controller.B, controller.A]])
@@ -43,24 +43,24 @@ def test_plant_and_filters_are_one_model_by_hand() -> None:
 def test_constant_filters_are_plain_weights() -> None:
     nothing = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)))
     flat = StateSpace(*nothing, [[2.0]], (), ("v",), ("z",), Continuous())
-    found = frequency_weights.shaped(PLANT, [flat], {"z": 3.0}, {"f": 0.5}, {"x": 7.0})
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [flat], {"z": 3.0}, {"f": 0.5}, {"x": 7.0})
     plain = lqr.lqr(PLANT, {"x": 7.0, "v": 12.0}, {"f": 0.5})
-    np.testing.assert_allclose(found.gain.K, plain.K, rtol=tolerances.of("folded"))
-    assert found.controller.states == () and found.controller.inputs == ("x", "v")
-    np.testing.assert_array_equal(found.controller.D, found.gain.K)
+    np.testing.assert_allclose(design.gain.K, plain.K, rtol=tolerances.of("folded"))
+    assert design.controller.states == () and design.controller.inputs == ("x", "v")
+    np.testing.assert_array_equal(design.controller.D, design.gain.K)
 
 
 def test_the_controller_makes_the_loop_that_the_gain_promises() -> None:
-    found = frequency_weights.shaped(PLANT, [SLOW, FAST], {"zy": 5.0, "zf": 1.0}, {"f": 0.1})
-    poles = np.sort_complex(np.linalg.eigvals(closed(PLANT, found.controller)))
-    np.testing.assert_allclose(poles, found.gain.poles, rtol=tolerances.of("pencil"))
-    assert found.controller.states == ("w", "r") and found.controller.outputs == ("f",)
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [SLOW, FAST], {"zy": 5.0, "zf": 1.0}, {"f": 0.1})
+    poles = np.sort_complex(np.linalg.eigvals(closed_loop_matrix(PLANT, design.controller)))
+    np.testing.assert_allclose(poles, design.gain.poles, rtol=tolerances.of("pencil"))
+    assert design.controller.states == ("w", "r") and design.controller.outputs == ("f",)
 
 
 def test_the_optimal_cost_is_its_integral_over_frequency() -> None:
     """From x0 the cost is (1 / 2 pi) int (|W_y y|^2 + |W_f f|^2 + R |f|^2) d omega; another gain costs more."""
     Q, R = {"zy": 5.0, "zf": 1.0}, 0.1
-    found = frequency_weights.shaped(PLANT, [SLOW, FAST], Q, {"f": R})
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [SLOW, FAST], Q, {"f": R})
     x0 = np.array([1.0, -0.5, 0.0, 0.0])
 
     def cost(K: np.ndarray) -> float:
@@ -74,13 +74,13 @@ def test_the_optimal_cost_is_its_integral_over_frequency() -> None:
         zy, zf = SLOW.response(1j * omega)[:, 0, 0] * y, FAST.response(1j * omega)[:, 0, 0] * f
         return float((5 * np.abs(zy) ** 2 + np.abs(zf) ** 2 + R * np.abs(f) ** 2) @ dense / np.pi)
 
-    told = x0 @ found.gain.certificate.X @ x0
-    assert cost(found.gain.K) == pytest.approx(told, rel=tolerances.of("frequency"))
-    assert cost(found.gain.K * 1.05) > told * (1 + 1e-4)
+    expected_cost = x0 @ design.gain.certificate.X @ x0
+    assert cost(design.gain.K) == pytest.approx(expected_cost, rel=tolerances.of("frequency"))
+    assert cost(design.gain.K * 1.05) > expected_cost * (1 + 1e-4)
 
 
 def test_a_weight_on_fast_forces_rolls_the_controller_off() -> None:
-    shaped = frequency_weights.shaped(PLANT, [FAST], {"zf": 1.0}, {"f": 0.01}, {"x": 100.0})
+    shaped = frequency_weights.frequency_shaped_lqr(PLANT, [FAST], {"zf": 1.0}, {"f": 0.01}, {"x": 100.0})
     fast = shaped.controller.response(1e4j)[0, 0]
     slow = shaped.controller.response(1e-3j)[0, 0]
     assert abs(fast[0]) < 0.4 * abs(slow[0])  # a constant weight's gain is the same at all frequencies
@@ -88,28 +88,28 @@ def test_a_weight_on_fast_forces_rolls_the_controller_off() -> None:
 
 def test_the_held_loop_is_optimal_for_the_continuous_cost() -> None:
     T = 0.1
-    found = frequency_weights.shaped(PLANT, [SLOW], {"zy": 5.0}, {"f": 0.1}, period_s=T)
-    assert found.controller.time == Discrete(T)
+    design = frequency_weights.frequency_shaped_lqr(PLANT, [SLOW], {"zy": 5.0}, {"f": 0.1}, period_s=T)
+    assert design.controller.time == Discrete(T)
     held = discretise.zero_order_hold(PLANT, T)
-    poles = np.sort_complex(np.linalg.eigvals(closed(held, found.controller)))
-    np.testing.assert_allclose(poles, found.gain.poles, rtol=tolerances.of("pencil"))
+    poles = np.sort_complex(np.linalg.eigvals(closed_loop_matrix(held, design.controller)))
+    np.testing.assert_allclose(poles, design.gain.poles, rtol=tolerances.of("pencil"))
     joined = frequency_weights.augmented(PLANT, [SLOW])
-    w = weights.output_weighted(joined, {"zy": 5.0}, {"f": 0.1})
+    w = weights.output_weights(joined, {"zy": 5.0}, {"f": 0.1})
     nodes, weight = np.polynomial.legendre.leggauss(10)
     F, x, total = scipy.linalg.block_diag(np.hstack([joined.A, joined.B]), np.zeros((1, 0))), np.array([1.0, 0, 0]), 0.0
     W = np.block([[w.Q, w.N], [w.N.T, w.R]])
     flows = [scipy.linalg.expm(F * T * (v + 1) / 2) for v in nodes]
     over = scipy.linalg.expm(F * T)
     for _ in range(1500):
-        xu = np.concatenate([x, found.gain.K @ x])
+        xu = np.concatenate([x, design.gain.K @ x])
         total += T / 2 * sum(k * (M @ xu) @ W @ (M @ xu) for k, M in zip(weight, flows, strict=True))
         x = (over @ xu)[:3]
-    X = found.gain.certificate.X
+    X = design.gain.certificate.X
     assert total == pytest.approx(X[0, 0], rel=tolerances.of("quadrature"))
 
 
 def test_what_cannot_be_weighted_is_refused() -> None:
-    with pytest.raises(SignalError, match="weights 'q', which is no signal of the plant: it has x, v, y, f"):
+    with pytest.raises(SignalError, match="weights 'q', which is not a signal of the plant: it has x, v, y, f"):
         frequency_weights.augmented(PLANT, [SLOW.renamed({"y": "q"})])
     with pytest.raises(SignalError, match="no filter was given"):
         frequency_weights.augmented(PLANT, [])
@@ -120,16 +120,18 @@ def test_what_cannot_be_weighted_is_refused() -> None:
     # The velocity's transfer function is zero at s = 0, so that nothing moves its integral alone.
     with pytest.raises(ModelError, match="not stabilisable: mode 0 in w"):
         integrator = StateSpace([[0]], [[1]], [[1]], [[0]], ("w",), ("v",), ("z",), Continuous())
-        frequency_weights.shaped(PLANT, [integrator], {"z": 1.0}, {"f": 1.0})
+        frequency_weights.frequency_shaped_lqr(PLANT, [integrator], {"z": 1.0}, {"f": 1.0})
 
 
 def test_arrays_are_read_and_the_result_prints() -> None:
     plant = (PLANT.A, PLANT.B, PLANT.C, PLANT.D)
     with pytest.raises(SignalError, match="x1, x2, x1: give each its own"):
-        frequency_weights.shaped(plant, [(SLOW.A, SLOW.B)], [1.0], [1.0])
-    found = frequency_weights.shaped(plant, [SLOW.renamed({"y": "y1"}).to_control()], [1.0], [1.0], exact=True)
-    assert found.gain.K.shape == (1, 3) and found.gain.states == ("x1", "x2", "w")
-    text = repr(frequency_weights.shaped(PLANT, [SLOW], {"zy": 1.0}, {"f": 1.0}))
+        frequency_weights.frequency_shaped_lqr(plant, [(SLOW.A, SLOW.B)], [1.0], [1.0])
+    design = frequency_weights.frequency_shaped_lqr(
+        plant, [SLOW.renamed({"y": "y1"}).to_control()], [1.0], [1.0], exact=True
+    )
+    assert design.gain.K.shape == (1, 3) and design.gain.states == ("x1", "x2", "w")
+    text = repr(frequency_weights.frequency_shaped_lqr(PLANT, [SLOW], {"zy": 1.0}, {"f": 1.0}))
     assert text.startswith("Frequency-weighted gain in continuous time: 1 states of filters")
 
 

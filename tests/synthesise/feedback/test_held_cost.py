@@ -71,15 +71,15 @@ def integral(
 def test_the_cost_is_the_integral_along_the_loop_and_no_other_gain_has_a_lower_one(seed: int, delay: float) -> None:
     plant, *weights = problem(seed)
     Q, R, N = weights
-    found = lqr.lqrd(plant, Q, R, T, N, delay_s=delay)
+    gain = lqr.lqrd(plant, Q, R, T, N, delay_s=delay)
     rng = np.random.default_rng(seed)
-    z = rng.normal(size=found.K.shape[1])
+    z = rng.normal(size=gain.K.shape[1])
     first = int(delay / T + 1e-9) * T
-    least = integral(found, plant, (Q, R, N), delay, z, first)
-    assert z @ found.certificate.X @ z == pytest.approx(least, rel=tolerances.of("quadrature"))
-    whole = integral(found, plant, (Q, R, N), delay, z)
+    least = integral(gain, plant, (Q, R, N), delay, z, first)
+    assert z @ gain.certificate.X @ z == pytest.approx(least, rel=tolerances.of("quadrature"))
+    whole = integral(gain, plant, (Q, R, N), delay, z)
     for _ in range(3):
-        other = replace(found, K=found.K * (1 + 0.01 * rng.normal(size=found.K.shape)))
+        other = replace(gain, K=gain.K * (1 + 0.01 * rng.normal(size=gain.K.shape)))
         assert integral(other, plant, (Q, R, N), delay, z) > whole * (1 + 1e-9)
 
 
@@ -118,18 +118,18 @@ def test_for_whole_samples_it_is_the_sum_of_the_delayed_model(samples: int) -> N
     The latter weighs u[k] by nothing, so that its gain is found from the end of a long horizon backwards.
     """
     plant, Q, R, N = problem(4)
-    found = lqr.lqrd(plant, Q, R, T, N, delay_s=samples * T)
+    gain = lqr.lqrd(plant, Q, R, T, N, delay_s=samples * T)
     cost = lqr.sampled_cost(plant, Q, R, T, N)
     late = discretise.with_delay(cost.model, samples)
-    assert found.states == late.states == loop.sampled(plant, T, samples * T).states
+    assert gain.states == late.states == loop.sampled(plant, T, samples * T).states
     A, B = cost.model.A, cost.model.B
     powers = [np.linalg.matrix_power(A, k) for k in range(samples, -1, -1)]
     P = np.hstack([powers[0], *(power @ B for power in powers[1:])])
-    ahead = P.T @ cost.Q @ P
-    summed = lqr.dlqr(late, (ahead + ahead.T) / 2, cost.R, P.T @ cost.N)
-    size = np.abs(found.K).max()
-    np.testing.assert_allclose(found.K, summed.K, rtol=0, atol=tolerances.of("pencil") * size)
-    np.testing.assert_allclose(found.K, lqr.lqrd(plant, Q, R, T, N).K @ P, rtol=0, atol=tolerances.of("pencil") * size)
+    predicted_Q = P.T @ cost.Q @ P
+    summed = lqr.dlqr(late, (predicted_Q + predicted_Q.T) / 2, cost.R, P.T @ cost.N)
+    size = np.abs(gain.K).max()
+    np.testing.assert_allclose(gain.K, summed.K, rtol=0, atol=tolerances.of("pencil") * size)
+    np.testing.assert_allclose(gain.K, lqr.lqrd(plant, Q, R, T, N).K @ P, rtol=0, atol=tolerances.of("pencil") * size)
     W = np.zeros((len(late.A) + 2, len(late.A) + 2))
     W[:5, :5] = np.block([[cost.Q, cost.N], [cost.N.T, cost.R]])
     F, X = np.hstack([late.A, late.B]), np.eye(len(late.A))
@@ -137,7 +137,7 @@ def test_for_whole_samples_it_is_the_sum_of_the_delayed_model(samples: int) -> N
         H = W + F.T @ X @ F
         K = -np.linalg.solve(H[-2:, -2:], H[-2:, :-2])
         X = H[:-2, :-2] + H[:-2, -2:] @ K
-    np.testing.assert_allclose(found.K, K, rtol=0, atol=tolerances.of("pencil") * size)
+    np.testing.assert_allclose(gain.K, K, rtol=0, atol=tolerances.of("pencil") * size)
 
 
 @pytest.mark.parametrize("delay", DELAYS)
@@ -150,9 +150,9 @@ def test_ball_arithmetic_agrees(delay: float) -> None:
 def test_late_inputs_have_names_and_units() -> None:
     plant = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("x", "v"), ("i",), ("x",),
                        Continuous(), {"i": "A", "x": "m", "v": "m/s"})  # fmt: skip
-    found = lqr.lqrd(plant, [1.0, 1.0], [1.0], T, delay_s=0.25)
-    assert found.states == ("x", "v", "i_held", "i_late1", "i_late2")
-    assert [found.units[name] for name in found.states[2:]] == ["A"] * 3
+    gain = lqr.lqrd(plant, [1.0, 1.0], [1.0], T, delay_s=0.25)
+    assert gain.states == ("x", "v", "i_held", "i_late1", "i_late2")
+    assert [gain.units[name] for name in gain.states[2:]] == ["A"] * 3
     text = repr(lqr.lqrd(plant, [1.0, 1.0], [1.0], T, delay_s=T))
     assert "i_late1 [A]" in text and "deadbeat" in text
 

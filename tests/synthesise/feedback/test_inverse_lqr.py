@@ -51,9 +51,9 @@ def axis() -> StateSpace:
 
 def reproduces(weights: Any, poles: Sequence[complex], digits: Sequence[int]) -> bool:
     """Tell whether the weights give each of `poles` once its parts are rounded to its count of decimals."""
-    found = list(lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
+    attained = list(lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
     for pole, k in zip(poles, digits, strict=True):
-        nearest = found.pop(int(np.argmin(np.abs(np.array(found) - pole))))
+        nearest = attained.pop(int(np.argmin(np.abs(np.array(attained) - pole))))
         off = nearest - pole
         if max(abs(off.real), abs(off.imag)) > 0.5 * 10.0**-k * (1 + 1e-9):
             return False
@@ -63,9 +63,9 @@ def reproduces(weights: Any, poles: Sequence[complex], digits: Sequence[int]) ->
 @pytest.mark.parametrize("name", PRINTED)
 def test_the_published_weights_are_the_unique_ones(name: str) -> None:
     poles, digits, weights = PRINTED[name]
-    found = inverse_lqr.diagonal_weights(axis(), lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
-    assert found.unique and found.nullspace.shape == (5, 0) and found.residual < 1e-8
-    np.testing.assert_allclose(found.q, weights, rtol=1e-6)
+    inverse = inverse_lqr.diagonal_weights(axis(), lqr.lqr(axis(), np.diag(weights), [[1.0]]).poles)
+    assert inverse.unique and inverse.nullspace.shape == (5, 0) and inverse.residual < 1e-8
+    np.testing.assert_allclose(inverse.q, weights, rtol=1e-6)
     assert reproduces(weights, poles, digits)
     detuned = np.array(weights) * np.where(np.arange(5) == 2, 1.1, 1.0)
     assert not reproduces(detuned, poles, digits)
@@ -74,11 +74,11 @@ def test_the_published_weights_are_the_unique_ones(name: str) -> None:
 @pytest.mark.parametrize("name", PRINTED)
 def test_the_printed_poles_lead_near_the_weights(name: str) -> None:
     poles, _, weights = PRINTED[name]
-    found = inverse_lqr.diagonal_weights(axis(), poles)
-    assert found.unique
-    np.testing.assert_allclose(found.q, weights, rtol=tolerances.of("print_q"))
+    inverse = inverse_lqr.diagonal_weights(axis(), poles)
+    assert inverse.unique
+    np.testing.assert_allclose(inverse.q, weights, rtol=tolerances.of("print_q"))
     np.testing.assert_allclose(
-        np.sort_complex(lqr.lqr(axis(), np.diag(found.q), [[1.0]]).poles),
+        np.sort_complex(lqr.lqr(axis(), np.diag(inverse.q), [[1.0]]).poles),
         np.sort_complex(poles),
         rtol=1e-6,
     )
@@ -86,8 +86,8 @@ def test_the_printed_poles_lead_near_the_weights(name: str) -> None:
 
 def test_the_double_integrator_is_solved_by_hand() -> None:
     """Poles -a, -b: q0 = (a b)^2, q1 = a^2 + b^2, times R."""
-    found = inverse_lqr.diagonal_weights(DOUBLE, [-3, -5], R=2.0)
-    np.testing.assert_allclose(found.q, [2 * 225, 2 * 34], rtol=tolerances.of("double"))
+    inverse = inverse_lqr.diagonal_weights(DOUBLE, [-3, -5], R=2.0)
+    np.testing.assert_allclose(inverse.q, [2 * 225, 2 * 34], rtol=tolerances.of("double"))
 
 
 @settings(derandomize=True, max_examples=15, deadline=None)
@@ -97,30 +97,32 @@ def test_random_weights_come_back_from_their_poles(seed: int) -> None:
     n = int(rng.integers(2, 5))
     c, q, R = model(rng.normal(size=(n, n)), rng.normal(size=(n, 1))), rng.uniform(0.5, 5, n), rng.uniform(0.5, 2)
     poles = lqr.lqr(c, np.diag(q), [[R]]).poles
-    found = inverse_lqr.diagonal_weights(c, poles, R)
-    again = lqr.lqr(c, np.diag(np.maximum(found.q, 0)), [[R]]).poles
+    inverse = inverse_lqr.diagonal_weights(c, poles, R)
+    again = lqr.lqr(c, np.diag(np.maximum(inverse.q, 0)), [[R]]).poles
     np.testing.assert_allclose(np.sort_complex(again), np.sort_complex(poles), rtol=tolerances.of("multiple_root"))
 
 
-def test_weights_that_act_alike_are_not_unique_and_the_nullspace_says_how() -> None:
+def test_weights_with_equal_effect_are_not_unique_and_span_the_nullspace() -> None:
     """Two states with the same transfer function from the input: only the sum of their weights counts."""
     twin = model([[-1, 0, 0], [0, -1, 0], [0, 0, -2]], [[1], [1], [1]])
     poles = lqr.lqr(twin, np.diag([3.0, 4.0, 2.0]), [[1.0]]).poles
-    found = inverse_lqr.diagonal_weights(twin, poles)
-    assert not found.unique and found.nullspace.shape == (3, 1)
-    assert found.q[0] + found.q[1] == pytest.approx(7) and found.q[2] == pytest.approx(2)
-    np.testing.assert_allclose(np.abs(found.nullspace[:, 0]), [np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
-    moved = lqr.lqr(twin, np.diag(found.q + 3 * found.nullspace[:, 0]), [[1.0]]).poles
-    np.testing.assert_allclose(np.sort_complex(moved), np.sort_complex(poles), rtol=tolerances.of("multiple_root"))
+    inverse = inverse_lqr.diagonal_weights(twin, poles)
+    assert not inverse.unique and inverse.nullspace.shape == (3, 1)
+    assert inverse.q[0] + inverse.q[1] == pytest.approx(7) and inverse.q[2] == pytest.approx(2)
+    np.testing.assert_allclose(np.abs(inverse.nullspace[:, 0]), [np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
+    other_poles = lqr.lqr(twin, np.diag(inverse.q + 3 * inverse.nullspace[:, 0]), [[1.0]]).poles
+    np.testing.assert_allclose(
+        np.sort_complex(other_poles), np.sort_complex(poles), rtol=tolerances.of("multiple_root")
+    )
 
 
 def test_of_many_weights_some_that_are_not_negative_are_found() -> None:
     """x3 follows x1 + x2: q3 acts as q1 and q2 do together, and beside (10, 0, 0) least norm is (20, -10, 10) / 3."""
     c = model([[0, 1, 0], [0, 0, 0], [1, 2, -1]], [[0], [1], [1]])
     poles = lqr.lqr(c, np.diag([10.0, 0, 0]), [[1.0]]).poles
-    found = inverse_lqr.diagonal_weights(c, poles)
-    assert not found.unique and found.q.min() >= 0
-    assert found.q @ [1, 0, 1] == pytest.approx(10) and found.q @ [0, 1, 1] == pytest.approx(0, abs=1e-6)
+    inverse = inverse_lqr.diagonal_weights(c, poles)
+    assert not inverse.unique and inverse.q.min() >= 0
+    assert inverse.q @ [1, 0, 1] == pytest.approx(10) and inverse.q @ [0, 1, 1] == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +170,7 @@ def test_other_models_are_refused() -> None:
 @pytest.mark.parametrize("time", [Continuous(), Discrete(0.1)])
 @settings(derandomize=True, max_examples=15, deadline=None)
 @given(seed=st.integers(0, 10**6), decades=st.sampled_from([0, 6]))
-def test_weights_from_poles_do_not_hang_on_units(time: Continuous | Discrete, seed: int, decades: int) -> None:
+def test_weights_from_poles_do_not_depend_on_units(time: Continuous | Discrete, seed: int, decades: int) -> None:
     """A chain of n states, so that the weights are unique, in units over twelve decades."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 5))
@@ -176,15 +178,15 @@ def test_weights_from_poles_do_not_hang_on_units(time: Continuous | Discrete, se
     d, q = 10.0 ** rng.uniform(-decades, decades, n), rng.uniform(0.5, 5, n)
     c = model(A * d / d[:, None], np.eye(n)[:, -1:] / d[:, None], time)
     poles = lqr.lqr((A, np.eye(n)[:, -1:], time), q, [2.0]).poles
-    found = inverse_lqr.diagonal_weights(c, poles, 2.0)
-    assert found.unique
-    np.testing.assert_allclose(found.q / d**2, q, rtol=tolerances.of("multiple_root"))
+    inverse = inverse_lqr.diagonal_weights(c, poles, 2.0)
+    assert inverse.unique
+    np.testing.assert_allclose(inverse.q / d**2, q, rtol=tolerances.of("multiple_root"))
 
 
 def test_a_sampled_lag_by_hand() -> None:
     """x+ = a x + u, pole p: X = R (a / p - 1), q = X - a p X; a deadbeat pole of an x that forgets takes any weight."""
-    found = inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.1], R=2.0)
-    np.testing.assert_allclose(found.q, [2 * 4 * 0.95], rtol=tolerances.of("double"))
+    inverse = inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.1], R=2.0)
+    np.testing.assert_allclose(inverse.q, [2 * 4 * 0.95], rtol=tolerances.of("double"))
     assert not inverse_lqr.diagonal_weights(model([[0.0]], [[1.0]], Discrete(0.1)), [0.0]).unique
     with pytest.raises(ModelError, match="is missed by"):
         inverse_lqr.diagonal_weights(model([[0.5]], [[1.0]], Discrete(0.1)), [0.0])
@@ -204,11 +206,11 @@ def test_random_weights_come_back_from_their_gain(time: Continuous | Discrete, s
     c = model(rng.normal(size=(n, n)), rng.normal(size=(n, m)), time)
     q, r = rng.uniform(0.5, 5, n), np.concatenate([[1.0], rng.uniform(0.5, 2, m - 1)])
     K = lqr.lqr(c, q, r).K
-    found = inverse_lqr.gain_weights(c, K)
-    if found.unique:
-        np.testing.assert_allclose(found.q, q, rtol=tolerances.of("multiple_root"))
-        np.testing.assert_allclose(found.r, r, rtol=tolerances.of("multiple_root"))
-    again = lqr.lqr(c, found.q, found.r).K
+    inverse = inverse_lqr.gain_weights(c, K)
+    if inverse.unique:
+        np.testing.assert_allclose(inverse.q, q, rtol=tolerances.of("multiple_root"))
+        np.testing.assert_allclose(inverse.r, r, rtol=tolerances.of("multiple_root"))
+    again = lqr.lqr(c, inverse.q, inverse.r).K
     np.testing.assert_allclose(again, K, rtol=0, atol=tolerances.of("multiple_root") * np.abs(K).max())
     if m > 1:  # more equations than weights: a gain that is changed a little is optimal for none
         with pytest.raises(ModelError, match="make this gain optimal"):
@@ -217,20 +219,20 @@ def test_random_weights_come_back_from_their_gain(time: Continuous | Discrete, s
 
 def test_a_published_gain_gives_the_weights_of_its_poles() -> None:
     weights = PRINTED["x, z"][2]
-    found = lqr.lqr(axis(), weights, [1.0])
-    by_gain, by_poles = inverse_lqr.gain_weights(axis(), found.K), inverse_lqr.diagonal_weights(axis(), found.poles)
+    gain = lqr.lqr(axis(), weights, [1.0])
+    by_gain, by_poles = inverse_lqr.gain_weights(axis(), gain.K), inverse_lqr.diagonal_weights(axis(), gain.poles)
     assert by_gain.unique and by_poles.unique
     np.testing.assert_allclose(by_gain.q, weights, rtol=1e-6)
     np.testing.assert_allclose(by_gain.q, by_poles.q, rtol=1e-6)
 
 
-def test_the_null_space_of_a_gain_tells_weights_that_change_nothing() -> None:
+def test_the_null_space_of_a_gain_contains_weights_without_effect() -> None:
     """No input moves x1, and it moves nothing."""
     c = model([[-1, 0], [0, -2]], [[1], [0]])
-    found = inverse_lqr.gain_weights(c, lqr.lqr(c, [3.0, 4.0], [1.0]).K)
-    assert not found.unique and found.q[0] == pytest.approx(3) and found.q[1] >= 0
-    np.testing.assert_allclose(np.abs(found.nullspace[:, 0]), [0, 1, 0], atol=1e-12)
-    assert "1 combinations of them change nothing" in repr(found)
+    inverse = inverse_lqr.gain_weights(c, lqr.lqr(c, [3.0, 4.0], [1.0]).K)
+    assert not inverse.unique and inverse.q[0] == pytest.approx(3) and inverse.q[1] >= 0
+    np.testing.assert_allclose(np.abs(inverse.nullspace[:, 0]), [0, 1, 0], atol=1e-12)
+    assert "1 combinations of them change nothing" in repr(inverse)
 
 
 def test_gains_that_are_optimal_for_nothing_are_refused() -> None:

@@ -52,7 +52,7 @@ def positioner() -> StateSpace:
     B = np.vstack([np.zeros((3, 3)), [[0, 0, 13.2547], [13.2547, 13.2547, 0], [-117.15, 117.15, 0]]])
     C, inputs = np.eye(3, 6), ("i_A", "i_B", "i_C")
     plant = StateSpace(A, B, C, np.zeros((3, 3)), NAMES, inputs, NAMES[:3], Continuous(), UNITS)
-    return lqr.integral(plant, NAMES[:3])
+    return lqr.with_integrators(plant, NAMES[:3])
 
 
 # Y(49) with its decimals, columns x y phi, their integrals, d f v; u = -K x.
@@ -72,27 +72,27 @@ def printed_gain(Q: tuple[float, ...], exact: bool = False) -> np.ndarray:
     """-K at 800 Hz for weights in the order of the print."""
     model = positioner()
     order = (*NAMES[:3], *(f"{name}_integral" for name in NAMES[:3]), *NAMES[3:])
-    found = lqr.lqrd(model, dict(zip(order, Q, strict=True)), np.eye(3), 1 / 800, exact=exact)
-    return -found.K[:, [model.states.index(name) for name in order]]
+    gain = lqr.lqrd(model, dict(zip(order, Q, strict=True)), np.eye(3), 1 / 800, exact=exact)
+    return -gain.K[:, [model.states.index(name) for name in order]]
 
 
 @pytest.mark.parametrize("exact", [False, True])
 def test_the_planar_positioners_gain_comes_out_to_the_printed_digits(exact: bool) -> None:
     """Y-10: nine gains, each within 1.3e-5; figures printed with five digits or six."""
-    found = printed_gain(USED, exact)
-    for row, texts in zip(found, PRINTED_GAIN, strict=True):
+    gain = printed_gain(USED, exact)
+    for row, texts in zip(gain, PRINTED_GAIN, strict=True):
         for value, text in zip(row, texts, strict=True):
             assert value == pytest.approx(float(text), rel=1.4e-5, abs=1e-6)
     continuous = lqr.lqr(positioner(), np.ones(9), np.eye(3)).K
-    assert continuous.shape == found.shape
+    assert continuous.shape == gain.shape
     assert abs(printed_gain((1e4, *USED[1:-1], 2.2e1))[0, 8] / float(PRINTED_GAIN[0][8]) - 1) > 1e-4
 
 
 def test_the_weights_printed_beside_it_give_another_gain() -> None:
     """Y-11."""
-    found = printed_gain(STATED)
+    gain = printed_gain(STATED)
     known = [[316.06, 6140.1, 7.8274], [144.24, 3124.6, 3.3136], [898.22, 27793, 14.500]]
-    rows = [found[1, [1, 4, 7]], found[1, [2, 5, 8]], found[2, [0, 3, 6]]]
+    rows = [gain[1, [1, 4, 7]], gain[1, [2, 5, 8]], gain[2, [0, 3, 6]]]
     np.testing.assert_allclose(rows, known, rtol=6e-5)
 
 
@@ -127,7 +127,7 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
         Discrete(0.1),
         units,
     )
-    held = lqr.integral(plant, ("n", "v", "a"))
+    held = lqr.with_integrators(plant, ("n", "v", "a"))
     z = np.exp(1j * np.array([0.2, 2.0]))
     there = held.response(z)
     np.testing.assert_allclose(
@@ -135,24 +135,24 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
     )
     assert [held.units[f"{n}_integral"] for n in ("v", "n", "a")] == ["m", "s", "m/s^2 s"]
     with pytest.raises(SignalError, match="a name stands twice among the outputs n, n"):
-        lqr.integral(plant, ("n", "n"))
+        lqr.with_integrators(plant, ("n", "n"))
     with pytest.raises(SignalError, match="'z' is not one of v, n, a"):
-        lqr.integral(plant, ("z",))
+        lqr.with_integrators(plant, ("z",))
 
 
 def test_weights_on_outputs_count_what_the_input_adds() -> None:
     rng = np.random.default_rng(5)
     A, B, C, D = (rng.normal(size=shape) for shape in ((3, 3), (3, 2), (2, 3), (2, 2)))
-    found = weights.output_weighted((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
+    state_weights = weights.output_weights((A, B, C, D), [2.0, 5.0], np.diag([0.0, 1.0]))
     x, u = rng.normal(size=3), rng.normal(size=2)
     y = C @ x + D @ u
-    told = x @ found.Q @ x + u @ found.R @ u + 2 * x @ found.N @ u
-    assert told == pytest.approx(y @ np.diag([2.0, 5.0]) @ y + u[1] ** 2, rel=tolerances.of("double"))
-    gain = lqr.lqr((A, B, C, D), found.Q, found.R, found.N)
-    K, *_ = control.lqr(A, B, found.Q, found.R, found.N, method="scipy")
+    expected_cost = x @ state_weights.Q @ x + u @ state_weights.R @ u + 2 * x @ state_weights.N @ u
+    assert expected_cost == pytest.approx(y @ np.diag([2.0, 5.0]) @ y + u[1] ** 2, rel=tolerances.of("double"))
+    gain = lqr.lqr((A, B, C, D), state_weights.Q, state_weights.R, state_weights.N)
+    K, *_ = control.lqr(A, B, state_weights.Q, state_weights.R, state_weights.N, method="scipy")
     np.testing.assert_allclose(gain.K, -K, rtol=0, atol=tolerances.of("pencil") * np.abs(K).max())
-    assert np.abs(lqr.lqr((A, B, C, D), found.Q, found.R).K + K).max() > 1e-3  # the cross weight counts
-    assert "[Q, N; N', R]" in repr(found)
+    assert np.abs(lqr.lqr((A, B, C, D), state_weights.Q, state_weights.R).K + K).max() > 1e-3  # the cross weight counts
+    assert "[Q, N; N', R]" in repr(state_weights)
 
 
 def test_dlqr_is_for_sampled_models_alone() -> None:
@@ -168,9 +168,9 @@ def test_dlqr_is_for_sampled_models_alone() -> None:
 def test_arrays_are_read_and_results_print_names_and_units() -> None:
     c, Q, R = random_problem(2)
     np.testing.assert_array_equal(lqr.lqrd((c.A, c.B), Q, R, 0.1).K, lqr.lqrd(c, Q, R, 0.1).K)
-    found = lqr.lqrd(positioner(), USED_BY_NAME, np.eye(3), 1 / 800)
-    assert found.units["phi_integral"] == "rad s"
-    text = repr(found)
+    gain = lqr.lqrd(positioner(), USED_BY_NAME, np.eye(3), 1 / 800)
+    assert gain.units["phi_integral"] == "rad s"
+    text = repr(gain)
     assert text.startswith("Optimal gain u = K x in discrete time of 0.00125 s: 3 inputs, 9 states\nresidual ")
     assert "phi_integral [rad s]" in text and "i_A [A]" in text and "-507.2" in text and "pole, z" in text
     assert "Cost over one period" in repr(lqr.sampled_cost(c, Q, R, 0.1))
@@ -179,12 +179,12 @@ def test_arrays_are_read_and_results_print_names_and_units() -> None:
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_the_published_gains_and_poles_come_out_to_the_printed_digits(name: str) -> None:
     Q, printed, poles, decimals = PUBLISHED[name]
-    found = lqr.lqr(axis(), np.diag(Q), [[1.0]])
-    for value, text in zip(found.K[0], printed, strict=True):
+    gain = lqr.lqr(axis(), np.diag(Q), [[1.0]])
+    for value, text in zip(gain.K[0], printed, strict=True):
         last = 10.0 ** -(len(text.split(".")[1]) if "." in text else 0)
         assert abs(value - float(text)) <= tolerances.of("print_K") * last
     for pole, places in zip(poles, decimals, strict=True):
-        nearest = min(found.poles, key=lambda s: abs(s - pole))
+        nearest = min(gain.poles, key=lambda s: abs(s - pole))
         off = max(abs(nearest.real - pole.real), abs(nearest.imag - pole.imag))
         assert off <= tolerances.of("print_K") * 10.0**-places * (1 + 1e-9)
     detuned = lqr.lqr(axis(), np.diag(Q) * 1.01, [[1.0]])
@@ -193,10 +193,10 @@ def test_the_published_gains_and_poles_come_out_to_the_printed_digits(name: str)
 
 def test_the_sign_is_inside_the_gain_and_the_fields_say_what_was_minimised() -> None:
     c, Q, R = random_problem(2)
-    found = lqr.lqr(c, Q, R)
+    gain = lqr.lqr(c, Q, R)
     K, *_ = control.lqr(c.A, c.B, Q, R, method="scipy")
-    np.testing.assert_allclose(found.K, -K, rtol=tolerances.of("pencil"))
-    np.testing.assert_allclose(np.linalg.eigvals(c.A + c.B @ found.K).real.max(), found.poles.real.max(), rtol=1e-9)
-    np.testing.assert_array_equal(found.Q, Q)
-    np.testing.assert_array_equal(found.N, np.zeros(c.B.shape))
-    assert (found.states, found.inputs, found.time) == (c.states, c.inputs, Continuous())
+    np.testing.assert_allclose(gain.K, -K, rtol=tolerances.of("pencil"))
+    np.testing.assert_allclose(np.linalg.eigvals(c.A + c.B @ gain.K).real.max(), gain.poles.real.max(), rtol=1e-9)
+    np.testing.assert_array_equal(gain.Q, Q)
+    np.testing.assert_array_equal(gain.N, np.zeros(c.B.shape))
+    assert (gain.states, gain.inputs, gain.time) == (c.states, c.inputs, Continuous())

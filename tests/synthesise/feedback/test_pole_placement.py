@@ -28,86 +28,88 @@ def model(A: object, B: object, time: Time | None = None) -> StateSpace:
     return StateSpace(A, B, np.eye(len(A)), zero, states, inputs, states, time or Continuous())
 
 
-def worst(poles: object, wanted: object) -> float:
+def largest_error(poles: object, expected: object) -> float:
     """Return the largest distance between poles, each list sorted."""
-    return float(np.abs(np.sort_complex(np.asarray(poles)) - np.sort_complex(np.asarray(wanted))).max())
+    return float(np.abs(np.sort_complex(np.asarray(poles)) - np.sort_complex(np.asarray(expected))).max())
 
 
-def attained(A: Array, B: Array, found: pole_placement.Placement) -> object:
-    return np.linalg.eigvals(A + B @ found.K)
+def eigenvalues(A: Array, B: Array, placement: pole_placement.Placement) -> object:
+    return np.linalg.eigvals(A + B @ placement.K)
 
 
 def test_a_double_integrator_has_the_textbook_gain() -> None:
     """(s + 2)(s + 3) = s^2 + 5 s + 6 asks u = -6 x - 5 v."""
-    found = pole_placement.place(([[0, 1], [0, 0]], [[0], [1]]), [-2, -3])
-    np.testing.assert_array_equal(found.K, [[-6, -5]])
-    assert found.error == 0
-    np.testing.assert_array_equal(found.poles, [-3, -2])
+    placement = pole_placement.place(([[0, 1], [0, 0]], [[0], [1]]), [-2, -3])
+    np.testing.assert_array_equal(placement.K, [[-6, -5]])
+    assert placement.error == 0
+    np.testing.assert_array_equal(placement.poles, [-3, -2])
 
 
 def test_one_input_agrees_with_ackermann_in_python_control() -> None:
     A, B = pair(1, m=1)
-    found = pole_placement.place((A, B), POLES)
-    np.testing.assert_allclose(found.K[0], -np.ravel(control.acker(A, B, POLES)), rtol=tolerances.of("placed"))
-    assert worst(attained(A, B, found), POLES) < tolerances.of("placed")
+    placement = pole_placement.place((A, B), POLES)
+    np.testing.assert_allclose(placement.K[0], -np.ravel(control.acker(A, B, POLES)), rtol=tolerances.of("placed"))
+    assert largest_error(eigenvalues(A, B, placement), POLES) < tolerances.of("placed")
 
 
 def test_several_inputs_attain_what_python_control_attains_with_a_like_condition() -> None:
     A, B = pair(2)
-    found = pole_placement.place((A, B), POLES)
+    placement = pole_placement.place((A, B), POLES)
     theirs = A - B @ np.asarray(control.place(A, B, POLES))
-    assert worst(attained(A, B, found), POLES) < tolerances.of("placed")
-    assert found.error < tolerances.of("placed")
-    assert found.condition < 2 * np.linalg.cond(np.linalg.eig(theirs)[1])
+    assert largest_error(eigenvalues(A, B, placement), POLES) < tolerances.of("placed")
+    assert placement.error < tolerances.of("placed")
+    assert placement.condition < 2 * np.linalg.cond(np.linalg.eig(theirs)[1])
 
 
-@pytest.mark.parametrize("wanted", [[-1.0] * 5, [-1 + 1j, -1 - 1j] * 2 + [-2.0], [-1.0, -1.0, -1.0, -2 + 1j, -2 - 1j]])
-def test_poles_more_often_than_there_are_inputs(wanted: list[complex]) -> None:
+@pytest.mark.parametrize(
+    "expected", [[-1.0] * 5, [-1 + 1j, -1 - 1j] * 2 + [-2.0], [-1.0, -1.0, -1.0, -2 + 1j, -2 - 1j]]
+)
+def test_poles_more_often_than_there_are_inputs(expected: list[complex]) -> None:
     A, B = pair(3)
-    found = pole_placement.place((A, B), wanted)
+    placement = pole_placement.place((A, B), expected)
     with pytest.raises(ValueError, match="repeated"):
         control.place(A, B, [-1.0] * 5)
-    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly(wanted), rtol=tolerances.of("placed"))
-    assert found.error < 1e-4
+    np.testing.assert_allclose(np.poly(A + B @ placement.K), np.poly(expected), rtol=tolerances.of("placed"))
+    assert placement.error < 1e-4
 
 
 def test_three_pairs_at_one_place_for_two_inputs() -> None:
     A, B = pair(3, 6)
-    wanted = [-1 + 1j, -1 - 1j] * 3
-    found = pole_placement.place((A, B), wanted)
-    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly(wanted), rtol=tolerances.of("placed"))
+    expected = [-1 + 1j, -1 - 1j] * 3
+    placement = pole_placement.place((A, B), expected)
+    np.testing.assert_allclose(np.poly(A + B @ placement.K), np.poly(expected), rtol=tolerances.of("placed"))
 
 
 def test_a_pair_whose_first_eigenvector_is_real() -> None:
     """Where every v is allowed, those are that the axes give; a pair needs a plane."""
     for n in (2, 4, 5):
-        wanted = [-1 + 1j, -1 - 1j] * (n // 2) + [-3.0] * (n % 2)
-        found = pole_placement.place((np.zeros((n, n)), np.eye(n)), wanted)
-        np.testing.assert_allclose(np.poly(found.K), np.poly(wanted), rtol=tolerances.of("placed"))
+        expected = [-1 + 1j, -1 - 1j] * (n // 2) + [-3.0] * (n % 2)
+        placement = pole_placement.place((np.zeros((n, n)), np.eye(n)), expected)
+        np.testing.assert_allclose(np.poly(placement.K), np.poly(expected), rtol=tolerances.of("placed"))
 
 
 def test_a_multiple_pole_within_the_number_of_inputs_is_no_jordan_block() -> None:
     A, B = pair(4, 4)
-    found = pole_placement.place((A, B), [-1, -1, -2, -2])
-    assert found.condition < 1e3
-    assert found.error < tolerances.of("placed")
+    placement = pole_placement.place((A, B), [-1, -1, -2, -2])
+    assert placement.condition < 1e3
+    assert placement.error < tolerances.of("placed")
 
 
 def test_a_pair_of_real_pole_chains_that_no_eigenvectors_span() -> None:
     """Chains of 3 and 1 integrators allow no two eigenvectors for each of two double poles (Rosenbrock)."""
     A = np.diag([1.0, 1.0, 0.0], 1)
     B = np.array([[0.0, 0], [0, 0], [1, 0], [0, 1]])
-    found = pole_placement.place((A, B), [-1, -1, -2, -2])
-    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly([-1, -1, -2, -2]), rtol=tolerances.of("placed"))
+    placement = pole_placement.place((A, B), [-1, -1, -2, -2])
+    np.testing.assert_allclose(np.poly(A + B @ placement.K), np.poly([-1, -1, -2, -2]), rtol=tolerances.of("placed"))
 
 
 def test_poles_attained_are_those_of_the_gain_as_rounded() -> None:
     A, B = pair(5)
-    found = pole_placement.place((A, B), POLES)
+    placement = pole_placement.place((A, B), POLES)
     np.testing.assert_allclose(
-        np.sort_complex(found.poles), np.sort_complex(attained(A, B, found)), rtol=tolerances.of("placed")
+        np.sort_complex(placement.poles), np.sort_complex(eigenvalues(A, B, placement)), rtol=tolerances.of("placed")
     )
-    assert found.error == pytest.approx(worst(found.poles, POLES), rel=1e-6)
+    assert placement.error == pytest.approx(largest_error(placement.poles, POLES), rel=1e-6)
 
 
 def test_units_of_states_and_inputs_do_not_matter() -> None:
@@ -125,19 +127,21 @@ def test_random_pairs(seed: int, n: int, m: int, sampled: bool) -> None:
     rng = np.random.default_rng(seed)
     A, B = rng.normal(size=(n, n)), rng.normal(size=(n, m))
     upper = rng.uniform(0.1, 0.6, n // 2) * np.exp(1j * rng.uniform(0.3, 2.8, n // 2))
-    wanted = np.concatenate([upper, upper.conj(), rng.uniform(-0.7, 0.7, n % 2)])
-    wanted = wanted if sampled else wanted - 2
-    found = pole_placement.place(model(A, B, Discrete(0.1) if sampled else Continuous()), wanted)
-    np.testing.assert_allclose(np.poly(A + B @ found.K), np.poly(wanted), rtol=1e-6, atol=1e-6)
+    expected = np.concatenate([upper, upper.conj(), rng.uniform(-0.7, 0.7, n % 2)])
+    expected = expected if sampled else expected - 2
+    placement = pole_placement.place(model(A, B, Discrete(0.1) if sampled else Continuous()), expected)
+    np.testing.assert_allclose(np.poly(A + B @ placement.K), np.poly(expected), rtol=1e-6, atol=1e-6)
 
 
 def test_a_mode_that_no_input_moves_stays_if_it_decays() -> None:
     A = np.array([[0.0, 1, 0], [0, 0, 0], [0, 0, -7]])
-    found = pole_placement.place(model(A, [[0], [1], [0]]), [-1, -2])
-    np.testing.assert_allclose(found.fixed, [-7])
-    assert worst(found.poles, [-7, -2, -1]) < tolerances.of("double")
-    assert "-7 cannot be moved" in repr(found)
-    with pytest.raises(SignalError, match=r"the number of poles for p, q, r is 3: give 2, as -7 cannot be moved"):
+    placement = pole_placement.place(model(A, [[0], [1], [0]]), [-1, -2])
+    np.testing.assert_allclose(placement.fixed, [-7])
+    assert largest_error(placement.poles, [-7, -2, -1]) < tolerances.of("double")
+    assert "uncontrollable: -7" in repr(placement)
+    with pytest.raises(
+        SignalError, match=r"the number of poles for p, q, r is 3: give 2, without the uncontrollable -7"
+    ):
         pole_placement.place(model(A, [[0], [1], [0]]), [-1, -2, -3])
     with pytest.raises(ModelError, match="not stabilisable: mode 7 in r"):
         pole_placement.place(model(np.abs(A), [[0], [1], [0]]), [-1, -2])
@@ -147,12 +151,12 @@ def test_a_mode_that_no_input_moves_stays_if_it_decays() -> None:
     ("poles", "kind", "text"),
     [
         ([-1, -2], SignalError, "number of poles for p, q, r is 2: give 3"),
-        ([-1, -2 + 1j, -3], SignalError, r"pole -2\+1i stands without its conjugate"),
-        ([-1, -2 + 1j, -2 - 1.1j], SignalError, r"pole -2\+1i stands without its conjugate"),
-        ([-1, -2, -2 - 1j], SignalError, "pole -2-1i stands without its conjugate"),
+        ([-1, -2 + 1j, -3], SignalError, r"pole -2\+1i has no conjugate"),
+        ([-1, -2 + 1j, -2 - 1.1j], SignalError, r"pole -2\+1i has no conjugate"),
+        ([-1, -2, -2 - 1j], SignalError, "pole -2-1i has no conjugate"),
         ([-1, -2, np.nan], SignalError, "give a list of finite numbers"),
         ([[-1, -2, -3]], SignalError, "give a list of finite numbers"),
-        (["a", "b", "c"], SignalError, "no list of numbers"),
+        (["a", "b", "c"], SignalError, "not a list of numbers"),
         ([-1, -2, 0], ModelError, "pole 0 does not decay: ask for poles with a negative real part"),
     ],
 )
@@ -179,13 +183,13 @@ def test_poles_that_double_precision_does_not_resolve_are_refused() -> None:
 
 def test_any_system_is_read_and_the_result_prints_itself() -> None:
     A, B = pair(10, 3, 2)
-    own = model(A, B)
+    native = model(A, B)
     arrays = pole_placement.place((A, B), [-1, -2, -3])
-    for system in (own, own.to_control()):
-        found = pole_placement.place(system, [-1, -2, -3])
-        np.testing.assert_array_equal(found.K, arrays.K)
-        assert found.states == own.states
-        text = repr(found)
+    for system in (native, native.to_control()):
+        placement = pole_placement.place(system, [-1, -2, -3])
+        np.testing.assert_array_equal(placement.K, arrays.K)
+        assert placement.states == native.states
+        text = repr(placement)
         assert "Poles asked for: -3, -2, -1" in text
         assert all(name in text for name in "pqrfg")
 
@@ -193,7 +197,7 @@ def test_any_system_is_read_and_the_result_prints_itself() -> None:
 def test_many_poles_take_few_turns_and_the_better_gain_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """With 24 states a turn over all pairs costs (24 / 15)^3 of one with 15; placing step by step misses by far."""
     A, B = pair(0, 24, 3)
-    wanted = -1 - 2 * np.random.default_rng(1).random(24)
+    expected = -1 - 2 * np.random.default_rng(1).random(24)
     turns = []
     place_poles = scipy.signal.place_poles
 
@@ -204,10 +208,10 @@ def test_many_poles_take_few_turns_and_the_better_gain_is_kept(monkeypatch: pyte
     monkeypatch.setattr(scipy.signal, "place_poles", counted)
     names = tuple(f"x{k}" for k in range(24))
     system = StateSpace(A, B, np.eye(24), np.zeros((24, 3)), names, ("f", "g", "h"), names, Continuous())
-    assert pole_placement.place(system, wanted).error < 1e-3
+    assert pole_placement.place(system, expected).error < 1e-3
     assert len(turns) == 1
     assert turns[0] * (24 / 15) ** 3 <= 30
-    pole_placement.place((A[:5, :5], B[:5]), wanted[:5])
+    pole_placement.place((A[:5, :5], B[:5]), expected[:5])
     assert turns[1] == 30
 
 

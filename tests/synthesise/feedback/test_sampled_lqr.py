@@ -89,14 +89,14 @@ def test_a_continuous_cross_weight_is_held_too() -> None:
 def test_the_simulated_cost_is_that_of_the_riccati_solution(seed: int) -> None:
     c, Q, R = random_problem(seed)
     T, x = 0.3, np.ones(len(c.A))
-    found = lqr.lqrd(c, Q, R, T)
-    told = x @ found.certificate.X @ x
-    assert found.time == Discrete(T)
-    assert simulated_cost(c, found.K, Q, R, T, x) == pytest.approx(told, rel=tolerances.of("quadrature"))
+    gain = lqr.lqrd(c, Q, R, T)
+    expected_cost = x @ gain.certificate.X @ x
+    assert gain.time == Discrete(T)
+    assert simulated_cost(c, gain.K, Q, R, T, x) == pytest.approx(expected_cost, rel=tolerances.of("quadrature"))
     cost = lqr.sampled_cost(c, Q, R, T)
     crossless = lqr.lqr(cost.model, cost.Q, cost.R)
-    assert simulated_cost(c, crossless.K, Q, R, T, x) > told * (1 + 1e-4)
-    assert abs(x @ crossless.certificate.X @ x / told - 1) > 1e-3
+    assert simulated_cost(c, crossless.K, Q, R, T, x) > expected_cost * (1 + 1e-4)
+    assert abs(x @ crossless.certificate.X @ x / expected_cost - 1) > 1e-3
 
 
 def test_a_short_period_gives_the_continuous_gain() -> None:
@@ -163,7 +163,7 @@ def test_a_cost_of_zero_is_compared_with_nothing() -> None:
 
 
 @pytest.mark.filterwarnings("error")
-def test_the_cost_ratio_does_not_hang_on_units() -> None:
+def test_the_cost_ratio_does_not_depend_on_units() -> None:
     """A double integrator, and one whose states are in units over twelve decades."""
     A, B, q = np.array([[0, 1.0], [0, 0]]), np.array([[0], [1.0]]), np.array([1.0, 1.0])
     plain = lqr.cost_ratio((A, B), lqr.lqr((A, B), q, [1]), q, [1], 0.3)
@@ -173,10 +173,12 @@ def test_the_cost_ratio_does_not_hang_on_units() -> None:
     assert lqr.cost_ratio(c, lqr.lqr(c, q * d * d, [1]), q * d * d, [1], 0.3) == pytest.approx(plain, rel=1e-8)
 
 
-def test_a_period_at_which_modes_look_alike_is_told() -> None:
+def test_a_period_that_aliases_modes_is_named() -> None:
     """An oscillator of 1 rad/s seen every half turn: z = -1 twice, and the input moves one of them."""
     for period in (np.pi, 2 * np.pi):
-        with pytest.raises(ModelError, match=r"held over .* take another period, best a shorter one, below 3.142 s"):
+        with pytest.raises(
+            ModelError, match=r"held over .* take another period, preferably a shorter one, below 3.142 s"
+        ):
             lqr.lqrd(OSCILLATOR, [1, 1], [1], period)
     assert np.abs(lqr.lqrd(OSCILLATOR, [1, 1], [1], 3.0).poles).max() < 1
     with pytest.raises(ModelError, match="actuate x2 or take it out"):  # no period mends this

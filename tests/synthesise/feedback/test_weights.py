@@ -1,4 +1,4 @@
-"""Weights by name, and definiteness that does not hang on units."""
+"""Weights by name, and definiteness that does not depend on units."""
 
 import numpy as np
 import pytest
@@ -87,5 +87,5 @@ def test_a_cross_weight_has_its_shape() -> None:
         weights.cross("N", [[1.0, 2.0]], NAMES, ("u",))
     with pytest.raises(SignalError, match=r"entries of the weight N are no real numbers"):
         weights.cross("N", [[1j], [0.0]], NAMES, ("u",))
-    joint = weights.joined(np.eye(2), np.eye(1), np.array([[0.5], [0.0]]))
+    joint = weights.joint_weight(np.eye(2), np.eye(1), np.array([[0.5], [0.0]]))
     np.testing.assert_array_equal(joint, [[1, 0, 0.5], [0, 1, 0], [0.5, 0, 1]])

@@ -1,4 +1,4 @@
-"""Gauss-Newton finds SciPy's minimum, its intervals cover, and what does not converge or is not determined is told."""
+"""Gauss-Newton finds SciPy's minimum, its intervals cover, and errors for no convergence or undetermined parameters."""
 
 from collections.abc import Callable
 
@@ -27,15 +27,15 @@ def data(seed: int, noise: float = 0.05) -> np.ndarray:
 @pytest.mark.parametrize("start", [[1.0, 1.0], [0.1, 5.0], [10.0, 0.0], [2.0, -1.0]])
 def test_the_minimum_and_its_errors_are_those_of_curve_fit(start: list[float]) -> None:
     y = data(1)
-    found = gauss_newton.minimise(decay, y, start, NAMES, ("y",))
-    wanted, covariance = scipy.optimize.curve_fit(
+    fit = gauss_newton.minimise(decay, y, start, NAMES, ("y",))
+    scipy_theta, covariance = scipy.optimize.curve_fit(
         lambda t, a, r: a * np.exp(-r * t), T, y.ravel(), p0=[1, 1], xtol=1e-12
     )
-    np.testing.assert_allclose(found.estimate.values, wanted, rtol=1e-6)
-    np.testing.assert_allclose(found.estimate.covariance, covariance, rtol=1e-4)
-    rest = y.ravel() - wanted[0] * np.exp(-wanted[1] * T)
-    assert found.estimate.r_squared["y"] == pytest.approx(1 - rest @ rest / ((y - y.mean()) ** 2).sum())
-    assert found.unexplained <= gauss_newton.UNEXPLAINED and "Converged after" in str(found)
+    np.testing.assert_allclose(fit.estimate.values, scipy_theta, rtol=1e-6)
+    np.testing.assert_allclose(fit.estimate.covariance, covariance, rtol=1e-4)
+    rest = y.ravel() - scipy_theta[0] * np.exp(-scipy_theta[1] * T)
+    assert fit.estimate.r_squared["y"] == pytest.approx(1 - rest @ rest / ((y - y.mean()) ** 2).sum())
+    assert fit.unexplained <= gauss_newton.UNEXPLAINED and "Converged after" in str(fit)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
@@ -47,11 +47,11 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
 
 
 def test_an_exact_log_gives_the_truth() -> None:
-    found = gauss_newton.minimise(decay, data(0, 0.0), [1.0, 0.5], NAMES, ("y",))
-    np.testing.assert_allclose(found.estimate.values, [2, 1.3], rtol=1e-8)
+    fit = gauss_newton.minimise(decay, data(0, 0.0), [1.0, 0.5], NAMES, ("y",))
+    np.testing.assert_allclose(fit.estimate.values, [2, 1.3], rtol=1e-8)
 
 
-def test_outputs_of_unlike_noise_are_weighted_by_their_residuals() -> None:
+def test_outputs_with_different_noise_are_weighted_by_their_residuals() -> None:
     rng = np.random.default_rng(4)
 
     def twice(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -60,11 +60,11 @@ def test_outputs_of_unlike_noise_are_weighted_by_their_residuals() -> None:
 
     noise = {"fine": 0.01, "coarse": 500.0}
     y = twice(np.array([2.0, 1.3]))[0] + rng.normal(size=(len(T), 2)) * list(noise.values())
-    found = gauss_newton.minimise(twice, y, [1.0, 1.0], NAMES, tuple(noise))
+    fit = gauss_newton.minimise(twice, y, [1.0, 1.0], NAMES, tuple(noise))
     known = gauss_newton.minimise(twice, y, [1.0, 1.0], NAMES, tuple(noise), noise=noise)
-    np.testing.assert_allclose(found.estimate.values, known.estimate.values, rtol=1e-3)
-    np.testing.assert_allclose(found.estimate.errors, known.estimate.errors, rtol=0.3)
-    assert found.estimate.rms == pytest.approx(noise, rel=0.3)
+    np.testing.assert_allclose(fit.estimate.values, known.estimate.values, rtol=1e-3)
+    np.testing.assert_allclose(fit.estimate.errors, known.estimate.errors, rtol=0.3)
+    assert fit.estimate.rms == pytest.approx(noise, rel=0.3)
 
 
 def test_what_the_data_do_not_determine_is_named() -> None:
@@ -128,8 +128,8 @@ def test_requests_without_sense_are_refused(change: dict[str, object], message: 
 def test_an_outlier_is_named() -> None:
     y = data(1)
     y[17] += 3
-    found = gauss_newton.minimise(decay, y.tolist(), [1.5, 1.0], NAMES, ("y",)).estimate.largest
-    assert found.row == 17 and found.deviations > 5
+    largest = gauss_newton.minimise(decay, y.tolist(), [1.5, 1.0], NAMES, ("y",)).estimate.largest
+    assert largest.row == 17 and largest.deviations > 5
     with pytest.raises(ModelError, match=r"which is largest for 'y' in row 17"):
         gauss_newton.minimise(flipped, y, [1.0, 1.0], NAMES, ("y",))
 
@@ -141,5 +141,5 @@ def test_noise_that_does_not_settle_is_refused(monkeypatch: pytest.MonkeyPatch) 
 
     y = np.hstack([data(1), 2 * data(2, 0.5)])
     monkeypatch.setattr(gauss_newton, "PASSES", 1)
-    with pytest.raises(ModelError, match=r"does not settle in 1 fits: give the `noise`"):
+    with pytest.raises(ModelError, match=r"does not converge in 1 fits: give the `noise`"):
         gauss_newton.minimise(twice, y, [1.5, 1.0], NAMES, ("p", "q"))

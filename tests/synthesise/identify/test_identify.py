@@ -26,12 +26,12 @@ def moves(noise: float, seed: int = 0, rows: int = 60) -> Log:
 
 def test_an_equation_gives_its_parameters_as_numpy_does() -> None:
     log = moves(0.5)
-    found = identify.fit_linear({"force": FORCE}, X | U, (MASS, DAMP, SPRING), P, log)
+    estimate = identify.fit_linear({"force": FORCE}, X | U, (MASS, DAMP, SPRING), P, log)
     Phi = np.column_stack([log.samples["a"], log.samples["v"], np.sin(log.samples["x"])])
-    np.testing.assert_allclose(found.values, np.linalg.lstsq(Phi, log.samples["f"], rcond=None)[0], rtol=1e-9)
-    low, high = found.intervals.T
-    assert ((low < [2, 3, 40]) & (high > [2, 3, 40])).all() and found.units["k"] == "N/m"
-    assert found.r_squared["force"] > 0.99 and "k [N/m]" in str(found)
+    np.testing.assert_allclose(estimate.values, np.linalg.lstsq(Phi, log.samples["f"], rcond=None)[0], rtol=1e-9)
+    low, high = estimate.intervals.T
+    assert ((low < [2, 3, 40]) & (high > [2, 3, 40])).all() and estimate.units["k"] == "N/m"
+    assert estimate.r_squared["force"] > 0.99 and "k [N/m]" in str(estimate)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_a_strange_symbol_and_a_missing_signal_are_named() -> None:
 
 
 def test_a_collinear_regressor_is_caught() -> None:
-    """Planted: every move has a = -9 x and v = 0, so that mass and spring cannot be told apart."""
+    """Planted: every move has a = -9 x and v = 0, so that mass and spring cannot be distinguished."""
     x = np.linspace(-0.01, 0.01, 30)
     log = Log({"x": x, "v": 0 * x, "a": -9 * np.sin(x), "f": 22 * np.sin(x)})
     with pytest.raises(
@@ -77,14 +77,16 @@ def holds(noise_A: float, seed: int = 1, each: int = 20) -> Log:
 
 def test_static_holds_give_the_springs_of_the_stage() -> None:
     log = holds(5e-3)
-    found = identify.fit_equations(maglev_stage.plant(), log, ("k_s_theta", "k_s_phi"))
-    low, high = found.intervals.T
+    estimate = identify.fit_equations(maglev_stage.plant(), log, ("k_s_theta", "k_s_phi"))
+    low, high = estimate.intervals.T
     assert ((low < list(TRUE.values())) & (list(TRUE.values()) < high)).all()
-    np.testing.assert_allclose(found.values, list(TRUE.values()), rtol=0.02)
+    np.testing.assert_allclose(estimate.values, list(TRUE.values()), rtol=0.02)
     for name, row in (("theta", 9), ("phi", 7)):
-        wanted = by_hand(log, name, row)
-        assert found[f"k_s_{name}"] == pytest.approx(wanted, rel=1e-4), "the reference has csch^2 of other rounding"
-    assert set(found.rms) == {"wtheta", "wphi"} and "k_s_theta [1/s^2]" in str(found)
+        expected = by_hand(log, name, row)
+        assert estimate[f"k_s_{name}"] == pytest.approx(expected, rel=1e-4), (
+            "the reference has csch^2 of other rounding"
+        )
+    assert set(estimate.rms) == {"wtheta", "wphi"} and "k_s_theta [1/s^2]" in str(estimate)
 
 
 def by_hand(log: Log, angle: str, row: int) -> float:
@@ -111,8 +113,8 @@ def test_intervals_of_static_holds_hold_the_truth_as_often_as_they_say() -> None
 def test_equations_that_divide_by_a_parameter_are_multiplied_out() -> None:
     """The mass divides the motors' forces: M (y'' - G) = sum of F."""
     log, plant = holds(0.0), maglev_stage.plant().with_parameters(**TRUE)
-    found = identify.fit_equations(plant, log, ("M_y",))
-    assert found["M_y"] == pytest.approx(6.9, rel=1e-6)
+    estimate = identify.fit_equations(plant, log, ("M_y",))
+    assert estimate["M_y"] == pytest.approx(6.9, rel=1e-6)
     with pytest.raises(ModelError, match=r"the data leave .* undetermined"):
         identify.fit_equations(plant, log, ("M_x", "k_s_theta"))
 
@@ -130,7 +132,7 @@ def test_points_without_use_are_refused_by_name() -> None:
         identify.fit_equations(plant, log, ("motor_separation",))
     with pytest.raises(SignalError, match="has no parameter 'k_s'"):
         identify.fit_equations(plant, log, ("k_s",))
-    with pytest.raises(SignalError, match="'theta_rate' is no state"):
+    with pytest.raises(SignalError, match="'theta_rate' is not a state"):
         identify.fit_equations(plant, log, ("k_s_theta",), rates={"theta_rate": "x"})
 
 
@@ -138,8 +140,8 @@ def test_rates_make_the_equations_those_of_motion() -> None:
     rng = np.random.default_rng(8)
     x, v, a = rng.normal(size=(3, 40))
     log = Log({"x": x, "v": v, "acc": a, "f": 1.8 * a + 3.6 * v + 47 * x + 0.01 * rng.normal(size=40)})
-    found = identify.fit_equations(stage(), log, ("m", "d", "k"), rates={"v": "acc"})
-    np.testing.assert_allclose(found.values, [1.8, 3.6, 47.0], rtol=0.01)
+    estimate = identify.fit_equations(stage(), log, ("m", "d", "k"), rates={"v": "acc"})
+    np.testing.assert_allclose(estimate.values, [1.8, 3.6, 47.0], rtol=0.01)
 
 
 def test_an_equation_that_is_not_finite_at_the_assumed_values_is_refused() -> None:

@@ -28,29 +28,29 @@ def problem(seed: int) -> tuple[np.ndarray, np.ndarray]:
 def test_estimates_and_errors_are_those_of_numpy_and_of_curve_fit(seed: int) -> None:
     Phi, y = problem(seed)
     names = NAMES[: Phi.shape[1]]
-    found = least_squares.solve(Phi, y, names)
+    estimate = least_squares.solve(Phi, y, names)
     size = np.abs(Phi).max(axis=0)
     theta, ssr, *_ = np.linalg.lstsq(Phi / size, y, rcond=None)
-    np.testing.assert_allclose(found.values * size, theta, rtol=1e-9, atol=tolerances.of("double"))
-    assert found.rms["y"] == pytest.approx(np.sqrt(ssr[0] / len(y)))
-    assert found.freedom == len(y) - len(names)
+    np.testing.assert_allclose(estimate.values * size, theta, rtol=1e-9, atol=tolerances.of("double"))
+    assert estimate.rms["y"] == pytest.approx(np.sqrt(ssr[0] / len(y)))
+    assert estimate.freedom == len(y) - len(names)
     fitted, covariance = scipy.optimize.curve_fit(lambda P, *t: P @ np.array(t), Phi / size, y, p0=np.zeros(len(names)))
-    np.testing.assert_allclose(found.values * size, fitted, rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(found.covariance * size * size[:, None], covariance, rtol=1e-4, atol=1e-9)
+    np.testing.assert_allclose(estimate.values * size, fitted, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(estimate.covariance * size * size[:, None], covariance, rtol=1e-4, atol=1e-9)
 
 
 def test_a_line_by_hand() -> None:
     """Through (0, 1), (1, 3), (2, 4), (3, 6): slope 1.6, offset 1.1, residuals -0.1, 0.3, -0.3, 0.1, s^2 = 0.1."""
-    found = least_squares.solve(
+    estimate = least_squares.solve(
         [[0, 1], [1, 1], [2, 1], [3, 1]], [1, 3, 4, 6], ("slope", "offset"), units={"slope": "m"}
     )
-    assert found.by_name == pytest.approx({"slope": 1.6, "offset": 1.1})
-    assert found.covariance == pytest.approx(0.1 * np.array([[4, -6], [-6, 14]]) / 20)
+    assert estimate.by_name == pytest.approx({"slope": 1.6, "offset": 1.1})
+    assert estimate.covariance == pytest.approx(0.1 * np.array([[4, -6], [-6, 14]]) / 20)
     reach = 4.302652729911275 * np.sqrt(0.02)  # Student's 97.5 % point for 2 degrees of freedom, from a table
-    np.testing.assert_allclose(found.intervals[0], [1.6 - reach, 1.6 + reach])
-    assert found.correlation[0, 1] == pytest.approx(-6 / np.sqrt(56))
-    assert found.r_squared["y"] == pytest.approx(1 - 0.2 / 13) and found.rms["y"] == pytest.approx(np.sqrt(0.05))
-    assert "slope [m]" in str(found) and "2 degrees of freedom" in str(found)
+    np.testing.assert_allclose(estimate.intervals[0], [1.6 - reach, 1.6 + reach])
+    assert estimate.correlation[0, 1] == pytest.approx(-6 / np.sqrt(56))
+    assert estimate.r_squared["y"] == pytest.approx(1 - 0.2 / 13) and estimate.rms["y"] == pytest.approx(np.sqrt(0.05))
+    assert "slope [m]" in str(estimate) and "2 degrees of freedom" in str(estimate)
 
 
 def coverage(logs: int) -> float:
@@ -69,31 +69,33 @@ def test_intervals_hold_the_truth_as_often_as_they_say(monkeypatch: pytest.Monke
     assert abs(coverage(500) - 0.95) < 0.03
     right = least_squares.estimate
 
-    def biased(*given: object) -> Estimate:
-        found = right(*given)
-        return replace(found, covariance=found.covariance * found.freedom / (found.freedom + len(found.names)))
+    def biased(*args: object) -> Estimate:
+        estimate = right(*args)
+        return replace(
+            estimate, covariance=estimate.covariance * estimate.freedom / (estimate.freedom + len(estimate.names))
+        )
 
     monkeypatch.setattr(least_squares, "estimate", biased)
     assert abs(coverage(250) - 0.95) > 0.03, "planted: s^2 with N for N - k"
 
 
-def test_outputs_of_unlike_noise_are_weighted_by_their_residuals() -> None:
+def test_outputs_with_different_noise_are_weighted_by_their_residuals() -> None:
     rng = np.random.default_rng(3)
     Phi = rng.normal(size=(400, 2, 2))
     noise = {"fine": 1e-3, "coarse": 10.0}
     y = Phi @ [3.0, -2.0] + rng.normal(size=(400, 2)) * list(noise.values())
     known = least_squares.solve(Phi, y, NAMES[:2], tuple(noise), noise)
-    found = least_squares.solve(Phi, y, NAMES[:2], tuple(noise))
-    np.testing.assert_allclose(found.values, known.values, atol=1e-6)
-    np.testing.assert_allclose(found.errors, known.errors, rtol=0.05)
-    np.testing.assert_allclose(found.errors, 1e-3 / np.sqrt(400), rtol=0.15)
-    assert found.rms == pytest.approx(noise, rel=0.1)
+    estimate = least_squares.solve(Phi, y, NAMES[:2], tuple(noise))
+    np.testing.assert_allclose(estimate.values, known.values, atol=1e-6)
+    np.testing.assert_allclose(estimate.errors, known.errors, rtol=0.05)
+    np.testing.assert_allclose(estimate.errors, 1e-3 / np.sqrt(400), rtol=0.15)
+    assert estimate.rms == pytest.approx(noise, rel=0.1)
 
 
 def test_an_exact_fit_has_no_error() -> None:
     Phi = np.random.default_rng(1).normal(size=(9, 2))
-    found = least_squares.solve(Phi, Phi @ [1.0, 2.0], NAMES[:2])
-    assert (found.errors < tolerances.of("double")).all() and found.values == pytest.approx([1, 2])
+    estimate = least_squares.solve(Phi, Phi @ [1.0, 2.0], NAMES[:2])
+    assert (estimate.errors < tolerances.of("double")).all() and estimate.values == pytest.approx([1, 2])
 
 
 def test_what_the_data_do_not_determine_is_named() -> None:
@@ -123,7 +125,7 @@ def test_what_the_data_do_not_determine_is_named() -> None:
         ({"Phi": [[1.0, 1.0], [2.0, 1.0]], "y": [1.0, 2.0]}, r"2 equations are too few for 2 parameters .* log 1 or"),
         ({"level": 95.0}, r"confidence level is 95"),
         ({"noise": {"y": 0.0}}, r"the noise of 'y' is 0"),
-        ({"noise": {"z": 1.0}}, r"a noise is given for 'z', which is none of the outputs y"),
+        ({"noise": {"z": 1.0}}, r"a noise is given for 'z', which is not one of the outputs y"),
         ({"noise": {}}, r"the noise of 'y' is None"),
         ({"noise": {"y": None}}, r"`noise` of .* is \{'y': None\}"),
         ({"noise": 0.1}, r"`noise` of .* is 0\.1: give a mapping"),
@@ -148,13 +150,13 @@ def test_data_without_sense_are_refused_by_name(change: dict[str, object], messa
 
 
 def test_an_estimate_answers_by_name() -> None:
-    found = least_squares.solve([[1.0], [2.0], [3.0]], [1.0, 2.0, 3.1], ("k",))
-    assert found["k"] == found.values[0]
+    estimate = least_squares.solve([[1.0], [2.0], [3.0]], [1.0, 2.0, 3.1], ("k",))
+    assert estimate["k"] == estimate.values[0]
     with pytest.raises(SignalError, match="'m' was not estimated: k were"):
-        found["m"]
+        estimate["m"]
 
 
-def test_few_rows_do_not_tell_the_noise_of_several_outputs() -> None:
+def test_few_rows_do_not_determine_the_noise_of_several_outputs() -> None:
     """A fit that passes through one output would tell errors of 1e-11 where they are 0.1."""
     rng = np.random.default_rng(0)
     Phi = rng.normal(size=(3, 2, 3))
@@ -164,7 +166,7 @@ def test_few_rows_do_not_tell_the_noise_of_several_outputs() -> None:
     assert least_squares.solve(Phi, y, NAMES[:3], ("p", "q"), {"p": 1.0, "q": 1.0}).errors.min() > 1e-3
     Phi = rng.normal(size=(9, 2, 3))
     y = Phi @ [1.0, 2.0, 3.0] + [0.0, 0.1] * rng.normal(size=(9, 2))
-    with pytest.raises(ModelError, match=r"meets 'p' exactly and the other outputs not, .*: give the `noise`"):
+    with pytest.raises(ModelError, match=r"exact for 'p' but not for other outputs, .*: give the `noise`"):
         least_squares.solve(Phi, y, NAMES[:3], ("p", "q"))
 
 
@@ -172,7 +174,7 @@ def test_noise_that_does_not_settle_is_refused(monkeypatch: pytest.MonkeyPatch) 
     rng = np.random.default_rng(0)
     Phi = rng.normal(size=(9, 2, 3))
     monkeypatch.setattr(least_squares, "PASSES", 2)
-    with pytest.raises(ModelError, match=r"does not settle in 2 fits: give the `noise`"):
+    with pytest.raises(ModelError, match=r"does not converge in 2 fits: give the `noise`"):
         least_squares.solve(Phi, rng.normal(size=(9, 2)), NAMES[:3], ("p", "q"))
 
 
@@ -181,9 +183,9 @@ def test_the_largest_residual_is_named() -> None:
     Phi = rng.normal(size=(100, 2, 2))
     y = Phi @ [3.0, -2.0] + rng.normal(size=(100, 2)) * [1e-3, 10.0]
     y[57, 0] += 0.05
-    found = least_squares.solve(Phi, y, NAMES[:2], ("fine", "coarse"))
-    assert (found.largest.output, found.largest.row) == ("fine", 57) and found.largest.deviations > 8
-    assert "The largest residual is that of 'fine' in row 57" in str(found)
+    estimate = least_squares.solve(Phi, y, NAMES[:2], ("fine", "coarse"))
+    assert (estimate.largest.output, estimate.largest.row) == ("fine", 57) and estimate.largest.deviations > 8
+    assert "The largest residual is that of 'fine' in row 57" in str(estimate)
     one = least_squares.solve([[1.0], [1.0], [1.0], [1.0]], [0.0, 0.0, 0.0, 4.0], ("k",)).largest
     assert one.row == 3 and one.deviations == pytest.approx(3 / (2 * np.sqrt(3 / 4))), "s = 2, leverage 1/4"
-    assert one.expected == pytest.approx(1.409, abs=2e-3), "(2 F(v) - 1)^4 = 1/2 at v = 1.409, F from a table"
+    assert one.median_of_largest == pytest.approx(1.409, abs=2e-3), "(2 F(v) - 1)^4 = 1/2 at v = 1.409, F from a table"

@@ -28,7 +28,7 @@ def test_columns_come_by_name() -> None:
         ({"a": np.ma.array([1.0, 2.0], mask=[0, 1])}, r"'a' are no real numbers \(some are masked"),
         ({"a": []}, r"no sample of 'a'"),
         ([[1.0]], r"the log is a list: give samples by name"),
-        ({}, r"holds no signal"),
+        ({}, r"contains no signal"),
     ],
 )
 def test_samples_without_sense_are_refused(samples: dict[str, object], message: str) -> None:

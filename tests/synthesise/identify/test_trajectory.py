@@ -45,14 +45,14 @@ def log(rows: int = 60, period_s: float = 0.02) -> Log:
 def test_a_trajectory_is_that_of_an_adaptive_integrator() -> None:
     plant, logged = pendulum(), log()
     problem = trajectory.problem(plant, logged, ("w",), ("s", "v"), None, {"x": 0.5, "v": -1.0}, (), 8)
-    state, found = np.array([0.5, -1.0]), []
+    state, outputs = np.array([0.5, -1.0]), []
     for u in logged.samples["u"]:
-        found.append([state[0] + 0.1 * state[1], state[1]])
+        outputs.append([state[0] + 0.1 * state[1], state[1]])
         run = scipy.integrate.solve_ivp(
             lambda t, x, u=u: [x[1], -9 * np.sin(x[0]) - 0.4 * x[1] + 2 * u], (0, 0.02), state, rtol=1e-11, atol=1e-12
         )
         state = run.y[:, -1]
-    np.testing.assert_allclose(problem.simulate(np.array([3.0]))[0], found, atol=tolerances.of("ode"))
+    np.testing.assert_allclose(problem.simulate(np.array([3.0]))[0], outputs, atol=tolerances.of("ode"))
 
 
 @pytest.mark.parametrize(("span", "free"), [(None, ()), (None, ("v", "x")), (1, ()), (7, ())])
@@ -71,10 +71,10 @@ def test_derivatives_are_those_of_differences(span: int | None, free: tuple[str,
 
 def dense(J: bordered.Jacobian) -> np.ndarray:
     """Return a Jacobian (N, p, k + s f) with all its zeros."""
-    groups, length, p, f = J.own.shape
-    own = np.zeros((groups, length, p, groups, f))
-    own[range(groups), :, :, range(groups)] = J.own
-    return np.concatenate([J.shared, own.reshape(groups * length, p, groups * f)], axis=2)
+    groups, length, p, f = J.group.shape
+    blocks = np.zeros((groups, length, p, groups, f))
+    blocks[range(groups), :, :, range(groups)] = J.group
+    return np.concatenate([J.shared, blocks.reshape(groups * length, p, groups * f)], axis=2)
 
 
 def test_spans_start_from_states_of_their_own() -> None:
@@ -95,12 +95,12 @@ def test_spans_start_from_states_of_their_own() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"measured": ("y",)}, "'y' is no output or state of plant 'pendulum': it has x, v, s"),
-        ({"initial": {"s": 1.0}}, "'s' is no state"),
-        ({"free": ("w",)}, "'w' is no state"),
+        ({"measured": ("y",)}, "'y' is not an output or state of plant 'pendulum': it has x, v, s"),
+        ({"initial": {"s": 1.0}}, "'s' is not a state"),
+        ({"free": ("w",)}, "'w' is not a state"),
         ({"span": 0}, "the span is 0 samples"),
         ({"span": 60}, "the span is 60 samples: give 1 or more, and fewer than the log's 60 rows"),
-        ({"span": 3, "free": ("x",)}, "start states of spans are all estimated"),
+        ({"span": 3, "free": ("x",)}, "initial states of spans are all estimated"),
         ({"span": 1.5}, "the span is 1.5: give a whole number"),
         ({"initial": {"x": np.nan}}, "the initial value of 'x' is nan"),
         ({"initial": {"x": "a"}}, "initial value of 'x' are no real numbers"),

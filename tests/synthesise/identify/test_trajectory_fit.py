@@ -15,13 +15,13 @@ from tests.synthesise.mass_spring import run, stage
 def test_a_trajectory_gives_mass_damping_spring_and_the_start() -> None:
     truth = {"m": 1.8, "d": 3.6, "k": 47.0}
     log = run(truth, [0.05, -0.1], 3, 1e-3)
-    found = identify.fit_trajectory(stage(), log, tuple(truth), ("s",), initial={"x": 0.0, "v": 0.0}, free=("x", "v"))
-    wanted = np.array([*truth.values(), 0.05, -0.1])
-    low, high = found.estimate.intervals.T
-    assert ((low < wanted) & (wanted < high)).all() and found.estimate.names == ("m", "d", "k", "x_0", "v_0")
-    assert found.estimate.units["v_0"] == "m/s" and found.steps < 15
-    assert found.estimate.rms["s"] == pytest.approx(1e-3, rel=0.15)
-    np.testing.assert_allclose(found.estimate.values, scipy_fit(log), rtol=2e-4, atol=1e-5)
+    fit = identify.fit_trajectory(stage(), log, tuple(truth), ("s",), initial={"x": 0.0, "v": 0.0}, free=("x", "v"))
+    expected = np.array([*truth.values(), 0.05, -0.1])
+    low, high = fit.estimate.intervals.T
+    assert ((low < expected) & (expected < high)).all() and fit.estimate.names == ("m", "d", "k", "x_0", "v_0")
+    assert fit.estimate.units["v_0"] == "m/s" and fit.steps < 15
+    assert fit.estimate.rms["s"] == pytest.approx(1e-3, rel=0.15)
+    np.testing.assert_allclose(fit.estimate.values, scipy_fit(log), rtol=2e-4, atol=1e-5)
 
 
 def scipy_fit(log: Log) -> np.ndarray:
@@ -30,11 +30,11 @@ def scipy_fit(log: Log) -> np.ndarray:
     def residual(v: np.ndarray) -> np.ndarray:
         m, d, k, x, s = v
         M = scipy.linalg.expm(np.array([[0, 1, 0], [-k / m, -d / m, 1 / m], [0, 0, 0]]) * 0.01)
-        state, found = np.array([x, s]), []
+        state, outputs = np.array([x, s]), []
         for f in log.samples["f"]:
-            found.append(state[0])
+            outputs.append(state[0])
             state = M[:2, :2] @ state + M[:2, 2] * f
-        return np.array(found) - log.samples["s"]
+        return np.array(outputs) - log.samples["s"]
 
     return scipy.optimize.least_squares(residual, [2, 3, 40, 0, 0], x_scale=[1, 1, 10, 0.1, 0.1], xtol=1e-12).x
 
@@ -42,8 +42,8 @@ def scipy_fit(log: Log) -> np.ndarray:
 def test_an_unstable_stage_is_followed_over_short_spans() -> None:
     truth = {"m": 1.8, "d": 3.6, "k": 47.0}
     log = run(truth, [0.05, -0.1], 4, 1e-6, unstable=True)
-    found = identify.fit_trajectory(stage(unstable=True), log, ("m", "d", "k"), ("x", "v"), span=5)
-    np.testing.assert_allclose(found.estimate.values, list(truth.values()), rtol=2e-3)
+    fit = identify.fit_trajectory(stage(unstable=True), log, ("m", "d", "k"), ("x", "v"), span=5)
+    np.testing.assert_allclose(fit.estimate.values, list(truth.values()), rtol=2e-3)
     with pytest.raises(ModelError, match="not finite at the start"):
         long = Log(log.samples, 1.0)
         identify.fit_trajectory(stage(unstable=True), long, ("m",), ("x",))
@@ -73,7 +73,7 @@ def test_parameters_that_act_together_are_named() -> None:
         ({"noise": {"s": None}}, r"`noise` of .* is \{'s': None\}"),
         ({"level": "x"}, r"`level` of .* is 'x': give a number"),
         ({"span": 1.5}, r"`span` of .* is 1\.5: give a whole number"),
-        ({"span": 1, "measured": ("s", "x")}, "rows of 's', on which .* do not tell its noise"),
+        ({"span": 1, "measured": ("s", "x")}, "rows of 's', on which .* do not determine its noise"),
         ({"substeps": 1.5}, r"`substeps` of .* is 1\.5: give a whole number"),
     ],
 )
@@ -86,7 +86,7 @@ def test_requests_without_sense_are_refused(change: dict[str, object], message: 
 TRAVEL = {"m": 1.8, "d": 3.6, "k": 47.0}
 
 
-def covered(logs: int, measured: tuple[str, ...], span: int | None, fixed: bool = False) -> float:
+def coverage(logs: int, measured: tuple[str, ...], span: int | None, fixed: bool = False) -> float:
     """Return the share of 95 % intervals that hold the truth; v is logged with more noise than x and s."""
     hits = []
     for seed in range(logs):
@@ -94,8 +94,10 @@ def covered(logs: int, measured: tuple[str, ...], span: int | None, fixed: bool 
         v = log.samples["v"] + 2e-2 * np.random.default_rng(1000 + seed).normal(size=len(log))
         noisy = Log({name: values[:150] for name, values in (dict(log.samples) | {"v": v}).items()}, 0.01)
         initial = {name: float(noisy.samples[name][0]) for name in ("x", "v")} if fixed else None
-        found = identify.fit_trajectory(stage(), noisy, ("m", "d", "k"), measured, span, initial, substeps=1).estimate
-        low, high = found.intervals[:3].T
+        estimate = identify.fit_trajectory(
+            stage(), noisy, ("m", "d", "k"), measured, span, initial, substeps=1
+        ).estimate
+        low, high = estimate.intervals[:3].T
         hits.append((low < list(TRAVEL.values())) & (list(TRAVEL.values()) < high))
     return float(np.mean(hits))
 
@@ -104,12 +106,12 @@ def covered(logs: int, measured: tuple[str, ...], span: int | None, fixed: bool 
 @pytest.mark.parametrize(("measured", "span"), [(("s",), None), (("x", "v"), 24)])
 def test_noisy_start_states_leave_intervals_true(measured: tuple[str, ...], span: int | None) -> None:
     """12 logs, three intervals each, which go together at worst: a standard deviation of at most 6.3 %."""
-    assert covered(12, measured, span) > 0.8
+    assert coverage(12, measured, span) > 0.8
 
 
 def test_start_states_that_are_taken_from_the_log_do_not_cover() -> None:
     """Planted: the first row counts as exact; 41 % of 300 intervals hold the truth then."""
-    assert covered(8, ("s",), None, fixed=True) < 0.75
+    assert coverage(8, ("s",), None, fixed=True) < 0.75
 
 
 def coarse(seed: int) -> tuple[Plant, Log]:
@@ -129,10 +131,10 @@ def coarse(seed: int) -> tuple[Plant, Log]:
 def test_the_integration_error_is_made_smaller_than_the_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     plant, log = coarse(1)
     start, truth = {"x": 0.0, "v": 0.0}, [3.0, 4000.0]
-    found = identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start)
-    assert (np.abs(found.estimate.values - truth) < 3.5 * found.estimate.errors).all()
-    assert found.substeps > 8 and found.shift < trajectory_fit.SHIFT
-    assert f"{found.substeps} Runge-Kutta steps a period; half as many move a parameter by at most" in str(found)
+    fit = identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start)
+    assert (np.abs(fit.estimate.values - truth) < 3.5 * fit.estimate.errors).all()
+    assert fit.substeps > 8 and fit.shift < trajectory_fit.SHIFT
+    assert f"{fit.substeps} Runge-Kutta steps a period; half as many change a parameter by at most" in str(fit)
     with (
         monkeypatch.context() as planted,
         pytest.raises(ModelError, match=r"8 Runge-Kutta .* instead of 4 '[dk]' still"),
@@ -148,9 +150,9 @@ def test_an_outlier_is_named_by_its_row_of_the_log() -> None:
     log = run(TRAVEL, [0.05, -0.1], 3, 1e-3)
     x = log.samples["x"].copy()
     x[157] += 0.05
-    found = identify.fit_trajectory(stage(), Log(log.samples | {"x": x}, 0.01), ("m", "d", "k"), ("x", "v"), span=9)
-    assert (found.estimate.largest.output, found.estimate.largest.row) == ("x", 157)
-    assert "row 157" in str(found)
+    fit = identify.fit_trajectory(stage(), Log(log.samples | {"x": x}, 0.01), ("m", "d", "k"), ("x", "v"), span=9)
+    assert (fit.estimate.largest.output, fit.estimate.largest.row) == ("x", 157)
+    assert "row 157" in str(fit)
     s = log.samples["s"].copy()
     s[50] += 10
     with pytest.raises(ModelError, match=r"largest for 's' in row 50, \d+.* times the rms"):

@@ -10,7 +10,7 @@ TRUTH = np.array([1.0, 2.0, 3.0])
 NAMES = ("a", "b", "c")
 
 
-def restricted(X: np.ndarray, y: np.ndarray, log_s2: np.ndarray) -> float:
+def restricted_likelihood(X: np.ndarray, y: np.ndarray, log_s2: np.ndarray) -> float:
     """Return minus twice the restricted log-likelihood, from matrices over all samples (Patterson, Thompson 1971)."""
     V = np.diag(np.tile(np.exp(log_s2), len(y) // len(log_s2)))
     W = np.linalg.inv(V)
@@ -19,7 +19,7 @@ def restricted(X: np.ndarray, y: np.ndarray, log_s2: np.ndarray) -> float:
     return float(np.linalg.slogdet(V)[1] + np.linalg.slogdet(X.T @ W @ X)[1] + r @ W @ r)
 
 
-def corrected(X: np.ndarray, s2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def kenward_roger(X: np.ndarray, s2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the covariance and freedoms of Kenward and Roger from matrices over all samples."""
     outputs = len(s2)
     V = np.diag(np.tile(s2, len(X) // outputs))
@@ -40,10 +40,10 @@ def corrected(X: np.ndarray, s2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def dense(J: bordered.Jacobian) -> np.ndarray:
     """Return a Jacobian (N p, k + s f) with all its zeros."""
-    groups, length, p, f = J.own.shape
-    own = np.zeros((groups, length * p, groups, f))
-    own[range(groups), :, range(groups)] = J.own.reshape(groups, length * p, f)
-    return np.hstack([J.shared.reshape(groups * length * p, -1), own.reshape(groups * length * p, -1)])
+    groups, length, p, f = J.group.shape
+    blocks = np.zeros((groups, length * p, groups, f))
+    blocks[range(groups), :, range(groups)] = J.group.reshape(groups, length * p, f)
+    return np.hstack([J.shared.reshape(groups * length * p, -1), blocks.reshape(groups * length * p, -1)])
 
 
 @pytest.mark.parametrize("f", [0, 2])
@@ -54,17 +54,19 @@ def test_noise_and_confidence_are_those_of_the_restricted_likelihood(f: int) -> 
     y = X @ rng.normal(size=X.shape[1]) + (rng.normal(size=(20, 2)) * [0.3, 2.0]).ravel()
     s = np.ones(2)
     for _ in range(200):
-        found = least_squares.weighted(J, y.reshape(20, 2), s, NAMES)
-        s = variances.deviations(found.e, found.U, found.Q)
-    wanted = scipy.optimize.minimize(lambda v: restricted(X, y, v), np.zeros(2), method="BFGS", options={"gtol": 1e-8})
-    np.testing.assert_allclose(s**2, np.exp(wanted.x), rtol=1e-4)
-    known = variances.confidence(found.U, found.Q, found.root)
-    covariance, freedoms = corrected(X, s**2)
+        solution = least_squares.solve_weighted(J, y.reshape(20, 2), s, NAMES)
+        s = variances.deviations(solution.e, solution.U, solution.Q)
+    expected = scipy.optimize.minimize(
+        lambda v: restricted_likelihood(X, y, v), np.zeros(2), method="BFGS", options={"gtol": 1e-8}
+    )
+    np.testing.assert_allclose(s**2, np.exp(expected.x), rtol=1e-4)
+    known = variances.confidence(solution.U, solution.Q, solution.root)
+    covariance, freedoms = kenward_roger(X, s**2)
     np.testing.assert_allclose(known.covariance, covariance[:3, :3], rtol=1e-8)
-    np.testing.assert_allclose(known.freedoms, freedoms[:3], rtol=1e-8)
+    np.testing.assert_allclose(known.degrees_of_freedom, freedoms[:3], rtol=1e-8)
     W = np.tile(1 / s**2, 20)
     theta = np.linalg.solve(X.T * W @ X, X.T * W @ y)
-    np.testing.assert_allclose(found.theta, theta[:3], rtol=1e-9)
+    np.testing.assert_allclose(solution.theta, theta[:3], rtol=1e-9)
 
 
 def coverage(rows: int, noise: tuple[float, float], logs: int) -> float:

@@ -12,8 +12,8 @@ from tests import tolerances
 def test_solutions_and_determinants(n: int) -> None:
     rng = np.random.default_rng(n)
     M, b = ca.SX.sym("M", n, n), ca.SX.sym("b", n, 2)
-    found = cofactors.solve(M, b)
-    f = ca.Function("f", [M, b], [found.value, found.determinant])
+    solution = cofactors.solve(M, b)
+    f = ca.Function("f", [M, b], [solution.value, solution.determinant])
     for _ in range(5):
         values = rng.normal(size=(n, n)) + 3 * np.eye(n)[rng.permutation(n)], rng.normal(size=(n, 2))
         solved, determinant = f(*values)
@@ -26,6 +26,6 @@ def test_zeros_of_the_matrix_vanish_from_the_solution() -> None:
     M = ca.SX(3, 3)
     M[0, 0], M[1, 1], M[2, 2], M[0, 2] = (ca.SX.sym(name) for name in "abcd")
     b = ca.SX.sym("b", 3)
-    found = cofactors.solve(M, b).value
-    assert not ca.depends_on(found[1], ca.vertcat(b[0], b[2])) and not ca.depends_on(found[2], b[:2])
-    assert ca.depends_on(found[0], b[2]) and not ca.depends_on(found[0], b[1])
+    solution = cofactors.solve(M, b).value
+    assert not ca.depends_on(solution[1], ca.vertcat(b[0], b[2])) and not ca.depends_on(solution[2], b[:2])
+    assert ca.depends_on(solution[0], b[2]) and not ca.depends_on(solution[0], b[1])

@@ -19,47 +19,47 @@ from tests import textbook_plants, tolerances
 Array = np.ndarray
 
 
-def decoupling(found: Extension, x: Array) -> Array:
-    degree = found.degree
+def decoupling(extension: Extension, x: Array) -> Array:
+    degree = extension.degree
     return ca.Function("D", [degree.model.x], [ca.densify(degree.decoupling)])(x).full()
 
 
-def named(plant: Plant, x: Array) -> Mapping[str, float]:
+def values_by_name(plant: Plant, x: Array) -> Mapping[str, float]:
     return dict(zip((s.name for s in plant.states), x, strict=True))
 
 
 def test_the_unicycle_rides_with_an_integrator_on_its_speed() -> None:
     """[[cos, -v sin], [sin, v cos]], of determinant v."""
-    found = dynamic_extension.extend(textbook_plants.unicycle())
-    assert found.integrators == ("v",) and found.degree.degrees == (2, 2)
-    assert [s.name for s in found.plant.inputs] == ["v_rate", "turn"]
-    for x in box.scatter(found.plant.states, 10, 1).T:
-        at = named(found.plant, x)
+    extension = dynamic_extension.extend(textbook_plants.unicycle())
+    assert extension.integrators == ("v",) and extension.degree.degrees == (2, 2)
+    assert [s.name for s in extension.plant.inputs] == ["v_rate", "turn"]
+    for x in box.scatter(extension.plant.states, 10, 1).T:
+        at = values_by_name(extension.plant, x)
         c, s, v = np.cos(at["theta"]), np.sin(at["theta"]), at["v"]
-        np.testing.assert_allclose(decoupling(found, x), [[c, -v * s], [s, v * c]], atol=1e-14)
-    assert found.degree.worst.singular and found.degree.worst.where == "v = 0 m/s"
+        np.testing.assert_allclose(decoupling(extension, x), [[c, -v * s], [s, v * c]], atol=1e-14)
+    assert extension.degree.worst.singular and extension.degree.worst.where == "v = 0 m/s"
     with pytest.raises(ModelError, match=r"decoupling matrix of \(px, py\) is singular .* at v = 0 m/s: shrink"):
-        found.degree.require_defined()
+        extension.degree.require_defined()
     dynamic_extension.extend(textbook_plants.unicycle(0.2)).degree.require_defined()
 
 
 def test_the_aircraft_flies_flat_with_two_integrators_on_its_thrust() -> None:
     """[[-sin, -T cos], [cos, -T sin]], of determinant T; (4, 4) of 8 states."""
-    found = dynamic_extension.extend(textbook_plants.aircraft(0.0))
-    assert found.integrators == ("T", "T_rate") and found.degree.degrees == (4, 4)
-    assert len(found.plant.states) == 8
-    for x in box.scatter(found.plant.states, 10, 1).T:
-        at = named(found.plant, x)
+    extension = dynamic_extension.extend(textbook_plants.aircraft(0.0))
+    assert extension.integrators == ("T", "T_rate") and extension.degree.degrees == (4, 4)
+    assert len(extension.plant.states) == 8
+    for x in box.scatter(extension.plant.states, 10, 1).T:
+        at = values_by_name(extension.plant, x)
         c, s, T = np.cos(at["theta"]), np.sin(at["theta"]), at["T"]
-        np.testing.assert_allclose(decoupling(found, x), [[-s, -T * c], [c, -T * s]], atol=1e-13)
-    found.degree.require_defined()
+        np.testing.assert_allclose(decoupling(extension, x), [[-s, -T * c], [c, -T * s]], atol=1e-13)
+    extension.degree.require_defined()
 
 
 def test_two_wheels_share_one_integrator() -> None:
     """What is delayed is the sum of both wheels' speeds: an integrator on each would delay the turn, too."""
-    found = dynamic_extension.extend(textbook_plants.wheels())
-    assert found.degree.degrees == (2, 2) and len(found.integrators) == 1
-    (sum_,) = (s for s in found.plant.states if s.name not in ("x", "y", "theta"))
+    extension = dynamic_extension.extend(textbook_plants.wheels())
+    assert extension.degree.degrees == (2, 2) and len(extension.integrators) == 1
+    (sum_,) = (s for s in extension.plant.states if s.name not in ("x", "y", "theta"))
     assert sum_.name.endswith("_mixed") and sum_.unit == "m/s" and (sum_.low, sum_.high) == pytest.approx((0.4, 2.0))
 
 
@@ -70,11 +70,11 @@ def test_without_the_mixture_the_wheels_are_not_served(monkeypatch: pytest.Monke
         dynamic_extension, "_mixing", lambda degree: replace(right(degree), rows=ca.SX(1, len(degree.model.inputs)))
     )
     try:
-        found = dynamic_extension.extend(textbook_plants.wheels())
+        extension = dynamic_extension.extend(textbook_plants.wheels())
     except ModelError as error:
         assert "cannot be decoupled" in str(error)
     else:
-        assert len(found.integrators) > 1
+        assert len(extension.integrators) > 1
 
 
 def trailer() -> Plant:
@@ -95,19 +95,19 @@ def trailer() -> Plant:
 
 def test_the_trailer_is_flat_by_two_integrators() -> None:
     """Its speed is v cos(heading - trailer), whose rate the turn enters beside v_rate."""
-    found = dynamic_extension.extend(trailer())
-    assert found.integrators == ("v", "v_rate_mixed") and found.degree.degrees == (3, 3)
-    found.degree.require_defined()
+    extension = dynamic_extension.extend(trailer())
+    assert extension.integrators == ("v", "v_rate_mixed") and extension.degree.degrees == (3, 3)
+    extension.degree.require_defined()
 
 
-def mismatch(plant: Plant, found: Extension, sign: float = 1.0) -> float:
+def mismatch(plant: Plant, extension: Extension, sign: float = 1.0) -> float:
     """Return how far the extended plant's rates are from the plant's with the inputs recovered."""
     n, worst = len(plant.states), 0.0
-    states, inputs = box.scatter(found.plant.states, 20, 2), box.scatter(found.plant.inputs, 20, 3)
+    states, inputs = box.scatter(extension.plant.states, 20, 2), box.scatter(extension.plant.inputs, 20, 3)
     for x, u in zip(states.T, inputs.T, strict=True):
-        before = sign * found.recovered(x, u).full().ravel()
-        for whole, part, count in ((found.plant.f, plant.f, n), (found.plant.h, plant.h, len(plant.outputs))):
-            extended = whole(x, u, found.plant.values).full().ravel()[:count]
+        before = sign * extension.recovered(x, u).full().ravel()
+        for whole, part, count in ((extension.plant.f, plant.f, n), (extension.plant.h, plant.h, len(plant.outputs))):
+            extended = whole(x, u, extension.plant.values).full().ravel()[:count]
             worst = max(worst, float(np.abs(extended - part(x[:n], before, plant.values).full().ravel()).max()))
     return worst
 
@@ -119,31 +119,31 @@ def test_the_extended_plant_is_the_plant_with_the_inputs_recovered(name: str) ->
         "aircraft": textbook_plants.aircraft(0.0),
         "wheels": textbook_plants.wheels(),
     }[name]
-    found = dynamic_extension.extend(plant)
-    assert mismatch(plant, found) < tolerances.of("double")
-    assert mismatch(plant, found, sign=-1.0) > 0.1
+    extension = dynamic_extension.extend(plant)
+    assert mismatch(plant, extension) < tolerances.of("double")
+    assert mismatch(plant, extension, sign=-1.0) > 0.1
 
 
 def test_integrators_hold_what_their_inputs_say() -> None:
     plant = textbook_plants.aircraft(0.0)
-    found = dynamic_extension.extend(plant)
-    x, u = box.scatter(found.plant.states, 1, 5)[:, 0], np.array([0.7, -0.3])
-    rates = named(found.plant, found.plant.f(x, u, found.plant.values).full().ravel())
-    at = named(found.plant, x)
+    extension = dynamic_extension.extend(plant)
+    x, u = box.scatter(extension.plant.states, 1, 5)[:, 0], np.array([0.7, -0.3])
+    rates = values_by_name(extension.plant, extension.plant.f(x, u, extension.plant.values).full().ravel())
+    at = values_by_name(extension.plant, x)
     assert rates["T"] == at["T_rate"] and rates["T_rate"] == 0.7
-    assert found.recovered(x, u).full().ravel().tolist() == [at["T"], -0.3]
-    units = {s.name: s.unit for s in (*found.plant.states, *found.plant.inputs)}
+    assert extension.recovered(x, u).full().ravel().tolist() == [at["T"], -0.3]
+    units = {s.name: s.unit for s in (*extension.plant.states, *extension.plant.inputs)}
     assert units["T_rate"] == "m/s^3" and units["T_rate_rate"] == "m/s^4"
 
 
 def test_an_input_that_is_held_stays_an_input() -> None:
     """A tow of 0.2 m/s along x beside the unicycle's own speed."""
-    own = textbook_plants.unicycle(0.3)
+    without_tow = textbook_plants.unicycle(0.3)
     plant = build(
         "towed",
-        own.states,
-        [own.inputs[0], Signal("tow", "m/s", -1, 1), own.inputs[1]],
-        own.outputs,
+        without_tow.states,
+        [without_tow.inputs[0], Signal("tow", "m/s", -1, 1), without_tow.inputs[1]],
+        without_tow.outputs,
         [],
         lambda x, u, p: (
             {
@@ -154,16 +154,16 @@ def test_an_input_that_is_held_stays_an_input() -> None:
             {"px": x["x"], "py": x["y"]},
         ),
     )
-    found = dynamic_extension.extend(plant, held={"tow": 0.2})
-    assert found.integrators == ("v",) and found.degree.degrees == (2, 2)
-    assert [s.name for s in found.plant.inputs] == ["v_rate", "tow", "turn"]
-    assert mismatch(plant, found) < tolerances.of("double")
+    extension = dynamic_extension.extend(plant, held={"tow": 0.2})
+    assert extension.integrators == ("v",) and extension.degree.degrees == (2, 2)
+    assert [s.name for s in extension.plant.inputs] == ["v_rate", "tow", "turn"]
+    assert mismatch(plant, extension) < tolerances.of("double")
 
 
 def test_nothing_is_added_where_the_degree_is_defined() -> None:
     plant = textbook_plants.aircraft(0.3)
-    found = dynamic_extension.extend(plant)
-    assert found.plant is plant and found.integrators == () and "none needed" in repr(found)
+    extension = dynamic_extension.extend(plant)
+    assert extension.plant is plant and extension.integrators == () and "none needed" in repr(extension)
 
 
 def dependent(second: ca.Function) -> Plant:
@@ -190,7 +190,7 @@ def test_an_output_that_is_a_function_of_another_is_refused() -> None:
         dynamic_extension.extend(plant, bound=1)
 
 
-def test_a_bound_that_is_too_low_is_told() -> None:
+def test_a_bound_that_is_too_low_is_reported() -> None:
     with pytest.raises(ModelError, match=r"with 1 of them .* raise the bound"):
         dynamic_extension.extend(textbook_plants.aircraft(0.0), bound=1)
 
@@ -218,19 +218,19 @@ def test_the_row_that_does_not_vanish_gives_the_mixture() -> None:
             {"one": x["a"], "two": x["b"]},
         ),
     )
-    found = dynamic_extension.extend(plant)
-    assert found.degree.degrees == (2, 2) and len(found.integrators) == 1
-    assert mismatch(plant, found) < tolerances.of("double")
+    extension = dynamic_extension.extend(plant)
+    assert extension.degree.degrees == (2, 2) and len(extension.integrators) == 1
+    assert mismatch(plant, extension) < tolerances.of("double")
 
 
 def test_integrators_make_the_stage_affine() -> None:
     plant = maglev_stage.plant()
-    extended = dynamic_extension.integrators(plant, [s.name for s in plant.inputs])
+    extended = dynamic_extension.add_integrators(plant, [s.name for s in plant.inputs])
     model = lie.affine(extended, list(maglev_stage.RATE))
     assert len(model.states) == 16 and [s.name for s in model.inputs][-1] == "u_z_rate"
     rate = next(s for s in model.inputs if s.name == "i_d1_rate")
     assert dimension(rate.unit) == dimension("A/s") and rate.high == pytest.approx(2 * maglev_stage.PEAK)
-    some = dynamic_extension.integrators(plant, ["u_z", "u_x"])
+    some = dynamic_extension.add_integrators(plant, ["u_z", "u_x"])
     assert [s.name for s in some.states[10:]] == ["u_x", "u_z"]
     assert [s.name for s in some.inputs] == ["i_d1", "i_d2", "i_d3", "i_d4", "u_x_rate", "u_z_rate"]
 
@@ -238,15 +238,15 @@ def test_integrators_make_the_stage_affine() -> None:
 def test_integrators_of_the_tank_give_its_flow() -> None:
     L, U = ca.SX.sym("level"), ca.SX.sym("flow")
     plant = textbook_plants.with_input(ca.Function("rate", [L, U], [L * U**2]))
-    found = dynamic_extension.integrators(plant, ["flow"])
-    rates = found.f([1.5, 0.5], [0.25], []).full().ravel()
+    extension = dynamic_extension.add_integrators(plant, ["flow"])
+    rates = extension.f([1.5, 0.5], [0.25], []).full().ravel()
     assert rates.tolist() == [-1.5 + 1.5 * 0.25, 0.25]
 
 
 @pytest.mark.parametrize("inputs", [["flow"], ["T", "T"]])
 def test_integrators_before_what_is_no_input_are_refused(inputs: list[str]) -> None:
     with pytest.raises(SignalError, match=r"name inputs of 'aircraft', T, M, each once"):
-        dynamic_extension.integrators(textbook_plants.aircraft(0.1), inputs)
+        dynamic_extension.add_integrators(textbook_plants.aircraft(0.1), inputs)
 
 
 def test_a_name_that_is_taken_is_refused() -> None:
@@ -259,4 +259,4 @@ def test_a_name_that_is_taken_is_refused() -> None:
         lambda x, u, p: ({"v": u["v"]}, {"y": x["v"]}),
     )
     with pytest.raises(SignalError, match="'v' is declared 2 times"):
-        dynamic_extension.integrators(plant, ["v"])
+        dynamic_extension.add_integrators(plant, ["v"])

@@ -49,9 +49,9 @@ def test_accelerations_become_the_demands(n: int, seed: int) -> None:
     open_loop = ca.Function("g", [Q, V], [ca.vcat(q2)])
     rng = np.random.default_rng(seed)
     for _ in range(20):
-        q, wanted, v = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, n), rng.normal(size=4)
-        reached, D, drift, determinant = (m.full() for m in f(q, wanted))
-        np.testing.assert_allclose(reached.ravel(), wanted, rtol=0, atol=1e-12)
+        q, demanded, v = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, n), rng.normal(size=4)
+        reached, D, drift, determinant = (m.full() for m in f(q, demanded))
+        np.testing.assert_allclose(reached.ravel(), demanded, rtol=0, atol=1e-12)
         # NumPy's factorisation and the open loop know nothing of cofactors.
         np.testing.assert_allclose(determinant.item(), np.linalg.det(D), rtol=1e-10)
         np.testing.assert_allclose(drift.ravel() + D @ v[:n], open_loop(q, v).full().ravel(), rtol=0, atol=1e-12)
@@ -64,7 +64,7 @@ def test_a_perturbed_law_misses_the_demands() -> None:
     assert np.abs(closed([0.1, 0.2, 0.3], [1, -1]).full().ravel() - [1, -1]).max() > 1e-12
 
 
-def test_a_constant_model_and_one_of_unlike_scales_are_served() -> None:
+def test_a_constant_model_and_one_of_different_scales_are_fitted() -> None:
     w = demands(2)
     law = linearise([3 * V[0] - 1, 1e-20 * V[0] + 2e-20 * V[1]], inputs(2), w)
     f = ca.Function("f", [ca.vcat(w)], list(law.inputs.values()))
@@ -104,7 +104,7 @@ def test_a_model_singular_at_points_is_served(element: Callable[[ca.SX], ca.SX])
 
 def full_stage() -> Plant:
     """The platen with every quadratic term and an integrator before each current: 16 states."""
-    return dynamic_extension.integrators(maglev_stage.plant(), [s.name for s in maglev_stage.INPUTS])
+    return dynamic_extension.add_integrators(maglev_stage.plant(), [s.name for s in maglev_stage.INPUTS])
 
 
 def lawful(name: str) -> Linearisation:
@@ -176,7 +176,7 @@ def companion(law: Linearisation, pole: float) -> tuple[np.ndarray, np.ndarray]:
     return K, closed
 
 
-def followed(law: Linearisation, x0: np.ndarray, pole: float, seconds: float, sign: float = 1.0) -> float:
+def chain_error(law: Linearisation, x0: np.ndarray, pole: float, seconds: float, sign: float = 1.0) -> float:
     """Simulate the nonlinear plant under w = K (chain); return how far its chain is from exp(A t) of the first one."""
     K, closed = companion(law, pole)
     chains = ca.vertcat(*law.degree.chains)
@@ -204,8 +204,8 @@ STARTS = {
 def test_the_nonlinear_plant_follows_the_linear_chain(name: str) -> None:
     start, pole, seconds = STARTS[name]
     law = lawful(name)
-    assert followed(law, np.array(start), pole, seconds) < tolerances.of("ode")
-    assert followed(law, np.array(start), pole, seconds, sign=1.001) > 1e-5
+    assert chain_error(law, np.array(start), pole, seconds) < tolerances.of("ode")
+    assert chain_error(law, np.array(start), pole, seconds, sign=1.001) > 1e-5
 
 
 @pytest.mark.slow
@@ -225,7 +225,7 @@ def test_the_levitated_stage_follows_fifteen_integrators() -> None:
     ends = np.cumsum([0, *law.degree.degrees])
     centred = tuple(c - origin[i:j] for c, i, j in zip(law.degree.chains, ends, ends[1:], strict=False))
     about = replace(law, degree=replace(law.degree, chains=centred))
-    assert followed(about, x0, 40.0, 0.05) < 1e-6
+    assert chain_error(about, x0, 40.0, 0.05) < 1e-6
 
 
 def test_zero_dynamics_come_with_a_point() -> None:
@@ -265,8 +265,8 @@ def test_spare_inputs_share_the_work_by_their_weight() -> None:
 
 def test_a_map_of_the_unicycle_is_worst_where_it_is_slowest() -> None:
     law = lawful("unicycle")
-    found = law.condition_map("theta", "v")
-    assert found.worst.at["v"] == 0.2 and found.worst.condition <= law.degree.worst.condition * (1 + 1e-9)
+    worst = law.condition_map("theta", "v")
+    assert worst.worst.at["v"] == 0.2 and worst.worst.condition <= law.degree.worst.condition * (1 + 1e-9)
     with pytest.raises(SignalError, match="does not depend on 'x': it depends on theta, v"):
         law.condition_map("x", "v")
 
@@ -299,7 +299,9 @@ def sliding(coefficient: float, reach: float = 1.0) -> Plant:
 
 def test_an_input_that_enters_by_a_folded_rounding_error_is_refused() -> None:
     """0.1 + 0.2 - 0.3 is 5.6e-17 before the plant sees it; left out, the degree is 2."""
-    with pytest.raises(ModelError, match=r"derivative 1 of 'y' by 1.4e-17 of what the drift .* rounding error of cons"):
+    with pytest.raises(
+        ModelError, match=r"derivative 1 of 'y' by 1.4e-17 of the drift's share .* rounding error of cons"
+    ):
         feedback_linearisation.of_plant(sliding(0.1 + 0.2 - 0.3))
     assert feedback_linearisation.of_plant(sliding(0.0)).degree.degrees == (2,)
     weak = feedback_linearisation.of_plant(sliding(1e-9, reach=0.5))

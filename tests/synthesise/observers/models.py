@@ -19,7 +19,7 @@ def mass() -> StateSpace:
 
 
 def held_mass() -> kalman.Estimator:
-    return kalman.sampled(mass(), [1e-3], [25e-10], T, G=mass().B)
+    return kalman.kalmd(mass(), [1e-3], [25e-10], T, G=mass().B)
 
 
 def scalar(a: float, time: Time, c: float = 1.0) -> StateSpace:

@@ -157,7 +157,7 @@ def test_an_input_that_is_seen_at_once_is_taken_off() -> None:
     V = [1e-10, 1e-4, 1.0]
     seen = belief.update(start, m, V, {"acceleration": 2.0}, [4.0])
     np.testing.assert_array_equal(seen.x, start.x)
-    with pytest.raises(SignalError, match="acceleration depend on f at once: give u"):
+    with pytest.raises(SignalError, match="acceleration depend directly on f: give u"):
         belief.update(start, m, V, {"acceleration": 2.0})
 
 
@@ -218,7 +218,7 @@ def test_arrays_and_python_control_systems_are_models() -> None:
     for system in (arrays, of(arrays).to_control()):
         start = belief.initial(of(arrays), np.eye(3))
         names = dict(zip(of(system).states, start.states, strict=True))
-        now = belief.Belief(start.x, start.root, tuple(names), {})
+        now = belief.StateEstimate(start.x, start.root, tuple(names), {})
         now = belief.update(belief.predict(now, system, W), system, [1e-4], [1.0])
         np.testing.assert_array_equal(now.x, want.x)
 
@@ -241,5 +241,5 @@ def test_complex_values_are_refused(wrong: object) -> None:
 def test_a_model_without_states_is_believed() -> None:
     nothing = np.zeros((0, 0))
     plant = StateSpace(nothing, np.zeros((0, 1)), np.zeros((1, 0)), [[1.0]], (), ("u",), ("y",), Discrete(0.1))
-    found = belief.predict(belief.initial(plant, nothing), plant, nothing, [1.0])
-    assert belief.update(found, plant, [1.0], [1.0], [1.0]).x.shape == (0,)
+    predicted = belief.predict(belief.initial(plant, nothing), plant, nothing, [1.0])
+    assert belief.update(predicted, plant, [1.0], [1.0], [1.0]).x.shape == (0,)

@@ -69,19 +69,19 @@ def test_the_noise_is_added_to_the_output_it_is_named_after() -> None:
 def test_names_and_units_are_carried() -> None:
     joined = coloured.measurement(plant(), drift("gap", 0.3))
     assert (joined.unit("drift"), joined.unit("v"), joined.unit("gap")) == ("m", "m/s", "m")
-    found = kalman.sampled(coloured.process(plant(), hum("f", "N")), [2.0], [1e-10, 1e-4], 1e-3, G="white")
-    assert found.predictor().inputs == ("f", "tilt", "gap", "current")
-    assert found.predictor().outputs == ("x_estimate", "v_estimate", "hum_estimate", "hum_rate_estimate")
+    estimator = kalman.kalmd(coloured.process(plant(), hum("f", "N")), [2.0], [1e-10, 1e-4], 1e-3, G="white")
+    assert estimator.predictor().inputs == ("f", "tilt", "gap", "current")
+    assert estimator.predictor().outputs == ("x_estimate", "v_estimate", "hum_estimate", "hum_rate_estimate")
 
 
-def error_of(found: kalman.Estimator, C: np.ndarray, acting: noise.Noisy) -> np.ndarray:
+def error_of(estimator: kalman.Estimator, C: np.ndarray, acting: noise.NoisyModel) -> np.ndarray:
     """The covariance of the plant's states less their estimates, the model of the noise being `acting`.
 
     The estimator may know fewer states than there are; the loop of both is solved as one.
     """
-    model, n = acting.model, len(found.model.states)
-    A = np.block([[model.A, np.zeros((len(model.A), n))], [found.L @ model.C, found.model.A - found.L @ C]])
-    B = np.block([[np.eye(len(model.A)), np.zeros(model.C.T.shape)], [np.zeros((n, len(model.A))), found.L]])
+    model, n = acting.model, len(estimator.model.states)
+    A = np.block([[model.A, np.zeros((len(model.A), n))], [estimator.L @ model.C, estimator.model.A - estimator.L @ C]])
+    B = np.block([[np.eye(len(model.A)), np.zeros(model.C.T.shape)], [np.zeros((n, len(model.A))), estimator.L]])
     e = acting.noise
     W = B @ np.block([[e.W, e.S], [e.S.T, e.V]]) @ B.T
     X = noise.stationary(A, (W + W.T) / 2, model.time)
@@ -102,23 +102,23 @@ def test_a_filter_that_knows_the_colour_errs_as_it_says_and_less_than_one_that_d
     assert abs(error_of(ignorant, p.C, acting)[0, 0] / ignorant.prior[0, 0] - 1) > 0.1
 
 
-def test_a_drift_of_the_sensor_is_told_apart_from_motion() -> None:
+def test_sensor_drift_is_distinguished_from_motion() -> None:
     """Simulated with a fixed seed: the error of the position is the filter's own deviation."""
     p = replace(plant().select(("gap",), ("f",)), D=[[0]])
     joined, T = coloured.measurement(p, drift("gap", 0.0)), 0.05
     two = joined.select(joined.outputs, ("f", "white"))
     G = np.hstack([np.eye(3)[:, 1:2], two.B[:, 1:]])
-    found = kalman.sampled(joined.select(joined.outputs, ("f",)), [0.04, 0.01], [1e-3], T, G=G)
-    rng, runs, model = np.random.default_rng(5), 5_000, found.model
-    root = np.linalg.cholesky(found.noise.W + 1e-18 * np.eye(3))
+    estimator = kalman.kalmd(joined.select(joined.outputs, ("f",)), [0.04, 0.01], [1e-3], T, G=G)
+    rng, runs, model = np.random.default_rng(5), 5_000, estimator.model
+    root = np.linalg.cholesky(estimator.noise.W + 1e-18 * np.eye(3))
     x, x_hat = np.zeros((runs, 3)), np.zeros((runs, 3))
     for _ in range(500):
         e = (x - x_hat) @ model.C.T + rng.normal(size=(runs, 1)) * np.sqrt(1e-3)
-        error = x - x_hat - e @ found.M.T
+        error = x - x_hat - e @ estimator.M.T
         x = x @ model.A.T + rng.normal(size=(runs, 3)) @ root.T
-        x_hat = x_hat @ model.A.T + e @ found.L.T
+        x_hat = x_hat @ model.A.T + e @ estimator.L.T
     # a variance of 5000 runs scatters by 2 %
-    np.testing.assert_allclose(np.var(error, axis=0), np.diag(found.posterior), rtol=0.05)
+    np.testing.assert_allclose(np.var(error, axis=0), np.diag(estimator.posterior), rtol=0.05)
     np.testing.assert_allclose(model.A, discretise.zero_order_hold(joined, T).A, rtol=0)
 
 
@@ -127,17 +127,21 @@ def test_coloured_measurement_noise_without_a_white_part_is_refused_with_the_men
     with pytest.raises(ModelError, match=r"measurement of gap has no white noise.*reduced-order observer"):
         kalman.continuous(coloured.measurement(p, drift("gap", 0.0)), [1.0], [0.0], G="white")
     both = coloured.measurement(coloured.process(p, hum("f", "N")), drift("gap", 0.3).renamed({"white": "white2"}))
-    found = kalman.continuous(both, [1.0, 1.0], [0.0], G=("white", "white2"))
-    assert found.poles.real.max() < 0
-    assert found.noise.V[0, 0] == pytest.approx(0.09)
-    assert found.noise.S[-1, 0] == pytest.approx(0.3)  # the drift and the noise that is seen are one
+    estimator = kalman.continuous(both, [1.0, 1.0], [0.0], G=("white", "white2"))
+    assert estimator.poles.real.max() < 0
+    assert estimator.noise.V[0, 0] == pytest.approx(0.09)
+    assert estimator.noise.S[-1, 0] == pytest.approx(0.3)  # the drift and the noise that is seen are one
 
 
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [
-        (lambda: coloured.process(plant(), hum("gap", "m")), SignalError, "'gap' is no input of the plant.*f, tilt"),
-        (lambda: coloured.measurement(plant(), hum("f", "N")), SignalError, "'f' is no output of the plant"),
+        (
+            lambda: coloured.process(plant(), hum("gap", "m")),
+            SignalError,
+            "'gap' is not an input of the plant.*f, tilt",
+        ),
+        (lambda: coloured.measurement(plant(), hum("f", "N")), SignalError, "'f' is not an output of the plant"),
         (lambda: coloured.process(plant(), hum("f", "m")), SignalError, "'f' is in m .* and in N in the plant"),
         (
             lambda: coloured.process(plant(), hum("f", "N").renamed({"hum": "v"})),

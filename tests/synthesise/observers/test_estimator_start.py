@@ -27,7 +27,7 @@ PLANT = StateSpace(
     np.kron(np.eye(2), [[0, 1], [0, 0]]), [[0], [1], [0], [0.5]], [[1, 0, 0.2, 0], [1, 0, -0.3, 0]], np.zeros((2, 1)),
     ("gap", "speed", "tilt", "spin"), ("force",), ("near", "far"), Continuous(), UNITS,
 )  # fmt: skip
-FILTER = kalman.sampled(PLANT, np.diag([0, 1.0, 0, 1.0]), np.full(2, 1e-10), T)
+FILTER = kalman.kalmd(PLANT, np.diag([0, 1.0, 0, 1.0]), np.full(2, 1e-10), T)
 RANGES = {"m": 1.0, "m/s": 100.0, "rad": 2.0, "rad/s": 100.0, "m/s^2": 100.0}
 
 
@@ -35,7 +35,7 @@ def signals(names: tuple[str, ...], units: dict[str, str]) -> list[Signal]:
     return [Signal(name, units[name], -RANGES[units[name]], RANGES[units[name]]) for name in names]
 
 
-def made(model: StateSpace, start: linear_block.Start | None) -> Block:
+def estimator_block(model: StateSpace, start: linear_block.Start | None) -> Block:
     units = dict(model.units)
     groups = {kind: signals(getattr(model, kind), units) for kind in ("inputs", "outputs", "states")}
     return linear_block.block("observer", model, **groups, tag="(1)", start=start)
@@ -87,16 +87,18 @@ def test_the_first_estimate_explains_the_first_measurement(form: str) -> None:
     x_0 = np.linalg.pinv(FILTER.model.C) @ u[0, 1:]
     np.testing.assert_allclose(x_0, x, atol=tolerances.of("double"))
     expected = recursion(model, u, x_0)
-    for found in (by_casadi(made(model, start), u), by_c(made(model, start), u)):
-        np.testing.assert_allclose(found, expected, rtol=0, atol=tolerances.of("double"))
+    for result in (by_casadi(estimator_block(model, start), u), by_c(estimator_block(model, start), u)):
+        np.testing.assert_allclose(result, expected, rtol=0, atol=tolerances.of("double"))
     np.testing.assert_allclose(expected, states, rtol=0, atol=tolerances.of("double"))
-    plain = by_casadi(made(model, None), u)
+    plain = by_casadi(estimator_block(model, None), u)
     assert np.abs(plain[:10] - states[:10]).max() > 1.0  # m/s: what a position from nowhere looks like
 
 
 def test_a_block_without_a_start_has_no_further_state() -> None:
     model = FILTER.current()
-    plain, with_start = (made(model, s) for s in (None, estimator_start.from_measurement(model, FILTER.model)))
+    plain, with_start = (
+        estimator_block(model, s) for s in (None, estimator_start.from_measurement(model, FILTER.model))
+    )
     assert [s.name for s in plain.states] == list(model.states)
     assert [s.name for s in with_start.states] == [*model.states, "started"]
     assert with_start.states[-1].integer
@@ -122,13 +124,13 @@ def test_it_is_the_limit_of_the_first_update_of_a_kalman_filter() -> None:
     """Of one output that adds up a position and a tilt: the less certain one moves more."""
     model, d = FILTER.model, np.array([1e-3, 1.0, 3e-2, 1.0])
     values = {"gap": 1e-3, "tilt": -0.01, "spin": 2.0}
-    found = estimator_start.from_measurement(
+    start = estimator_start.from_measurement(
         FILTER.current(), model, ["near"], values=values, deviations=dict(zip(model.states, d, strict=True))
     )
     x_0 = [values.get(x, 0.0) for x in model.states]
     before = belief.initial(model, np.diag(d**2), x_0)
     after = belief.update(before, model, np.full(2, 1e-22), {"near": 4e-3})
-    np.testing.assert_allclose(found.a + found.G @ [0.0, 4e-3, 9.0], after.x, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(start.a + start.G @ [0.0, 4e-3, 9.0], after.x, rtol=0, atol=1e-9)
 
 
 def test_a_direct_term_is_taken_off() -> None:
@@ -138,7 +140,7 @@ def test_a_direct_term_is_taken_off() -> None:
     y, u = np.array([1e-3, 4e-3]), 0.7
     np.testing.assert_allclose(model.C @ (start.a + start.G @ [u, *y]) + model.D[:, 0] * u, y, atol=1e-15)
     blind = observer.select(observer.outputs, ("near", "far"))
-    with pytest.raises(SignalError, match="follow 'force' at once, which the estimator does not take"):
+    with pytest.raises(SignalError, match="depend directly on 'force', which the estimator does not take"):
         estimator_start.from_measurement(blind, model)
 
 
@@ -147,9 +149,9 @@ def test_a_servo_regulator_starts_with_its_estimates() -> None:
     axis = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("force",), ("gap",),
                       Continuous(), UNITS)  # fmt: skip
     regulator = optimal_servo.lqrd(axis, (0.0,), [1e4, 1e2, 1e3], [1.0], T)
-    filtered = kalman.sampled(axis, np.diag([0, 1.0]), [1e-10], T)
+    filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     for form in (filtered.current(), filtered.predictor()):
-        controller = servo.estimated(regulator, form).controller
+        controller = servo.with_estimator(regulator, form).controller
         start = estimator_start.from_measurement(controller, regulator.plant, values={"speed": 0.2})
         x = start.a + start.G @ [1e-3 if name == "gap" else 0.0 for name in controller.inputs]
         assert x.tolist() == [0.0, 1e-3, 0.2]
@@ -161,8 +163,8 @@ def test_a_compensator_starts_with_its_estimates() -> None:
     """Its integral, which is known, starts at 0."""
     axis = StateSpace([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]], ("gap", "speed"), ("force",), ("gap",),
                       Continuous(), UNITS)  # fmt: skip
-    gain = lqr.lqrd(lqr.integral(axis, ["gap"]), [1e4, 1e2, 1e3], [1.0], T)
-    filtered = kalman.sampled(axis, np.diag([0, 1.0]), [1e-10], T)
+    gain = lqr.lqrd(lqr.with_integrators(axis, ["gap"]), [1e4, 1e2, 1e3], [1.0], T)
+    filtered = kalman.kalmd(axis, np.diag([0, 1.0]), [1e-10], T)
     compensator = lqg.current(gain, filtered).compensator
     start = estimator_start.from_measurement(compensator, filtered.model)
     assert compensator.states == ("gap_predicted", "speed_predicted", "gap_integral")
@@ -173,25 +175,25 @@ def test_the_start_is_limited_to_the_ranges() -> None:
     model = FILTER.current()
     start = estimator_start.from_measurement(model, FILTER.model)
     u = np.array([[0.0, 0.9, -0.9]] * 2)  # a tilt of 3.6 rad, beyond its range of 2
-    found = by_casadi(made(model, start), u)
+    result = by_casadi(estimator_block(model, start), u)
     x = np.clip(start.a + start.G @ u[0], -np.array([1, 100, 2, 100]), [1, 100, 2, 100])
-    np.testing.assert_allclose(found[0], np.clip(model.C @ x + model.D @ u[0], -1e9, 1e9), atol=1e-12)
+    np.testing.assert_allclose(result[0], np.clip(model.C @ x + model.D @ u[0], -1e9, 1e9), atol=1e-12)
 
 
 def test_what_does_not_fit_is_refused() -> None:
     model, plant = FILTER.current(), FILTER.model
     with pytest.raises(SignalError, match="'speed_estimate' or 'speed_predicted' is missing"):
         estimator_start.from_measurement(model.renamed({"speed_predicted": "v"}), plant)
-    with pytest.raises(SignalError, match="'there' is no output of the plant that the estimator takes: near, far"):
+    with pytest.raises(SignalError, match="'there' is not an output of the plant that the estimator takes: near, far"):
         estimator_start.from_measurement(model, plant, ["there"])
     with pytest.raises(SignalError, match="none of which is an output of the plant"):
         estimator_start.from_measurement(model.renamed({"near": "a", "far": "b"}), plant)
-    for given in ({"gap": np.nan}, {"height": 1.0}, [1.0]):
+    for bad in ({"gap": np.nan}, {"height": 1.0}, [1.0]):
         with pytest.raises(SignalError, match=r"the start has the values|`values` of `estimator_start"):
-            estimator_start.from_measurement(model, plant, values=given)  # type: ignore[arg-type]
+            estimator_start.from_measurement(model, plant, values=bad)  # type: ignore[arg-type]
     with pytest.raises(SignalError, match="deviation of 'tilt' at the start is below 0"):
         estimator_start.from_measurement(model, plant, deviations={"tilt": -1.0})
-    with pytest.raises(ModelError, match="near, far do not each show a combination of states of its own"):
+    with pytest.raises(ModelError, match="near, far are linearly dependent in the states that may change"):
         estimator_start.from_measurement(model, plant, deviations={"tilt": 0.0})
     with pytest.raises(TimingError, match="meets"):
         estimator_start.from_measurement(model, PLANT)
@@ -199,6 +201,6 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(
         SignalError, match=r"the start is \(4,\) and \(4, 2\): give finite numbers of \(4,\) and \(4, 3\)"
     ):
-        made(model, replace(start, G=start.G[:, :2]))
+        estimator_block(model, replace(start, G=start.G[:, :2]))
     with pytest.raises(SignalError, match=r"`start` of `linear_block.block` is an array of .*: give a Start"):
-        made(model, np.zeros(4))  # type: ignore[arg-type]
+        estimator_block(model, np.zeros(4))  # type: ignore[arg-type]

@@ -36,7 +36,7 @@ def last(loop: StateSpace, constant: dict[str, float], steps: int) -> dict[str, 
 @pytest.mark.parametrize("form", FORMS)
 def test_integrators_leave_no_error_to_a_constant_force_and_reference(form: Callable[..., lqg.Controller]) -> None:
     estimator = held_mass()
-    full = lqr.integral(estimator.model, ("y",))
+    full = lqr.with_integrators(estimator.model, ("y",))
     assert (full.states, full.unit("y_integral")) == (("x", "v", "y_integral"), "m s")
     loop = form(lqr.lqr(full, np.diag([1e6, 1, 1e8]), [[1e-2]]), estimator)
     assert loop.separation < tolerances.of("double") * 1e2
@@ -49,47 +49,49 @@ def test_integrators_leave_no_error_to_a_constant_force_and_reference(form: Call
 
 def test_the_integral_of_a_continuous_loop_is_that_of_the_error() -> None:
     estimator = kalman.continuous(mass(), [1e-3], [25e-13], G=mass().B)
-    full = lqr.integral(mass(), ("y",))
+    full = lqr.with_integrators(mass(), ("y",))
     np.testing.assert_array_equal(full.A, [[0, 1, 0], [0, 0, 0], [1, 0, 0]])  # the pattern of (31)
     loop = lqg.predictor(lqr.lqr(full, np.diag([1e4, 1, 1e5]), [[1e-2]]), estimator)
     assert loop.separation < tolerances.of("double") * 1e2
     rest = -np.linalg.solve(loop.loop.A, loop.loop.B)
-    settled = loop.loop.C @ rest + loop.loop.D
-    y, names = settled[0], loop.loop.inputs
+    final_outputs = loop.loop.C @ rest + loop.loop.D
+    y, names = final_outputs[0], loop.loop.inputs
     assert y[names.index("y_reference")] == pytest.approx(1.0)
     assert y[names.index("v_disturbance")] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_direct_term_is_integrated_too() -> None:
     plant = replace(mass(), D=[[0.25]])
-    np.testing.assert_array_equal(lqr.integral(plant, ("y",)).B, [[0], [1 / 1.52], [0.25]])
-    estimator = kalman.sampled(plant, [1e-3], [25e-10], T, G=mass().B)
-    loop = lqg.predictor(lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e4, 1, 1]), [[1e-2]]), estimator)
+    np.testing.assert_array_equal(lqr.with_integrators(plant, ("y",)).B, [[0], [1 / 1.52], [0.25]])
+    estimator = kalman.kalmd(plant, [1e-3], [25e-10], T, G=mass().B)
+    loop = lqg.predictor(
+        lqr.lqr(lqr.with_integrators(estimator.model, ("y",)), np.diag([1e4, 1, 1]), [[1e-2]]), estimator
+    )
     assert loop.separation < tolerances.of("double") * 1e2
 
 
 def test_measurement_noise_reaches_the_integral() -> None:
     """E of the cost with integrators: the noise on (x, q) is (w, T v), its covariance with v (S, T V)."""
     estimator = held_mass()
-    gain = lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]])
+    gain = lqr.lqr(lqr.with_integrators(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]])
     e, X, K = estimator.noise, gain.certificate.X, gain.K[:, :2]
     B = np.vstack([estimator.model.B, np.zeros((1, 1))])
     W = np.block([[e.W, T * e.S], [T * e.S.T, T * T * e.V]])
     weight = gain.R + B.T @ X @ B
     before = np.trace(X @ W) + np.trace(estimator.prior @ K.T @ weight @ K)
-    assert lqg.expected(lqg.predictor(gain, estimator)).cost == pytest.approx(before, rel=1e-7)
+    assert lqg.expected_cost(lqg.predictor(gain, estimator)).cost == pytest.approx(before, rel=1e-7)
     seen = np.vstack([e.S, T * e.V])
     now = np.trace(X @ W) + np.trace(estimator.posterior @ K.T @ weight @ K)
     now += 2 * np.trace(X @ B @ K @ estimator.M @ seen.T)
-    assert lqg.expected(lqg.current(gain, estimator)).cost == pytest.approx(now, rel=1e-7)
+    assert lqg.expected_cost(lqg.current(gain, estimator)).cost == pytest.approx(now, rel=1e-7)
 
 
 def test_the_planar_stage_with_three_integrators_at_800_hz() -> None:
     """The model of (26), (27), (31) with the weights (47), (48), the integrals' first as printed."""
     plant, period = planar(), 1 / 800
     G = np.vstack([np.zeros((3, 3)), np.eye(3)])
-    estimator = kalman.sampled(plant, np.eye(3) * 1e-2, [25e-10] * 3, period, G=G)
-    full = lqr.integral(estimator.model, plant.outputs)
+    estimator = kalman.kalmd(plant, np.eye(3) * 1e-2, [25e-10] * 3, period, G=G)
+    full = lqr.with_integrators(estimator.model, plant.outputs)
     Q = np.diag([1e3, 1e4, 1e3, 1e2, 1e2, 1e2, 1e9, 1e8, 1e8])
     loop = lqg.current(lqr.lqr(full, Q * period, np.eye(3) * period), estimator)
     assert loop.separation < tolerances.of("multiple_root")
@@ -98,4 +100,4 @@ def test_the_planar_stage_with_three_integrators_at_800_hz() -> None:
     reached = last(loop.loop, target, 6000)
     for name in plant.outputs:
         assert reached[name] == pytest.approx(target[f"{name}_reference"], rel=1e-6)
-    assert lqg.expected(loop).units["phi_hall_integral"] == "rad s"
+    assert lqg.expected_cost(loop).units["phi_hall_integral"] == "rad s"

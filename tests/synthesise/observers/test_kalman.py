@@ -37,51 +37,51 @@ def random_problem(seed: int, time: Time) -> tuple[StateSpace, np.ndarray, np.nd
 def test_a_scalar_filter_in_continuous_time_is_its_closed_form(a: float) -> None:
     """2 a P - c^2 P^2 / v + w = 0."""
     w, v, c = 5.0, 0.2, 0.7
-    found = kalman.continuous(scalar(a, Continuous(), c), [w], [v])
+    estimator = kalman.continuous(scalar(a, Continuous(), c), [w], [v])
     root = np.sqrt(a * a + c * c * w / v)
-    assert found.prior[0, 0] == pytest.approx((a + root) * v / c**2, rel=tolerances.of("double"))
-    assert found.L[0, 0] == pytest.approx((a + root) / c, rel=tolerances.of("double"))
-    assert found.poles[0].real == pytest.approx(-root, rel=tolerances.of("double"))
-    assert found.M[0, 0] == 0
-    np.testing.assert_array_equal(found.posterior, found.prior)
+    assert estimator.prior[0, 0] == pytest.approx((a + root) * v / c**2, rel=tolerances.of("double"))
+    assert estimator.L[0, 0] == pytest.approx((a + root) / c, rel=tolerances.of("double"))
+    assert estimator.poles[0].real == pytest.approx(-root, rel=tolerances.of("double"))
+    assert estimator.M[0, 0] == 0
+    np.testing.assert_array_equal(estimator.posterior, estimator.prior)
 
 
 @pytest.mark.parametrize("a", [0.3, 1.0, 1.7])
 def test_a_scalar_filter_in_discrete_time_is_its_closed_form(a: float) -> None:
     """P = a^2 P v / (P + v) + w."""
     w, v = 0.4, 0.9
-    found = kalman.discrete(scalar(a, Discrete(0.1)), [w], [v])
+    estimator = kalman.discrete(scalar(a, Discrete(0.1)), [w], [v])
     b = v * (a * a - 1) + w
     P = (b + np.sqrt(b * b + 4 * v * w)) / 2
     close = tolerances.of("double")
-    assert found.prior[0, 0] == pytest.approx(P, rel=close)
-    assert found.M[0, 0] == pytest.approx(P / (P + v), rel=close)
-    assert found.L[0, 0] == pytest.approx(a * P / (P + v), rel=close)
-    assert found.posterior[0, 0] == pytest.approx(P * v / (P + v), rel=close)
+    assert estimator.prior[0, 0] == pytest.approx(P, rel=close)
+    assert estimator.M[0, 0] == pytest.approx(P / (P + v), rel=close)
+    assert estimator.L[0, 0] == pytest.approx(a * P / (P + v), rel=close)
+    assert estimator.posterior[0, 0] == pytest.approx(P * v / (P + v), rel=close)
 
 
 def test_the_position_filter_of_a_mass_is_its_closed_form() -> None:
     """x'' = w, density w: L = (sqrt(2) k, k^2) with k = (w / v)^(1/4), a Butterworth filter."""
     w, v = 1e-3, 25e-13
-    found = kalman.continuous(mass(), {"v": w}, {"y": v})
+    estimator = kalman.continuous(mass(), {"v": w}, {"y": v})
     k = (w / v) ** 0.25
-    np.testing.assert_allclose(found.L[:, 0], [np.sqrt(2) * k, k * k], rtol=tolerances.of("double"))
+    np.testing.assert_allclose(estimator.L[:, 0], [np.sqrt(2) * k, k * k], rtol=tolerances.of("double"))
 
 
 # Other solvers
 
 
-def equation_residual(found: kalman.Estimator, W: np.ndarray, V: np.ndarray, S: np.ndarray) -> float:
+def equation_residual(estimator: kalman.Estimator, W: np.ndarray, V: np.ndarray, S: np.ndarray) -> float:
     """The residual of the filter's equation at P and of L, written out here, over the size of W; W, V, S as entered."""
-    A, C, P = found.model.A, found.model.C, found.prior
-    if isinstance(found.model.time, Continuous):
+    A, C, P = estimator.model.A, estimator.model.C, estimator.prior
+    if isinstance(estimator.model.time, Continuous):
         L = np.linalg.solve(V, (P @ C.T + S).T).T
         rest = A @ P + P @ A.T - L @ V @ L.T + W
     else:
         E = C @ P @ C.T + V
         L = np.linalg.solve(E, (A @ P @ C.T + S).T).T
         rest = A @ P @ A.T - L @ E @ L.T + W - P
-    return float(max(np.abs(rest).max() / np.abs(W).max(), np.abs(found.L - L).max() / np.abs(L).max()))
+    return float(max(np.abs(rest).max() / np.abs(W).max(), np.abs(estimator.L - L).max() / np.abs(L).max()))
 
 
 @settings(derandomize=True, max_examples=15, deadline=None)
@@ -92,35 +92,35 @@ def test_random_filters_agree_with_scipy_and_with_their_equation(seed: int) -> N
         (Discrete(0.1), scipy.linalg.solve_discrete_are, kalman.discrete),
     ):
         model, G, W, V, S = random_problem(seed, time)
-        found = make(model, W, V, G, S)
+        estimator = make(model, W, V, G, S)
         GWG = (G @ W @ G.T + (G @ W @ G.T).T) / 2
         P = solver(model.A.T, model.C.T, GWG, V, s=G @ S)
-        np.testing.assert_allclose(found.prior, P, rtol=0, atol=tolerances.of("pencil") * np.abs(P).max())
-        assert equation_residual(found, GWG, V, G @ S) < tolerances.of("pencil")
-        closed = np.linalg.eigvals(model.A - found.L @ model.C)
+        np.testing.assert_allclose(estimator.prior, P, rtol=0, atol=tolerances.of("pencil") * np.abs(P).max())
+        assert equation_residual(estimator, GWG, V, G @ S) < tolerances.of("pencil")
+        closed = np.linalg.eigvals(model.A - estimator.L @ model.C)
         assert (closed.real.max() if isinstance(time, Continuous) else np.abs(closed).max() - 1) < 0
         # dropped or transposed terms are seen by the same check
-        assert equation_residual(found, GWG, V, 0 * G @ S) > 1e-6
-        assert equation_residual(replace(found, prior=found.prior * (1 + 1e-6)), GWG, V, G @ S) > 1e-8
-        unpropagated = replace(found, prior=found.posterior)
+        assert equation_residual(estimator, GWG, V, 0 * G @ S) > 1e-6
+        assert equation_residual(replace(estimator, prior=estimator.prior * (1 + 1e-6)), GWG, V, G @ S) > 1e-8
+        unpropagated = replace(estimator, prior=estimator.posterior)
         assert isinstance(time, Continuous) or equation_residual(unpropagated, GWG, V, G @ S) > 1e-6
 
 
 def test_python_control_and_slicot_agree() -> None:
     close = tolerances.of("pencil")
     model, G, W, V, _ = random_problem(3, Continuous())
-    found = kalman.continuous(model, W, V, G)
+    estimator = kalman.continuous(model, W, V, G)
     L, P, _ = control.lqe(model.A, G, model.C, W, V)
-    np.testing.assert_allclose(found.L, L, rtol=close)
-    np.testing.assert_allclose(found.prior, P, rtol=close)
+    np.testing.assert_allclose(estimator.L, L, rtol=close)
+    np.testing.assert_allclose(estimator.prior, P, rtol=close)
     model, G, W, V, _ = random_problem(3, Discrete(0.1))
-    found = kalman.discrete(model, W, V, G)
+    estimator = kalman.discrete(model, W, V, G)
     L, P, _ = control.dlqe(model.A, G, model.C, W, V)
-    np.testing.assert_allclose(found.L, L, rtol=close)
-    np.testing.assert_allclose(found.prior, P, rtol=close)
-    n, p = found.L.shape
+    np.testing.assert_allclose(estimator.L, L, rtol=close)
+    np.testing.assert_allclose(estimator.prior, P, rtol=close)
+    n, p = estimator.L.shape
     X, *_ = slycot.sb02od(n, p, model.A.T, model.C.T, G @ W @ G.T, V, "D")
-    np.testing.assert_allclose(found.prior, X, rtol=close)
+    np.testing.assert_allclose(estimator.prior, X, rtol=close)
 
 
 # Noise on a continuous plant that is measured at samples
@@ -139,12 +139,12 @@ def test_the_covariance_grows_over_a_period_as_the_continuous_equation_says() ->
     model, T = replace(model, D=0 * model.D), 0.4
     density, close = G @ W @ G.T, tolerances.of("quadrature")
 
-    def misses(found: kalman.Estimator) -> float:
-        prior = over_a_period(model, density, found.posterior, T)
-        return float(np.abs(prior - found.prior).max() / np.abs(prior).max())
+    def misses(estimator: kalman.Estimator) -> float:
+        prior = over_a_period(model, density, estimator.posterior, T)
+        return float(np.abs(prior - estimator.prior).max() / np.abs(prior).max())
 
-    assert misses(kalman.sampled(model, W, V, T, G)) < close
-    held = kalman.sampled(model, W, V, T, G).model
+    assert misses(kalman.kalmd(model, W, V, T, G)) < close
+    held = kalman.kalmd(model, W, V, T, G).model
     crude = kalman.discrete(held, (density + density.T) / 2 * T, V)
     assert misses(crude) > 1e-2  # W scaled by T only
     np.testing.assert_allclose(held.A, scipy.linalg.expm(model.A * T), rtol=tolerances.of("double"))
@@ -153,16 +153,16 @@ def test_the_covariance_grows_over_a_period_as_the_continuous_equation_says() ->
 def test_many_fast_samples_of_large_covariance_are_the_continuous_filter() -> None:
     """V / T at each sample is the density V."""
     T, V = 1e-5, 25e-13
-    fast, limit = kalman.sampled(mass(), {"v": 1e-3}, [V / T], T), kalman.continuous(mass(), {"v": 1e-3}, [V])
+    fast, limit = kalman.kalmd(mass(), {"v": 1e-3}, [V / T], T), kalman.continuous(mass(), {"v": 1e-3}, [V])
     np.testing.assert_allclose(fast.L / T, limit.L, rtol=0.01)
     np.testing.assert_allclose(fast.prior, limit.prior, rtol=0.01)
-    slow = kalman.sampled(mass(), {"v": 1e-3}, [V / (10 * T)], 10 * T)
+    slow = kalman.kalmd(mass(), {"v": 1e-3}, [V / (10 * T)], 10 * T)
     assert np.abs(fast.L / T - limit.L).max() < 0.2 * np.abs(slow.L / (10 * T) - limit.L).max()
 
 
 def test_exact_filters_agree_to_the_last_digits_with_those_in_double_precision() -> None:
     arguments = (mass(), {"v": 1e-3}, [25e-10], 1e-3)
-    exact, plain = kalman.sampled(*arguments, exact=True), kalman.sampled(*arguments)
+    exact, plain = kalman.kalmd(*arguments, exact=True), kalman.kalmd(*arguments)
     for name in ("L", "M", "prior", "posterior"):
         np.testing.assert_allclose(getattr(plain, name), getattr(exact, name), rtol=tolerances.of("double"))
     m, e = exact.model, exact.noise
@@ -172,9 +172,11 @@ def test_exact_filters_agree_to_the_last_digits_with_those_in_double_precision()
 # Simulation
 
 
-def simulated(found: kalman.Estimator, W: np.ndarray, G: np.ndarray, V: np.ndarray, S: np.ndarray) -> list[np.ndarray]:
+def simulated_covariances(
+    estimator: kalman.Estimator, W: np.ndarray, G: np.ndarray, V: np.ndarray, S: np.ndarray
+) -> list[np.ndarray]:
     """The covariances of x - x^ and of x less the current estimate over 20 000 runs, after 60 samples from rest."""
-    rng, model, runs = np.random.default_rng(7), found.model, 20_000
+    rng, model, runs = np.random.default_rng(7), estimator.model, 20_000
     n, q = G.shape
     root = np.linalg.cholesky(np.block([[W, S], [S.T, V]]))
     x, predicted = np.zeros((runs, n)), np.zeros((runs, n))
@@ -182,56 +184,56 @@ def simulated(found: kalman.Estimator, W: np.ndarray, G: np.ndarray, V: np.ndarr
         noise, u = rng.normal(size=(runs, len(root))) @ root.T, rng.normal(size=(runs, len(model.inputs)))
         y = x @ model.C.T + u @ model.D.T + noise[:, q:]
         e = y - predicted @ model.C.T - u @ model.D.T
-        now = predicted + e @ found.M.T
+        now = predicted + e @ estimator.M.T
         errors = [x - predicted, x - now]
         x = x @ model.A.T + u @ model.B.T + noise[:, :q] @ G.T
-        predicted = predicted @ model.A.T + u @ model.B.T + e @ found.L.T
+        predicted = predicted @ model.A.T + u @ model.B.T + e @ estimator.L.T
     return [error.T @ error / runs for error in errors]
 
 
 def test_the_errors_of_a_simulation_have_the_covariances() -> None:
     model, G, W, V, S = random_problem(11, Discrete(0.1))
-    found = kalman.discrete(model, W, V, G, S)
+    estimator = kalman.discrete(model, W, V, G, S)
 
     def apart(covariances: list[np.ndarray]) -> float:
-        told = (found.prior, found.posterior)
-        return max(float(np.linalg.norm(c - P) / np.linalg.norm(P)) for c, P in zip(covariances, told, strict=True))
+        designed = (estimator.prior, estimator.posterior)
+        return max(float(np.linalg.norm(c - P) / np.linalg.norm(P)) for c, P in zip(covariances, designed, strict=True))
 
     # the entries of a covariance of 20 000 runs scatter by sqrt(2 / 20 000) = 1 %
-    assert apart(simulated(found, W, G, V, S)) < 0.03
+    assert apart(simulated_covariances(estimator, W, G, V, S)) < 0.03
     uncrossed = kalman.discrete(model, W, V, G)
-    assert apart(simulated(uncrossed, W, G, V, S)) > 0.06
+    assert apart(simulated_covariances(uncrossed, W, G, V, S)) > 0.06
 
 
 def test_both_forms_estimate_what_the_recursion_says_with_a_direct_term_and_cross_covariance() -> None:
     model, G, W, V, S = random_problem(2, Discrete(0.1))
-    found = kalman.discrete(model, W, V, G, S)
+    estimator = kalman.discrete(model, W, V, G, S)
     rng = np.random.default_rng(1)
     u, y = rng.normal(size=(30, len(model.inputs))), rng.normal(size=(30, len(model.outputs)))
     x, before, now = np.zeros(len(model.A)), [], []
     for uk, yk in zip(u, y, strict=True):
         e = yk - model.C @ x - model.D @ uk
-        before, now = [*before, x], [*now, x + found.M @ e]
-        x = model.A @ x + model.B @ uk + found.L @ e
+        before, now = [*before, x], [*now, x + estimator.M @ e]
+        x = model.A @ x + model.B @ uk + estimator.L @ e
     both = np.hstack([u, y])
     close = {"rtol": 0, "atol": tolerances.of("double") * 10 * np.abs(now).max()}
-    np.testing.assert_allclose(run(found.predictor(), both), before, **close)
-    np.testing.assert_allclose(run(found.current(), both), now, **close)
+    np.testing.assert_allclose(run(estimator.predictor(), both), before, **close)
+    np.testing.assert_allclose(run(estimator.current(), both), now, **close)
 
 
 def test_the_forms_carry_names_and_units() -> None:
-    found = kalman.sampled(mass(), {"v": 1e-3}, {"y": 25e-10}, 1e-3)
-    for form in (found.predictor(), found.current()):
+    estimator = kalman.kalmd(mass(), {"v": 1e-3}, {"y": 25e-10}, 1e-3)
+    for form in (estimator.predictor(), estimator.current()):
         assert form.inputs == ("f", "y")
         assert form.outputs == ("x_estimate", "v_estimate")
         assert (form.unit("v_estimate"), form.unit("f"), form.time) == ("m/s", "N", Discrete(1e-3))
-    assert found.current().states == ("x_predicted", "v_predicted")
-    assert found.current().unit("v_predicted") == "m/s"
-    assert found.deviations["v"] == np.sqrt(found.posterior[1, 1])
+    assert estimator.current().states == ("x_predicted", "v_predicted")
+    assert estimator.current().unit("v_predicted") == "m/s"
+    assert estimator.deviations["v"] == np.sqrt(estimator.posterior[1, 1])
 
 
 def test_a_filter_prints_its_deviations_with_units() -> None:
-    text = repr(kalman.sampled(mass(), {"v": 1e-3}, [25e-10], 1e-3))
+    text = repr(kalman.kalmd(mass(), {"v": 1e-3}, [25e-10], 1e-3))
     assert "deviation before a sample" in text
     assert "v [m/s]" in text
     assert "dual Riccati equation" in text
@@ -259,7 +261,7 @@ def test_noise_that_reaches_an_output_at_once_is_correlated_noise() -> None:
     model, G, W, V, S = random_problem(4, Discrete(0.1))
     F = np.ones((len(model.C), G.shape[1]))
     joined = of((model.A, G, model.C, F, model.time))
-    found = kalman.discrete(joined, W, V, joined.inputs, S)
+    estimator = kalman.discrete(joined, W, V, joined.inputs, S)
     total = V + F @ W @ F.T + F @ S + S.T @ F.T
     want = kalman.discrete(model, W, (total + total.T) / 2, G, W @ F.T + S)
-    np.testing.assert_allclose(found.L, want.L, rtol=tolerances.of("double") * 10)
+    np.testing.assert_allclose(estimator.L, want.L, rtol=tolerances.of("double") * 10)

@@ -50,9 +50,9 @@ def test_a_gain_of_another_model_shows_in_the_separation() -> None:
     gain = lqr.lqr(heavier, np.diag([1e4, 1]), [[1e-2]])
     assert lqg.current(gain, estimator).separation > 1e-4
     detuned = replace(estimator, L=estimator.L * 1.1)
-    own = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
-    assert lqg.predictor(own, estimator).separation < tolerances.of("double") * 1e2
-    assert lqg.predictor(own, detuned).separation > 1e-3
+    gain_of_model = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
+    assert lqg.predictor(gain_of_model, estimator).separation < tolerances.of("double") * 1e2
+    assert lqg.predictor(gain_of_model, detuned).separation > 1e-3
 
 
 def test_the_compensator_is_its_textbook_matrices() -> None:
@@ -92,14 +92,14 @@ def closed_form(gain: lqr.Gain, estimator: kalman.Estimator, form: Callable[...,
 def test_the_expected_cost_is_its_closed_form(seed: int) -> None:
     for time in (Continuous(), Discrete(0.1)):
         gain, estimator = random_loop(seed, time)
-        costs = [lqg.expected(form(gain, estimator)).cost for form in FORMS]
+        costs = [lqg.expected_cost(form(gain, estimator)).cost for form in FORMS]
         for form, cost in zip(FORMS, costs, strict=True):
             assert cost == pytest.approx(closed_form(gain, estimator, form), rel=1e-7)
         if isinstance(time, Discrete):
             assert costs[1] <= costs[0] * (1 + 1e-9)  # the sample of now is worth something
 
 
-def simulated(loop: StateSpace, covariance: np.ndarray, runs: int, steps: int) -> tuple[np.ndarray, np.ndarray]:
+def simulate(loop: StateSpace, covariance: np.ndarray, runs: int, steps: int) -> tuple[np.ndarray, np.ndarray]:
     """States and outputs (steps, runs, ..) of a loop with white noise on all its inputs but references, from rest."""
     rng, k = np.random.default_rng(3), len(covariance)
     root = np.linalg.cholesky(covariance)
@@ -122,34 +122,36 @@ def test_a_simulation_costs_what_is_expected(form: Callable[..., lqg.Controller]
     estimator = kalman.discrete(model, joint[:2, :2], joint[2:, 2:], S=joint[:2, 2:])
     gain = lqr.lqr(model, np.diag([2, 1]), [[0.5]], [[0.1], [0.2]])
     controller = form(gain, estimator)
-    told = lqg.expected(controller)
-    states, outputs = simulated(controller.loop, joint, 4000, 160)
+    expectation = lqg.expected_cost(controller)
+    states, outputs = simulate(controller.loop, joint, 4000, 160)
     x, u = states[60:, :, :2].reshape(-1, 2), outputs[60:, :, 1:].reshape(-1, 1)
     cost = np.mean(np.sum(x @ gain.Q * x, 1) + np.sum(u @ gain.R * u, 1) + 2 * np.sum(x @ gain.N * u, 1))
-    assert cost == pytest.approx(told.cost, rel=0.01)  # 4000 runs of some 20 independent spans: 0.4 %
-    np.testing.assert_allclose([x[:, 0].std(), x[:, 1].std(), u.std()], list(told.deviations.values()), rtol=0.01)
+    assert cost == pytest.approx(expectation.cost, rel=0.01)  # 4000 runs of some 20 independent spans: 0.4 %
+    np.testing.assert_allclose(
+        [x[:, 0].std(), x[:, 1].std(), u.std()], list(expectation.deviations.values()), rtol=0.01
+    )
     other = lqg.current if form is lqg.predictor else lqg.predictor
-    assert abs(lqg.expected(other(gain, estimator)).cost / cost - 1) > 0.02
+    assert abs(lqg.expected_cost(other(gain, estimator)).cost / cost - 1) > 0.02
 
 
 def test_the_noise_that_acts_may_be_another_than_the_estimator_was_designed_for() -> None:
     estimator = held_mass()
     gain = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
     four = noise.Noise(4 * estimator.noise.W, 4 * estimator.noise.V, 4 * estimator.noise.S)
-    own, acting = (lqg.expected(lqg.current(gain, estimator), e) for e in (None, four))
-    assert acting.cost == pytest.approx(4 * own.cost, rel=1e-9)
-    assert acting.deviations["x"] == pytest.approx(2 * own.deviations["x"], rel=1e-9)
+    designed, acting = (lqg.expected_cost(lqg.current(gain, estimator), e) for e in (None, four))
+    assert acting.cost == pytest.approx(4 * designed.cost, rel=1e-9)
+    assert acting.deviations["x"] == pytest.approx(2 * designed.deviations["x"], rel=1e-9)
     timid = replace(estimator, L=estimator.L * 0.5, M=estimator.M * 0.5)
     bold = replace(estimator, L=estimator.L * 2, M=estimator.M * 2)
     for worse in (timid, bold):
-        assert lqg.expected(lqg.current(gain, worse)).cost > own.cost * (1 + 1e-4)
+        assert lqg.expected_cost(lqg.current(gain, worse)).cost > designed.cost * (1 + 1e-4)
 
 
 def test_an_unstable_loop_has_no_expected_cost() -> None:
     estimator = held_mass()
     gain = lqr.lqr(estimator.model, np.diag([1e4, 1]), [[1e-2]])
-    with pytest.raises(ModelError, match="does not decay, so that no covariance"):
-        lqg.expected(lqg.current(replace(gain, K=-gain.K), estimator))
+    with pytest.raises(ModelError, match="does not decay, and the covariance"):
+        lqg.expected_cost(lqg.current(replace(gain, K=-gain.K), estimator))
 
 
 @settings(derandomize=True, max_examples=10, deadline=None)
@@ -192,7 +194,7 @@ def test_a_covariance_of_an_undamped_mode_is_refused_whatever_rounding_says(time
     for w in range(1, 21):
         turn = np.array([[0.0, w], [-w, 0.0]])
         A = turn if isinstance(time, Continuous) else scipy.linalg.expm(turn * time.period_s)
-        with pytest.raises(ModelError, match="does not decay, so that no covariance stays finite"):
+        with pytest.raises(ModelError, match="does not decay, and the covariance is unbounded"):
             noise.stationary(A, np.eye(2), time)
 
 
@@ -204,7 +206,7 @@ def test_the_expected_cost_of_a_stiff_loop_is_that_of_its_parts() -> None:
         n = len(A)
         plant = (A, np.eye(n), np.eye(n))
         gain = lqr.lqr(plant, np.ones(n), np.ones(n))
-        return lqg.expected(lqg.current(gain, kalman.continuous(plant, np.ones(n), np.ones(n))))
+        return lqg.expected_cost(lqg.current(gain, kalman.continuous(plant, np.ones(n), np.ones(n))))
 
     both = cost(np.diag([-a for a in rates]))
     np.testing.assert_allclose(both.cost, sum(cost(-a * one).cost for a in rates), rtol=tolerances.of("double"))
@@ -217,7 +219,7 @@ def test_the_expected_cost_of_a_stiff_loop_is_that_of_its_parts() -> None:
 
 def test_an_input_that_the_gain_does_not_set_reaches_the_estimator() -> None:
     model = replace(mass(), B=[[0, 0], [0.66, 9.8]], D=[[0, 0]], inputs=("f", "tilt"))
-    estimator = kalman.sampled(model, {"v": 1e-3}, [25e-10], T)
+    estimator = kalman.kalmd(model, {"v": 1e-3}, [25e-10], T)
     held = estimator.model
     gain = lqr.lqr(held.select(held.outputs, ("f",)), np.diag([1e6, 1]), [[1e-2]])
     loop = lqg.predictor(gain, estimator)
@@ -234,11 +236,13 @@ def test_an_input_that_the_gain_does_not_set_reaches_the_estimator() -> None:
 
 def test_controllers_and_expectations_print_themselves() -> None:
     estimator = held_mass()
-    loop = lqg.current(lqr.lqr(lqr.integral(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]]), estimator)
+    loop = lqg.current(
+        lqr.lqr(lqr.with_integrators(estimator.model, ("y",)), np.diag([1e6, 1, 1e8]), [[1e-2]]), estimator
+    )
     assert "LQG controller of f from y" in repr(loop)
     assert "separation: the poles of the loop lie within" in repr(loop)
     assert "y_reference [m]" in repr(loop)
-    text = repr(lqg.expected(loop))
+    text = repr(lqg.expected_cost(loop))
     assert "for each sample" in text
     assert "y_integral [m s]" in text
 
@@ -254,7 +258,9 @@ def gain_of(model: StateSpace) -> lqr.Gain:
         (lambda: lqg.current(gain_of(mass().renamed({"x": "z"})), continuous_mass()), SignalError, "'x' is not both"),
         (lambda: lqg.current(gain_of(mass().renamed({"f": "g"})), continuous_mass()), SignalError, "'g' is not both"),
         (
-            lambda: lqg.current(gain_of(lqr.integral(mass(), ("y",)).renamed({"y_integral": "q"})), continuous_mass()),
+            lambda: lqg.current(
+                gain_of(lqr.with_integrators(mass(), ("y",)).renamed({"y_integral": "q"})), continuous_mass()
+            ),
             SignalError,
             "'q' is not both in the gain and in the estimator's model",
         ),

@@ -12,7 +12,7 @@ from tests.synthesise.observers.models import run
 AUDITED = 1e-3  # relative: the audited bandwidths lie 0.02 to 0.10 % above the crossing, as if read on a grid
 
 
-def published(rate: float) -> tuple[StateSpace, np.ndarray]:
+def published_model(rate: float) -> tuple[StateSpace, np.ndarray]:
     """The model (11), (12) of one axis and Gamma. The axes do not meet in (7) to (13)."""
     T = 1 / rate
     A = [[1, T, T * T / 2], [0, 1, T], [0, 0, 1]]
@@ -42,19 +42,19 @@ def test_the_published_filter_has_half_the_bandwidth_that_is_printed(
     The transfer is that from the measured position to the estimate of the same sample, of the steady filter for
     W = q Gamma Gamma' and V = (5e-5)^2, at half the power.
     """
-    model, Gamma = published(rate)
-    found = kalman.discrete(model, [q], [25e-10], Gamma)
-    assert round(bandwidth(found.current()), 3) == exact
-    assert 0 < audited / bandwidth(found.current()) - 1 < AUDITED
-    assert abs(bandwidth(found.predictor()) / audited - 1) > 0.05  # the other form is another figure
-    filtered = run(found.current(), np.sin(2 * np.pi * exact / rate * np.arange(8000))[:, None])[4000:, 0]
+    model, Gamma = published_model(rate)
+    estimator = kalman.discrete(model, [q], [25e-10], Gamma)
+    assert round(bandwidth(estimator.current()), 3) == exact
+    assert 0 < audited / bandwidth(estimator.current()) - 1 < AUDITED
+    assert abs(bandwidth(estimator.predictor()) / audited - 1) > 0.05  # the other form is another figure
+    filtered = run(estimator.current(), np.sin(2 * np.pi * exact / rate * np.arange(8000))[:, None])[4000:, 0]
     assert 2 * np.mean(filtered**2) == pytest.approx(0.5, rel=2e-3)  # a sine at the crossing comes out at half power
 
 
 @pytest.mark.parametrize(("rate", "ratio"), [(800, 0.33906), (1000, 0.30502)])
 def test_the_published_filter_lets_through_a_third_of_the_noise(rate: float, ratio: float) -> None:
     """Printed: down by 75 %. White noise on y alone, stage at rest: the deviation of x_estimate over that of y."""
-    model, Gamma = published(rate)
+    model, Gamma = published_model(rate)
     form = kalman.discrete(model, [100.0], [25e-10], Gamma).current()
     impulse = run(form, np.eye(3000, 1))[:, 0]
     assert round(float(np.sqrt(impulse @ impulse)), 5) == ratio
@@ -62,7 +62,7 @@ def test_the_published_filter_lets_through_a_third_of_the_noise(rate: float, rat
 
 def test_the_gain_as_printed_tends_to_one() -> None:
     """(14) predicts P and never updates it, so that it grows and K of (16) trusts the measurement alone."""
-    model, Gamma = published(800)
+    model, Gamma = published_model(800)
     W = 100 * Gamma @ Gamma.T
     now = belief.initial(model, 1e8 * np.eye(3))
     for _ in range(200):

@@ -1,4 +1,4 @@
-"""Recovery of the example of Doyle and Stein (1979), of sampled plants, and what stands in its way."""
+"""Recovery of the example of Doyle and Stein (1979), of sampled plants, and its obstacles."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -35,7 +35,7 @@ def regulator() -> lqr.Gain:
     return lqr.lqr(doyle_stein(), (root @ root.T + (root @ root.T).T) / 2, np.eye(1))
 
 
-def sampled() -> StateSpace:
+def sampled_plant() -> StateSpace:
     """A sampled plant with its zero at 0.87 and C B = 1: it answers in the next sample."""
     C, units = [[0.3, 1]], {"x1": "m", "x2": "m/s", "u": "N", "y": "m"}
     return StateSpace(
@@ -50,16 +50,16 @@ def test_the_gains_of_the_published_example() -> None:
 
 
 def test_the_loop_is_recovered_at_the_input_as_q_grows_and_noise_with_it() -> None:
-    found = recovery.at_input(regulator(), doyle_stein(), [1.0], [1.0], QS, BAND, G=NOISE)
-    assert not found.obstacles
-    assert found.distances[0] > 1
-    assert found.distances[1] / found.distances[2] == pytest.approx(10, rel=0.05)  # falls as 1 / q
-    assert found.distances[2] < 0.02
-    deviations = [step.noise.deviations["u"] for step in found.steps]
+    sweep = recovery.at_input(regulator(), doyle_stein(), [1.0], [1.0], QS, BAND, G=NOISE)
+    assert not sweep.obstacles
+    assert sweep.distances[0] > 1
+    assert sweep.distances[1] / sweep.distances[2] == pytest.approx(10, rel=0.05)  # falls as 1 / q
+    assert sweep.distances[2] < 0.02
+    deviations = [step.noise.deviations["u"] for step in sweep.steps]
     assert deviations[2] > 2 * deviations[1]
     # the margin that the published example has lost, 15 degrees or less, comes back to the 60 and more of feedback
     margins = []
-    for step in found.steps:
+    for step in sweep.steps:
         loop = control.series(doyle_stein().to_control(), -1 * step.controller.compensator.to_control())
         margins.append(control.margin(loop)[1])
     assert margins[0] < 15.1
@@ -68,11 +68,11 @@ def test_the_loop_is_recovered_at_the_input_as_q_grows_and_noise_with_it() -> No
 
 def test_the_loop_is_recovered_at_the_output() -> None:
     estimator = kalman.continuous(doyle_stein(), [1.0], [1.0], NOISE)
-    found = recovery.at_output(estimator, {"x1": 1e-3, "x2": 1e-3}, [1.0], QS, BAND)
-    assert not found.obstacles
-    assert found.distances[1] / found.distances[2] == pytest.approx(10, rel=0.05)
-    assert found.distances[2] < 0.02
-    assert [step.controller.estimator for step in found.steps] == [estimator] * 3
+    sweep = recovery.at_output(estimator, {"x1": 1e-3, "x2": 1e-3}, [1.0], QS, BAND)
+    assert not sweep.obstacles
+    assert sweep.distances[1] / sweep.distances[2] == pytest.approx(10, rel=0.05)
+    assert sweep.distances[2] < 0.02
+    assert [step.controller.estimator for step in sweep.steps] == [estimator] * 3
 
 
 def test_the_distance_is_that_of_python_control_loops() -> None:
@@ -86,8 +86,8 @@ def test_the_distance_is_that_of_python_control_loops() -> None:
         (np.abs(loop - target) / np.abs(target)).max(), rel=tolerances.of("frequency")
     )
     assert step.controller.estimator.noise.W[1, 1] == pytest.approx(61**2 + 100**2)
-    own = lqg.expected(step.controller, noise.white(plant, [1.0], [1.0], NOISE).noise)
-    assert step.noise.deviations == own.deviations  # the noise that acts, without what was added for recovery
+    expectation = lqg.expected_cost(step.controller, noise.white(plant, [1.0], [1.0], NOISE).noise)
+    assert step.noise.deviations == expectation.deviations  # the noise that acts, without what was added for recovery
 
 
 def test_noise_raised_along_anything_but_the_inputs_does_not_recover() -> None:
@@ -106,7 +106,7 @@ def test_noise_raised_along_anything_but_the_inputs_does_not_recover() -> None:
 
 @pytest.mark.parametrize("place", ["input", "output"])
 def test_a_sampled_loop_is_recovered_in_the_current_form_alone(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    plant, band = sampled(), (0.01, 30.0)
+    plant, band = sampled_plant(), (0.01, 30.0)
 
     def sweep() -> recovery.Recovery:
         if place == "input":
@@ -125,64 +125,64 @@ def test_two_inputs_and_two_outputs_are_recovered_and_integrators_with_them() ->
     rng = np.random.default_rng(2)
     A, B = rng.normal(size=(4, 4)) - 2 * np.eye(4), rng.normal(size=(4, 2))
     plant = of((A, B, B.T))  # C B > 0; its zeros are checked below, by having no obstacle
-    weight = lqr.integral(plant, ("y1", "y2"))
+    weight = lqr.with_integrators(plant, ("y1", "y2"))
     gain = lqr.lqr(weight, np.diag([1, 1, 1, 1, 10, 10]), np.eye(2))
-    found = recovery.at_input(gain, plant, np.ones(4), np.ones(2), (1.0, 1e3, 1e4), (0.1, 10))
-    assert not found.obstacles
-    assert found.distances[0] > 0.3
-    assert found.distances[2] < 0.01
-    s, F = 1j * np.geomspace(0.1, 10, recovery.POINTS), found.steps[0].controller.compensator
+    sweep = recovery.at_input(gain, plant, np.ones(4), np.ones(2), (1.0, 1e3, 1e4), (0.1, 10))
+    assert not sweep.obstacles
+    assert sweep.distances[0] > 0.3
+    assert sweep.distances[2] < 0.01
+    s, F = 1j * np.geomspace(0.1, 10, recovery.POINTS), sweep.steps[0].controller.compensator
     ratios = -F.select(F.outputs, plant.outputs).response(s) @ plant.response(s)
     targets = -gain.K @ replace(weight, C=np.eye(6), D=np.zeros((6, 2)), outputs=weight.states).response(s)
     sizes = [[np.linalg.svd(M)[1][0] for M in stack] for stack in (ratios - targets, targets)]
-    assert found.distances[0] == pytest.approx(np.max(np.divide(*sizes)), rel=tolerances.of("frequency"))
+    assert sweep.distances[0] == pytest.approx(np.max(np.divide(*sizes)), rel=tolerances.of("frequency"))
 
 
 def test_a_pair_of_zeros_is_named_once() -> None:
     plant = StateSpace(
         np.diag([-1.0, 0, 0]) + np.eye(3, k=1), [[0], [0], [1]], [[5, -3, 1]], [[0]], *NAMES, Continuous()
     )
-    found = recovery.at_input(lqr.lqr(plant, np.eye(3), [[1.0]]), plant, [1, 1, 1], [1], (1.0,), (0.1, 10))
+    sweep = recovery.at_input(lqr.lqr(plant, np.eye(3), [[1.0]]), plant, [1, 1, 1], [1], (1.0,), (0.1, 10))
     zeros = np.roots(np.polyadd(np.polyadd([1, 1, 0], np.polymul([-3], [1, 1])), [5]))
     assert zeros[0].imag
-    assert len(found.obstacles) == 1
-    assert f"{zeros[0].real:.5g}" in found.obstacles[0]
+    assert len(sweep.obstacles) == 1
+    assert f"{zeros[0].real:.5g}" in sweep.obstacles[0]
 
 
 def test_a_zero_on_the_right_is_named_and_the_loop_is_not_recovered() -> None:
     plant = replace(doyle_stein(), C=[[2, -1]])
-    found = recovery.at_input(regulator(), plant, [1.0], [1.0], QS, BAND, G=NOISE)
-    assert found.obstacles == ("the plant's zero 2 does not decay: no recovery near it and above",)
-    assert found.distances[2] > 0.5
-    assert "the plant's zero 2 does not decay" in repr(found)
+    sweep = recovery.at_input(regulator(), plant, [1.0], [1.0], QS, BAND, G=NOISE)
+    assert sweep.obstacles == ("the plant's zero 2 does not decay: no recovery near it and above",)
+    assert sweep.distances[2] > 0.5
+    assert "the plant's zero 2 does not decay" in repr(sweep)
 
 
 def test_a_sampled_mass_has_its_zero_at_minus_one() -> None:
-    held = kalman.sampled(of(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])), [1, 1], [1], 0.1).model
+    held = kalman.kalmd(of(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])), [1, 1], [1], 0.1).model
     gain = lqr.lqr(held, np.eye(2), [[1.0]])
-    found = recovery.at_input(gain, held, [1, 1], [1], (1.0, 1e4), (0.1, 30))
-    assert len(found.obstacles) == 1
-    assert "zero -1 does not decay" in found.obstacles[0]
-    assert found.distances[1] > 0.1
+    sweep = recovery.at_input(gain, held, [1, 1], [1], (1.0, 1e4), (0.1, 30))
+    assert len(sweep.obstacles) == 1
+    assert "zero -1 does not decay" in sweep.obstacles[0]
+    assert sweep.distances[1] > 0.1
 
 
 def test_a_late_answer_and_too_few_outputs_are_named() -> None:
-    plant = sampled()
+    plant = sampled_plant()
     late = replace(plant, C=[[1, 0]])
-    found = recovery.at_input(lqr.lqr(late, np.eye(2), [[1.0]]), late, [1, 1], [1], (1e4,), (0.1, 30))
-    assert any("C B has no full rank" in text for text in found.obstacles)
-    assert found.distances[0] > 0.1
+    sweep = recovery.at_input(lqr.lqr(late, np.eye(2), [[1.0]]), late, [1, 1], [1], (1e4,), (0.1, 30))
+    assert any("C B does not have full rank" in text for text in sweep.obstacles)
+    assert sweep.distances[0] > 0.1
     wide = replace(plant, B=np.eye(2), D=[[0, 0]], inputs=("u1", "u2"))
-    found = recovery.at_input(lqr.lqr(wide, np.eye(2), np.eye(2)), wide, [1, 1], [1], (1e4,), (0.1, 30))
-    assert any("rank 1 but 2 inputs" in text for text in found.obstacles)
-    assert found.distances[0] > 0.1
+    sweep = recovery.at_input(lqr.lqr(wide, np.eye(2), np.eye(2)), wide, [1, 1], [1], (1e4,), (0.1, 30))
+    assert any("rank 1 but 2 inputs" in text for text in sweep.obstacles)
+    assert sweep.distances[0] > 0.1
 
 
 def test_correlated_noise_of_a_sampled_plant_is_named_at_the_output() -> None:
-    estimator = kalman.discrete(sampled(), [1, 1], [1], S=[[0.3], [0.3]])
-    found = recovery.at_output(estimator, [1, 1], [1], (1e3,), (0.01, 30.0))
-    assert any("correlated" in text for text in found.obstacles)
-    assert found.distances[0] > 0.1
+    estimator = kalman.discrete(sampled_plant(), [1, 1], [1], S=[[0.3], [0.3]])
+    sweep = recovery.at_output(estimator, [1, 1], [1], (1e3,), (0.01, 30.0))
+    assert any("correlated" in text for text in sweep.obstacles)
+    assert sweep.distances[0] > 0.1
 
 
 def test_a_sweep_prints_distances_beside_deviations_with_units() -> None:
@@ -210,9 +210,9 @@ def test_arrays_and_python_control_systems_are_models() -> None:
         (lambda: at_input(qs=()), SignalError, "at least one"),
         (lambda: at_input(qs=(np.nan,)), SignalError, "sweep is over q"),
         (lambda: at_input(band=(0.0, 1.0)), SignalError, "0 < low < high"),
-        (lambda: at_input(plant=sampled(), band=(1.0, 40.0)), SignalError, "below 31.4"),
-        (lambda: at_input(plant=sampled(), band=(1.0, 30.0)), TimingError, "discretise"),
-        (lambda: at_input(plant=replace(doyle_stein(), D=[[1.0]])), ModelError, "y depend on u at once"),
+        (lambda: at_input(plant=sampled_plant(), band=(1.0, 40.0)), SignalError, "below 31.4"),
+        (lambda: at_input(plant=sampled_plant(), band=(1.0, 30.0)), TimingError, "discretise"),
+        (lambda: at_input(plant=replace(doyle_stein(), D=[[1.0]])), ModelError, "y depend directly on u"),
         (lambda: at_input(plant=doyle_stein().renamed({"x1": "a"})), SignalError, "'a' is not both"),
         (
             lambda: recovery.at_output(kalman.continuous(doyle_stein(), [1, 1], [1]), [1, -1], [1], QS, BAND),

@@ -53,13 +53,13 @@ def speed_gain(p: float) -> Array:
     return np.hstack([(1 - p) / T * np.eye(3), np.zeros((3, 3))])
 
 
-def farthest(poles: Array, wanted: Array) -> float:
+def farthest(poles: Array, expected: Array) -> float:
     """Return the largest distance between two sets of poles, matched."""
-    distance = np.abs(np.asarray(poles)[:, None] - wanted)
+    distance = np.abs(np.asarray(poles)[:, None] - expected)
     return float(distance[linear_sum_assignment(distance)].max())
 
 
-def printed(L: Array, k: Array) -> Array:
+def printed_matrix(L: Array, k: Array) -> Array:
     """Return the matrix of Y(33) for u = -k1 x1 - k2 x2^, term by term as printed."""
     A, B = HELD.A, HELD.B
     A11, A12, A21, A22, B1, B2, k1, k2 = A[:6, :6], A[:6, 6:], A[6:, :6], A[6:, 6:], B[:6], B[6:], k[:, :6], k[:, 6:]
@@ -85,13 +85,15 @@ def test_the_published_gain_is_lqrd_of_the_corrected_weights() -> None:
 def test_the_planar_loop_separates_and_is_the_one_of_33(p: float) -> None:
     L = speed_gain(p)
     observer = reduced_observer.from_gain(HELD, (*POSITIONS, *INTEGRALS), L)
-    found = reduced_compensator.compensator(observer, -K49)
-    np.testing.assert_allclose(found.loop.A, printed(L, K49), rtol=1e-10, atol=1e-10 * np.abs(found.loop.A).max())
+    compensator = reduced_compensator.compensator(observer, -K49)
+    np.testing.assert_allclose(
+        compensator.loop.A, printed_matrix(L, K49), rtol=1e-10, atol=1e-10 * np.abs(compensator.loop.A).max()
+    )
     np.testing.assert_allclose(observer.poles, [p] * 3, atol=tolerances.of("double"))
     both = np.concatenate([np.linalg.eigvals(HELD.A - HELD.B @ K49), [p] * 3])
-    assert farthest(found.poles, both) < tolerances.of("double")
-    assert found.separation < 8e-15
-    assert round(float(np.abs(found.poles).max()), 5) == 0.94562
+    assert farthest(compensator.poles, both) < tolerances.of("double")
+    assert compensator.separation < 8e-15
+    assert round(float(np.abs(compensator.poles).max()), 5) == 0.94562
 
 
 def defective(kind: str) -> reduced_observer.ReducedObserver:
@@ -109,7 +111,7 @@ def test_a_planted_defect_spoils_the_separation(kind: str) -> None:
     assert reduced_compensator.compensator(defective(kind), -K49).separation > 1e-6
 
 
-def misapplied(psi: Array, theta: Array) -> Array:
+def misapplied_equation(psi: Array, theta: Array) -> Array:
     """Return H of Y(41), a continuous Riccati equation, for the matrices of the sampled model."""
     A12 = HELD.A[:6, 6:]
     sigma = scipy.linalg.solve_continuous_are(np.eye(3), A12.T, psi, theta)
@@ -118,7 +120,7 @@ def misapplied(psi: Array, theta: Array) -> Array:
 
 def test_the_gain_42_solves_a_continuous_equation_with_sampled_matrices() -> None:
     """A22 = I, A12 = (T I; T^2/2 I), Theta = Psi_ij = 5e-5: H has 2/T, T/2 and 1, each as printed."""
-    H = misapplied(np.full((3, 3), 5e-5), 5e-5 * np.eye(6))
+    H = misapplied_equation(np.full((3, 3), 5e-5), 5e-5 * np.eye(6))
     np.testing.assert_allclose(H[:, :3], 1600 * np.eye(3) + 0.000625 * (1 - np.eye(3)), rtol=2e-6)
     np.testing.assert_allclose(H[:, 3:], np.eye(3), atol=1e-6)
     np.testing.assert_array_equal(np.round(H, 4), H42)
@@ -126,7 +128,7 @@ def test_the_gain_42_solves_a_continuous_equation_with_sampled_matrices() -> Non
 
 def test_the_gain_42_is_refused_by_its_poles() -> None:
     """Eigenvectors of its F are (1, 1, 1), with |z| = 1 + 3 T^2 / 2 to first order, and two with z = -1."""
-    H = misapplied(np.full((3, 3), 5e-5), 5e-5 * np.eye(6))
+    H = misapplied_equation(np.full((3, 3), 5e-5), 5e-5 * np.eye(6))
     poles = np.linalg.eigvals(np.eye(3) - H @ HELD.A[:6, 6:])
     assert float(np.abs(poles).max()) == pytest.approx(1 + 1.5 * T**2, abs=1e-11)
     with pytest.raises(ModelError, match=r"observer of d, f, v with this gain has the poles -1\.00000234, -1, -1"):
@@ -142,7 +144,7 @@ def test_no_choice_of_noise_would_have_mended_42(seed: int, rank: int) -> None:
     rng = np.random.default_rng(seed)
     g, h = rng.normal(size=(3, rank)), rng.normal(size=(6, 6))
     size = 10.0 ** rng.uniform(-3, 3)
-    H = misapplied(size * g @ g.T, h @ h.T + np.eye(6))
+    H = misapplied_equation(size * g @ g.T, h @ h.T + np.eye(6))
     C = HELD.A[:6, 6:]
     poles = np.linalg.eigvals(np.eye(3) - H @ C)
     assert np.abs(poles.imag).max() < tolerances.of("pencil")
@@ -161,21 +163,21 @@ def test_integrals_that_the_compensator_computes_itself() -> None:
     assert [plant.unit(z) for z in INTEGRALS] == ["m s", "m s", "rad s"]
     order = [HELD.states.index(name) for name in plant.states]
     gain = lqr.lqr(plant, Q[np.ix_(order, order)], np.eye(3))
-    found = reduced_compensator.compensator(observer, gain.K, computed)
+    compensator = reduced_compensator.compensator(observer, gain.K, computed)
     both = np.concatenate([np.linalg.eigvals(plant.A + plant.B @ gain.K), [0.5] * 3])
-    assert farthest(found.poles, both) < tolerances.of("settled")
-    assert found.separation < tolerances.of("double")
-    assert found.model.inputs == POSITIONS and found.model.outputs == ("iA", "iB", "iC")
-    assert found.model.states == ("d_x3", "f_x3", "v_x3", *INTEGRALS)
-    at_rest = found.loop.response(1.0)[0].real
-    forces = found.loop.select(POSITIONS, ("iA_disturbance", "iB_disturbance", "iC_disturbance")).response(1.0)
+    assert farthest(compensator.poles, both) < tolerances.of("settled")
+    assert compensator.separation < tolerances.of("double")
+    assert compensator.model.inputs == POSITIONS and compensator.model.outputs == ("iA", "iB", "iC")
+    assert compensator.model.states == ("d_x3", "f_x3", "v_x3", *INTEGRALS)
+    at_rest = compensator.loop.response(1.0)[0].real
+    forces = compensator.loop.select(POSITIONS, ("iA_disturbance", "iB_disturbance", "iC_disturbance")).response(1.0)
     assert np.abs(forces).max() < 1e-9 * np.abs(at_rest).max()
 
 
 def test_the_loop_runs_as_plant_and_compensator_do_step_by_step() -> None:
     """Written out without matrices of the loop: u acts on the y of its own sample."""
     observer = reduced_observer.deadbeat(HELD, (*POSITIONS, *INTEGRALS))
-    found = reduced_compensator.compensator(observer, -K49)
+    compensator = reduced_compensator.compensator(observer, -K49)
     L, x = observer.L, np.arange(1, 10) * 1e-5
     x3, w = np.zeros(3), np.concatenate([x, np.zeros(3)])
     for k in range(60):
@@ -185,7 +187,7 @@ def test_the_loop_runs_as_plant_and_compensator_do_step_by_step() -> None:
         x = HELD.A @ x + HELD.B @ u
         if k:
             np.testing.assert_allclose(estimate, w[6:9], atol=1e-9)  # deadbeat: true from the second sample on
-        w = found.loop.A @ w
+        w = compensator.loop.A @ w
         np.testing.assert_allclose(w[:9], x, rtol=1e-7, atol=1e-12)
 
 
@@ -206,10 +208,10 @@ def test_a_direct_path_is_taken_off_at_the_same_sample(seed: int) -> None:
     np.testing.assert_allclose(plant.A[4, :4], model.C[1] + 2 * np.eye(4)[2], rtol=tolerances.of("double"))
     np.testing.assert_allclose(plant.B[4], model.D[1] + [0, 3], rtol=tolerances.of("double"))
     gain = lqr.lqr(plant, np.eye(5), np.eye(2))
-    found = reduced_compensator.compensator(observer, gain.K, z)
-    assert found.separation < tolerances.of("double")
+    compensator = reduced_compensator.compensator(observer, gain.K, z)
+    assert compensator.separation < tolerances.of("double")
     both = np.concatenate([np.linalg.eigvals(plant.A + plant.B @ gain.K), [0.2, 0.3]])
-    assert farthest(found.poles, both) < tolerances.of("placed")
+    assert farthest(compensator.poles, both) < tolerances.of("placed")
     forgotten = replace(observer, partition=replace(observer.partition, D=0 * observer.partition.D))
     assert reduced_compensator.compensator(forgotten, gain.K, z).separation > 1e-3
 
@@ -217,25 +219,25 @@ def test_a_direct_path_is_taken_off_at_the_same_sample(seed: int) -> None:
 def test_the_loop_answers_disturbances_and_noise_as_its_parts_say() -> None:
     """y = P (u + d), u = C (y + n) with P and C the responses of plant and compensator."""
     observer = reduced_observer.by_poles(PLAIN, POSITIONS, [0.5, 0.5, 0.5])
-    found = reduced_compensator.compensator(observer, lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K)
+    compensator = reduced_compensator.compensator(observer, lqr.lqr(PLAIN, np.eye(6), np.eye(3)).K)
     z = np.exp(1j * np.array([0.01, 0.3, 2.0]))
-    P, C, one = PLAIN.response(z), found.model.response(z), np.eye(3)
-    loop = found.loop.response(z)
+    P, C, one = PLAIN.response(z), compensator.model.response(z), np.eye(3)
+    loop = compensator.loop.response(z)
     to_y = np.linalg.solve(one - P @ C, np.concatenate([P, P @ C], axis=2))
     to_u = np.linalg.solve(one - C @ P, np.concatenate([C @ P, C], axis=2))
     expected = np.concatenate([to_y, to_u], axis=1)
     np.testing.assert_allclose(loop, expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
-    assert found.loop.inputs[::3] == ("iA_disturbance", "x_noise")
+    assert compensator.loop.inputs[::3] == ("iA_disturbance", "x_noise")
 
 
 def test_a_continuous_loop_separates() -> None:
     observer = reduced_observer.by_poles(planar(integrals=False), POSITIONS, [-300, -300, -400])
     computed = interconnect.integrals(planar(integrals=False), {"z1": "x"})
     gain = lqr.lqr(reduced_compensator.augmented(observer, computed), np.diag([1e6, 1e6, 1e6, 1, 1, 1, 1e8]), np.eye(3))
-    found = reduced_compensator.compensator(observer, gain.K, computed)
-    assert found.separation < tolerances.of("double")
+    compensator = reduced_compensator.compensator(observer, gain.K, computed)
+    assert compensator.separation < tolerances.of("double")
     both = np.concatenate([gain.poles, [-300, -300, -400]])
-    assert farthest(found.poles, both) < tolerances.of("placed") * 400
+    assert farthest(compensator.poles, both) < tolerances.of("placed") * 400
 
 
 def test_a_sample_of_delay_belongs_to_the_plant() -> None:
@@ -259,7 +261,7 @@ def test_what_makes_no_compensator() -> None:
     with pytest.raises(ModelError, match=r"u = K x leaves the poles .* with the sign inside K"):
         reduced_compensator.compensator(observer, -gain)
     other = StateSpace([[1]], [[1]], [[1]], [[0]], ("z",), ("iA_late1",), ("z",), Discrete(T))
-    with pytest.raises(SignalError, match="'iA_late1', an input of what is computed, is not known"):
+    with pytest.raises(SignalError, match="'iA_late1', an input of the computed states, is not known"):
         reduced_compensator.compensator(observer, gain, other)
     with pytest.raises(TimingError, match="meets"):
         reduced_compensator.compensator(observer, gain, replace(other, time=Discrete(2 * T)))
@@ -272,7 +274,7 @@ def test_an_input_that_acts_on_itself_at_once_without_a_solution() -> None:
     """y = x + u and u = -x^ = -(y - u) leave no u."""
     A, B, C = [[0.5, 1], [0, 0.5]], [[0.1], [0]], [[1, 0]]
     observer = reduced_observer.by_poles((A, B, C, [[1]], 0.1), "y1", [0.2])
-    with pytest.raises(ModelError, match="u acts on itself at once, through D and K, without a solution"):
+    with pytest.raises(ModelError, match="the algebraic loop of u through D and K has no solution"):
         reduced_compensator.compensator(observer, [[-1, 0]])
     without = reduced_observer.by_poles((A, B, C, [[0]], 0.1), "y1", [0.2])
     assert reduced_compensator.compensator(without, [[-1, 0]]).separation < tolerances.of("double")
@@ -280,9 +282,9 @@ def test_an_input_that_acts_on_itself_at_once_without_a_solution() -> None:
 
 def test_a_model_without_inputs_has_an_observer_and_nothing_to_feed_back() -> None:
     plant = ([[0.5, 1], [0, 0.5]], np.zeros((2, 0)), [[1, 0]], np.zeros((1, 0)), 0.1)
-    found = reduced_compensator.compensator(reduced_observer.by_poles(plant, "y1", [0.1]), np.zeros((0, 2)))
-    assert found.model.outputs == ()
-    np.testing.assert_allclose(np.sort(found.poles.real), [0.1, 0.5, 0.5])
+    compensator = reduced_compensator.compensator(reduced_observer.by_poles(plant, "y1", [0.1]), np.zeros((0, 2)))
+    assert compensator.model.outputs == ()
+    np.testing.assert_allclose(np.sort(compensator.poles.real), [0.1, 0.5, 0.5])
 
 
 def test_the_result_prints_itself() -> None:

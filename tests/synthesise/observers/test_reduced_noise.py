@@ -34,7 +34,7 @@ def noisy(seed: int, n: int = 4, p: int = 2, time: Time | None = None) -> tuple[
     return model, (W + W.T) / 2, (V + V.T) / 2
 
 
-def found(observer: ReducedObserver) -> reduced_noise.Filter:
+def noise_filter(observer: ReducedObserver) -> reduced_noise.Filter:
     assert isinstance(observer.certificate, reduced_noise.Filter)
     return observer.certificate
 
@@ -62,21 +62,23 @@ def test_an_acceleration_gathered_over_the_period_puts_the_pole_at_root_3_minus_
     observer = reduced_observer.by_riccati(HELD, "x", GATHERED)
     np.testing.assert_allclose(observer.L, [[(3 - np.sqrt(3)) / T]], rtol=tolerances.of("double"))
     np.testing.assert_allclose(observer.poles, [np.sqrt(3) - 2], rtol=tolerances.of("settled"))
-    np.testing.assert_allclose(found(observer).covariance, [[T / (2 * np.sqrt(3))]], rtol=tolerances.of("double"))
+    np.testing.assert_allclose(
+        noise_filter(observer).covariance, [[T / (2 * np.sqrt(3))]], rtol=tolerances.of("double")
+    )
 
 
 def test_noise_of_the_speed_alone_asks_for_the_whole_difference() -> None:
     """x+ - x = T v exactly: L = 1 / T, and what is left is the noise of one sample."""
     observer = reduced_observer.by_riccati(HELD, "x", {"v": 0.25})
     np.testing.assert_allclose(observer.L, [[1 / T]], rtol=tolerances.of("double"))
-    assert found(observer).deviations["v"] == pytest.approx(0.5)
+    assert noise_filter(observer).deviations["v"] == pytest.approx(0.5)
 
 
 def test_a_continuous_filter_has_its_closed_form() -> None:
     """P = sqrt(w1 w2), L = sqrt(w2 / w1)."""
     observer = reduced_observer.by_riccati(CART, "x", {"x": 4e-6, "v": 9.0})
     np.testing.assert_allclose(observer.L, [[1500]], rtol=tolerances.of("double"))
-    np.testing.assert_allclose(found(observer).covariance, [[6e-3]], rtol=tolerances.of("double"))
+    np.testing.assert_allclose(noise_filter(observer).covariance, [[6e-3]], rtol=tolerances.of("double"))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -88,7 +90,7 @@ def test_it_is_the_limit_of_the_full_order_filter_after_its_sample(seed: int) ->
     off = []
     for small in (1e-4, 1e-6):
         full = part.M @ after_sample(model, W, small * V) @ part.M.T
-        off.append(np.abs(full[q, q] - found(observer).covariance).max() / np.abs(full[q, q]).max())
+        off.append(np.abs(full[q, q] - noise_filter(observer).covariance).max() / np.abs(full[q, q]).max())
     assert off[1] < 1e-4
     assert off[1] < 0.02 * off[0]  # in proportion to V
 
@@ -96,7 +98,7 @@ def test_it_is_the_limit_of_the_full_order_filter_after_its_sample(seed: int) ->
 def test_before_its_sample_the_full_order_filter_knows_less() -> None:
     """The one-sample structure: the reduced filter is not the limit of the prediction."""
     P = scipy.linalg.solve_discrete_are(HELD.A.T, HELD.C.T, GATHERED, [[1e-20]])
-    assert P[1, 1] > 3 * found(reduced_observer.by_riccati(HELD, "x", GATHERED)).covariance[0, 0]
+    assert P[1, 1] > 3 * noise_filter(reduced_observer.by_riccati(HELD, "x", GATHERED)).covariance[0, 0]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -106,7 +108,7 @@ def test_a_continuous_filter_is_the_limit_of_the_full_order_one(seed: int) -> No
     P = scipy.linalg.solve_continuous_are(model.A.T, model.C.T, W, 1e-8 * V)
     M = observer.partition.M
     np.testing.assert_allclose(
-        (M @ P @ M.T)[2:, 2:], found(observer).covariance, rtol=1e-2, atol=1e-3 * np.abs(P).max()
+        (M @ P @ M.T)[2:, 2:], noise_filter(observer).covariance, rtol=1e-2, atol=1e-3 * np.abs(P).max()
     )
 
 
@@ -116,10 +118,10 @@ def test_the_covariance_stated_is_that_of_the_error_and_no_gain_nearby_has_less(
     model, W, V = noisy(seed, n, min(p, n - 1))
     V = 0 * V
     observer = reduced_observer.by_riccati(model, model.outputs, W)
-    result = found(observer)
+    result = noise_filter(observer)
     M, q = observer.partition.M, slice(len(model.outputs), None)
-    moved = M @ of_error(observer, W, V) @ M.T
-    np.testing.assert_allclose(moved[q, q], result.covariance, rtol=1e-7, atol=1e-9 * np.abs(moved).max())
+    transformed = M @ of_error(observer, W, V) @ M.T
+    np.testing.assert_allclose(transformed[q, q], result.covariance, rtol=1e-7, atol=1e-9 * np.abs(transformed).max())
     weight = np.linalg.inv(result.covariance)
     rng = np.random.default_rng(seed)
     for _ in range(4):
@@ -142,7 +144,7 @@ def test_simulated_noise_leaves_the_variance_stated() -> None:
         estimate = form.C @ x3 + form.D @ seen
         error = estimate[1] - x[1]
         x3, x = form.A @ x3 + form.B @ seen, HELD.A @ x + HELD.B @ u + root @ rng.normal(size=(2, runs))
-    stated = found(observer).covariance[0, 0]
+    stated = noise_filter(observer).covariance[0, 0]
     assert abs(error.var() / stated - 1) < 5 * np.sqrt(2 / runs)
     assert abs(error.var() / (1.5 * stated) - 1) > 5 * np.sqrt(2 / runs)  # a variance half as large again is seen
 
@@ -160,10 +162,10 @@ def test_units_do_not_matter() -> None:
 def test_noise_held_over_the_period_leaves_no_steady_filter() -> None:
     """W = b q b' reaches v by no other way than x: the best gain 2 / T has its pole at z = -1."""
     b = HELD.B / 13
-    with pytest.raises(ModelError, match="does not reach mode -1 of the error in v but through x"):
+    with pytest.raises(ModelError, match="excites mode -1 of the error in v at most through x"):
         reduced_observer.by_riccati(HELD, "x", np.outer(b, b) * 3)
     for W in ({"x": 1.0}, {}):
-        with pytest.raises(ModelError, match="does not reach mode 1 of the error in v"):
+        with pytest.raises(ModelError, match="excites mode 1 of the error in v"):
             reduced_observer.by_riccati(HELD, "x", W)
 
 
@@ -172,7 +174,7 @@ def test_a_late_input_is_known_exactly_and_takes_no_part() -> None:
     W[:2, :2] = GATHERED
     plain, with_input = (reduced_observer.by_riccati(m, "x", w) for m, w in ((HELD, GATHERED), (late, W)))
     np.testing.assert_allclose(with_input.L, [plain.L[0], [0]], rtol=1e-6)
-    assert found(with_input).deviations["i_late1"] == 0
+    assert noise_filter(with_input).deviations["i_late1"] == 0
 
 
 @pytest.mark.parametrize(
@@ -192,9 +194,9 @@ def test_noise_that_has_no_filter(system: StateSpace, W: object, kind: type[Exce
 
 def test_two_signals_that_show_the_same_without_noise() -> None:
     A = np.array([[0.5, 0, 1], [0, 0.5, 1], [0, 0, 0.9]])
-    with pytest.raises(ModelError, match=r"no steady gain, as signals without noise .* leave such a signal out"):
+    with pytest.raises(ModelError, match=r"no steady-state gain, as noise-free signals .* leave such a signal out"):
         reduced_observer.by_riccati((A, np.zeros((3, 1)), np.eye(3), np.zeros((3, 1)), 0.1), ("x1", "x2"), {"x3": 1.0})
 
 
-def test_the_result_tells_its_deviations() -> None:
+def test_the_result_states_its_deviations() -> None:
     assert "Standard deviation of the error: v 0.019\n" in repr(reduced_observer.by_riccati(HELD, "x", GATHERED))

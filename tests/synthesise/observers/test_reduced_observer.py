@@ -33,21 +33,21 @@ def random_model(seed: int, n: int = 5, m: int = 2, p: int = 2, time: Time | Non
 
 
 def misses(observer: ReducedObserver, steps: int = 60, seed: int = 0) -> Array:
-    """Run plant and observer from unlike states under a random input; return x^ - x (steps, n) over the size of x."""
+    """Run plant and observer from two states under a random input; return x^ - x (steps, n) over the size of x."""
     model, model_of_observer = observer.model, observer.state_space()
     rng = np.random.default_rng(seed)
     rows = dict(zip(model.states, np.hstack([np.eye(len(model.A)), 0 * model.B]), strict=True))
     rows |= dict(zip(model.outputs, np.hstack([model.C, model.D]), strict=True))
     both = np.array([rows[name] for name in observer.measured])
-    x, x3, found, size = rng.normal(size=len(model.A)), np.zeros(len(observer.estimated)), [], 0.0
+    x, x3, estimates, size = rng.normal(size=len(model.A)), np.zeros(len(observer.estimated)), [], 0.0
     for _ in range(steps):
         u = rng.normal(size=len(model.inputs))
         w = np.concatenate([both @ np.concatenate([x, u]), u])
-        found.append(model_of_observer.C @ x3 + model_of_observer.D @ w - x)
+        estimates.append(model_of_observer.C @ x3 + model_of_observer.D @ w - x)
         x3 = model_of_observer.A @ x3 + model_of_observer.B @ w
         size = max(size, float(np.abs(x).max()))
         x = model.A @ x + model.B @ u
-    return np.array(found) / size
+    return np.array(estimates) / size
 
 
 def defects(observer: ReducedObserver) -> dict[str, ReducedObserver]:
@@ -63,39 +63,44 @@ def defects(observer: ReducedObserver) -> dict[str, ReducedObserver]:
     }
 
 
-def spread(count: int) -> list[float]:
+def spread_poles(count: int) -> list[float]:
     return [0.1 + 0.1 * k for k in range(count)]
 
 
 def test_the_cart_has_the_observer_worked_by_hand() -> None:
     """x+ = x + T v + b T^2/2 i, v+ = v + b T i and L = (1 - p) / T give F = p, G = -L^2 T, H = b T (1 + p) / 2."""
     p, b = 0.3, 13.0
-    found = reduced_observer.by_poles(HELD, "x", [p])
+    observer = reduced_observer.by_poles(HELD, "x", [p])
     L = (1 - p) / T
-    for value, expected in ((found.L, L), (found.F, p), (found.G, -(L**2) * T), (found.H, b * T * (1 + p) / 2)):
+    for value, expected in (
+        (observer.L, L),
+        (observer.F, p),
+        (observer.G, -(L**2) * T),
+        (observer.H, b * T * (1 + p) / 2),
+    ):
         np.testing.assert_allclose(value, [[expected]], rtol=tolerances.of("double"))
-    np.testing.assert_allclose(found.poles, [p], rtol=tolerances.of("double"))
+    np.testing.assert_allclose(observer.poles, [p], rtol=tolerances.of("double"))
 
 
 @pytest.mark.parametrize("measured", [("y0", "y1"), ("y1",), ("x3", "y0"), ("x0", "x4", "x1")])
 def test_estimates_converge_to_the_states_as_the_poles_say(measured: Sequence[str]) -> None:
     model = random_model(1)
     count = 5 - len(measured)
-    found = reduced_observer.by_poles(model, measured, spread(count))
-    error = misses(found)
+    observer = reduced_observer.by_poles(model, measured, spread_poles(count))
+    error = misses(observer)
     assert np.abs(error[0]).max() > 1e-3
     assert np.abs(error[-1]).max() < tolerances.of("settled")
-    np.testing.assert_allclose(np.sort(found.poles.real), spread(count), rtol=tolerances.of("placed"))
+    np.testing.assert_allclose(np.sort(observer.poles.real), spread_poles(count), rtol=tolerances.of("placed"))
 
 
 def test_deadbeat_estimates_are_exact_from_the_observability_index_on() -> None:
     model = random_model(2)
-    found = reduced_observer.deadbeat(model, ("y0", "y1"))
-    part, certificate = found.partition, found.certificate
+    observer = reduced_observer.deadbeat(model, ("y0", "y1"))
+    part, certificate = observer.partition, observer.certificate
     shown = [part.A12 @ np.linalg.matrix_power(part.A22, k) for k in range(3)]
     index = next(k for k in (1, 2, 3) if np.linalg.matrix_rank(np.vstack(shown[:k])) == 3)
     assert isinstance(certificate, deadbeat.Deadbeat) and certificate.steps == index == 2
-    error = misses(found)
+    error = misses(observer)
     assert np.abs(error[index - 1]).max() > 1e-3
     assert np.abs(error[index:]).max() < tolerances.of("double")
 
@@ -103,7 +108,7 @@ def test_deadbeat_estimates_are_exact_from_the_observability_index_on() -> None:
 @pytest.mark.parametrize("name", ["sign of L A11", "sign of F L", "A21 left out", "B2 + L B1", "sign of L A12"])
 def test_a_planted_defect_of_the_recursion_is_seen(name: str) -> None:
     for model, measured in ((random_model(3), ("y0", "x2")), (HELD, ("x",))):
-        good = reduced_observer.by_poles(model, measured, spread(len(model.A) - len(measured)))
+        good = reduced_observer.by_poles(model, measured, spread_poles(len(model.A) - len(measured)))
         if name == "A21 left out" and model is HELD:  # whose A21 is 0
             continue
         assert np.abs(misses(good)[-1]).max() < tolerances.of("settled")
@@ -119,8 +124,8 @@ def test_a_direct_path_that_is_forgotten_is_seen() -> None:
 def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> None:
     """From u the estimates respond as the states do, at every s; the error alone decays with the poles."""
     model = random_model(seed, time=Continuous())
-    wanted = [-1.0, -2 + 1j, -2 - 1j]
-    found = reduced_observer.by_poles(model, ("y0", "y1"), wanted)
+    expected = [-1.0, -2 + 1j, -2 - 1j]
+    design = reduced_observer.by_poles(model, ("y0", "y1"), expected)
     s = np.array([0.3j, 2 + 1j, 40j])
     state = replace(model, C=np.eye(5), D=np.zeros((5, 2)), outputs=model.states).response(s)
 
@@ -128,9 +133,9 @@ def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> N
         through = observer.state_space().response(s)
         return np.abs(through[:, :, :2] @ model.response(s) + through[:, :, 2:] - state) / np.abs(state).max()
 
-    assert followed(found).max() < tolerances.of("pencil")
-    assert min(followed(wrong).max() for wrong in defects(found).values()) > 1e-3
-    np.testing.assert_allclose(np.poly(found.F), np.poly(wanted), rtol=tolerances.of("placed"))
+    assert followed(design).max() < tolerances.of("pencil")
+    assert min(followed(wrong).max() for wrong in defects(design).values()) > 1e-3
+    np.testing.assert_allclose(np.poly(design.F), np.poly(expected), rtol=tolerances.of("placed"))
 
 
 @given(seed=st.integers(0, 10**6), n=st.integers(2, 5), p=st.integers(1, 4), m=st.integers(0, 2))
@@ -138,18 +143,18 @@ def test_a_continuous_observer_follows_every_input_without_error(seed: int) -> N
 def test_random_models(seed: int, n: int, p: int, m: int) -> None:
     p = min(p, n - 1)
     model = random_model(seed, n, m, p)
-    found = reduced_observer.by_poles(model, model.outputs, spread(n - p))
+    observer = reduced_observer.by_poles(model, model.outputs, spread_poles(n - p))
     nilpotent = reduced_observer.deadbeat(model, model.outputs)
-    assert np.abs(misses(found, 120)[-1]).max() < 1e-6
+    assert np.abs(misses(observer, 120)[-1]).max() < 1e-6
     assert np.abs(misses(nilpotent, 30)[n - p :]).max() < 1e-6
 
 
 def test_measured_states_pass_through_exactly_and_keep_their_units() -> None:
-    found = reduced_observer.by_poles(HELD, "x", [0.5]).state_space()
-    assert (found.inputs, found.outputs, found.states) == (("x", "i"), ("x_estimate", "v_estimate"), ("v_x3",))
-    assert [found.unit(n) for n in (*found.outputs, *found.states, *found.inputs)] == ["m", "m/s", "m/s", "m", "A"]
-    np.testing.assert_array_equal(found.D[0], [1, 0])
-    np.testing.assert_array_equal(found.C[0], [0])
+    form = reduced_observer.by_poles(HELD, "x", [0.5]).state_space()
+    assert (form.inputs, form.outputs, form.states) == (("x", "i"), ("x_estimate", "v_estimate"), ("v_x3",))
+    assert [form.unit(n) for n in (*form.outputs, *form.states, *form.inputs)] == ["m", "m/s", "m/s", "m", "A"]
+    np.testing.assert_array_equal(form.D[0], [1, 0])
+    np.testing.assert_array_equal(form.C[0], [0])
 
 
 def test_coordinates_are_as_well_conditioned_in_any_units() -> None:
@@ -193,11 +198,11 @@ def test_a_mode_that_is_not_shown_is_named() -> None:
         ModelError, match=r"\(A12, A22\) is not detectable: mode 1 in r .* for the measured p: measure r"
     ):
         reduced_observer.by_poles(model, "p", [0.1, 0.2])
-    with pytest.raises(ModelError, match=r"mode 0\.5 in q is not 0 and p, r do not show it: no gain is deadbeat"):
+    with pytest.raises(ModelError, match=r"mode 0\.5 in q is not 0 and not observable from p, r: no gain is deadbeat"):
         reduced_observer.deadbeat(model, ("p", "r"))
     stays = reduced_observer.by_poles(model, ("p", "r"), [])
     np.testing.assert_array_equal(stays.poles, [0.5])
-    with pytest.raises(SignalError, match=r"number of poles for q is 1: give 0, as 0\.5 cannot be moved"):
+    with pytest.raises(SignalError, match=r"number of poles for q is 1: give 0, without the uncontrollable 0\.5"):
         reduced_observer.by_poles(model, ("p", "r"), [0.1])
 
 
@@ -205,7 +210,7 @@ def test_a_mode_that_is_not_shown_is_named() -> None:
     ("poles", "kind", "text"),
     [
         ([0.5], SignalError, "number of poles for .* is 1: give 3"),
-        ([0.5, 0.1, 0.2 + 0.1j], SignalError, "without its conjugate"),
+        ([0.5, 0.1, 0.2 + 0.1j], SignalError, "has no conjugate"),
         ([0.5, 0.1, np.nan], SignalError, "finite"),
         ([0.5, 0.1, -1.0], ModelError, r"pole -1 does not decay: ask for poles with \|z\| < 1"),
     ],
@@ -244,19 +249,19 @@ def test_a_given_gain_in_continuous_time() -> None:
 def test_gains_agree_with_python_control() -> None:
     model = random_model(7)
     part = reduced_partition.of_model(model, "y0")
-    found = reduced_observer.by_poles(model, "y0", spread(4))
-    theirs = np.ravel(control.acker(part.A22.T, part.A12.T, spread(4)))
-    np.testing.assert_allclose(found.L[:, 0], theirs, rtol=tolerances.of("placed"))
-    assert isinstance(found.certificate, pole_placement.Placement)
-    assert found.certificate.error < tolerances.of("placed")
+    observer = reduced_observer.by_poles(model, "y0", spread_poles(4))
+    theirs = np.ravel(control.acker(part.A22.T, part.A12.T, spread_poles(4)))
+    np.testing.assert_allclose(observer.L[:, 0], theirs, rtol=tolerances.of("placed"))
+    assert isinstance(observer.certificate, pole_placement.Placement)
+    assert observer.certificate.error < tolerances.of("placed")
 
 
 def test_a_late_input_is_estimated_or_measured() -> None:
     late = discretise.with_delay(HELD)
-    found = reduced_observer.by_poles(late, "x", [0.2, 0.3])
+    observer = reduced_observer.by_poles(late, "x", [0.2, 0.3])
     known = reduced_observer.by_poles(late, ("x", "i_late1"), [0.3])
-    assert (found.estimated, known.estimated) == (("v", "i_late1"), ("v",))
-    assert max(np.abs(misses(o)[-1]).max() for o in (found, known)) < tolerances.of("settled")
+    assert (observer.estimated, known.estimated) == (("v", "i_late1"), ("v",))
+    assert max(np.abs(misses(o)[-1]).max() for o in (observer, known)) < tolerances.of("settled")
 
 
 def test_any_system_is_read_and_the_result_prints_itself() -> None:
@@ -264,8 +269,8 @@ def test_any_system_is_read_and_the_result_prints_itself() -> None:
     arrays = (model.A, model.B, model.C, model.D, model.time)
     first = reduced_observer.deadbeat(model, ("y0", "y1"))
     for system, measured in ((model.to_control(), ("y0", "y1")), (arrays, ("y1", "y2"))):
-        found = reduced_observer.deadbeat(system, measured)
-        np.testing.assert_array_equal(found.L, first.L)
+        observer = reduced_observer.deadbeat(system, measured)
+        np.testing.assert_array_equal(observer.L, first.L)
     text = repr(reduced_observer.by_poles(HELD, "x", [0.25]))
     assert "Reduced-order observer of v from x, discrete time of 0.01 s" in text
     assert "Poles of the error: 0.25" in text

@@ -28,11 +28,11 @@ def test_every_rate_gives_scipys_solution(continuous: bool, seed: int, rate: flo
     e = random_equation(seed, continuous)
     solver = scipy.linalg.solve_continuous_are if continuous else scipy.linalg.solve_discrete_are
     X = solver(e.A, e.B, e.Q, e.R, s=e.N)
-    fitting = doubling.fitting(e)
+    fitting = doubling.bilinear_map(e)
     for bilinear in (fitting, doubling.Bilinear(rate * fitting.c, continuous)):
-        found = doubling.solution(e, bilinear)
-        assert found is not None
-        np.testing.assert_allclose(found, X, rtol=0, atol=tolerances.of("multiple_root") * np.abs(X).max())
+        doubled = doubling.solution(e, bilinear)
+        assert doubled is not None
+        np.testing.assert_allclose(doubled, X, rtol=0, atol=tolerances.of("multiple_root") * np.abs(X).max())
 
 
 @pytest.mark.parametrize("continuous", [True, False])
@@ -46,26 +46,26 @@ def test_what_a_decaying_state_costs_is_scipys(continuous: bool, seed: int, rate
     A = A - (np.linalg.eigvals(A).real.max() + 0.3) * np.eye(n) if continuous else A / 1.1 / np.linalg.norm(A, 2)
     C = rng.normal(size=(n, n))
     W = C + C.T
-    decay = doubling.decay(A, doubling.Bilinear(rate, continuous))
+    decay = doubling.stable_map(A, doubling.Bilinear(rate, continuous))
     assert decay is not None
     solver = scipy.linalg.solve_continuous_lyapunov if continuous else scipy.linalg.solve_discrete_lyapunov
     Y = solver(A.T, -W if continuous else W)
-    np.testing.assert_allclose(decay.gathered(W), Y, rtol=0, atol=1e-3 * np.abs(Y).max())
+    np.testing.assert_allclose(decay.gramian(W), Y, rtol=0, atol=1e-3 * np.abs(Y).max())
 
 
 @pytest.mark.parametrize("continuous", [True, False])
 def test_what_does_not_decay_has_no_cost(continuous: bool) -> None:
     edge = 0.0 if continuous else 1.0
     for value in (edge, edge + 0.5):
-        assert doubling.decay(np.diag([edge - 0.5, value]), doubling.Bilinear(1.0, continuous)) is None
+        assert doubling.stable_map(np.diag([edge - 0.5, value]), doubling.Bilinear(1.0, continuous)) is None
 
 
 def test_the_rate_keeps_off_an_eigenvalue_of_the_model() -> None:
     """x' = x + u, Q small: the loop's pole is -1.0000005, and c = 1 would make c I - A singular."""
     e = Equation(np.eye(1), np.eye(1), 1e-6 * np.eye(1), np.eye(1), np.zeros((1, 1)), True)
-    assert abs(doubling.fitting(e).c - 1) > 0.5
+    assert abs(doubling.bilinear_map(e).c - 1) > 0.5
     assert doubling.solution(e, doubling.Bilinear(1.0, True)) is None
-    np.testing.assert_allclose(doubling.solution(e, doubling.fitting(e)), [[2 + 5e-7]], rtol=1e-9)
+    np.testing.assert_allclose(doubling.solution(e, doubling.bilinear_map(e)), [[2 + 5e-7]], rtol=1e-9)
 
 
 def test_a_short_period_takes_no_more_passes() -> None:
@@ -73,8 +73,8 @@ def test_a_short_period_takes_no_more_passes() -> None:
     counts = []
     for pole in (0.5, 1 - 1e-6):
         e = Equation(np.array([[pole]]), (1 - pole) * np.eye(1), 1e-3 * np.eye(1), np.eye(1), np.zeros((1, 1)), False)
-        decay = doubling.decay(e.A, doubling.fitting(e))
+        decay = doubling.stable_map(e.A, doubling.bilinear_map(e))
         assert decay is not None
         counts.append(len(decay.powers))
-    plain = doubling.decay(np.array([[1 - 1e-6]]), doubling.Bilinear(1.0, False))
+    plain = doubling.stable_map(np.array([[1 - 1e-6]]), doubling.Bilinear(1.0, False))
     assert plain is not None and max(counts) <= 4 < 20 < len(plain.powers)

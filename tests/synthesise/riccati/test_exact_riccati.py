@@ -38,33 +38,33 @@ def test_scalar_problems_are_correctly_rounded(a: float, b: float, q: float, r: 
         gains = float(B * flow / R), float(A * B * step / (R + B**2 * step))
         values = float(flow), float(step)
     for time, X, L in zip((CONTINUOUS, SAMPLED), values, gains, strict=True):
-        found = riccati.solve(([[a]], [[b]], time), [[q]], [[r]], exact=True)
-        assert (found.X[0, 0], found.L[0, 0]) == (X, L)
+        solution = riccati.solve(([[a]], [[b]], time), [[q]], [[r]], exact=True)
+        assert (solution.X[0, 0], solution.L[0, 0]) == (X, L)
 
 
 def test_the_double_integrator_is_correctly_rounded() -> None:
     """Q = I, R = 1: X = [[sqrt 3, 1], [1, sqrt 3]], L = [1, sqrt 3]."""
-    found = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.eye(2), [[1.0]], exact=True)
-    np.testing.assert_array_equal(found.X, [[np.sqrt(3), 1], [1, np.sqrt(3)]])
-    np.testing.assert_array_equal(found.L, [[1, np.sqrt(3)]])
-    np.testing.assert_allclose(found.poles, [-np.sqrt(3) / 2 - 0.5j, -np.sqrt(3) / 2 + 0.5j], rtol=1e-14)
+    solution = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.eye(2), [[1.0]], exact=True)
+    np.testing.assert_array_equal(solution.X, [[np.sqrt(3), 1], [1, np.sqrt(3)]])
+    np.testing.assert_array_equal(solution.L, [[1, np.sqrt(3)]])
+    np.testing.assert_allclose(solution.poles, [-np.sqrt(3) / 2 - 0.5j, -np.sqrt(3) / 2 + 0.5j], rtol=1e-14)
 
 
-def test_weights_of_unlike_size_are_correctly_rounded() -> None:
+def test_weights_of_different_size_are_correctly_rounded() -> None:
     """Q = diag(q^2, 0): L = [q, sqrt(2 q)], X = [[q sqrt(2 q), q], [q, sqrt(2 q)]]."""
     q = 2.0**21
-    found = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.diag([q * q, 0]), [[1.0]], exact=True)
-    np.testing.assert_array_equal(found.X, [[q * np.sqrt(2 * q), q], [q, np.sqrt(2 * q)]])
+    solution = riccati.solve(([[0, 1], [0, 0]], [[0], [1]]), np.diag([q * q, 0]), [[1.0]], exact=True)
+    np.testing.assert_array_equal(solution.X, [[q * np.sqrt(2 * q), q], [q, np.sqrt(2 * q)]])
 
 
 def test_decoupled_axes_stay_decoupled() -> None:
     A, B = scipy.linalg.block_diag([[0, 1], [0, 0]], [[0.5]]), np.array([[0, 0], [1, 0], [0, 1]])
-    found = riccati.solve((A, B), np.diag([3.0, 1.0, 2.0]), np.eye(2), exact=True)
-    assert not found.X[:2, 2].any() and not found.L[0, 2] and not found.L[1, :2].any()
+    solution = riccati.solve((A, B), np.diag([3.0, 1.0, 2.0]), np.eye(2), exact=True)
+    assert not solution.X[:2, 2].any() and not solution.L[0, 2] and not solution.L[1, :2].any()
 
 
 @pytest.mark.parametrize("time", [CONTINUOUS, SAMPLED])
-def test_the_bits_do_not_hang_on_the_start(time: Time) -> None:
+def test_the_bits_do_not_depend_on_the_start(time: Time) -> None:
     (A, B, _), Q, R = random_problem(5, time)
     equation = Equation(A, B, Q, R, np.zeros(B.shape), time is CONTINUOUS)
     start = riccati.solve((A, B, time), Q, R).X
@@ -87,7 +87,7 @@ def test_the_certificate_flags_a_perturbed_solution(time: Time, size: float) -> 
     assert flagged.residual > again.residual
 
 
-def test_more_bits_are_taken_where_the_usual_ones_do_not_tell(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_bits_are_taken_where_the_usual_ones_do_not_suffice(monkeypatch: pytest.MonkeyPatch) -> None:
     """At 256 bits this problem's Newton steps wander by 3 %: R is 1e-14 of the scale, and one output is weighted."""
     rng = np.random.default_rng(22)
     n, m, _ = rng.integers(1, 7), rng.integers(1, 3), rng.integers(2)
@@ -95,12 +95,12 @@ def test_more_bits_are_taken_where_the_usual_ones_do_not_tell(monkeypatch: pytes
     C = rng.normal(size=(rng.integers(1, n + 1), n))
     Q, R = C.T @ C, 1e-14 * np.eye(m)
     Q = (Q + Q.T) / 2
-    found = riccati.solve((A, B), Q, R, exact=True)
-    assert found.forward_error <= 1e-12 and found.residual <= HALF_BIT
+    solution = riccati.solve((A, B), Q, R, exact=True)
+    assert solution.forward_error <= 1e-12 and solution.residual <= HALF_BIT
     monkeypatch.setattr(exact_riccati, "BITS", (precise.BITS,))
     equation = Equation(A, B, Q, R, np.zeros(B.shape), True)
-    with pytest.raises(ModelError, match="does not settle within 256 bits"):
-        exact_riccati.solve(equation, found.X)
+    with pytest.raises(ModelError, match="does not converge within 256 bits"):
+        exact_riccati.solve(equation, solution.X)
 
 
 def test_a_start_without_a_newton_step_is_refused() -> None:
@@ -108,7 +108,7 @@ def test_a_start_without_a_newton_step_is_refused() -> None:
     one = np.ones((1, 1))
     equation = Equation(one, one, 3 * one, one, 0 * one, True)
     assert exact_riccati.solve(equation, one).X == 3
-    with pytest.raises(ModelError, match="does not settle within 4096 bits, or a step has no solution"):
+    with pytest.raises(ModelError, match="does not converge within 4096 bits, or a step has no solution"):
         exact_riccati.solve(Equation(one, 0 * one, 3 * one, one, 0 * one, True), one)
     with pytest.raises(ModelError, match=r"has no solution: its closed loop has poles s \+ s' = 0"):
         exact_riccati.certify(equation, one)
@@ -116,11 +116,11 @@ def test_a_start_without_a_newton_step_is_refused() -> None:
 
 @pytest.mark.parametrize(("time", "a", "X"), [(CONTINUOUS, 1.0, 1 - 2**0.5), (SAMPLED, 2.0, 2 - 5**0.5)])
 @pytest.mark.parametrize("exact", [False, True])
-def test_another_solution_than_the_stabilising_one_is_told(time: Time, a: float, X: float, exact: bool) -> None:
+def test_another_solution_than_the_stabilising_one_is_reported(time: Time, a: float, X: float, exact: bool) -> None:
     """b = q = r = 1: X^2 = 2 a X + 1, or X^2 = a^2 X + 1, has a negative root, too, which leaves the loop unstable."""
-    found = riccati.certify(([[a]], [[1.0]], time), [1.0], [1.0], [[X]], exact=exact)
-    assert found.forward_error == found.condition == np.inf and found.residual <= tolerances.of("double")
-    assert found.poles.real > 0 if time is CONTINUOUS else abs(found.poles) > 1
+    solution = riccati.certify(([[a]], [[1.0]], time), [1.0], [1.0], [[X]], exact=exact)
+    assert solution.forward_error == solution.condition == np.inf and solution.residual <= tolerances.of("double")
+    assert solution.poles.real > 0 if time is CONTINUOUS else abs(solution.poles) > 1
 
 
 @pytest.mark.parametrize("time", [CONTINUOUS, SAMPLED])
@@ -129,10 +129,10 @@ def test_from_no_start_or_from_one_near_another_solution_doubling_leads_to_the_s
     equation = Equation(A, B, Q, R, 0.1 * B, time is CONTINUOUS)
     right = riccati.solve((A, B, time), Q, R, 0.1 * B, exact=True)
     for start in (None, -right.X, 0 * right.X):
-        found = exact_riccati.solve(equation, start)
-        assert found.X.tobytes() == right.X.tobytes() and found.L.tobytes() == right.L.tobytes()
+        solution = exact_riccati.solve(equation, start)
+        assert solution.X.tobytes() == right.X.tobytes() and solution.L.tobytes() == right.L.tobytes()
     closed = np.sort_complex(np.linalg.eigvals(A - B @ right.L))
-    np.testing.assert_allclose(found.poles(), closed, rtol=tolerances.of("folded"))
+    np.testing.assert_allclose(solution.poles(), closed, rtol=tolerances.of("folded"))
 
 
 @pytest.mark.parametrize("apart", [1e-6, 1e-8, 1e-10])
@@ -140,10 +140,10 @@ def test_from_no_start_or_from_one_near_another_solution_doubling_leads_to_the_s
 def test_nearly_unstabilisable_pairs_are_left_to_ball_arithmetic(apart: float, exact: bool) -> None:
     """Modes 1 and 1 + e under one input: the poles tend to -1 and -sqrt 3, seen in mpmath on the rounded L."""
     A = np.diag([1, 1 + apart])
-    found = riccati.solve((A, [[1], [1]]), [1.0, 1.0], [1.0], exact=exact)
-    np.testing.assert_allclose(found.poles, [-np.sqrt(3), -1], rtol=2 * apart)
-    assert found.forward_error <= HALF_BIT
+    solution = riccati.solve((A, [[1], [1]]), [1.0, 1.0], [1.0], exact=exact)
+    np.testing.assert_allclose(solution.poles, [-np.sqrt(3), -1], rtol=2 * apart)
+    assert solution.forward_error <= HALF_BIT
     with mpmath.workdps(60):
-        closed = mpmath.matrix(A.tolist()) - mpmath.matrix([[1], [1]]) * mpmath.matrix(found.L.tolist())
+        closed = mpmath.matrix(A.tolist()) - mpmath.matrix([[1], [1]]) * mpmath.matrix(solution.L.tolist())
         poles = sorted(float(mpmath.re(s)) for s in mpmath.eig(closed)[0])
     np.testing.assert_allclose(poles, [-np.sqrt(3), -1], rtol=1e-4)  # the last bit of L, 1e-17 of 5e10, is 1e-5

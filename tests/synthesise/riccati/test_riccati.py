@@ -68,36 +68,38 @@ def random_problem(
 @given(seed=st.integers(0, 10**6))
 def test_random_problems_agree_with_scipy_and_python_control(time: Time, seed: int) -> None:
     c, Q, R, N = random_problem(seed, time)
-    found = riccati.solve(c, Q, R, N)
+    solution = riccati.solve(c, Q, R, N)
     solver = control.care if time is CONTINUOUS else control.dare
     X, poles, L = solver(c.A, c.B, Q, R, S=N, E=np.eye(len(c.A)), method="scipy")
     atol = tolerances.of("pencil") * np.abs(X).max()
-    np.testing.assert_allclose(found.X, X, rtol=0, atol=atol)
-    np.testing.assert_allclose(found.L, L, rtol=0, atol=tolerances.of("pencil") * np.abs(L).max())
-    stable = found.poles.real < 0 if time is CONTINUOUS else np.abs(found.poles) < 1
-    assert stable.all() and found.least_eigenvalue > 0
-    np.testing.assert_allclose(sorted(np.abs(found.poles)), sorted(np.abs(poles)), rtol=1e3 * tolerances.of("pencil"))
-    assert found.residual <= ROUNDED
-    np.testing.assert_array_equal(found.X, found.X.T)
+    np.testing.assert_allclose(solution.X, X, rtol=0, atol=atol)
+    np.testing.assert_allclose(solution.L, L, rtol=0, atol=tolerances.of("pencil") * np.abs(L).max())
+    stable = solution.poles.real < 0 if time is CONTINUOUS else np.abs(solution.poles) < 1
+    assert stable.all() and solution.least_eigenvalue > 0
+    np.testing.assert_allclose(
+        sorted(np.abs(solution.poles)), sorted(np.abs(poles)), rtol=1e3 * tolerances.of("pencil")
+    )
+    assert solution.residual <= ROUNDED
+    np.testing.assert_array_equal(solution.X, solution.X.T)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("time", [CONTINUOUS, SAMPLED])
-def test_the_certificate_tells_the_error_that_ball_arithmetic_finds(kind: str, time: Time) -> None:
+def test_the_certificate_states_the_error_that_ball_arithmetic_finds(kind: str, time: Time) -> None:
     """Also that error is small: of X beside sqrt(X_ii X_jj), of L beside the largest of its row in these units."""
     for seed in range(12):
         c, Q, R, N = random_problem(seed, time, kind)
-        found, exact = riccati.solve(c, Q, R, N), riccati.solve(c, Q, R, N, exact=True)
-        balance = riccati.Balance.of(riccati._stated(c, *riccati.checked_weights(c, Q, R, N)))
+        solution, exact = riccati.solve(c, Q, R, N), riccati.solve(c, Q, R, N, exact=True)
+        balance = riccati.Balance.of(riccati._equation(c, *riccati.weight_matrices(c, Q, R, N)))
         D, E = balance.D, balance.E[:, None]
         size = equation.sizes(exact.X * D * D[:, None])
-        error = np.abs((found.X - exact.X) * D * D[:, None] / size / size[:, None]).max()
-        told = found.forward_error + (1 + 1e-9 * found.condition) * ROUNDED
-        assert error <= 3 * told and error <= riccati.TRUSTED, seed
+        error = np.abs((solution.X - exact.X) * D * D[:, None] / size / size[:, None]).max()
+        bound = solution.forward_error + (1 + 1e-9 * solution.condition) * ROUNDED
+        assert error <= 3 * bound and error <= riccati.TRUSTED, seed
         L = exact.L * D / E / size
-        off = np.abs((found.L - exact.L) * D / E / size) / np.abs(L).max(axis=1, keepdims=True)
+        off = np.abs((solution.L - exact.L) * D / E / size) / np.abs(L).max(axis=1, keepdims=True)
         assert off.max() <= 1e-6, seed
-        assert found.residual <= 1e3 * ROUNDED and exact.residual <= ROUNDED, seed
+        assert solution.residual <= 1e3 * ROUNDED and exact.residual <= ROUNDED, seed
 
 
 @pytest.mark.parametrize(("time", "letter"), [(CONTINUOUS, "C"), (SAMPLED, "D")])
@@ -117,17 +119,17 @@ def test_a_model_of_sixty_states_has_a_smaller_residual_than_scipys(time: Time) 
     A = A if time is CONTINUOUS else A / 8
     Q, R = C.T @ C, np.eye(6)
     Q = (Q + Q.T) / 2
-    found = riccati.solve((A, B, time), Q, R)
+    solution = riccati.solve((A, B, time), Q, R)
     solver = scipy.linalg.solve_continuous_are if time is CONTINUOUS else scipy.linalg.solve_discrete_are
     stated = riccati.Equation(A, B, Q, R, np.zeros((60, 6)), time is CONTINUOUS)
     X = solver(A, B, Q, R)
     with exact_riccati.precise.precision():
         problem = exact_riccati._problem(stated)
         ours, theirs = (
-            exact_riccati._bounds(problem.residual(exact_riccati.precise.matrix(v))).max() for v in (found.X, X)
+            exact_riccati._bounds(problem.residual(exact_riccati.precise.matrix(v))).max() for v in (solution.X, X)
         )
     assert ours < theirs / 10
-    assert found.defect.max() == pytest.approx(ours, rel=1e-3)
+    assert solution.defect.max() == pytest.approx(ours, rel=1e-3)
 
 
 def test_a_correct_solution_costs_no_search_for_modes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,8 +137,8 @@ def test_a_correct_solution_costs_no_search_for_modes(monkeypatch: pytest.Monkey
         raise AssertionError("the modes were searched")
 
     monkeypatch.setattr(structure, "require_stabilisable", searched)
-    monkeypatch.setattr(solvability, "search", searched)
-    monkeypatch.setattr(solvability, "_hidden", searched)
+    monkeypatch.setattr(solvability, "require_detectable_boundary", searched)
+    monkeypatch.setattr(solvability, "_unobservable_modes", searched)
     chain = model(np.diag(np.ones(3), 1), np.eye(4)[:, -1:])
     riccati.solve(chain, np.diag([1.0, 0, 0, 0]), [[1.0]])
     riccati.solve(model(np.diag([1.0, 2.0]), [[1], [1]]), np.diag([1e-9, 1e-9]), [[1.0]])
@@ -192,13 +194,13 @@ def test_units_change_nothing_but_the_numbers() -> None:
 
 def test_the_condition_bounds_what_changed_data_do() -> None:
     c, Q, R, _ = random_problem(9, CONTINUOUS, "plain")
-    found, change = riccati.solve(c, Q, R), 1e-7
+    solution, change = riccati.solve(c, Q, R), 1e-7
     rng = np.random.default_rng(0)
-    size = np.sqrt(np.diag(found.X))
+    size = np.sqrt(np.diag(solution.X))
     for _ in range(20):
         E = 1 + change * rng.uniform(-1, 1, Q.shape)
-        moved = riccati.solve(c, Q * (E + E.T) / 2, R).X - found.X
-        assert np.abs(moved / size / size[:, None]).max() <= found.condition * change
+        change_of_X = riccati.solve(c, Q * (E + E.T) / 2, R).X - solution.X
+        assert np.abs(change_of_X / size / size[:, None]).max() <= solution.condition * change
 
 
 def test_what_doubling_misses_scipy_or_ball_arithmetic_finds(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -243,7 +245,9 @@ def test_unsolvable_problems_name_the_mode() -> None:
 def test_equal_modes_of_which_the_cost_sees_only_a_sum_are_searched() -> None:
     """Each eigenvector that is computed costs something; their difference costs nothing."""
     c = model(np.diag([1.0, 1.0]), np.eye(2))
-    assert not solvability._sees(riccati._stated(c, np.ones((2, 2)), np.eye(2), np.zeros((2, 2))), -np.ones(2) + 0j)
+    assert not solvability._certainly_detectable(
+        riccati._equation(c, np.ones((2, 2)), np.eye(2), np.zeros((2, 2))), -np.ones(2) + 0j
+    )
 
 
 @pytest.mark.parametrize(
@@ -296,7 +300,7 @@ def test_the_result_prints_its_certificate_and_its_tables() -> None:
 
 @settings(derandomize=True, max_examples=15, deadline=None)
 @given(seed=st.integers(0, 10**6))
-def test_the_least_eigenvalue_does_not_hang_on_units(seed: int) -> None:
+def test_the_least_eigenvalue_does_not_depend_on_units(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 6))
     A, B, d = rng.normal(size=(n, n)), rng.normal(size=(n, 1)), 10.0 ** rng.uniform(-6, 6, n)
@@ -307,7 +311,9 @@ def test_the_least_eigenvalue_does_not_hang_on_units(seed: int) -> None:
 
 def test_the_mode_that_inputs_hardly_move_is_named_where_nothing_resolves_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(riccati, "BALLS", 1)
-    with pytest.raises(ModelError, match=r"mode 1\+0j in .*x1.*x2 is moved least: a change by [2-9]e-09 of A and B"):
+    with pytest.raises(
+        ModelError, match=r"mode 1\+0j in .*x1.*x2 is the least controllable: a change by [2-9]e-09 of A and B"
+    ):
         riccati.solve((np.diag([1, 1 + 1e-8]), [[1], [1]]), [1.0, 1.0], [1.0])
 
 
@@ -324,9 +330,9 @@ def test_a_deadbeat_pole_has_no_frequency_and_a_constant_no_damping() -> None:
 def test_a_delayed_loop_shows_its_deadbeat_poles(samples: int) -> None:
     """Rounding scatters them, three by some 1e-5, which is no frequency of 4 kHz."""
     late = discretise.with_delay(model([[1.0]], [[1.0]], Discrete(5e-4)), samples)
-    found = riccati.solve(late, np.diag([1.0] + [0.0] * samples), [1.0])
-    shown = [row[1] for row in modes.table(found.poles, found.time).rows]
+    solution = riccati.solve(late, np.diag([1.0] + [0.0] * samples), [1.0])
+    shown = [row[1] for row in modes.table(solution.poles, solution.time).rows]
     assert shown.count("deadbeat") == samples
     scattered = 7e-6 * np.exp(2j * np.pi * np.arange(3) / 3)
-    assert [row[1] for row in modes.table(scattered, found.time).rows] == ["deadbeat"] * 3
-    assert [row[1] for row in modes.table(scattered[:1], found.time).rows] == ["3778.2"]
+    assert [row[1] for row in modes.table(scattered, solution.time).rows] == ["deadbeat"] * 3
+    assert [row[1] for row in modes.table(scattered[:1], solution.time).rows] == ["3778.2"]

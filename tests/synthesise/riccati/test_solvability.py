@@ -32,20 +32,20 @@ def distance_of_exact_newton_step(p: problems.Problem, X: np.ndarray) -> float:
     (A, B, time), Q, R, N = p
     Q = (Q + Q.T) / 2
     e = Equation(A, B, Q, R, np.zeros(B.shape) if N is None else N, isinstance(time, Continuous))
-    found = exact_riccati.certify(e, X)
-    assert decays(found.poles(), e.continuous)
-    return float(found.step.max() / np.abs(X).max())
+    solution = exact_riccati.certify(e, X)
+    assert decays(solution.poles(), e.continuous)
+    return float(solution.step.max() / np.abs(X).max())
 
 
 @pytest.mark.parametrize("name", SOLVABLE)
 @pytest.mark.parametrize("exact", [False, True])
 def test_solvable_problems_are_solved_with_their_certificate(name: str, exact: bool) -> None:
     p = SOLVABLE[name]()
-    found = riccati.solve(*p, exact=exact)
-    assert found.forward_error <= ROUNDED and found.residual <= ROUNDED
-    assert decays(found.poles, isinstance(p[0][2], Continuous))
-    assert distance_of_exact_newton_step(p, found.X) <= 1e-13
-    assert distance_of_exact_newton_step(p, found.X * (1 + 1e-9)) > 1e-10  # the oracle sees a wrong X
+    solution = riccati.solve(*p, exact=exact)
+    assert solution.forward_error <= ROUNDED and solution.residual <= ROUNDED
+    assert decays(solution.poles, isinstance(p[0][2], Continuous))
+    assert distance_of_exact_newton_step(p, solution.X) <= 1e-13
+    assert distance_of_exact_newton_step(p, solution.X * (1 + 1e-9)) > 1e-10  # the oracle sees a wrong X
 
 
 def test_the_published_solutions_come_out() -> None:
@@ -63,8 +63,8 @@ def test_an_input_without_weight_gives_the_gain_that_scipys_equation_gives() -> 
     assert mirrored.certificate.mirrored == pytest.approx((2,)) and mirrored.poles.real.max() == pytest.approx(0.5)
 
 
-def test_inputs_that_the_cost_does_not_tell_apart_are_refused() -> None:
-    with pytest.raises(ModelError, match=r"R \+ B'XB is singular: the cost does not tell the inputs u1, u2 apart"):
+def test_inputs_that_the_cost_does_not_distinguish_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"R \+ B'XB is singular: the cost does not distinguish the inputs u1, u2"):
         lqr.dlqr((2 * np.eye(1), np.ones((1, 2)), SAMPLED), [1.0], np.zeros((2, 2)))
 
 
@@ -74,9 +74,9 @@ def test_inputs_that_the_cost_does_not_tell_apart_are_refused() -> None:
 @pytest.mark.parametrize("exact", [False, True])
 def test_minimum_energy_control_mirrors_the_unstable_mode_and_says_so(exact: bool) -> None:
     """x' = x + u: X = 2. x+ = 2 x + u: X = 3, z = 1/2."""
-    found = riccati.solve(([[1.0]], [[1.0]]), [0.0], [1.0], exact=exact)
-    assert found.X[0, 0] == pytest.approx(2, rel=1e-15) and found.poles == pytest.approx([-1])
-    assert found.mirrored == (1,) and "do not see the mode 1, which does not decay" in repr(found)
+    solution = riccati.solve(([[1.0]], [[1.0]]), [0.0], [1.0], exact=exact)
+    assert solution.X[0, 0] == pytest.approx(2, rel=1e-15) and solution.poles == pytest.approx([-1])
+    assert solution.mirrored == (1,) and "do not see the mode 1, which does not decay" in repr(solution)
     sampled = riccati.solve(([[2.0]], [[1.0]], SAMPLED), [0.0], [1.0], exact=exact)
     assert sampled.X[0, 0] == pytest.approx(3, rel=1e-15) and sampled.poles == pytest.approx([0.5])
     assert sampled.mirrored == (2,) and "1 / conj(z)" in repr(sampled)
@@ -85,18 +85,18 @@ def test_minimum_energy_control_mirrors_the_unstable_mode_and_says_so(exact: boo
 
 def test_the_filter_of_an_unstable_plant_without_process_noise_is_found() -> None:
     """x' = x, y = x + v: P = 2, L = 2; sampled x+ = 2 x: P = 3, L = 3/2, and after a sample 3/4."""
-    found = kalman.continuous(([[1.0]], [[1.0]], [[1.0]], [[0.0]]), [0.0], [1.0])
-    assert found.L[0, 0] == pytest.approx(2, rel=1e-14) and found.poles == pytest.approx([-1])
-    assert found.certificate.mirrored == (1,) and "none reaches that mode" in repr(found)
+    solution = kalman.continuous(([[1.0]], [[1.0]], [[1.0]], [[0.0]]), [0.0], [1.0])
+    assert solution.L[0, 0] == pytest.approx(2, rel=1e-14) and solution.poles == pytest.approx([-1])
+    assert solution.certificate.mirrored == (1,) and "none excites that mode" in repr(solution)
     sampled = kalman.discrete(([[2.0]], [[1.0]], [[1.0]], [[0.0]], 1.0), [0.0], [1.0])
     assert sampled.L[0, 0] == pytest.approx(1.5) and sampled.posterior[0, 0] == pytest.approx(0.75)
 
 
 def test_complex_and_equal_modes_are_mirrored() -> None:
     A = np.array([[0.5, 3.0], [-3.0, 0.5]])
-    found = riccati.solve((A, np.eye(2, 1)), np.zeros((2, 2)), [1.0])
-    np.testing.assert_allclose(sorted(found.poles, key=np.imag), [-0.5 - 3j, -0.5 + 3j], rtol=1e-12)
-    assert len(found.mirrored) == 2 and "0.5 +- 3i" in repr(found)
+    solution = riccati.solve((A, np.eye(2, 1)), np.zeros((2, 2)), [1.0])
+    np.testing.assert_allclose(sorted(solution.poles, key=np.imag), [-0.5 - 3j, -0.5 + 3j], rtol=1e-12)
+    assert len(solution.mirrored) == 2 and "0.5 +- 3i" in repr(solution)
     both = riccati.solve((np.eye(2), np.eye(2)), np.ones((2, 2)), [1.0, 1.0])  # the cost sees the sum alone
     assert both.mirrored == pytest.approx((1,)) and both.poles.real.max() == pytest.approx(-1)
 
@@ -104,16 +104,16 @@ def test_complex_and_equal_modes_are_mirrored() -> None:
 def test_only_what_the_cost_does_not_see_counts_as_mirrored() -> None:
     """A weight of 1e-7 leaves a pole within 1e-7 of the mirror image, and is a weight nevertheless."""
     assert riccati.solve((np.diag([1.0, -2.0]), np.ones((2, 1))), np.diag([1e-7, 0]), [1.0]).mirrored == ()
-    found = riccati.solve((np.diag([1.0, 2.0]), np.ones((2, 1))), np.diag([1.0, 0]), [1.0])
-    assert found.mirrored == pytest.approx((2,)) and "the mode 2, which" in repr(found)
+    solution = riccati.solve((np.diag([1.0, 2.0]), np.ones((2, 1))), np.diag([1.0, 0]), [1.0])
+    assert solution.mirrored == pytest.approx((2,)) and "the mode 2, which" in repr(solution)
 
 
 def test_indefinite_costs_and_saddles_are_said() -> None:
     double = (np.array([[0.0, 1], [0, 0]]), np.array([[0.0], [1]]))
-    found = riccati.solve(double, np.diag([1.0, -1.0]), [1.0])  # L = [1, sqrt(2 + q2)]
-    np.testing.assert_allclose(found.L, [[1, 1]], rtol=1e-14)
-    assert found.cost_eigenvalue == -1 and found.weight_eigenvalue == 1
-    assert "the cost is indefinite, and X is the least cost of bringing the state to rest" in repr(found)
+    solution = riccati.solve(double, np.diag([1.0, -1.0]), [1.0])  # L = [1, sqrt(2 + q2)]
+    np.testing.assert_allclose(solution.L, [[1, 1]], rtol=1e-14)
+    assert solution.cost_eigenvalue == -1 and solution.weight_eigenvalue == 1
+    assert "the cost is indefinite, and X is the least cost of bringing the state to rest" in repr(solution)
     saddle = riccati.solve(*problems.darex_2())
     assert saddle.weight_eigenvalue < 0 and "X is a saddle of the cost, no minimum" in repr(saddle)
     usual = riccati.solve(double, [1.0, 1.0], [1.0])
@@ -124,7 +124,7 @@ def test_the_least_cost_of_coming_to_rest_is_x() -> None:
     """Over a hundred steps from [1, 0], ended at 0, no inputs cost less than x0'X x0, though Q is indefinite."""
     A, B = np.array([[1.0, 0.1], [0, 1.0]]), np.array([[0.005], [0.1]])
     Q, R, x0, T = np.diag([1.0, -0.2]), np.eye(1), np.array([1.0, 0.0]), 300
-    found = riccati.solve((A, B, Discrete(0.1)), Q, R)
+    solution = riccati.solve((A, B, Discrete(0.1)), Q, R)
     reach = np.zeros((2 * T, T))
     for k in range(T):
         for j in range(k + 1):
@@ -135,7 +135,7 @@ def test_the_least_cost_of_coming_to_rest_is_x() -> None:
     kkt = np.block([[H, end.T], [end, np.zeros((2, 2))]])
     u = np.linalg.solve(kkt, np.concatenate([-g, b]))[:T]
     cost = x0 @ Q @ x0 + u @ H @ u + 2 * g @ u + free @ np.kron(np.eye(T), Q) @ free
-    assert cost == pytest.approx(x0 @ found.X @ x0, rel=1e-6)
+    assert cost == pytest.approx(x0 @ solution.X @ x0, rel=1e-6)
 
 
 # What is refused
@@ -155,8 +155,8 @@ def is_refused_or_marginal(system: tuple[np.ndarray, np.ndarray], Q: np.ndarray)
         return "on the stability boundary" in str(error)
 
 
-def test_an_unseen_oscillation_is_refused_or_told_in_any_coordinates() -> None:
-    """Once the coordinates are turned, rounding decides whether the mode decays: ball arithmetic finds out."""
+def test_an_unseen_oscillation_is_refused_or_reported_in_any_coordinates() -> None:
+    """In rotated coordinates rounding decides whether the mode decays: ball arithmetic finds out."""
     A = np.zeros((3, 3))
     A[0, 1], A[1, 0], A[2, 2] = 2.0, -2.0, -1.0
     V = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0] + np.eye(3)
@@ -166,8 +166,8 @@ def test_an_unseen_oscillation_is_refused_or_told_in_any_coordinates() -> None:
     assert is_refused_or_marginal((Vi @ A @ V, Vi @ B), V.T @ Q @ V)
 
 
-def test_an_unseen_rigid_body_is_refused_or_told_in_any_coordinates() -> None:
-    """The computed modes of [[0, 1], [0, 0]] scatter by 1e-8 where the coordinates are turned."""
+def test_an_unseen_rigid_body_is_refused_or_reported_in_any_coordinates() -> None:
+    """The computed modes of [[0, 1], [0, 0]] scatter by 1e-8 in rotated coordinates."""
     A = np.zeros((3, 3))
     A[0, 1], A[2, 2] = 1.0, -1.0
     for seed in range(6):
@@ -176,12 +176,12 @@ def test_an_unseen_rigid_body_is_refused_or_told_in_any_coordinates() -> None:
         assert is_refused_or_marginal((Vi @ A @ V, Vi @ np.array([[0.0], [1], [1]])), V.T @ Q @ V)
 
 
-def test_a_model_that_decays_by_its_entries_alone_is_solved_and_told() -> None:
+def test_a_model_that_decays_by_its_entries_alone_is_solved_and_reported() -> None:
     """The slowest mode of this Hilbert matrix is -5.7e-15; SciPy solves the problem, too."""
     i = np.arange(11)
-    found = riccati.solve((-1 / (i[:, None] + i + 1), np.eye(11, 1)), np.eye(11), [1.0])
-    assert found.forward_error <= ROUNDED and len(found.marginal) >= 1 and found.poles.real.max() < 0
-    assert "decay by less than the rounding of the model's entries" in repr(found)
+    solution = riccati.solve((-1 / (i[:, None] + i + 1), np.eye(11, 1)), np.eye(11), [1.0])
+    assert solution.forward_error <= ROUNDED and len(solution.marginal) >= 1 and solution.poles.real.max() < 0
+    assert "decay by less than the rounding of the model's entries" in repr(solution)
 
 
 @pytest.mark.parametrize("time", [CONTINUOUS, SAMPLED])
@@ -191,19 +191,19 @@ def test_an_indefinite_cost_without_a_lower_bound_is_refused(time: Time) -> None
         riccati.solve((0.5 * one, one, time), -one, one)
 
 
-def test_boundary_and_mirrored_modes_are_told_apart() -> None:
+def test_boundary_and_mirrored_modes_are_distinguished() -> None:
     model = of((np.diag([1e-3, -1.0]), np.ones((2, 1))))
-    assert not solvability.boundary_modes(model.A, np.diag([0.0, 1.0]), model.states, model.time)
+    assert not solvability.unobservable_boundary_modes(model.A, np.diag([0.0, 1.0]), model.states, model.time)
     assert riccati.solve(model, np.diag([0.0, 1.0]), [1.0]).mirrored == (1e-3,)
-    assert solvability.boundary_modes(np.diag([0.0, -1.0]), np.diag([0.0, 1.0]), model.states, model.time)
+    assert solvability.unobservable_boundary_modes(np.diag([0.0, -1.0]), np.diag([0.0, 1.0]), model.states, model.time)
 
 
 # The certificate of states that cost nothing
 
 
 def test_the_certificate_of_states_that_cost_nothing_is_measured_by_the_others() -> None:
-    found = riccati.solve(*problems.carex_6())
-    assert found.residual <= ROUNDED and found.forward_error <= ROUNDED and found.least_eigenvalue == 0
+    solution = riccati.solve(*problems.carex_6())
+    assert solution.residual <= ROUNDED and solution.forward_error <= ROUNDED and solution.least_eigenvalue == 0
 
 
 def test_a_gain_of_rounding_error_takes_no_more_newton_steps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -211,7 +211,7 @@ def test_a_gain_of_rounding_error_takes_no_more_newton_steps(monkeypatch: pytest
     taken = []
     residual = Equation.residual
     monkeypatch.setattr(Equation, "residual", lambda e, X: taken.append(X) or residual(e, X))
-    found = riccati.solve(*problems.darex_7())
-    assert len(taken) <= 5 and found.forward_error <= ROUNDED and found.residual <= ROUNDED
+    solution = riccati.solve(*problems.darex_7())
+    assert len(taken) <= 5 and solution.forward_error <= ROUNDED and solution.residual <= ROUNDED
     exact = riccati.solve(*problems.darex_7(), exact=True)
-    np.testing.assert_allclose(found.L, exact.L, atol=1e-15)
+    np.testing.assert_allclose(solution.L, exact.L, atol=1e-15)

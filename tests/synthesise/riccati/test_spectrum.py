@@ -1,4 +1,4 @@
-"""Eigenvalues of exact matrices: those of a Jordan block do not scatter, and what stands still does not decay."""
+"""Eigenvalues of exact matrices: those of a Jordan block do not scatter, and a constant mode does not decay."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from tests import tolerances
 
 def of(F: object) -> Complex:
     with precise.precision():
-        return spectrum.of(spectrum.ball(np.asarray(F, dtype=float)))
+        return spectrum.eigenvalues(spectrum.ball(np.asarray(F, dtype=float)))
 
 
 def test_a_jordan_block_has_its_pole_to_the_last_digit() -> None:
@@ -42,17 +42,17 @@ def test_what_decays(poles: list[float], time: Continuous | Discrete, expected: 
 
 @pytest.mark.parametrize("ratio", [1e6, 1e12, 1e18])
 def test_a_slow_mode_beside_a_fast_one_is_judged_by_its_own_size(ratio: float) -> None:
-    assert spectrum.lasting(np.diag([-1.0, -ratio]), Continuous()) is None
-    assert spectrum.lasting(np.diag([1.0, -ratio]), Continuous()) == 1
+    assert spectrum.unstable_pole(np.diag([-1.0, -ratio]), Continuous()) is None
+    assert spectrum.unstable_pole(np.diag([1.0, -ratio]), Continuous()) == 1
 
 
 def test_what_decays_by_a_rounding_error_alone_lasts() -> None:
     turn = np.array([[-1e-15, 1.0], [-1.0, -1e-15]])
-    assert abs(spectrum.lasting(turn, Continuous()) or 0) == pytest.approx(1)
-    assert spectrum.lasting(turn - 1e-9 * np.eye(2), Continuous()) is None
-    assert spectrum.lasting(np.array([[1 - 1e-15]]), Discrete(1)) is not None
-    assert spectrum.lasting(np.array([[1 - 1e-9]]), Discrete(1)) is None
-    assert spectrum.lasting(np.zeros((0, 0)), Continuous()) is None
+    assert abs(spectrum.unstable_pole(turn, Continuous()) or 0) == pytest.approx(1)
+    assert spectrum.unstable_pole(turn - 1e-9 * np.eye(2), Continuous()) is None
+    assert spectrum.unstable_pole(np.array([[1 - 1e-15]]), Discrete(1)) is not None
+    assert spectrum.unstable_pole(np.array([[1 - 1e-9]]), Discrete(1)) is None
+    assert spectrum.unstable_pole(np.zeros((0, 0)), Continuous()) is None
 
 
 def test_a_double_undamped_mode_lasts_however_it_scatters() -> None:
@@ -62,4 +62,4 @@ def test_a_double_undamped_mode_lasts_however_it_scatters() -> None:
         A = np.diag([1.0] * 3, 1)
         A[-1] = [-(w**4), 0, -2 * w * w, 0]
         V = np.linalg.qr(rng.normal(size=(4, 4)))[0]
-        assert spectrum.lasting(V @ A @ V.T, Continuous()) is not None
+        assert spectrum.unstable_pole(V @ A @ V.T, Continuous()) is not None

@@ -37,14 +37,14 @@ def two_axes(period: float | None = None, exosystem: internal_model.Exosystem = 
 @pytest.mark.parametrize("rate", [0.5, 20.0])
 @pytest.mark.parametrize("period", [None, T])
 def test_every_mode_keeps_its_frequency_and_decays_at_the_rate(rate: float, period: float | None) -> None:
-    found = anti_windup.back_calculation(two_axes(period), rate, [1.0, 2.0, 1.0])
-    values = found.eigenvalues if period is None else np.log(found.eigenvalues) / T
-    wanted = np.array([-rate + 1j * w for w in (-3, -3, 0, 0, 3, 3)])
-    np.testing.assert_allclose(np.sort(values.imag), wanted.imag, atol=tolerances.of("multiple_root") * rate)
+    design = anti_windup.back_calculation(two_axes(period), rate, [1.0, 2.0, 1.0])
+    values = design.eigenvalues if period is None else np.log(design.eigenvalues) / T
+    expected = np.array([-rate + 1j * w for w in (-3, -3, 0, 0, 3, 3)])
+    np.testing.assert_allclose(np.sort(values.imag), expected.imag, atol=tolerances.of("multiple_root") * rate)
     np.testing.assert_allclose(values.real, -rate, rtol=tolerances.of("multiple_root"))
-    assert found.E.shape == (6, 3)
-    assert found.controller.inputs[-3:] == ("f_excess", "g_excess", "h_excess")
-    np.testing.assert_array_equal(found.controller.B[:, -3:], found.E)
+    assert design.E.shape == (6, 3)
+    assert design.controller.inputs[-3:] == ("f_excess", "g_excess", "h_excess")
+    np.testing.assert_array_equal(design.controller.B[:, -3:], design.E)
 
 
 @pytest.mark.parametrize("frequencies", [{0.0: 2}, {0.0: 1, 2.0: 2}, (0.0, 5.0, 10.0, 15.0)])
@@ -65,19 +65,19 @@ def test_a_constant_has_the_closed_form() -> None:
     np.testing.assert_allclose(anti_windup.back_calculation(regulator, 3.0).E, [[-3 / 4]], rtol=tolerances.of("double"))
     sampled = servo.of_gain(StateSpace([[0.9]], [[0.1]], [[1.0]], [[0.0]], ("x",), ("u",), ("x",), Discrete(T)), (0.0,),
                             [[-2.0, -4.0]])  # fmt: skip
-    found = anti_windup.back_calculation(sampled, 3.0)
-    np.testing.assert_allclose(found.E, [[-(1 - np.exp(-3 * T)) / 4]], rtol=tolerances.of("double"))
+    design = anti_windup.back_calculation(sampled, 3.0)
+    np.testing.assert_allclose(design.E, [[-(1 - np.exp(-3 * T)) / 4]], rtol=tolerances.of("double"))
 
 
 def test_an_observer_goes_on_with_what_the_actuators_do() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
-    seen = servo.observed(regulator, [[0.9], [20.0]])
-    found = anti_windup.back_calculation(seen, 5.0)
-    assert found.E[1:].tolist() == [[0.0], [0.0]]
+    seen = servo.with_observer(regulator, [[0.9], [20.0]])
+    design = anti_windup.back_calculation(seen, 5.0)
+    assert design.E[1:].tolist() == [[0.0], [0.0]]
     observer = np.linalg.eigvals(regulator.plant.A - np.array([[0.9], [20.0]]) @ regulator.plant.C)
-    wanted = np.sort_complex([*observer, np.exp(-5 * T)])
-    np.testing.assert_allclose(found.eigenvalues, wanted, rtol=tolerances.of("lyapunov"))
-    limited = found.controller.B[1:, found.controller.inputs.index("f_limited")]
+    expected = np.sort_complex([*observer, np.exp(-5 * T)])
+    np.testing.assert_allclose(design.eigenvalues, expected, rtol=tolerances.of("lyapunov"))
+    limited = design.controller.B[1:, design.controller.inputs.index("f_limited")]
     np.testing.assert_array_equal(limited, regulator.plant.B[:, 0])
 
 
@@ -112,7 +112,7 @@ def test_with_a_direct_term_the_next_state_is_that_of_the_realisable_reference(s
     """Hanus: with w^r = w + D^-1 (limited - u) the command is the limited one; the state follows w^r."""
     c = random_controller(seed, True)
     try:
-        found = anti_windup.conditioning(c, ("r", "s"))
+        design = anti_windup.conditioning(c, ("r", "s"))
     except ModelError:
         zeros = scipy.linalg.eigvals(c.A - c.B[:, :2] @ np.linalg.solve(c.D[:, :2], c.C))
         assert np.abs(zeros).max() >= 1
@@ -122,7 +122,7 @@ def test_with_a_direct_term_the_next_state_is_that_of_the_realisable_reference(s
     u = c.C @ x + c.D @ w
     realisable = w + np.array([*np.linalg.solve(c.D[:, :2], limited - u), 0.0])
     np.testing.assert_allclose(c.C @ x + c.D @ realisable, limited, atol=tolerances.of("lyapunov"))
-    after = found.controller.A @ x + found.controller.B @ np.concatenate([w, limited - u])
+    after = design.controller.A @ x + design.controller.B @ np.concatenate([w, limited - u])
     np.testing.assert_allclose(
         after, c.A @ x + c.B @ realisable, rtol=tolerances.of("lyapunov"), atol=tolerances.of("lyapunov")
     )
@@ -131,35 +131,37 @@ def test_with_a_direct_term_the_next_state_is_that_of_the_realisable_reference(s
 def test_without_one_it_is_the_reference_of_the_sample_before() -> None:
     """Had xi followed it, the command would be the limited one; the next xi starts from there."""
     regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), X_AXIS, [1.0], 1e-3)
-    found = anti_windup.conditioning(regulator.controller, ["gap_error"])
+    design = anti_windup.conditioning(regulator.controller, ["gap_error"])
     rng = np.random.default_rng(1)
     x, xi, e, limited = rng.normal(size=2), rng.normal(size=3), 0.3, 1.7
     model = regulator.model
     u = regulator.K_x @ x + regulator.K_xi @ xi
-    moved = xi + model.N[:, 0] * (limited - u) / (regulator.K_xi @ model.N)[0, 0]
-    np.testing.assert_allclose(regulator.K_x @ x + regulator.K_xi @ moved, limited, rtol=tolerances.of("lyapunov"))
-    wanted = model.Phi @ moved + model.N[:, 0] * e
+    corrected_xi = xi + model.N[:, 0] * (limited - u) / (regulator.K_xi @ model.N)[0, 0]
+    np.testing.assert_allclose(
+        regulator.K_x @ x + regulator.K_xi @ corrected_xi, limited, rtol=tolerances.of("lyapunov")
+    )
+    expected = model.Phi @ corrected_xi + model.N[:, 0] * e
     inputs = {"gap": x[0], "speed": x[1], "gap_error": e, "f_excess": (limited - u)[0]}
-    after = found.controller.A @ xi + found.controller.B @ [inputs[name] for name in found.controller.inputs]
-    np.testing.assert_allclose(after, wanted, rtol=tolerances.of("lyapunov"))
-    assert np.abs(found.eigenvalues).min() < tolerances.of("lyapunov")  # at once
+    after = design.controller.A @ xi + design.controller.B @ [inputs[name] for name in design.controller.inputs]
+    np.testing.assert_allclose(after, expected, rtol=tolerances.of("lyapunov"))
+    assert np.abs(design.eigenvalues).min() < tolerances.of("lyapunov")  # at once
     gentle = anti_windup.conditioning(regulator.controller, ["gap_error"], 20.0)
     assert np.abs(gentle.eigenvalues - np.exp(-0.02)).min() < tolerances.of("lyapunov")
 
 
 def test_a_continuous_controller_is_conditioned_at_a_rate() -> None:
     regulator = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), X_AXIS, [1.0])
-    found = anti_windup.conditioning(regulator.controller, ["gap_error"], 30.0)
+    design = anti_windup.conditioning(regulator.controller, ["gap_error"], 30.0)
     k = regulator.K_xi[0]
-    wanted = np.sort_complex([-30, *np.roots(k[::-1])])
-    np.testing.assert_allclose(found.eigenvalues, wanted, rtol=tolerances.of("lyapunov"))
+    expected = np.sort_complex([-30, *np.roots(k[::-1])])
+    np.testing.assert_allclose(design.eigenvalues, expected, rtol=tolerances.of("lyapunov"))
     with pytest.raises(SignalError, match="whose D is 0: give the rate decay_per_s"):
         anti_windup.conditioning(regulator.controller, ["gap_error"])
 
 
 def test_conditioning_that_cannot_be_is_refused_with_the_mend() -> None:
     y_axis = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), Y_AXIS, [1.0], 1e-3)
-    with pytest.raises(ModelError, match=r"eigenvalue 1\.0002.* it is a zero from gap_error, .* back_calculation does"):
+    with pytest.raises(ModelError, match=r"eigenvalue 1\.0002.* it is a zero from gap_error, .* use back_calculation"):
         anti_windup.conditioning(y_axis.controller, ["gap_error"])
     assert anti_windup.back_calculation(y_axis, 1.0).eigenvalues.size == 3
     with pytest.raises(SignalError, match="give as many references as commands, 3 for f_command, g_command, h_command"):
@@ -201,7 +203,7 @@ def test_a_saturated_step_overshoots_less(with_observer: bool) -> None:
     """0.1 m under 1.5 m/s^2: without anti-windup the internal model winds up and the mass swings on."""
     regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), X_AXIS, [1.0], 1e-3)
     if with_observer:
-        regulator = servo.observed(regulator, [[0.5], [60.0]])
+        regulator = servo.with_observer(regulator, [[0.5], [60.0]])
     aims = np.full((3000, 1), 0.1)
     over = {}
     for name, controller in {
@@ -221,14 +223,14 @@ def test_a_saturated_step_overshoots_less(with_observer: bool) -> None:
 
 def test_any_form_of_system_is_read_and_the_result_prints() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
-    found = anti_windup.back_calculation(regulator, 5.0)
-    again = anti_windup.of_gain(regulator.controller.to_control(), found.E)
-    np.testing.assert_array_equal(again.E, found.E)
-    assert "With all actuators at their limits the controller has the eigenvalues 0.95123" in repr(found)
+    design = anti_windup.back_calculation(regulator, 5.0)
+    again = anti_windup.of_gain(regulator.controller.to_control(), design.E)
+    np.testing.assert_array_equal(again.E, design.E)
+    assert "With all actuators at their limits the controller has the eigenvalues 0.95123" in repr(design)
 
 
 @pytest.mark.parametrize("sampled", [False, True])
-def test_no_gain_leaves_the_modes_and_is_refused_whatever_rounding_says(sampled: bool) -> None:
+def test_a_gain_of_zero_is_refused_for_any_rounding(sampled: bool) -> None:
     plant = ([[-1.0]], [[1.0]], [[1.0]])
     for w in np.linspace(0, 30, 21):
         n = 3 if w else 2
@@ -247,18 +249,18 @@ def test_a_rate_that_is_no_number_is_refused(rate: float) -> None:
         anti_windup.back_calculation(regulator, rate)
 
 
-def rounded_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+def perturb_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let LAPACK's solutions and products differ in their last digits, as on another processor."""
 
-    def shaken(solve: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
-        return lambda *given, **named: np.asarray(solve(*given, **named)) * (1 + 2.0**-45)
+    def perturbed(solve: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+        return lambda *args, **named: np.asarray(solve(*args, **named)) * (1 + 2.0**-45)
 
     for module, names in (
         (np.linalg, ("solve", "inv")),
         (scipy.linalg, ("solve_continuous_lyapunov", "solve_discrete_lyapunov", "expm")),
     ):
         for name in names:
-            monkeypatch.setattr(module, name, shaken(getattr(module, name)))
+            monkeypatch.setattr(module, name, perturbed(getattr(module, name)))
 
 
 @pytest.mark.parametrize("exosystem", [(0.0, 3.0), {0.0: 2, 3.0: 1}, {3.0: 2}])
@@ -271,7 +273,7 @@ def test_the_exact_gain_is_the_same_whatever_lapack_rounds(
     with monkeypatch.context() as patched:
         patched.setattr(precise, "BITS", 1024)
         np.testing.assert_array_equal(anti_windup.back_calculation(regulator, 20.0).E, exact)
-    rounded_otherwise(monkeypatch)
+    perturb_rounding(monkeypatch)
     np.testing.assert_array_equal(anti_windup.back_calculation(regulator, 20.0).E, exact)
 
 

@@ -29,13 +29,13 @@ def random_regulator(seed: int, period: float | None) -> servo.Servo:
 @settings(derandomize=True, max_examples=10, deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from([None, 0.05]))
 def test_the_command_is_the_present_one_and_the_state_the_least(seed: int, period: float | None) -> None:
-    found = random_regulator(seed, period)
+    regulator = random_regulator(seed, period)
     rng = np.random.default_rng(seed)
-    x, u = rng.normal(size=len(found.plant.A)), rng.normal(size=len(found.controls))
-    xi = bumpless.start(found, x, u)
-    size = np.abs(found.K_x) @ np.abs(x) + np.abs(found.K_xi) @ np.abs(xi)
-    assert (np.abs(found.K_x @ x + found.K_xi @ xi - u) <= 16 * np.finfo(float).eps * (size + np.abs(u))).all()
-    spare = scipy.linalg.null_space(found.K_xi)
+    x, u = rng.normal(size=len(regulator.plant.A)), rng.normal(size=len(regulator.controls))
+    xi = bumpless.start(regulator, x, u)
+    size = np.abs(regulator.K_x) @ np.abs(x) + np.abs(regulator.K_xi) @ np.abs(xi)
+    assert (np.abs(regulator.K_x @ x + regulator.K_xi @ xi - u) <= 16 * np.finfo(float).eps * (size + np.abs(u))).all()
+    spare = scipy.linalg.null_space(regulator.K_xi)
     assert np.abs(spare.T @ xi).max(initial=0) < tolerances.of("lyapunov") * np.linalg.norm(xi)
 
 
@@ -50,8 +50,8 @@ def test_the_first_step_of_the_controller_is_the_present_command(with_observer: 
     x, present = np.array([0.01, -0.2, 0.03, 0.1]), np.array([0.4, -1.2])
     if with_observer:
         sampled = regulator.plant
-        found = scipy.signal.place_poles(sampled.A.T, sampled.C.T, [0.5, 0.55, 0.6, 0.65])
-        regulator = servo.observed(regulator, found.gain_matrix.T)
+        placed = scipy.signal.place_poles(sampled.A.T, sampled.C.T, [0.5, 0.55, 0.6, 0.65])
+        regulator = servo.with_observer(regulator, placed.gain_matrix.T)
     xi, c = bumpless.start(regulator, x, present), regulator.controller
     known = dict(zip(plant.states, x, strict=True)) | {"y": x[0], "z": x[2], "y_error": 0.3, "z_error": -0.1}
     w = np.array([known.get(name, 0.0) for name in c.inputs])
@@ -65,14 +65,14 @@ def test_the_first_step_of_the_controller_is_the_present_command(with_observer: 
 def test_a_start_that_must_jump_names_the_controls() -> None:
     """One integrator for two inputs that act alike: a difference between them cannot be held."""
     plant = StateSpace([[-1.0]], [[1.0, 1.0]], [[1.0]], [[0.0, 0.0]], ("x",), ("left", "right"), ("x",), Continuous())
-    found = optimal_servo.lqr(plant, (0.0,), np.eye(2), np.eye(2))
-    assert bumpless.start(found, [0.0], [0.5, 0.5]).shape == (1,)
+    regulator = optimal_servo.lqr(plant, (0.0,), np.eye(2), np.eye(2))
+    assert bumpless.start(regulator, [0.0], [0.5, 0.5]).shape == (1,)
     with pytest.raises(ModelError, match=r"left by .* right by .* would jump, for K_xi has rank 1 with 2 controls"):
-        bumpless.start(found, [0.0], [0.5, -0.5])
+        bumpless.start(regulator, [0.0], [0.5, -0.5])
     with pytest.raises(SignalError, match=r"give 1 finite states \(x\) and 2 inputs \(left, right\)"):
-        bumpless.start(found, [0.0], [0.5])
+        bumpless.start(regulator, [0.0], [0.5])
     with pytest.raises(SignalError, match="give 1 finite states"):
-        bumpless.start(found, [np.nan], [0.5, 0.5])
+        bumpless.start(regulator, [np.nan], [0.5, 0.5])
 
 
 def test_values_that_are_not_real_are_refused() -> None:

@@ -33,20 +33,20 @@ def plant(C: object, time: Continuous | Discrete | None = None) -> StateSpace:
 
 @pytest.mark.parametrize("frequencies", [(0.0,), (3.0,), (0.0, 2.0), (1.0, 2.0, 5.0), (0.0, 4.7, 9.4)])
 def test_the_poles_are_the_frequencies_and_the_input_reaches_all(frequencies: tuple[float, ...]) -> None:
-    found = internal_model.exosystem(frequencies)
-    wanted = [s for w in frequencies for s in ((1j * w, -1j * w) if w else (0j,))]
-    np.testing.assert_allclose(np.sort(np.linalg.eigvals(found.Phi).imag), np.sort(np.imag(wanted)), atol=1e-7)
-    n = len(found.Phi)
-    assert found.N.tolist() == [[0.0]] * (n - 1) + [[1.0]]
-    np.testing.assert_array_equal(found.Phi[:-1], np.eye(n)[1:])
-    unstable = found.Phi + 100 * np.eye(n)
-    structure.require_stabilisable(unstable, found.N, tuple("abcdefg"[:n]), ("e",), Continuous())
+    model = internal_model.exosystem(frequencies)
+    expected = [s for w in frequencies for s in ((1j * w, -1j * w) if w else (0j,))]
+    np.testing.assert_allclose(np.sort(np.linalg.eigvals(model.Phi).imag), np.sort(np.imag(expected)), atol=1e-7)
+    n = len(model.Phi)
+    assert model.N.tolist() == [[0.0]] * (n - 1) + [[1.0]]
+    np.testing.assert_array_equal(model.Phi[:-1], np.eye(n)[1:])
+    unstable = model.Phi + 100 * np.eye(n)
+    structure.require_stabilisable(unstable, model.N, tuple("abcdefg"[:n]), ("e",), Continuous())
 
 
 def test_the_published_form() -> None:
-    found = internal_model.exosystem((0.0, 2.0))
-    np.testing.assert_array_equal(found.Phi, [[0, 1, 0], [0, 0, 1], [0, -4, 0]])
-    assert not np.signbit(found.Phi[found.Phi == 0]).any()
+    model = internal_model.exosystem((0.0, 2.0))
+    np.testing.assert_array_equal(model.Phi, [[0, 1, 0], [0, 0, 1], [0, -4, 0]])
+    assert not np.signbit(model.Phi[model.Phi == 0]).any()
 
 
 @pytest.mark.parametrize("frequencies", [(), (-1.0,), (1.0, 1.0), (0.0, 0.0), (np.inf,), (np.nan,)])
@@ -58,7 +58,7 @@ def test_frequencies_that_make_no_exosystem_are_refused(frequencies: tuple[float
 FREQUENCIES = [(0.0,), (7.0,), (0.0, 7.0), (2.0, 7.0), (0.0, 2.0, 7.0, 31.0)]
 
 
-def turned(c: Sequence[float], eta: np.ndarray, e: float, added: Sequence[float]) -> np.ndarray:
+def leapfrog_sample(c: Sequence[float], eta: np.ndarray, e: float, added: Sequence[float]) -> np.ndarray:
     """Return one sample of the leapfrog form, written out in its order of computation."""
     first, after = len(eta) % 2, np.array(eta, dtype=float)
     if first:
@@ -74,11 +74,13 @@ def matrices(c: Sequence[float], E: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     """Return the leapfrog form as eta' = A eta + B e + D x, column by column."""
     n = len(E)
     none, units = np.zeros(n), np.eye(n)
-    A = np.column_stack([turned(c, unit, 0.0, none) for unit in units])
-    return A, turned(c, none, 1.0, none), turned(c, none, 0.0, E)
+    A = np.column_stack([leapfrog_sample(c, unit, 0.0, none) for unit in units])
+    return A, leapfrog_sample(c, none, 1.0, none), leapfrog_sample(c, none, 0.0, E)
 
 
-def held(frequencies: Sequence[float], period: float, E: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sampled_companion(
+    frequencies: Sequence[float], period: float, E: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return xi over one period under constant e and x, by SciPy's exponential of the companion form."""
     model = internal_model.exosystem(frequencies)
     n = len(model.Phi)
@@ -93,34 +95,34 @@ def test_the_coordinates_lead_to_the_sampled_companion_form(frequencies: tuple[f
     """xi = T eta: Phi_d T = T A, N_d = T B and E_d = T D, each row to the rounding of SciPy's exponential."""
     n = len(internal_model.exosystem(frequencies).Phi)
     E = np.linspace(0.3, -0.5, n)
-    found = internal_model.leapfrog(frequencies, period, E)
-    A, B, D = matrices(found.c, found.E[:, 0])
-    Phi, N, E_d = held(frequencies, period, E)
-    row = 1 / np.abs(found.T).max(axis=1)[:, None]
-    np.testing.assert_allclose(row * (Phi @ found.T), row * (found.T @ A), rtol=0, atol=tolerances.of("double"))
-    np.testing.assert_allclose(found.T @ B, N, rtol=tolerances.of("ode"))
-    np.testing.assert_allclose(found.T @ D, E_d, rtol=tolerances.of("ode"), atol=tolerances.of("double"))
+    leapfrog = internal_model.leapfrog(frequencies, period, E)
+    A, B, D = matrices(leapfrog.c, leapfrog.E[:, 0])
+    Phi, N, E_d = sampled_companion(frequencies, period, E)
+    row = 1 / np.abs(leapfrog.T).max(axis=1)[:, None]
+    np.testing.assert_allclose(row * (Phi @ leapfrog.T), row * (leapfrog.T @ A), rtol=0, atol=tolerances.of("double"))
+    np.testing.assert_allclose(leapfrog.T @ B, N, rtol=tolerances.of("ode"))
+    np.testing.assert_allclose(leapfrog.T @ D, E_d, rtol=tolerances.of("ode"), atol=tolerances.of("double"))
     assert not internal_model.leapfrog(frequencies, period).E.any()
 
 
 def test_a_run_is_the_solution_of_the_continuous_form() -> None:
     """From xi = 0 under an error and an anti-windup that change at each sample."""
     period, E, rng = 0.05, np.array([0.3, -0.2, 0.5]), np.random.default_rng(3)
-    model, found = internal_model.exosystem((0.0, 7.0)), internal_model.leapfrog((0.0, 7.0), period, E)
+    model, leapfrog = internal_model.exosystem((0.0, 7.0)), internal_model.leapfrog((0.0, 7.0), period, E)
     eta, xi = np.zeros(3), np.zeros(3)
     for e, x in rng.normal(size=(40, 2)):
         drive = model.N[:, 0] * e + E * x
-        eta = turned(found.c, eta, e, found.E[:, 0] * x)
+        eta = leapfrog_sample(leapfrog.c, eta, e, leapfrog.E[:, 0] * x)
         xi = scipy.integrate.solve_ivp(
             lambda t, v, d=drive: model.Phi @ v + d, (0, period), xi, rtol=1e-11, atol=1e-13
         ).y[:, -1]
-    np.testing.assert_allclose(found.T @ eta, xi, rtol=10 * tolerances.of("ode"))
+    np.testing.assert_allclose(leapfrog.T @ eta, xi, rtol=10 * tolerances.of("ode"))
 
 
 @pytest.mark.parametrize("scalar", [np.float16, np.float32, np.float64])
 def test_the_poles_stay_on_the_unit_circle_whatever_c_is_rounded_to(scalar: type[np.floating]) -> None:
-    found = internal_model.leapfrog((0.0, 7.0, 40.0), T)
-    c = found.c.astype(scalar).astype(float)
+    leapfrog = internal_model.leapfrog((0.0, 7.0, 40.0), T)
+    c = leapfrog.c.astype(scalar).astype(float)
     A = matrices(c, np.zeros(5))[0]
     poles = np.linalg.eigvals(A)
     np.testing.assert_allclose(np.abs(poles), 1, rtol=0, atol=tolerances.of("double"))
@@ -129,8 +131,8 @@ def test_the_poles_stay_on_the_unit_circle_whatever_c_is_rounded_to(scalar: type
 
 
 def test_the_companion_form_leaves_the_circle_when_it_is_rounded() -> None:
-    """What the leapfrog form is for: the same model sampled as it stands grows or decays in single precision."""
-    Phi = held((0.0, 4.7), T, np.zeros(3))[0].astype(np.float32).astype(float)
+    """The reason for the leapfrog form: the companion form grows or decays in single precision."""
+    Phi = sampled_companion((0.0, 4.7), T, np.zeros(3))[0].astype(np.float32).astype(float)
     assert np.abs(np.abs(np.linalg.eigvals(Phi)) - 1).max() > 1e-9
 
 
@@ -180,14 +182,14 @@ def test_other_plants_are_refused() -> None:
 
 
 @pytest.mark.parametrize("counts", [{0.0: 2}, {3.0: 2}, {0.0: 3, 2.0: 1}, {2.0: 2, 0.0: 1, 5.0: 1}])
-def test_multiplicities_stand_in_the_characteristic_polynomial(counts: dict[float, int]) -> None:
-    found = internal_model.exosystem(counts)
-    wanted = np.array([1.0])
+def test_multiplicities_appear_in_the_characteristic_polynomial(counts: dict[float, int]) -> None:
+    model = internal_model.exosystem(counts)
+    expected = np.array([1.0])
     for w, count in counts.items():
         for _ in range(count):
-            wanted = np.polymul(wanted, [1, 0, w * w] if w else [1, 0])
-    np.testing.assert_allclose(np.poly(found.Phi), wanted, atol=tolerances.of("double") * np.abs(wanted).max())
-    assert {m.value.imag: m.multiplicity for m in found.modes} == counts
+            expected = np.polymul(expected, [1, 0, w * w] if w else [1, 0])
+    np.testing.assert_allclose(np.poly(model.Phi), expected, atol=tolerances.of("double") * np.abs(expected).max())
+    assert {m.value.imag: m.multiplicity for m in model.modes} == counts
 
 
 @pytest.mark.parametrize("count", [0, -1, 1.5])
@@ -204,7 +206,9 @@ def test_an_exosystem_is_read_from_frequencies_multiplicities_and_matrices() -> 
     np.testing.assert_allclose(by_matrix.Phi, by_count.Phi, rtol=tolerances.of("double"))
     assert internal_model.of(by_count) is by_count
     np.testing.assert_array_equal(internal_model.of(np.array([0.0, 3.0])).Phi, internal_model.exosystem((0.0, 3.0)).Phi)
-    with pytest.raises(SignalError, match=r"4\.7 is no exosystem: give frequencies in rad/s as a list, or a matrix"):
+    with pytest.raises(
+        SignalError, match=r"4\.7 is not an exosystem: give frequencies in rad/s as a list, or a matrix"
+    ):
         internal_model.of(4.7)  # type: ignore[arg-type]
 
 
@@ -221,13 +225,13 @@ def distances(Phi: np.ndarray, points: Sequence[complex]) -> list[float]:
     n = len(Phi)
     with precise.precision(400):
         p = precise.matrix(Phi).charpoly()
-        found = []
+        distances = []
         for z in points:
             powers = [z**k for k in range(n + 1)]
             value = sum((p[k] * powers[k] for k in range(n + 1)), start=flint.acb(0))
             slope = sum((k * p[k] * powers[k - 1] for k in range(1, n + 1)), start=flint.acb(0))
-            found.append(float(abs(value / slope).mid()))
-    return found
+            distances.append(float(abs(value / slope).mid()))
+    return distances
 
 
 @pytest.mark.parametrize(("frequencies", "period"), [((0.0, 4.7), T), ((0.0, 2.0, 7.0, 31.0), 0.02)])
@@ -235,13 +239,13 @@ def test_the_sampled_modes_lie_on_the_unit_circle_at_the_frequencies(
     frequencies: tuple[float, ...], period: float
 ) -> None:
     """To a few units of the last place, though they lie close together; Euler's rule misses by some (w T)^2 / 2."""
-    found = internal_model.in_time(frequencies, Discrete(period))
+    model = internal_model.in_time(frequencies, Discrete(period))
     with precise.precision(400):
         points = [(flint.acb(0, w) * flint.arb(period)).exp() for w in frequencies]
-    assert max(distances(found.Phi, points)) < 10 * np.finfo(float).eps
-    Phi, N, _ = held(frequencies, period, np.zeros(len(found.Phi)))
-    np.testing.assert_allclose(found.Phi, Phi, atol=tolerances.of("double") * np.abs(Phi).max())
-    np.testing.assert_allclose(found.N[:, 0], N, rtol=tolerances.of("ode"))
+    assert max(distances(model.Phi, points)) < 10 * np.finfo(float).eps
+    Phi, N, _ = sampled_companion(frequencies, period, np.zeros(len(model.Phi)))
+    np.testing.assert_allclose(model.Phi, Phi, atol=tolerances.of("double") * np.abs(Phi).max())
+    np.testing.assert_allclose(model.N[:, 0], N, rtol=tolerances.of("ode"))
     euler = np.eye(len(Phi)) + internal_model.exosystem(frequencies).Phi * period
     assert max(distances(euler, points)) > 0.2 * (max(frequencies) * period) ** 2
 
@@ -270,7 +274,7 @@ def test_an_integrator_has_the_unit_of_an_integral_in_either_time(time: Continuo
     model = internal_model.in_time([0.0], time)
     unit = model.units(["x"], {"x": "m"})["xi1"]
     axis = StateSpace([[0.5]], [[1]], [[1]], [[0]], ("p",), ("f",), ("x",), time, {"x": "m"})
-    assert unit == lqr.integral(axis, ["x"]).unit("x_integral") == "m s"
+    assert unit == lqr.with_integrators(axis, ["x"]).unit("x_integral") == "m s"
     assert model.N[0, 0] == (1.0 if time == Continuous() else T)  # the unit s of the second stands in N
 
 
@@ -319,17 +323,17 @@ def test_a_sampled_plant_gets_the_sampled_model() -> None:
 
 
 @pytest.mark.parametrize(
-    "given", [{0.0: np.nan}, {0.0: np.inf}, {0.0: "a"}, {0.0: None}, {0.0: 1j}, {0.0: [1]}, {0.0: 1e9}]
+    "bad", [{0.0: np.nan}, {0.0: np.inf}, {0.0: "a"}, {0.0: None}, {0.0: 1j}, {0.0: [1]}, {0.0: 1e9}]
 )
-def test_a_multiplicity_that_is_no_number_is_refused(given: dict[float, int]) -> None:
+def test_a_multiplicity_that_is_no_number_is_refused(bad: dict[float, int]) -> None:
     with pytest.raises(SignalError, match=r"multiplicity|`frequencies` of .* to a whole number"):
-        internal_model.exosystem(given)
+        internal_model.exosystem(bad)
 
 
-@pytest.mark.parametrize("given", [1.0, "abc", None, {"zzz": 1}, {1j: 1}, [1j], np.array([1j]), ["a"], [[1.0], [1, 2]]])
-def test_frequencies_that_are_no_numbers_are_refused(given: list[float]) -> None:
+@pytest.mark.parametrize("bad", [1.0, "abc", None, {"zzz": 1}, {1j: 1}, [1j], np.array([1j]), ["a"], [[1.0], [1, 2]]])
+def test_frequencies_that_are_no_numbers_are_refused(bad: list[float]) -> None:
     with pytest.raises(SignalError, match=r"give (frequencies|an array of real|distinct|a list, each entry a number)"):
-        internal_model.exosystem(given)
+        internal_model.exosystem(bad)
 
 
 @pytest.mark.parametrize("E", [[1j], np.array([1j]), [np.nan]])

@@ -18,12 +18,12 @@ def jordan(mode: complex, order: int) -> np.ndarray:
     return np.kron(np.eye(order), core) + np.kron(np.eye(order, k=1), np.eye(len(core)))
 
 
-def found(S: object) -> dict[complex, int]:
+def multiplicities(S: object) -> dict[complex, int]:
     return {complex(np.round(m.value, 6)): m.multiplicity for m in minimal_polynomial.roots(S)}
 
 
 @pytest.mark.parametrize(
-    ("S", "wanted"),
+    ("S", "expected"),
     [
         (np.zeros((3, 3)), {0: 1}),
         (jordan(0, 2), {0: 2}),
@@ -36,8 +36,8 @@ def found(S: object) -> dict[complex, int]:
         ([[-1e-5, 1], [-1, -1e-5]], {-1e-5 + 1j: 1}),
     ],
 )
-def test_known_cases(S: object, wanted: dict[complex, int]) -> None:
-    assert found(S) == wanted
+def test_known_cases(S: object, expected: dict[complex, int]) -> None:
+    assert multiplicities(S) == expected
 
 
 def test_order_counts_degrees() -> None:
@@ -64,7 +64,7 @@ def test_the_polynomial_vanishes_at_the_matrix_and_none_of_lower_degree_does() -
     S = scipy.linalg.block_diag(jordan(2j, 2), jordan(0, 2), jordan(0, 1))
     Q = np.linalg.qr(rng.normal(size=S.shape))[0]
     S = Q @ S @ Q.T
-    p = [float(c) for c in minimal_polynomial.product(minimal_polynomial.roots(S)).coeffs()]
+    p = [float(c) for c in minimal_polynomial.polynomial(minimal_polynomial.roots(S)).coeffs()]
     powers = [np.linalg.matrix_power(S, k) for k in range(len(p))]
     left = sum(c * M for c, M in zip(p, powers, strict=True))
     np.testing.assert_allclose(left, 0, atol=tolerances.of("double") * max(np.abs(M).max() for M in powers))
@@ -90,5 +90,5 @@ def test_the_modal_matrix_leads_to_the_real_jordan_form(chain: float) -> None:
     T = minimal_polynomial.modal_matrix(model.modes, chain)
     J = precise.rounded(T.inv() * precise.matrix(model.Phi) * T)
     turn = np.array([[0.0, 3.0], [-3.0, 0.0]])
-    wanted = scipy.linalg.block_diag([[0, chain], [0, 0]], np.block([[turn, chain * np.eye(2)], [0 * turn, turn]]))
-    np.testing.assert_allclose(J, wanted, rtol=0, atol=tolerances.of("double"))
+    expected = scipy.linalg.block_diag([[0, chain], [0, 0]], np.block([[turn, chain * np.eye(2)], [0 * turn, turn]]))
+    np.testing.assert_allclose(J, expected, rtol=0, atol=tolerances.of("double"))

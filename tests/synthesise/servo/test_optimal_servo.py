@@ -22,7 +22,9 @@ def plant(rng: np.random.Generator) -> StateSpace:
     return StateSpace(*matrices, ("a", "b", "c"), ("f", "g"), ("y", "z"), Continuous())
 
 
-def running_cost(found: servo.Servo, c: StateSpace, Q: np.ndarray, R: np.ndarray, T: float, start: np.ndarray) -> float:
+def running_cost(
+    regulator: servo.Servo, c: StateSpace, Q: np.ndarray, R: np.ndarray, T: float, start: np.ndarray
+) -> float:
     """Return int (x'Qx + u'Ru) dt from `start` (x, xi): u and e held, Gauss quadrature inside each period."""
     model = internal_model.exosystem((0.0, 2.0))
     Phi, N = np.kron(np.eye(2), model.Phi), np.kron(np.eye(2), model.N)
@@ -34,7 +36,7 @@ def running_cost(found: servo.Servo, c: StateSpace, Q: np.ndarray, R: np.ndarray
     nodes, parts = np.polynomial.legendre.leggauss(8)
     flows = [scipy.linalg.expm(F * T / 2 * (v + 1)) for v in nodes]
     W = T / 2 * sum(w * M.T @ weight @ M for w, M in zip(parts, flows, strict=True))
-    full = np.vstack([np.eye(n + k), found.K, np.hstack([c.C, np.zeros((2, k))]) + c.D @ found.K])
+    full = np.vstack([np.eye(n + k), regulator.K, np.hstack([c.C, np.zeros((2, k))]) + c.D @ regulator.K])
     loop = (scipy.linalg.expm(F * T) @ full)[: n + k]
     assert np.abs(np.linalg.eigvals(loop)).max() < 1
     return float(start @ scipy.linalg.solve_discrete_lyapunov(loop.T, full.T @ W @ full) @ start)
@@ -46,14 +48,14 @@ def test_no_other_gain_has_a_lower_continuous_cost(seed: int) -> None:
     rng = np.random.default_rng(seed)
     c, T = plant(rng), 0.1
     Q, R = np.diag(rng.uniform(0.5, 2, 9)), np.diag([1.0, 2.0])
-    found = optimal_servo.lqrd(c, (0.0, 2.0), Q, R, T)
+    regulator = optimal_servo.lqrd(c, (0.0, 2.0), Q, R, T)
     start = rng.normal(size=9)
-    best = running_cost(found, c, Q, R, T, start)
+    best = running_cost(regulator, c, Q, R, T, start)
     for _ in range(3):
-        other = replace(found, K=found.K * (1 + 0.02 * rng.normal(size=found.K.shape)))
+        other = replace(regulator, K=regulator.K * (1 + 0.02 * rng.normal(size=regulator.K.shape)))
         assert running_cost(other, c, Q, R, T, start) > best * (1 - tolerances.of("double"))
     continuous = optimal_servo.lqr(c, (0.0, 2.0), Q, R)
-    assert running_cost(replace(found, K=continuous.K), c, Q, R, T, start) > best * (1 + 1e-6)
+    assert running_cost(replace(regulator, K=continuous.K), c, Q, R, T, start) > best * (1 + 1e-6)
 
 
 def test_the_sampled_gain_goes_to_the_continuous_one() -> None:
@@ -69,11 +71,11 @@ def test_the_sampled_gain_goes_to_the_continuous_one() -> None:
 def test_the_sum_is_minimised_for_a_sampled_plant() -> None:
     """An integrator: the gain of SciPy's Riccati equation for the augmented plant."""
     sampled = StateSpace([[1.0]], [[0.1]], [[1.0]], [[0.0]], ("x",), ("u",), ("x",), Discrete(0.1))
-    found = optimal_servo.lqr(sampled, (0.0,), np.eye(2), [1.0])
+    regulator = optimal_servo.lqr(sampled, (0.0,), np.eye(2), [1.0])
     A, B = np.array([[1.0, 0.0], [0.1, 1.0]]), np.array([[0.1], [0.0]])
     X = scipy.linalg.solve_discrete_are(A, B, np.eye(2), np.eye(1))
     K = -np.linalg.solve(np.eye(1) + B.T @ X @ B, B.T @ X @ A)
-    np.testing.assert_allclose(found.K, K, rtol=tolerances.of("pencil"))
+    np.testing.assert_allclose(regulator.K, K, rtol=tolerances.of("pencil"))
 
 
 def test_weights_are_given_by_name_and_exact_gains_agree() -> None:
@@ -81,11 +83,11 @@ def test_weights_are_given_by_name_and_exact_gains_agree() -> None:
     names = {"y": "gap", "z": "tilt"}
     c = c.renamed(names)
     Q = {"a": 1.0, "b": 1.0, "c": 1.0, "xi1_gap": 2.0, "xi1_tilt": 3.0}
-    found = optimal_servo.lqrd(c, (0.0,), Q, {"f": 1.0, "g": 1.0}, 0.1)
+    regulator = optimal_servo.lqrd(c, (0.0,), Q, {"f": 1.0, "g": 1.0}, 0.1)
     listed = optimal_servo.lqrd(c, (0.0,), np.diag([1, 1, 1, 2.0, 3.0]), np.eye(2), 0.1)
-    np.testing.assert_array_equal(found.K, listed.K)
+    np.testing.assert_array_equal(regulator.K, listed.K)
     exact = optimal_servo.lqrd(c, (0.0,), Q, [1.0, 1.0], 0.1, exact=True)
-    np.testing.assert_allclose(found.K, exact.K, rtol=tolerances.of("lyapunov"))
+    np.testing.assert_allclose(regulator.K, exact.K, rtol=tolerances.of("lyapunov"))
     with pytest.raises(SignalError, match="names 'xi2_gap', which is not one of a, b, c, xi1_gap, xi1_tilt"):
         optimal_servo.lqrd(c, (0.0,), {"xi2_gap": 1.0}, [1.0, 1.0], 0.1)
 
@@ -100,6 +102,6 @@ def test_time_is_a_type() -> None:
 
 def test_any_form_of_system_is_read() -> None:
     c = plant(np.random.default_rng(2))
-    found = optimal_servo.lqrd((c.A, c.B, c.C, c.D), (0.0,), np.eye(5), np.eye(2), 0.1)
+    regulator = optimal_servo.lqrd((c.A, c.B, c.C, c.D), (0.0,), np.eye(5), np.eye(2), 0.1)
     again = optimal_servo.lqrd(c.to_control(), (0.0,), np.eye(5), np.eye(2), 0.1)
-    np.testing.assert_array_equal(found.K, again.K)
+    np.testing.assert_array_equal(regulator.K, again.K)

@@ -43,9 +43,9 @@ def random_plant(seed: int, period: float | None) -> tuple[StateSpace, lqr.Gain]
     return discretise.zero_order_hold(plant, period), lqr.lqrd(plant, [1.0, 2.0, 3.0], [1.0, 2.0, 0.5], period)
 
 
-def distance(found: np.ndarray, expected: np.ndarray) -> float:
+def distance(poles: np.ndarray, expected: np.ndarray) -> float:
     """Return the largest distance of a pole from its own, relative to the largest pole."""
-    apart = np.abs(found[:, None] - expected)
+    apart = np.abs(poles[:, None] - expected)
     return float(apart[scipy.optimize.linear_sum_assignment(apart)].max() / np.abs(expected).max())
 
 
@@ -58,14 +58,14 @@ def expected_poles(gain: lqr.Gain, rates: dict[float, float], counts: dict[float
 @pytest.mark.parametrize(("period", "delay"), [(None, 0.0), (T, 0.0), (T, T), (T, 0.4 * T), (T, 2.3 * T)])
 def test_each_mode_decays_at_its_rate_and_the_other_poles_stay(period: float | None, delay: float) -> None:
     plant, gain = axis(period, delay)
-    found = prescribed_decay.design(plant, gain, RATES)
+    regulator = prescribed_decay.design(plant, gain, RATES)
     late = len(plant.A) - 2
-    seen, expected = (sorted(v, key=abs) for v in (found.poles, expected_poles(gain, RATES, {}, 1)))
+    seen, expected = (sorted(v, key=abs) for v in (regulator.poles, expected_poles(gain, RATES, {}, 1)))
     assert distance(np.array(seen[late:]), np.array(expected[late:])) < PLACED
     assert np.abs(seen[:late]).max(initial=0.0) < 1e-4  # deadbeat, scattered by the third root of the precision
-    assert found.steady.vanishes
-    assert found.states == (*plant.states, "xi1", "xi2", "xi3")
-    rates = found.poles.real if period is None else np.log(np.abs(found.poles)) / T
+    assert regulator.steady.vanishes
+    assert regulator.states == (*plant.states, "xi1", "xi2", "xi3")
+    rates = regulator.poles.real if period is None else np.log(np.abs(regulator.poles)) / T
     slowest = np.sort(-rates)[:3]
     np.testing.assert_allclose(slowest, [25, 40, 40], rtol=1e-6)
 
@@ -77,22 +77,22 @@ def test_several_outputs_inputs_and_multiplicities(seed: int, counts: dict[float
     """Poles that meet scatter by a root of the precision: four of them by its fourth root."""
     plant, gain = random_plant(seed, period)
     rates = {0.0: 0.7, 3.0: 1.3, 5.0: 0.4}
-    found = prescribed_decay.design(plant, gain, rates, multiplicity=counts)
-    assert distance(found.poles, expected_poles(gain, rates, counts, 2)) < (1e-3 if counts else 1e-6)
-    assert found.steady.vanishes
-    assert found.around(replace(plant, B=plant.B * 0.97)).vanishes
+    regulator = prescribed_decay.design(plant, gain, rates, multiplicity=counts)
+    assert distance(regulator.poles, expected_poles(gain, rates, counts, 2)) < (1e-3 if counts else 1e-6)
+    assert regulator.steady.vanishes
+    assert regulator.around(replace(plant, B=plant.B * 0.97)).vanishes
 
 
-def returned(found: servo.Servo, w: np.ndarray) -> np.ndarray:
+def return_difference(regulator: servo.Servo, w: np.ndarray) -> np.ndarray:
     """Return 1 + L at the commands (N, m, m) for the frequencies w (N,), the states fed back."""
-    n, model = len(found.plant.A), found.model
-    p = len(found.regulated)
-    acting = found.plant.select(found.regulated, found.controls)
+    n, model = len(regulator.plant.A), regulator.model
+    p = len(regulator.regulated)
+    acting = regulator.plant.select(regulator.regulated, regulator.controls)
     Phi, N = np.kron(np.eye(p), model.Phi), np.kron(np.eye(p), model.N)
     A = np.block([[acting.A, np.zeros((n, len(Phi)))], [N @ acting.C, Phi]])
     B = np.vstack([acting.B, N @ acting.D])
     one = np.eye(B.shape[1])
-    return np.array([one - found.K @ np.linalg.solve(1j * v * np.eye(len(A)) - A, B) for v in w])
+    return np.array([one - regulator.K @ np.linalg.solve(1j * v * np.eye(len(A)) - A, B) for v in w])
 
 
 @pytest.mark.parametrize("which", ["axis", 0, 1])
@@ -100,15 +100,17 @@ def test_the_continuous_loop_has_the_return_difference_of_an_optimal_one(which: 
     """Kalman's inequality (1 + L)* R (1 + L) >= R: gain margins 1/2 and inf, 60 degrees. A planted gain breaks it."""
     plant, gain = axis(None) if which == "axis" else random_plant(int(which), None)
     rates = RATES if which == "axis" else {0.0: 0.7, 3.0: 1.3, 5.0: 0.4}
-    found = prescribed_decay.design(plant, gain, rates)
+    design = prescribed_decay.design(plant, gain, rates)
     w = np.concatenate([np.geomspace(1e-2, 1e5, 400), *(v + np.linspace(-1, 1, 40) * a for v, a in rates.items())])
 
     def least(regulator: servo.Servo) -> float:
         root = np.linalg.cholesky(gain.R).T
-        return min(np.linalg.svd(root @ F @ np.linalg.inv(root), compute_uv=False)[-1] for F in returned(regulator, w))
+        return min(
+            np.linalg.svd(root @ F @ np.linalg.inv(root), compute_uv=False)[-1] for F in return_difference(regulator, w)
+        )
 
-    assert least(found) > 1 - 1e-9
-    assert least(replace(found, K=0.6 * found.K)) < 1 - 1e-3
+    assert least(design) > 1 - 1e-9
+    assert least(replace(design, K=0.6 * design.K)) < 1 - 1e-3
 
 
 def test_sampled_fast_it_is_the_continuous_regulator() -> None:
@@ -127,7 +129,7 @@ def test_a_sampled_regulator_is_the_cheapest_to_place_its_mode() -> None:
     """
     plant = StateSpace([[0.0]], [[1.0]], [[1.0]], [[0.0]], ("x",), ("u",), ("x",), Discrete(0.1))
     gain = lqr.dlqr(plant, [1e-9], [1.0])
-    found = prescribed_decay.design(plant, gain, {0.0: 2.0})
+    regulator = prescribed_decay.design(plant, gain, {0.0: 2.0})
 
     def cost(K: np.ndarray) -> float:
         closed = (np.array([[0.0, 0.0], [0.1, 1.0]]) + np.array([[1.0], [0.0]]) @ K) * np.exp(0.1)
@@ -140,9 +142,9 @@ def test_a_sampled_regulator_is_the_cheapest_to_place_its_mode() -> None:
             x = closed @ x
         return total
 
-    best = cost(found.K)
+    best = cost(regulator.K)
     for turn in ([0.01, 0.0], [-0.01, 0.0], [0.0, 0.05], [0.0, -0.05], [0.01, 0.05]):
-        assert cost(found.K + np.array([turn])) > best
+        assert cost(regulator.K + np.array([turn])) > best
 
 
 def test_the_sampled_regulator_is_optimal_for_weights_of_like_size() -> None:
@@ -173,9 +175,9 @@ def test_the_sampled_regulator_is_optimal_for_weights_of_like_size() -> None:
             np.hstack([C, none[:1]]),
         )
         A = np.block([[A, none], [N, J]]) + B @ k
-    found = prescribed_decay.design(plant, gain, RATES)
+    regulator = prescribed_decay.design(plant, gain, RATES)
     turn = internal_model.leapfrog(list(RATES), T).T
-    np.testing.assert_allclose(np.hstack([found.K_x, found.K_xi @ turn]), K, rtol=1e-6)
+    np.testing.assert_allclose(np.hstack([regulator.K_x, regulator.K_xi @ turn]), K, rtol=1e-6)
     cross = np.vstack([gain.N, np.zeros((3, 1))])
     again = lqr.dlqr((whole, B, np.eye(5), np.zeros((5, 1)), plant.time), (W + W.T) / 2, gain.R, cross)
     np.testing.assert_allclose(again.K, K, rtol=1e-6)
@@ -187,9 +189,9 @@ def test_the_sampled_regulator_is_optimal_for_weights_of_like_size() -> None:
 
 def test_the_gain_is_the_same_whatever_lapack_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
     plant, gain = axis(T, 1.5 * T)
-    found = prescribed_decay.design(plant, gain, RATES)
+    regulator = prescribed_decay.design(plant, gain, RATES)
     monkeypatch.setattr(np.linalg, "solve", lambda A, b: np.linalg.inv(A) @ b * (1 + 2.0**-40))
-    np.testing.assert_array_equal(prescribed_decay.design(plant, gain, RATES).K, found.K)
+    np.testing.assert_array_equal(prescribed_decay.design(plant, gain, RATES).K, regulator.K)
 
 
 def test_what_does_not_fit_is_refused() -> None:

@@ -32,31 +32,31 @@ def test_a_steady_state_made_by_a_sylvester_equation_is_found_again(seed: int) -
     model = plant(rng, int(rng.integers(p, 5)), p, p)
     E, Gamma = rng.normal(size=(len(model.A), 3)), rng.normal(size=(p, 3))
     Pi = scipy.linalg.solve_sylvester(model.A, -S, -(model.B @ Gamma + E))
-    found = regulator_equations.solve(model, S, E, -(model.C @ Pi + model.D @ Gamma))
+    steady = regulator_equations.solve(model, S, E, -(model.C @ Pi + model.D @ Gamma))
     size = max(np.abs(Pi).max(), np.abs(Gamma).max())
-    np.testing.assert_allclose(found.Pi, Pi, rtol=0, atol=tolerances.of("pencil") * size)
-    np.testing.assert_allclose(found.Gamma, Gamma, rtol=0, atol=tolerances.of("pencil") * size)
-    assert found.residual < tolerances.of("double")
+    np.testing.assert_allclose(steady.Pi, Pi, rtol=0, atol=tolerances.of("pencil") * size)
+    np.testing.assert_allclose(steady.Gamma, Gamma, rtol=0, atol=tolerances.of("pencil") * size)
+    assert steady.residual < tolerances.of("double")
 
 
 def test_with_inputs_to_spare_the_least_effort_is_taken() -> None:
     rng = np.random.default_rng(3)
     model = plant(rng, 4, 3, 2)
     E, F = rng.normal(size=(4, 3)), rng.normal(size=(2, 3))
-    found = regulator_equations.solve(model, S, E, F)
+    steady = regulator_equations.solve(model, S, E, F)
     A, B, C, D = model.A, model.B, model.C, model.D
-    np.testing.assert_allclose(found.Pi @ S, A @ found.Pi + B @ found.Gamma + E, atol=tolerances.of("double") * 100)
-    np.testing.assert_allclose(C @ found.Pi + D @ found.Gamma, -F, atol=tolerances.of("double") * 100)
+    np.testing.assert_allclose(steady.Pi @ S, A @ steady.Pi + B @ steady.Gamma + E, atol=tolerances.of("double") * 100)
+    np.testing.assert_allclose(C @ steady.Pi + D @ steady.Gamma, -F, atol=tolerances.of("double") * 100)
     other = regulator_equations.solve(model.select(model.outputs, ("u0", "u2")), S, E, F)
-    assert np.linalg.norm(found.Gamma) < np.linalg.norm(other.Gamma)
+    assert np.linalg.norm(steady.Gamma) < np.linalg.norm(other.Gamma)
     # Least: no direction in which the equations stay solved lowers the norm.
     M = np.block([[A, B], [C, D]])
     null = scipy.linalg.null_space(
         np.kron(np.eye(3), M) - np.kron(S.T, np.block([[np.eye(4), np.zeros((4, 3))], [np.zeros((2, 7))]]))
     )
     gamma = np.tile(np.arange(7) >= 4, 3)
-    slope = null[gamma].T @ found.Gamma.T.ravel()
-    assert np.abs(slope).max() < tolerances.of("double") * 100 * np.linalg.norm(found.Gamma)
+    slope = null[gamma].T @ steady.Gamma.T.ravel()
+    assert np.abs(slope).max() < tolerances.of("double") * 100 * np.linalg.norm(steady.Gamma)
 
 
 @pytest.mark.parametrize("time", [Continuous(), Discrete(0.05)])
@@ -70,8 +70,8 @@ def test_feedforward_leads_every_state_to_zero_error(time: Continuous | Discrete
         model = discretise.zero_order_hold(double, T)
         held = scipy.linalg.expm(np.block([[double.A, E], [np.zeros((3, 2)), S]]) * T)
         E, generator = held[:2, 2:], held[2:, 2:]
-    found = regulator_equations.solve(model, generator, E, F)
-    L = found.feedforward(K)
+    steady = regulator_equations.solve(model, generator, E, F)
+    L = steady.feedforward(K)
     whole = np.block([[model.A + model.B @ K, E + model.B @ L], [np.zeros((3, 2)), generator]])
     step = whole if isinstance(time, Discrete) else scipy.linalg.expm(whole * T)
     state = np.array([3.0, -1.0, 0.7, 1.0, 0.0])
@@ -80,27 +80,27 @@ def test_feedforward_leads_every_state_to_zero_error(time: Continuous | Discrete
         state = step @ state
     assert abs(state[0] - state[3]) < tolerances.of("settled") * abs(start)
     assert abs(state[3]) > 0.1
-    np.testing.assert_allclose(found.Pi[0], [0, 1, 0], atol=tolerances.of("double"))
+    np.testing.assert_allclose(steady.Pi[0], [0, 1, 0], atol=tolerances.of("double"))
     with pytest.raises(SignalError, match=r"K is \(1, 3\): give \(1, 2\), inputs by states"):
-        found.feedforward(np.zeros((1, 3)))
+        steady.feedforward(np.zeros((1, 3)))
 
 
 def test_any_form_of_system_is_read() -> None:
     arrays = ([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[0]])
-    found = regulator_equations.solve(arrays, [[0.0]], np.zeros((2, 1)), [[-1.0]])
-    np.testing.assert_allclose(found.Pi, [[1], [0]], atol=tolerances.of("double"))
+    steady = regulator_equations.solve(arrays, [[0.0]], np.zeros((2, 1)), [[-1.0]])
+    np.testing.assert_allclose(steady.Pi, [[1], [0]], atol=tolerances.of("double"))
     import control
 
     again = regulator_equations.solve(control.ss(*arrays), [[0.0]], np.zeros((2, 1)), [[-1.0]])
-    np.testing.assert_array_equal(again.Pi, found.Pi)
-    assert "Steady state x = Pi w, u = Gamma w" in repr(found)
+    np.testing.assert_array_equal(again.Pi, steady.Pi)
+    assert "Steady state x = Pi w, u = Gamma w" in repr(steady)
 
 
 def modes(*frequencies: float) -> tuple[minimal_polynomial.Mode, ...]:
     return tuple(minimal_polynomial.Mode(complex(0, w), 1) for w in frequencies)
 
 
-def coupled(scale: float = 1.0) -> StateSpace:
+def coupled_plant(scale: float = 1.0) -> StateSpace:
     """y1 = g (u1 + u2), y2 = g (u1 + u2) + (s^2 + 4) / (s + 1)^2 u2, g = 1 / (s + 1): y2 - y1 has a zero at 2 rad/s."""
     A = scipy.linalg.block_diag([[-1.0]], [[0.0, 1.0], [-1.0, -2.0]])
     B = [[1.0, 1.0], [0.0, 0.0], [0.0, 1.0]]
@@ -109,16 +109,16 @@ def coupled(scale: float = 1.0) -> StateSpace:
 
 
 def test_a_zero_is_named_with_the_combination_that_no_input_moves() -> None:
-    with pytest.raises(ModelError, match=r"zero at 2 rad/s, a frequency .* no input moves 1 y\d, -1\S* y\d; drop it"):
-        regulator_equations.require_solvable(coupled(), modes(0.0, 2.0))
-    regulator_equations.require_solvable(coupled(), modes(0.0, 2.01))
+    with pytest.raises(ModelError, match=r"zero at 2 rad/s, a frequency .* no input affects 1 y\d, -1\S* y\d; drop it"):
+        regulator_equations.require_solvable(coupled_plant(), modes(0.0, 2.0))
+    regulator_equations.require_solvable(coupled_plant(), modes(0.0, 2.01))
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1e9])
 def test_units_do_not_move_zeros(scale: float) -> None:
     with pytest.raises(ModelError, match="transmission zero at 2 rad/s"):
-        regulator_equations.require_solvable(coupled(scale), modes(2.0))
-    regulator_equations.require_solvable(coupled(scale), modes(2.01))
+        regulator_equations.require_solvable(coupled_plant(scale), modes(2.0))
+    regulator_equations.require_solvable(coupled_plant(scale), modes(2.01))
 
 
 def test_a_zero_is_found_in_sampled_plants_and_off_the_axis() -> None:
@@ -136,7 +136,7 @@ def test_a_zero_is_found_in_sampled_plants_and_off_the_axis() -> None:
 
 
 def test_other_reasons_are_named() -> None:
-    model = coupled()
+    model = coupled_plant()
     with pytest.raises(ModelError, match=r"2 outputs \(y1, y2\) cannot be regulated by 1 inputs \(u1\)"):
         regulator_equations.require_solvable(model.select(("y1", "y2"), ("u1",)), modes(0.0))
     loose = StateSpace(np.diag([-1.0, 1.0]), [[1], [0]], [[1, 1]], [[0]], ("a", "b"), ("u",), ("y",), Continuous())
@@ -145,9 +145,9 @@ def test_other_reasons_are_named() -> None:
 
 
 def test_equations_without_a_solution_are_refused() -> None:
-    model = coupled()
+    model = coupled_plant()
     oscillation, nothing = [[0.0, 2.0], [-2.0, 0.0]], np.zeros((3, 2))
-    with pytest.raises(ModelError, match=r"transmission zero at 2 rad/s, .* no input moves 1 y\d, -1\S* y\d"):
+    with pytest.raises(ModelError, match=r"transmission zero at 2 rad/s, .* no input affects 1 y\d, -1\S* y\d"):
         regulator_equations.solve(model, oscillation, nothing, np.eye(2))
     same = np.array([[1.0, 0.0], [1.0, 0.0]])  # y1 and y2 alike need no motion along y2 - y1
     assert regulator_equations.solve(model, oscillation, nothing, same).residual < tolerances.of("double")
@@ -165,4 +165,4 @@ def test_equations_without_a_solution_are_refused() -> None:
 )
 def test_matrices_that_do_not_fit_are_refused(matrices: tuple[object, ...], message: str) -> None:
     with pytest.raises(SignalError, match=message):
-        regulator_equations.solve(coupled(), *matrices)  # type: ignore[arg-type]
+        regulator_equations.solve(coupled_plant(), *matrices)  # type: ignore[arg-type]

@@ -39,7 +39,7 @@ def random_plant(seed: int) -> StateSpace:
     return StateSpace(*matrices, names[0], (*names[1], "draught"), names[2], Continuous())
 
 
-def regulated(seed: int, exosystem: internal_model.Exosystem, period: float | None) -> servo.Servo:
+def random_servo(seed: int, exosystem: internal_model.Exosystem, period: float | None) -> servo.Servo:
     plant = random_plant(seed)
     controls = plant.inputs[:-1]
     order = len(plant.A) + len(plant.outputs) * len(internal_model.of(exosystem).Phi)
@@ -57,20 +57,20 @@ EXOSYSTEMS = [(0.0,), {0.0: 2}, (0.0, 2.0), {1.0: 2}, np.array([[0.0, 3.0], [-3.
 def test_every_error_of_a_random_plant_dies_out_and_so_it_does_in_a_plant_that_differs(
     seed: int, exosystem: internal_model.Exosystem, period: float | None
 ) -> None:
-    found = regulated(seed, exosystem, period)
-    assert found.steady.vanishes
-    assert "draught" in found.steady.sources
+    regulator = random_servo(seed, exosystem, period)
+    assert regulator.steady.vanishes
+    assert "draught" in regulator.steady.sources
     rng = np.random.default_rng(seed)
-    plant = found.plant
+    plant = regulator.plant
     other = replace(
         plant, **{k: getattr(plant, k) * rng.uniform(0.995, 1.005, getattr(plant, k).shape) for k in "ABCD"}
     )
-    meets = found.around(other)
-    poles = np.linalg.eigvals(found.closed_loop(other).A)
+    meets = regulator.around(other)
+    poles = np.linalg.eigvals(regulator.closed_loop(other).A)
     growth = np.abs(poles).max() - 1 if period else poles.real.max()
     assert (meets.worst < np.inf) == (growth < 0)
     assert meets.vanishes or growth >= 0
-    assert not np.allclose(meets.poles, found.poles, rtol=1e-9)
+    assert not np.allclose(meets.poles, regulator.poles, rtol=1e-9)
 
 
 @pytest.mark.parametrize("period", [None, 0.05])
@@ -85,29 +85,29 @@ def test_units_do_not_matter(period: float | None) -> None:
     )  # fmt: skip
     controls = plant.inputs[:-1]
     Q, R = np.concatenate([x, np.repeat(y, 3)]) ** -2.0, u[:-1] ** -2.0
-    found = []
+    gains = []
     for model, weights in ((plant, (np.eye(n + 3 * p), np.eye(m - 1))), (scaled, (Q, R))):
         if period is None:
-            found.append(optimal_servo.lqr(model, (0.0, 2.0), *weights, controls=controls))
+            gains.append(optimal_servo.lqr(model, (0.0, 2.0), *weights, controls=controls))
         else:
-            found.append(optimal_servo.lqrd(model, (0.0, 2.0), *weights, period, controls=controls))
-    np.testing.assert_allclose(found[1].poles, found[0].poles, rtol=tolerances.of("peak"))
-    assert found[1].steady.vanishes
-    ours, theirs = (np.poly(anti_windup.back_calculation(f, 1.0).eigenvalues) for f in found)
+            gains.append(optimal_servo.lqrd(model, (0.0, 2.0), *weights, period, controls=controls))
+    np.testing.assert_allclose(gains[1].poles, gains[0].poles, rtol=tolerances.of("peak"))
+    assert gains[1].steady.vanishes
+    ours, theirs = (np.poly(anti_windup.back_calculation(f, 1.0).eigenvalues) for f in gains)
     np.testing.assert_allclose(theirs, ours, rtol=tolerances.of("lyapunov"))
 
 
 def test_one_output_is_the_augmented_plant_and_the_published_gain() -> None:
     whole = internal_model.augmented(DOUBLE, (0.0, OMEGA0))
-    found = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
-    assert found.states == whole.states
-    for value, printed in zip(found.K[0], (-525.33, -50.504, -21213, -1253.6, -2742.2), strict=True):
+    regulator = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
+    assert regulator.states == whole.states
+    for value, printed in zip(regulator.K[0], (-525.33, -50.504, -21213, -1253.6, -2742.2), strict=True):
         last = 1.0 if printed == -21213 else 10.0 ** -(len(str(printed).split(".")[1]))
         assert abs(value - printed) <= tolerances.of("print_K") * last
-    closed = np.sort_complex(np.linalg.eigvals(whole.A + whole.B @ found.K))
-    np.testing.assert_allclose(np.sort_complex(found.poles), closed, rtol=tolerances.of("lyapunov"))
-    np.testing.assert_array_equal(found.K_x, found.K[:, :2])
-    np.testing.assert_array_equal(found.K_xi, found.K[:, 2:])
+    closed = np.sort_complex(np.linalg.eigvals(whole.A + whole.B @ regulator.K))
+    np.testing.assert_allclose(np.sort_complex(regulator.poles), closed, rtol=tolerances.of("lyapunov"))
+    np.testing.assert_array_equal(regulator.K_x, regulator.K[:, :2])
+    np.testing.assert_array_equal(regulator.K_xi, regulator.K[:, 2:])
 
 
 @pytest.mark.parametrize("time", [Continuous(), Discrete(T)])
@@ -117,25 +117,25 @@ def test_an_integrator_with_a_constant_has_the_poles_of_its_closed_form(time: Co
     plant = StateSpace(
         [[1.0 if sampled else 0.0]], [[T if sampled else 1.0]], [[1]], [[0]], ("x",), ("u",), ("x",), time
     )
-    found = servo.of_gain(plant, (0.0,), [[-3.0, -2.0]])
-    wanted = np.roots([1, -(2 - 3 * T), 1 - 3 * T + 2 * T * T]) if sampled else [-2, -1]
-    np.testing.assert_allclose(np.sort(found.poles.real), np.sort(wanted), rtol=tolerances.of("double"))
+    regulator = servo.of_gain(plant, (0.0,), [[-3.0, -2.0]])
+    expected = np.roots([1, -(2 - 3 * T), 1 - 3 * T + 2 * T * T]) if sampled else [-2, -1]
+    np.testing.assert_allclose(np.sort(regulator.poles.real), np.sort(expected), rtol=tolerances.of("double"))
     s = np.exp(1j * T) if sampled else 1j
-    response = found.closed_loop().response(s)[0]
+    response = regulator.closed_loop().response(s)[0]
     integral = T / (s - 1) if sampled else 1 / s
     lag = T / (s - 1) if sampled else 1 / s
     wanted_response = -(1 + 3 * lag) / (1 + 3 * lag + 2 * lag * integral)
-    error = found.closed_loop().outputs.index("x_error")
+    error = regulator.closed_loop().outputs.index("x_error")
     np.testing.assert_allclose(response[error, 0], wanted_response, rtol=tolerances.of("double"))
 
 
 def test_gains_of_other_origin_are_taken_and_certified() -> None:
     whole = internal_model.augmented(DOUBLE, (0.0, 2.0))
-    wanted = np.array([-1, -2, -3, -4, -5.0])
-    K = -scipy.signal.place_poles(whole.A, whole.B, wanted).gain_matrix
-    found = servo.of_gain(DOUBLE, (0.0, 2.0), K)
-    np.testing.assert_allclose(np.sort(found.poles.real), np.sort(wanted), rtol=tolerances.of("peak"))
-    assert found.steady.vanishes
+    expected = np.array([-1, -2, -3, -4, -5.0])
+    K = -scipy.signal.place_poles(whole.A, whole.B, expected).gain_matrix
+    regulator = servo.of_gain(DOUBLE, (0.0, 2.0), K)
+    np.testing.assert_allclose(np.sort(regulator.poles.real), np.sort(expected), rtol=tolerances.of("peak"))
+    assert regulator.steady.vanishes
     with pytest.raises(
         ModelError, match=r"the servo loop has the pole .* which does not decay: give gains that stabili"
     ):
@@ -148,51 +148,51 @@ def test_gains_of_other_origin_are_taken_and_certified() -> None:
 
 def test_a_simulated_loop_settles_and_python_control_agrees() -> None:
     """A sine and a step disturbance in continuous time, by python-control's simulation of the closed loop."""
-    found = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
+    regulator = optimal_servo.lqr(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0])
     times = np.linspace(0, 20, 4001)
     signals = np.vstack([0.01 * np.sin(OMEGA0 * times + 0.3), np.full_like(times, 2.0)])
-    answer = control.forced_response(found.closed_loop().to_control(), times, signals)
-    error = answer.outputs[found.closed_loop().outputs.index("gap_error")]
+    answer = control.forced_response(regulator.closed_loop().to_control(), times, signals)
+    error = answer.outputs[regulator.closed_loop().outputs.index("gap_error")]
     interpolated = (OMEGA0 * times[1]) ** 2 / 8 * 0.01  # python-control draws lines between the points of an input
     assert np.abs(error[times > 19]).max() < interpolated < 1e-3 * np.abs(error).max()
     detuned = np.vstack([0.01 * np.sin(1.1 * OMEGA0 * times), np.full_like(times, 2.0)])
-    still = control.forced_response(found.closed_loop().to_control(), times, detuned).outputs
-    assert np.abs(still[found.closed_loop().outputs.index("gap_error")][times > 19]).max() > 1e-4 * 0.01
+    still = control.forced_response(regulator.closed_loop().to_control(), times, detuned).outputs
+    assert np.abs(still[regulator.closed_loop().outputs.index("gap_error")][times > 19]).max() > 1e-4 * 0.01
 
 
-def sampled_run(found: servo.Servo, frequency: float, count: int, inside: int) -> tuple[np.ndarray, np.ndarray]:
+def sampled_run(regulator: servo.Servo, frequency: float, count: int, inside: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the errors at the samples and between them, (count,) and (count, inside), computed without the package."""
     fine = scipy.linalg.expm(np.block([[DOUBLE.A, DOUBLE.B], [np.zeros((1, 3))]]) * T / inside)
-    x, xi = np.zeros(2), np.zeros(len(found.model.Phi))
+    x, xi = np.zeros(2), np.zeros(len(regulator.model.Phi))
     at, between = np.zeros(count), np.zeros((count, inside))
     for k in range(count):
         e = x[0] - np.cos(frequency * k * T)
-        u = found.K_x @ x + found.K_xi @ xi
+        u = regulator.K_x @ x + regulator.K_xi @ xi
         at[k] = e
         for j in range(inside):
             between[k, j] = x[0] - np.cos(frequency * (k + j / inside) * T)
             x = fine[:2, :2] @ x + fine[:2, 2:] @ u
-        xi = found.model.Phi @ xi + found.model.N[:, 0] * e
+        xi = regulator.model.Phi @ xi + regulator.model.N[:, 0] * e
     return at, between
 
 
 def test_between_the_samples_a_sine_leaves_a_ripple_and_a_constant_none() -> None:
-    found = optimal_servo.lqrd(DOUBLE, (0.0, 20.0), WEIGHTS, [1.0], T)
-    at, between = sampled_run(found, 20.0, 3000, 5)
+    regulator = optimal_servo.lqrd(DOUBLE, (0.0, 20.0), WEIGHTS, [1.0], T)
+    at, between = sampled_run(regulator, 20.0, 3000, 5)
     assert np.abs(at[-100:]).max() < tolerances.of("settled")
     ripple = np.abs(between[-100:]).max()
     assert 1e-6 < ripple < (20.0 * T) ** 2
-    at, between = sampled_run(found, 0.0, 3000, 5)
+    at, between = sampled_run(regulator, 0.0, 3000, 5)
     assert np.abs(between[-100:]).max() < tolerances.of("settled")
 
 
 def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
-    found = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
-    plant = found.plant
+    regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
+    plant = regulator.plant
     L = scipy.signal.place_poles(plant.A.T, plant.C.T, [0.5, 0.6]).gain_matrix.T
-    seen = servo.observed(found, L)
-    wanted = np.sort_complex([0.5, 0.6, *found.poles])
-    np.testing.assert_allclose(np.sort_complex(seen.poles), wanted, rtol=tolerances.of("lyapunov"))
+    seen = servo.with_observer(regulator, L)
+    expected = np.sort_complex([0.5, 0.6, *regulator.poles])
+    np.testing.assert_allclose(np.sort_complex(seen.poles), expected, rtol=tolerances.of("lyapunov"))
     assert seen.steady.vanishes
     assert seen.controller.inputs == ("gap_error", "force_limited", "gap")
     assert seen.controller.states == ("xi1", "xi2", "xi3", "gap_estimate", "speed_estimate")
@@ -200,15 +200,15 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
     heavier = replace(plant, B=plant.B * 0.9)
     assert seen.around(heavier).vanishes
     with pytest.raises(SignalError, match=r"L is \(1, 2\): give \(2, 1\), states by the outputs gap"):
-        servo.observed(found, L.T)
+        servo.with_observer(regulator, L.T)
     with pytest.raises(ModelError, match="and an estimator whose error decays"):
-        servo.observed(found, -L)
+        servo.with_observer(regulator, -L)
 
 
 def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
     """The current form of the observer: its estimate uses the sample of its own instant."""
-    found = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
-    plant = found.plant
+    regulator = optimal_servo.lqrd(DOUBLE, (0.0, OMEGA0), WEIGHTS, [1.0], T)
+    plant = regulator.plant
     M = np.array([[0.7], [20.0]])
     L = plant.A @ M
     H = np.eye(2) - M @ plant.C
@@ -216,39 +216,39 @@ def test_an_estimator_with_a_direct_term_from_what_is_measured() -> None:
         plant.A - L @ plant.C, np.hstack([plant.B, L]), H, np.hstack([np.zeros((2, 1)), M]),
         ("gap_predicted", "speed_predicted"), ("force", "gap"), ("gap_estimate", "speed_estimate"), plant.time,
     )  # fmt: skip
-    seen = servo.estimated(found, current)
+    seen = servo.with_estimator(regulator, current)
     assert seen.steady.vanishes
-    wanted = np.sort_complex([*np.linalg.eigvals(plant.A - L @ plant.C), *found.poles])
-    np.testing.assert_allclose(np.sort_complex(seen.poles), wanted, rtol=tolerances.of("lyapunov"))
+    expected = np.sort_complex([*np.linalg.eigvals(plant.A - L @ plant.C), *regulator.poles])
+    np.testing.assert_allclose(np.sort_complex(seen.poles), expected, rtol=tolerances.of("lyapunov"))
     hasty = replace(current, D=current.D + np.array([[0.0, 0.0], [1.0, 0.0]]))
-    with pytest.raises(SignalError, match="follows force at once, so that the command would set itself"):
-        servo.estimated(found, hasty)
-    with pytest.raises(SignalError, match=r"input 'draught' is no control .* and no output of the plant"):
-        servo.estimated(found, current.renamed({"force": "draught"}))
+    with pytest.raises(SignalError, match="depends directly on force, which makes an algebraic loop"):
+        servo.with_estimator(regulator, hasty)
+    with pytest.raises(SignalError, match=r"input 'draught' is neither a control .* nor an output of the plant"):
+        servo.with_estimator(regulator, current.renamed({"force": "draught"}))
     with pytest.raises(TimingError, match=r"discrete time of 0\.01 s meets continuous time"):
-        servo.estimated(found, replace(current, time=Continuous()))
+        servo.with_estimator(regulator, replace(current, time=Continuous()))
 
 
 def test_the_states_of_an_estimator_keep_their_units() -> None:
-    found = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
-    filtered = kalman.sampled(DOUBLE, {"force": 1.0}, [1e-6], T, G=["force"])
+    regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    filtered = kalman.kalmd(DOUBLE, {"force": 1.0}, [1e-6], T, G=["force"])
     current, predictor = (
-        servo.estimated(found, part).controller.units for part in (filtered.current(), filtered.predictor())
+        servo.with_estimator(regulator, part).controller.units for part in (filtered.current(), filtered.predictor())
     )
     assert (current["gap_predicted"], current["speed_predicted"]) == ("m", "m/s")
     assert (predictor["gap_estimate"], predictor["speed_estimate"]) == ("m", "m/s")
-    by_hand = servo.observed(found, [[0.9], [20.0]]).controller.units
+    by_hand = servo.with_observer(regulator, [[0.9], [20.0]]).controller.units
     assert (by_hand["gap_estimate"], by_hand["speed_estimate"]) == ("m", "m/s")
 
 
 def test_other_plants_must_have_the_signals() -> None:
-    found = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
+    regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     with pytest.raises(SignalError, match="no state 'speed', which the regulator feeds back"):
-        found.around(found.plant.renamed({"speed": "v"}))
+        regulator.around(regulator.plant.renamed({"speed": "v"}))
     with pytest.raises(SignalError, match="'gap' is not one of height"):
-        found.around(replace(found.plant, outputs=("height",)))
+        regulator.around(replace(regulator.plant, outputs=("height",)))
     with pytest.raises(TimingError, match="continuous time meets discrete time"):
-        found.around(DOUBLE)
+        regulator.around(DOUBLE)
     slower = discretise.zero_order_hold(
         StateSpace(
             [[0, 1, 0], [0, 0, 500], [0, 0, -500]],
@@ -256,7 +256,7 @@ def test_other_plants_must_have_the_signals() -> None:
         ),
         T,
     )  # fmt: skip
-    assert found.around(slower).vanishes  # an actuator that the design did not know
+    assert regulator.around(slower).vanishes  # an actuator that the design did not know
 
 
 def test_a_plant_that_cannot_be_regulated_is_refused() -> None:
@@ -273,10 +273,10 @@ def test_a_plant_that_cannot_be_regulated_is_refused() -> None:
 
 def test_any_form_of_system_is_read_and_names_choose_signals() -> None:
     arrays = (DOUBLE.A, DOUBLE.B, np.eye(2), np.zeros((2, 1)))
-    found = optimal_servo.lqr(arrays, (0.0,), np.eye(3), [1.0], regulated=["y1"])
+    regulator = optimal_servo.lqr(arrays, (0.0,), np.eye(3), [1.0], regulated=["y1"])
     again = optimal_servo.lqr(control.ss(*arrays), (0.0,), np.eye(3), [1.0], regulated=["y[0]"])
-    np.testing.assert_array_equal(found.K, again.K)
-    assert found.regulated == ("y1",)
+    np.testing.assert_array_equal(regulator.K, again.K)
+    assert regulator.regulated == ("y1",)
     with pytest.raises(SignalError, match="'z' is not one of y1, y2"):
         optimal_servo.lqr(arrays, (0.0,), np.eye(3), [1.0], regulated=["z"])
 

@@ -9,7 +9,7 @@ import pytest
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.servo import internal_model, optimal_servo, servo, steady_error
-from synth.synthesise.servo.steady_error import VANISHING, named
+from synth.synthesise.servo.steady_error import VANISHING, with_suffix
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -34,7 +34,7 @@ def two_by_two(direct: float = 0.0) -> StateSpace:
     return StateSpace(A, B, C, D, ("p", "dp", "q", "dq"), ("f", "g"), ("y", "z"), Continuous())
 
 
-def regulated(exosystem: internal_model.Exosystem = (0.0, 2.0), period: float | None = None) -> servo.Servo:
+def two_output_servo(exosystem: internal_model.Exosystem = (0.0, 2.0), period: float | None = None) -> servo.Servo:
     order = 2 * len(internal_model.of(exosystem).Phi)
     Q = np.diag([10.0, 1, 10, 1] + [10.0] * order)
     if period is None:
@@ -42,30 +42,30 @@ def regulated(exosystem: internal_model.Exosystem = (0.0, 2.0), period: float | 
     return optimal_servo.lqrd(two_by_two(), exosystem, Q, np.eye(2), period)
 
 
-def rewired(regulator: servo.Servo, controller: StateSpace) -> steady_error.SteadyError:
+def with_controller(regulator: servo.Servo, controller: StateSpace) -> steady_error.SteadyError:
     """Return the certificate of a regulator's plant with another controller."""
     plant = regulator.plant
     seen = replace(plant, C=np.eye(4), D=np.zeros((4, 2)), outputs=plant.states)
-    loop = steady_error.closed(plant, seen, regulator.regulated, regulator.controls, controller)
-    return steady_error.evaluate(loop, named(regulator.regulated, "error"), regulator.model)
+    loop = steady_error.closed_loop(plant, seen, regulator.regulated, regulator.controls, controller)
+    return steady_error.evaluate(loop, with_suffix(regulator.regulated, "error"), regulator.model)
 
 
 def test_the_response_is_the_closed_form() -> None:
     """e = s r / (s + 1)^2 on constants and at 1 rad/s: |j / (1 + j)^2| = 1 / 2."""
-    found = steady_error.evaluate(transfer([1, 0], [1, 2, 1]), ["e"], (0.0, 1.0))
-    np.testing.assert_allclose(found.response[:, 0, 0], [0, 0.5], atol=tolerances.of("double"))
-    assert found.leftover[0, 0, 0] < VANISHING < found.leftover[1, 0, 0]
-    assert not found.vanishes
-    np.testing.assert_allclose(found.poles, -1, atol=tolerances.of("multiple_root"))
-    assert "An error STAYS" in repr(found)
+    certificate = steady_error.evaluate(transfer([1, 0], [1, 2, 1]), ["e"], (0.0, 1.0))
+    np.testing.assert_allclose(certificate.response[:, 0, 0], [0, 0.5], atol=tolerances.of("double"))
+    assert certificate.relative_error[0, 0, 0] < VANISHING < certificate.relative_error[1, 0, 0]
+    assert not certificate.vanishes
+    np.testing.assert_allclose(certificate.poles, -1, atol=tolerances.of("multiple_root"))
+    assert "An error STAYS" in repr(certificate)
 
 
 @pytest.mark.parametrize(("zeros", "vanishes"), [(1, False), (2, True)])
 def test_a_ramp_needs_a_double_zero(zeros: int, vanishes: bool) -> None:
     """e = s^k r / (s + 1)^3: with one zero a ramp leaves the constant 1, with two nothing."""
-    found = steady_error.evaluate(transfer([1.0] + [0.0] * zeros, [1, 3, 3, 1]), ["e"], {0.0: 2})
-    assert found.vanishes is vanishes
-    assert found.response[0, 0, 0] == 0
+    certificate = steady_error.evaluate(transfer([1.0] + [0.0] * zeros, [1, 3, 3, 1]), ["e"], {0.0: 2})
+    assert certificate.vanishes is vanishes
+    assert certificate.response[0, 0, 0] == 0
     once = steady_error.evaluate(transfer([1.0] + [0.0] * zeros, [1, 3, 3, 1]), ["e"], {0.0: 1})
     assert once.vanishes
 
@@ -79,20 +79,20 @@ def test_a_growing_sine_needs_a_double_pair() -> None:
 
 @pytest.mark.parametrize("size", [1e-12, 1e12])
 def test_what_is_left_does_not_depend_on_units(size: float) -> None:
-    loop = regulated().closed_loop()
+    loop = two_output_servo().closed_loop()
     scaled = replace(loop, B=loop.B * size, D=loop.D * size)
     errors = ("y_error", "z_error")
     a, b = (steady_error.evaluate(model, errors, (0.0, 2.0, 1.0)) for model in (loop, scaled))
-    np.testing.assert_allclose(b.leftover[1], a.leftover[1], rtol=tolerances.of("double"))
-    assert a.leftover[1].min() > 1e-3  # 1 rad/s is none of the regulator's frequencies
-    assert a.leftover[[0, 2]].max() < VANISHING
+    np.testing.assert_allclose(b.relative_error[1], a.relative_error[1], rtol=tolerances.of("double"))
+    assert a.relative_error[1].min() > 1e-3  # 1 rad/s is none of the regulator's frequencies
+    assert a.relative_error[[0, 2]].max() < VANISHING
 
 
 def test_an_unstable_loop_leaves_everything() -> None:
-    found = steady_error.evaluate(transfer([1], [1, -1]), ["e"], (0.0,))
-    assert found.worst == np.inf
-    assert not found.vanishes
-    assert "NOT STABLE: its pole 1 does not decay" in repr(found)
+    certificate = steady_error.evaluate(transfer([1], [1, -1]), ["e"], (0.0,))
+    assert certificate.worst == np.inf
+    assert not certificate.vanishes
+    assert "NOT STABLE: its pole 1 does not decay" in repr(certificate)
     sampled = StateSpace([[-1.01]], [[1]], [[1]], [[0]], ("x",), ("r",), ("e",), Discrete(T))
     assert steady_error.evaluate(sampled, ["e"], (0.0,)).worst == np.inf
     with pytest.raises(SignalError, match="'z' is not one of e"):
@@ -101,46 +101,48 @@ def test_an_unstable_loop_leaves_everything() -> None:
 
 @pytest.mark.parametrize("period", [None, 0.02])
 def test_a_copy_for_each_error_leaves_nothing(period: float | None) -> None:
-    found = regulated(period=period).steady
-    assert found.vanishes
-    assert found.worst < 1e-11
-    assert found.sources == ("y_reference", "z_reference", "f_disturbance", "g_disturbance")
-    assert found.response.shape == (2, 2, 4)
+    certificate = two_output_servo(period=period).steady
+    assert certificate.vanishes
+    assert certificate.worst < 1e-11
+    assert certificate.sources == ("y_reference", "z_reference", "f_disturbance", "g_disturbance")
+    assert certificate.response.shape == (2, 2, 4)
 
 
 @pytest.mark.parametrize("period", [None, 0.02])
 def test_one_copy_for_two_errors_is_seen_to_leave_an_error(period: float | None) -> None:
     """Planted: one copy driven by the sum of the errors, fed back as y's was, in a loop that is stable."""
-    good = regulated(period=period)
+    good = two_output_servo(period=period)
     c, k = good.controller, len(good.model.Phi)
     errors = [c.inputs.index(f"{name}_error") for name in ("y", "z")]
     B = c.B[:k].copy()
     B[:, errors] = good.model.N
     one = replace(c, A=good.model.Phi, B=B, C=c.C[:, :k], states=c.states[:k])
-    found = rewired(good, one)
-    assert found.worst < np.inf
-    assert not found.vanishes
-    assert found.worst > 1e-2
-    assert rewired(good, c).vanishes
+    certificate = with_controller(good, one)
+    assert certificate.worst < np.inf
+    assert not certificate.vanishes
+    assert certificate.worst > 1e-2
+    assert with_controller(good, c).vanishes
 
 
 def test_a_model_sampled_by_eulers_rule_is_seen_to_leave_an_error() -> None:
     """Planted: modes at 1 + i w T, off the circle by (w T)^2 / 2."""
-    good = regulated(period=0.02)
+    good = two_output_servo(period=0.02)
     one = internal_model.exosystem((0.0, 2.0))
     Phi, N = (np.kron(np.eye(2), M) for M in (np.eye(3) + one.Phi * 0.02, one.N * 0.02))
     B = good.controller.B.copy()
     B[:, [good.controller.inputs.index(f"{name}_error") for name in ("y", "z")]] = N
-    found = rewired(good, replace(good.controller, A=Phi, B=B))
-    assert found.worst < np.inf
-    assert not found.vanishes
-    assert found.leftover[0].max() < VANISHING < found.leftover[1].max()  # constants are right, sines are not
+    certificate = with_controller(good, replace(good.controller, A=Phi, B=B))
+    assert certificate.worst < np.inf
+    assert not certificate.vanishes
+    assert (
+        certificate.relative_error[0].max() < VANISHING < certificate.relative_error[1].max()
+    )  # constants are right, sines are not
 
 
 def test_a_regulator_of_another_frequency_is_seen_to_leave_an_error() -> None:
-    loop = regulated((0.0, 2.001)).closed_loop()
-    found = steady_error.evaluate(loop, ("y_error", "z_error"), (0.0, 2.0))
-    assert 1e-6 < found.worst < 1e-2
+    loop = two_output_servo((0.0, 2.001)).closed_loop()
+    certificate = steady_error.evaluate(loop, ("y_error", "z_error"), (0.0, 2.0))
+    assert 1e-6 < certificate.worst < 1e-2
 
 
 def test_a_pole_at_a_mode_is_named() -> None:
@@ -159,11 +161,11 @@ def test_an_algebraic_loop_without_a_solution_is_refused() -> None:
         empty = np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))
         controller = StateSpace(*empty, [[gain]], (), ("y_error",), ("u_command",), Continuous())
         if gain == 0.5:
-            loop = steady_error.closed(plant, nothing, ["y"], ["u"], controller)
+            loop = steady_error.closed_loop(plant, nothing, ["y"], ["u"], controller)
             np.testing.assert_allclose(loop.poles, [0.0], atol=tolerances.of("double"))  # u = x - r + 2 d
         else:
             with pytest.raises(ModelError, match="around a loop at once, without a solution"):
-                steady_error.closed(plant, nothing, ["y"], ["u"], controller)
+                steady_error.closed_loop(plant, nothing, ["y"], ["u"], controller)
 
 
 def test_the_loop_is_that_of_python_control() -> None:
@@ -177,7 +179,7 @@ def test_the_loop_is_that_of_python_control() -> None:
     matrices = rng.normal(size=(3, 3)), rng.normal(size=(3, 5)), rng.normal(size=(2, 3)), 0.1 * rng.normal(size=(2, 5))
     inputs = ("y", "y_error", "z_error", "f_limited", "g_limited")
     controller = StateSpace(*matrices, ("a", "b", "c"), inputs, ("f_command", "g_command"), Continuous())
-    loop = steady_error.closed(plant, plant.select(["y"], plant.inputs), ["y", "z"], ["f", "g"], controller)
+    loop = steady_error.closed_loop(plant, plant.select(["y"], plant.inputs), ["y", "z"], ["f", "g"], controller)
     assert loop.inputs == ("y_reference", "z_reference", "f_disturbance", "g_disturbance", "draught")
     # P: (r, d, u) -> (e, u, [y, e, u]); the controller closes the last ones.
     B = np.hstack([np.zeros((4, 2)), plant.B, plant.B[:, :2]])
@@ -201,9 +203,9 @@ def test_any_form_of_system_is_read() -> None:
 def test_a_loop_without_states_or_errors_is_certified(time: Continuous | Discrete) -> None:
     """A constant passes everything on; where nothing is regulated nothing is left."""
     gain = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[0.5]], (), ("r",), ("e",), time)
-    found = steady_error.evaluate(gain, ["e"], (0.0, 1.0))
-    np.testing.assert_allclose(found.response[:, 0, 0], [0.5, 0.5], rtol=tolerances.of("double"))
-    assert not found.vanishes
+    certificate = steady_error.evaluate(gain, ["e"], (0.0, 1.0))
+    np.testing.assert_allclose(certificate.response[:, 0, 0], [0.5, 0.5], rtol=tolerances.of("double"))
+    assert not certificate.vanishes
     empty = steady_error.evaluate(gain, [], (0.0, 1.0))
     assert empty.response.shape == (2, 0, 1)
     assert empty.vanishes

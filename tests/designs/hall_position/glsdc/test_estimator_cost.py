@@ -11,7 +11,7 @@ from designs.hall_position.glsdc.parameters import Tuning
 from synth.execute import cross, host
 from synth.verify import meter, rivals, steps
 from synth.verify.meter import Build
-from tests.designs.hall_position.tracked import TWO, USUAL, block, compiled, emitted, given, motion, noisy
+from tests.designs.hall_position.tracked import TWO, USUAL, block, by_input, compile_c, emit_c, motion, noisy
 
 LIMIT, AIM = 2800, 2000
 GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
@@ -22,16 +22,16 @@ LIBM = re.compile(r"\b(sin|cos|tan|asin|acos|atan|atan2|exp|log|pow)f?\(")
 @cache
 def sequence(tuning: Tuning) -> steps.Steps:
     """Return steps of a motion in which it loses its way now and then, and steps from any state."""
-    controller = compiled(TWO, tuning, np.float32)
+    controller = compile_c(TWO, tuning, np.float32)
     V = noisy(TWO, motion(400, 1, 1, travel=0.1, yaw=0.1))
     V[150:170] *= -1
-    recorded = steps.recorded(controller, "motion", given(TWO, V[:, 0]))
-    return steps.joined("all", [recorded, steps.drawn(controller, 600)])
+    recorded = steps.record(controller, "motion", by_input(TWO, V[:, 0]))
+    return steps.concatenate("all", [recorded, steps.random_steps(controller, 600)])
 
 
 def most(tuning: Tuning, build: Build) -> int:
-    made = emitted(TWO, tuning, np.float32)
-    return int(meter.run(rivals.emitted(made), sequence(tuning), build).cost.instructions.max())
+    files = emit_c(TWO, tuning, np.float32)
+    return int(meter.run(rivals.emitted_c(files), sequence(tuning), build).cost.instructions.max())
 
 
 @GCC
@@ -52,13 +52,13 @@ def test_seven_corrections_exceed_it() -> None:
 def test_casadis_own_c_takes_twice_as_many() -> None:
     few, build = steps.thinned(sequence(USUAL), 30), Build("gcc -O2", "gcc")
     rival = meter.run(rivals.casadi(block(TWO), shimmed=True), few, build).cost.instructions
-    own = meter.run(rivals.emitted(emitted(TWO, USUAL, np.float32)), few, build).cost.instructions
-    assert rival.max() > 1.9 * own.max()
+    emitted_cost = meter.run(rivals.emitted_c(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
+    assert rival.max() > 1.9 * emitted_cost.max()
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
 def test_there_is_no_function_of_libm_in_the_loop(scalar: type[np.floating]) -> None:
-    text = "".join(host.code(emitted(TWO, USUAL, scalar).files).values())
+    text = "".join(host.code(emit_c(TWO, USUAL, scalar).files).values())
     code = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     assert LIBM.findall("x = cosf(y);") and not LIBM.findall(code)
     assert len(re.findall(r"\bsqrtf?\(", code)) == 4  # deviations and residual

@@ -19,64 +19,70 @@ from tests.designs.hall_position.tracked import (
     L,
     Pose,
     W,
-    begun,
+    before_start,
     block,
-    compiled,
-    given,
-    known,
+    by_input,
+    compile_c,
+    known_state,
     motion,
     noisy,
-    records,
     setup,
+    state_records,
 )
 
 EXACT = tolerances.of("double")
 EPS = 2.0**-52
-SEVERE = 1e3  # from which on errors are allowed in proportion to what magnifies them
+ILL_CONDITIONED = 1e3  # magnification above which the allowed error is proportional to it
 SHARE = 8  # times that and the precision; 1.3 is seen
 
 
-def drawn(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
+def random_samples(array: Array, n: int, seed: int) -> tuple[dict[str, Numbers], Numbers, Numbers]:
     """Return states anywhere (N,), voltages (N, sensors, 2) and which of these are refused.
 
-    A third of the voltages are those of a pose about where the sample begins, a third of one further away; the others
+    A third of the voltages belong to a pose near the predicted one, a third to one further away; the others
     are random.
     """
     rng, of, k = np.random.default_rng(seed), setup(array), len(array.positions)
-    state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_known", "start_x", "start_y")}
+    state = {name: rng.uniform(-np.pi, np.pi, n) for name in (*reference.POSE, "yaw_last_good", "start_x", "start_y")}
     state["yaw"] *= rng.choice([0.06, 1.0], n)  # half of them where an estimate may be valid
-    # Every other yaw is about the known one, where a place may become certain.
+    # Every other yaw is near the last good one, where the ambiguity may be resolved.
     about = state["yaw"] + rng.uniform(-0.12, 0.12, n)
-    state["yaw_known"] = np.where(rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_known"])
+    state["yaw_last_good"] = np.where(
+        rng.random(n) < 0.5, (about + np.pi) % (2 * np.pi) - np.pi, state["yaw_last_good"]
+    )
     problem = reference.problem(of)
     bounds = problem.bounds * problem.units
     state |= {name: rng.uniform(-b, b, n) for name, b in zip(reference.MOTION, bounds, strict=True)}
     state |= {f"pitch_{a}": rng.integers(-8, 9, n).astype(float) for a in "xy"}
-    state |= {"astray": rng.integers(0, 5, n), "searching": rng.integers(0, 2, n), "restarted": rng.integers(0, 2, n)}
-    state["certain"] = rng.integers(0, 2, n) * (1 - state["searching"])
-    state["placed"] = np.maximum(state["certain"], rng.integers(0, 2, n))
+    state |= {
+        "residual_faults": rng.integers(0, 5, n),
+        "searching": rng.integers(0, 2, n),
+        "lock_lost": rng.integers(0, 2, n),
+    }
+    state["ambiguity_resolved"] = rng.integers(0, 2, n) * (1 - state["searching"])
+    state["acquired"] = np.maximum(state["ambiguity_resolved"], rng.integers(0, 2, n))
     if k > 2:
-        state["without"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
+        state["excluded_sensor"] = np.where(rng.random(n) < 0.7, 0, rng.integers(0, k + 1, n))
     start, _ = reference.predict(of, state, np.zeros((n, k, 2), bool))
     size = rng.choice([1e-3, 0.05, 0.3], n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [W, W, 6]
     x, y, yaw = (start + size).T
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
     V = noisy(array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), seed)
     V = np.where((rng.random(n) < 0.33)[:, np.newaxis, np.newaxis], rng.uniform(-5, 5, V.shape), V)
-    # In a tenth one sensor reads what it likes.
+    # In a tenth of the samples one sensor has random voltages.
     some, one = rng.random(n) < 0.1, rng.integers(0, k, n)
     V[some, one[some]] = rng.uniform(-5, 5, (some.sum(), 2))
     return state, np.clip(V, -4.9, 4.9), rng.random(V.shape) < 0.01
 
 
-def held(V: Numbers, refused: Numbers) -> Numbers:
-    """Return what the guard passes on: 0 before the first sample that it accepts."""
+def held_voltages(V: Numbers, refused: Numbers) -> Numbers:
+    """Return the guard's held voltages: 0 before the first accepted sample."""
     return np.where(refused, 0.0, V)
 
 
-def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
+def difference(outputs: Columns, after: host.Records, out: Columns, next: Columns) -> Numbers:
     """Return by how much outputs and states differ, (N,): m, rad, a tenth of the voltages' range, and flags by 1."""
-    gap = [np.abs(found[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
+    gap = [np.abs(outputs[name] - v) / (channels.SPAN if name == "residual" else 1) for name, v in out.items()]
     for name, v in next.items():
         d = np.abs(after[f"estimator_{name}"] - v)
         if name.startswith(("phase", "yaw", "start")):
@@ -87,13 +93,13 @@ def apart(found: Columns, after: host.Records, out: Columns, next: Columns) -> N
 
 def disagreement(array: Array, n: int, of: Setup) -> Numbers:
     """Return by how much the C differs from the reference in n steps, over what is allowed, (N,)."""
-    state, V, refused = drawn(array, n, 3)
-    out, next = reference.step(of, state, held(V, refused), refused)
-    batch = compiled(array).batch(records(array, state), given(array, np.where(refused, np.nan, V)))
-    severe = reference_rounding.magnification(of, state, held(V, refused), refused)
-    allowed = np.where(severe > SEVERE, SHARE * EPS * severe, EXACT)
-    assert (severe > SEVERE).mean() < 0.02 and next["restarted"].mean() > 0.5
-    return apart(batch.outputs, batch.states, out, next) / allowed
+    state, V, refused = random_samples(array, n, 3)
+    out, next = reference.step(of, state, held_voltages(V, refused), refused)
+    batch = compile_c(array).batch(state_records(array, state), by_input(array, np.where(refused, np.nan, V)))
+    severe = reference_rounding.magnification(of, state, held_voltages(V, refused), refused)
+    allowed = np.where(severe > ILL_CONDITIONED, SHARE * EPS * severe, EXACT)
+    assert (severe > ILL_CONDITIONED).mean() < 0.02 and next["lock_lost"].mean() > 0.5
+    return difference(batch.outputs, batch.states, out, next) / allowed
 
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
@@ -103,29 +109,29 @@ def test_c_agrees_with_the_reference_from_any_state(array: Array) -> None:
 
 @pytest.mark.parametrize("array", ARRAYS.values(), ids=ARRAYS)
 def test_the_block_agrees_with_the_reference(array: Array) -> None:
-    state, V, _ = drawn(array, 300, 4)
+    state, V, _ = random_samples(array, 300, 4)
     of, clear = block(array), np.zeros(V.shape, bool)
     x = np.tile(of.initial[:, np.newaxis], 300)
     for i, s in enumerate(of.states):
         name = s.name.removeprefix("estimator_")
         x[i] = state.get(name, x[i])
-    y = of.function().map(300)(x, np.array([*given(array, V).values()]))[1].full()
+    y = of.function().map(300)(x, np.array([*by_input(array, V).values()]))[1].full()
     out, _ = reference.step(setup(array), state, V, clear)
     allowed = np.maximum(EXACT, SHARE * EPS * reference_rounding.magnification(setup(array), state, V, clear))
-    for signal, found in zip(of.outputs, y, strict=True):
+    for signal, values in zip(of.outputs, y, strict=True):
         size = channels.SPAN if signal.name == "residual" else 1
-        assert (np.abs(found - out[signal.name]) <= size * allowed).all(), signal.name
+        assert (np.abs(values - out[signal.name]) <= size * allowed).all(), signal.name
 
 
 def over_motions(array: Array, pose: Pose, of: Setup) -> float:
-    """Return the worst difference of C and reference that each go their own way."""
-    V, state = noisy(array, pose), known(array, begun(pose))
-    after, gap, clear = records(array, state), 0.0, np.zeros(V.shape[1:], bool)
+    """Return the worst difference between free-running C and reference."""
+    V, state = noisy(array, pose), known_state(array, before_start(pose))
+    after, gap, clear = state_records(array, state), 0.0, np.zeros(V.shape[1:], bool)
     for now in V:
         out, state = reference.step(of, state, now, clear)
-        batch = compiled(array).batch(after, given(array, now))
+        batch = compile_c(array).batch(after, by_input(array, now))
         after = batch.states
-        gap = max(gap, float(apart(batch.outputs, after, out, state).max()))
+        gap = max(gap, float(difference(batch.outputs, after, out, state).max()))
     return gap
 
 
@@ -140,15 +146,18 @@ def test_c_agrees_with_the_reference_over_1e5_samples_of_many_pitches_and_turns(
     [
         {"beta": -TWO.beta},
         {"iterations": 4},
-        *({name: 1.05 * getattr(USUAL, name)} for name in ("damping", "firm", "reach", "follow")),
-        {"residual": 0.15},
-        {"leaning": 0.2},
-        {"surprise": 2.5},
-        {"settled": 0.05},
+        *(
+            {name: 1.05 * getattr(USUAL, name)}
+            for name in ("damping", "yaw_damping_ratio", "max_phase_step", "velocity_gain")
+        ),
+        {"residual_limit": 0.15},
+        {"max_prior_weight": 0.2},
+        {"innovation_gate_sigma": 2.5},
+        {"convergence_sigma": 0.05},
         {"pitches": 7},
-        {"certain": 0.005},
-        {"turn": 0.1},
-        {"yaw": 0.03},
+        {"ambiguity_threshold": 0.005},
+        {"yaw_window": 0.1},
+        {"yaw_limit": 0.03},
     ],
     ids=lambda change: next(iter(change)),
 )
@@ -164,7 +173,7 @@ def test_another_setup_is_seen(change: dict[str, float]) -> None:
         ("PATIENCE", 4),
         ("SUSPECT", 3),
         ("CONTRAST", 1),
-        ("MORE", 1),
+        ("REDUNDANCY_FACTOR", 1),
         ("PLASTIC", 1.32),
     ],
 )
@@ -174,17 +183,20 @@ def test_another_reference_is_seen(name: str, value: float, monkeypatch: pytest.
 
 
 def test_single_precision_is_within_a_micrometre() -> None:
-    """Of double precision, each going its own way: ten times less where the position is valid."""
+    """Of double precision, both free-running: ten times less where the position is valid."""
     pose = motion(400, 50, 6, travel=0.2, yaw=0.04)
-    after = {scalar: records(TWO, known(TWO, begun(pose)), scalar=scalar) for scalar in (np.float32, np.float64)}
-    apart, valid = [], []
+    after = {
+        scalar: state_records(TWO, known_state(TWO, before_start(pose)), scalar=scalar)
+        for scalar in (np.float32, np.float64)
+    }
+    differences, valid = [], []
     for now in noisy(TWO, pose):
-        found = {}
+        outputs = {}
         for scalar, state in after.items():
-            batch = compiled(TWO, scalar=scalar).batch(state, given(TWO, now))
-            after[scalar], found[scalar] = batch.states, batch.outputs
-        single, double = found[np.float32], found[np.float64]
-        apart.append(np.hypot(single["X"] - double["X"], single["Y"] - double["Y"]))
+            batch = compile_c(TWO, scalar=scalar).batch(state, by_input(TWO, now))
+            after[scalar], outputs[scalar] = batch.states, batch.outputs
+        single, double = outputs[np.float32], outputs[np.float64]
+        differences.append(np.hypot(single["X"] - double["X"], single["Y"] - double["Y"]))
         valid.append((single["valid"] > 0) & (double["valid"] > 0))
-    assert np.mean(valid) > 0.6 and np.array(apart)[np.array(valid)].max() < 1e-7
-    assert np.array(apart).max() < 1e-6
+    assert np.mean(valid) > 0.6 and np.array(differences)[np.array(valid)].max() < 1e-7
+    assert np.array(differences).max() < 1e-6

@@ -1,4 +1,4 @@
-"""What the estimators are given: lists become tuples, and what is no figure, place or time is refused by its name."""
+"""Arguments of the estimators: lists become tuples; invalid numbers, places and times are refused by name."""
 
 from typing import Any
 
@@ -20,21 +20,21 @@ NONE: tuple[Any, ...] = (None, "1", True, float("nan"), float("inf"), 10**400, [
 FIGURES = ("c", "alpha", "beta", "pitch", "deviation")
 
 
-def array(**given: Any) -> Array:
+def array(**fields: Any) -> Array:
     usual: dict[str, Any] = {"positions": PLACES, "c": 0.0, "alpha": 3.0, "beta": -0.1}
-    return Array(**usual | given)
+    return Array(**usual | fields)
 
 
-def six(**given: Any) -> SpatialArray:
+def six(**fields: Any) -> SpatialArray:
     usual: dict[str, Any] = {"positions": SIX_PLACES, "alpha": 3.0, "beta": -0.1}
-    return SpatialArray(**usual | given)
+    return SpatialArray(**usual | fields)
 
 
 @pytest.mark.parametrize("of", [list, np.array])
 def test_places_may_be_lists_or_arrays(of: Any) -> None:
-    given = array(positions=of([of(r) for r in PLACES]), alpha=np.float32(3))
-    assert given == array() and hash(given) == hash(array())
-    assert type(given.alpha) is type(given.positions[1][0]) is float
+    from_sequences = array(positions=of([of(r) for r in PLACES]), alpha=np.float32(3))
+    assert from_sequences == array() and hash(from_sequences) == hash(array())
+    assert type(from_sequences.alpha) is type(from_sequences.positions[1][0]) is float
     assert six(positions=of([of(r) for r in SIX_PLACES])) == six()
 
 
@@ -60,9 +60,9 @@ def test_what_is_no_figure_of_an_array_is_refused(name: str, value: Any) -> None
     ],
 )
 def test_what_is_no_place_is_refused(positions: Any, message: str) -> None:
-    for made in (array, six):
+    for make in (array, six):
         with pytest.raises(ModelError, match=message):
-            made(positions=positions)
+            make(positions=positions)
 
 
 def test_more_sensors_than_are_named_are_refused() -> None:
@@ -94,15 +94,15 @@ def test_what_is_counted_is_a_whole_number(of: Any, name: str) -> None:
 @pytest.mark.parametrize("time", [None, Continuous(), 1 / 800])
 def test_an_estimator_takes_a_period(time: Any) -> None:
     two = config.array()
-    for made, given in ((estimator, two), (six_estimator, FOUR)):
+    for module, sensors in ((estimator, two), (six_estimator, FOUR)):
         with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
-            made.guarded(given, time)
+            module.guarded_estimator(sensors, time)
     with pytest.raises(TimingError, match=r"`time` of `block.build` is .*: give a Discrete"):
         estimator.estimator(two, time)
 
 
 @pytest.mark.parametrize("name", ["hall", "", None, ["hall_position"]])
 def test_what_does_not_ship_is_refused(name: Any) -> None:
-    for made in (config.array, config.block):
+    for make in (config.array, config.block):
         with pytest.raises(DesignError, match="give one of hall_position, hall_position_three"):
-            made(name)
+            make(name)

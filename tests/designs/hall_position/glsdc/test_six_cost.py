@@ -16,13 +16,13 @@ from tests.designs.hall_position.posed import (
     FOUR,
     USUAL,
     block,
-    compiled,
-    emitted,
+    compile_c,
+    emit_c,
     errors,
-    known,
+    known_state,
     motion,
     noisy,
-    replayed,
+    replay,
     setup,
 )
 
@@ -35,27 +35,27 @@ LIBM = re.compile(r"\b(sin|cos|tan|asin|acos|atan|atan2|exp|log|pow)f?\(")
 @cache
 def sequence() -> steps.Steps:
     """Return steps of a motion in which it loses its way now and then, and steps from any state."""
-    return costs.six_steps(FOUR, compiled(FOUR, USUAL, np.float32))
+    return costs.six_steps(FOUR, compile_c(FOUR, USUAL, np.float32))
 
 
 @GCC
 @pytest.mark.parametrize("build", LIMIT, ids=lambda b: b.name)
 def test_four_corrections_take_so_many_instructions(build: Build) -> None:
     assert USUAL.corrections == 4
-    found = meter.run(rivals.emitted(emitted(FOUR, USUAL, np.float32)), sequence(), build).cost.instructions
-    assert 0.9 * LIMIT[build] < found.max() <= LIMIT[build]
+    instructions = meter.run(rivals.emitted_c(emit_c(FOUR, USUAL, np.float32)), sequence(), build).cost.instructions
+    assert 0.9 * LIMIT[build] < instructions.max() <= LIMIT[build]
 
 
 @GCC
 def test_casadis_own_c_takes_more() -> None:
     few = steps.thinned(sequence(), 10)
     rival = meter.run(rivals.casadi(block(FOUR), shimmed=True), few, PLAIN).cost.instructions
-    own = meter.run(rivals.emitted(emitted(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
-    assert rival.max() > 1.5 * own.max()
+    emitted_cost = meter.run(rivals.emitted_c(emit_c(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
+    assert rival.max() > 1.5 * emitted_cost.max()
 
 
 def test_there_is_no_function_of_libm_in_the_loop() -> None:
-    text = "".join(host.code(emitted(FOUR, USUAL, np.float32).files).values())
+    text = "".join(host.code(emit_c(FOUR, USUAL, np.float32).files).values())
     code = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     assert LIBM.findall("x = expf(y);") and not LIBM.findall(code)
     assert len(re.findall(r"\bsqrtf?\(", code)) == 7  # deviations and residual
@@ -63,25 +63,25 @@ def test_there_is_no_function_of_libm_in_the_loop() -> None:
 
 def by_reference(pose: Numbers, V: Numbers) -> dict[str, Numbers]:
     """Return the outputs (n, N) of the reference, which the C in double precision equals."""
-    state, found = known(FOUR, pose[0]), []
+    state, outputs = known_state(FOUR, pose[0]), []
     for now in V:
         out, state = reference_six.step(setup(FOUR), state, now, np.zeros(now.shape, bool))
-        found.append(out)
-    return {name: np.array([f[name] for f in found]) for name in found[0]}
+        outputs.append(out)
+    return {name: np.array([f[name] for f in outputs]) for name in outputs[0]}
 
 
 def test_single_precision_is_far_below_the_noise() -> None:
-    """Each going its own way: 0.1 um and 10 urad at most; the pose is known to 2 um and 90 urad, rms."""
+    """Both free-running: 0.1 um and 10 urad at most; the pose is known to 2 um and 90 urad, rms."""
     pose = motion(300, 30, 6, travel=0.1)
     V = noisy(FOUR, pose)
     double = by_reference(pose, V)
 
-    def apart(V: Numbers) -> Numbers:
-        single = replayed(FOUR, pose[0], V, USUAL, np.float32)
+    def difference(V: Numbers) -> Numbers:
+        single = replay(FOUR, pose[0], V, USUAL, np.float32)
         sure = (single["valid"] > 0) & (double["valid"] > 0)
         assert sure.mean() > 0.99
         return np.abs(errors(single, pose) - errors(double, pose))[sure].max(axis=0)
 
-    assert (apart(V)[:3] < 1e-7).all() and (apart(V)[3:] < 1e-5).all()
-    coarse = apart(V.astype(np.float16).astype(float))  # as far off as voltages of half precision are
+    assert (difference(V)[:3] < 1e-7).all() and (difference(V)[3:] < 1e-5).all()
+    coarse = difference(V.astype(np.float16).astype(float))  # as far off as voltages of half precision are
     assert (coarse[:3] > 1e-6).all() and (coarse[3:] > 2e-5).all()

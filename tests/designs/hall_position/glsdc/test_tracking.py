@@ -1,4 +1,4 @@
-"""From sample to sample: it follows, goes on without a sensor that fails, and finds its place again."""
+"""Tracking and integrity: motion, exclusion of a failed sensor, loss of position lock, search."""
 
 import numpy as np
 import pytest
@@ -11,42 +11,42 @@ from tests.designs.hall_position.tracked import (
     L,
     Pose,
     at_rest,
-    begun,
-    compiled,
-    given,
+    before_start,
+    by_input,
+    compile_c,
     motion,
     noisy,
-    off,
     places,
-    replayed,
-    wrapped,
+    position_error,
+    replay,
+    wrap_angle,
 )
 
 
 def test_it_follows_over_many_pitches_and_turns_of_the_yaw() -> None:
     pose = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5)
-    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(yaw=np.pi))
+    outputs = replay(THREE, before_start(pose), noisy(THREE, pose), Tuning(yaw_limit=np.pi))
     assert np.ptp(pose.X, axis=0).max() > 4 * L and np.ptp(pose.yaw, axis=0).min() > 2 * np.pi - 1.5
-    assert found["valid"][20:].mean() > 0.98 and off(found, pose).max() < 1e-3
-    assert np.abs(wrapped(found["yaw"] - pose.yaw)).max() < 0.02 and not found["restarted"].any()
+    assert outputs["valid"][20:].mean() > 0.98 and position_error(outputs, pose).max() < 1e-3
+    assert np.abs(wrap_angle(outputs["yaw"] - pose.yaw)).max() < 0.02 and not outputs["lock_lost"].any()
 
 
-def test_without_expecting_the_motion_turning_bodies_are_lost() -> None:
-    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(follow=0.0, yaw=np.pi)
-    found = replayed(THREE, begun(pose), noisy(THREE, pose), tuning)
-    assert (off(found, pose).max(axis=0) > 1e-3).mean() > 0.1
+def test_without_prediction_of_motion_rotating_bodies_lose_lock() -> None:
+    pose, tuning = motion(800, 100, 2, travel=0.3, yaw=0.5, turn=6.5), Tuning(velocity_gain=0.0, yaw_limit=np.pi)
+    outputs = replay(THREE, before_start(pose), noisy(THREE, pose), tuning)
+    assert (position_error(outputs, pose).max(axis=0) > 1e-3).mean() > 0.1
 
 
 def test_of_three_sensors_one_may_be_refused() -> None:
     pose = motion(300, 30, 8, travel=0.1, yaw=0.05)
     V = noisy(THREE, pose)
     V[100:, :, 1, 0] = np.nan
-    found = replayed(THREE, begun(pose), V)
-    # Two sensors remain, which are valid until they pass where they lose rank.
-    sure = found["valid"] > 0
+    outputs = replay(THREE, before_start(pose), V)
+    # Two sensors remain, which are valid until they pass a singular point.
+    sure = outputs["valid"] > 0
     assert sure[20:100].all() and sure[105].mean() > 0.5 and 0 < sure[-1].mean() < 0.5
-    assert np.isfinite(found["X"]).all() and off(found, pose)[sure].max() < 2e-4
-    assert np.median(off(found, pose)[-1]) < 1e-4
+    assert np.isfinite(outputs["X"]).all() and position_error(outputs, pose)[sure].max() < 2e-4
+    assert np.median(position_error(outputs, pose)[-1]) < 1e-4
 
 
 def test_of_two_sensors_none_may_be_refused() -> None:
@@ -54,58 +54,58 @@ def test_of_two_sensors_none_may_be_refused() -> None:
     pose = at_rest(rest, 60)
     V = noisy(TWO, pose)
     V[30:33, :, 1, 0] = np.nan
-    found = replayed(TWO, rest, V)
-    assert not found["valid"][30:33].any() and (found["valid"][33:].mean() > 0.8)
-    assert (np.abs(found["X"][30:33] - found["X"][29]) < 5 * found["deviation_X"][29]).all()
+    outputs = replay(TWO, rest, V)
+    assert not outputs["valid"][30:33].any() and (outputs["valid"][33:].mean() > 0.8)
+    assert (np.abs(outputs["X"][30:33] - outputs["X"][29]) < 5 * outputs["deviation_X"][29]).all()
 
 
 @pytest.mark.parametrize("sensor", [0, 1, 2])
-def test_of_three_sensors_a_dead_one_is_left_out(sensor: int) -> None:
-    """By its difference from what the motion leads to expect: the two that remain agree with that."""
+def test_of_three_sensors_a_dead_one_is_excluded(sensor: int) -> None:
+    """By its innovation: the two that remain agree with the prediction."""
     pose = motion(400, 100, 10 + sensor, travel=0.05, yaw=0.02)
     V = noisy(THREE, pose)
     V[100:, :, sensor] = 0.0
-    found = replayed(THREE, begun(pose), V)
-    assert found["valid"][20:100].all() and found["valid"][100 : 100 + tracking.SUSPECT].mean() < 0.05
-    right = found["without"][100 + tracking.SUSPECT] == sensor + 1
-    assert right.mean() > 0.95 and found["valid"][100 + tracking.SUSPECT, right].mean() > 0.5
-    assert off(found, pose)[100:, right][found["valid"][100:, right] > 0].max() < 3e-4
+    outputs = replay(THREE, before_start(pose), V)
+    assert outputs["valid"][20:100].all() and outputs["valid"][100 : 100 + tracking.SUSPECT].mean() < 0.05
+    right = outputs["excluded_sensor"][100 + tracking.SUSPECT] == sensor + 1
+    assert right.mean() > 0.95 and outputs["valid"][100 + tracking.SUSPECT, right].mean() > 0.5
+    assert position_error(outputs, pose)[100:, right][outputs["valid"][100:, right] > 0].max() < 3e-4
 
 
-def test_a_glitch_leaves_no_sensor_out() -> None:
+def test_a_glitch_excludes_no_sensor() -> None:
     pose = motion(150, 50, 12, travel=0.05, yaw=0.02)
     V = noisy(THREE, pose)
     V[100 : 100 + tracking.SUSPECT - 1, :, 1] = 0.0
-    found = replayed(THREE, begun(pose), V)
-    assert not found["without"].any() and not found["valid"][100].any() and found["valid"][105:].all()
+    outputs = replay(THREE, before_start(pose), V)
+    assert not outputs["excluded_sensor"].any() and not outputs["valid"][100].any() and outputs["valid"][105:].all()
 
 
-def test_what_no_body_does_is_not_followed() -> None:
-    """A leap of 3 mm in a sample: its place is lost, and nothing is valid until `init`.
+def test_a_leap_loses_position_lock() -> None:
+    """A leap of 3 mm in a sample: position lock is lost, and nothing is valid until `init`.
 
-    But where all sensors but one read the same before and after, that one has failed as far as anybody can tell.
+    Where the voltages of all sensors but one are the same before and after, a failure of that one cannot be excluded.
     """
     pose = at_rest(places(200, 15, 0.02), 100)
     leap = Pose(pose.X.copy(), pose.Y, pose.yaw)
     leap.X[50:] += 0.003
-    found = replayed(THREE, begun(pose), noisy(THREE, leap))
-    lost = found["restarted"][-1] > 0
-    assert found["valid"][:50].all() and lost.mean() > 0.8
-    assert not found["valid"][55:, lost].any() and found["without"][55:, ~lost].all()
+    outputs = replay(THREE, before_start(pose), noisy(THREE, leap))
+    lost = outputs["lock_lost"][-1] > 0
+    assert outputs["valid"][:50].all() and lost.mean() > 0.8
+    assert not outputs["valid"][55:, lost].any() and outputs["excluded_sensor"][55:, ~lost].all()
 
 
 @pytest.mark.parametrize("residual", [0.1, 0.01])
-def test_from_anywhere_in_the_pitch_it_finds_its_place(residual: float) -> None:
-    """From `init`, at a yaw within 4.5 degrees of the one that is assumed."""
+def test_the_search_converges_from_anywhere_in_the_pitch(residual: float) -> None:
+    """From `init`, at a yaw within 4.5 degrees of the assumed one."""
     rest = places(300, 13, 0.08)
-    pose, tuning = at_rest(rest, 40), Tuning(residual=residual)
-    state, found = np.repeat(compiled(THREE, tuning).init()[np.newaxis], 300), []
+    pose, tuning = at_rest(rest, 40), Tuning(residual_limit=residual)
+    state, outputs = np.repeat(compile_c(THREE, tuning).init()[np.newaxis], 300), []
     for now in noisy(THREE, pose):
-        batch = compiled(THREE, tuning).batch(state, given(THREE, now))
+        batch = compile_c(THREE, tuning).batch(state, by_input(THREE, now))
         state = batch.states
-        found.append(batch.outputs)
-    within = np.array([np.hypot(*((f[a] - getattr(rest, a) + L / 2) % L - L / 2 for a in "XY")) for f in found])
-    sure = np.array([f["valid"] for f in found]) > 0
+        outputs.append(batch.outputs)
+    within = np.array([np.hypot(*((f[a] - getattr(rest, a) + L / 2) % L - L / 2 for a in "XY")) for f in outputs])
+    sure = np.array([f["valid"] for f in outputs]) > 0
     assert sure[-1].all() and within[sure].max() < 1e-4 and not sure[0].all()
     assert np.median(np.argmax(sure, axis=0)) < 10
 
@@ -113,16 +113,16 @@ def test_from_anywhere_in_the_pitch_it_finds_its_place(residual: float) -> None:
 def test_a_body_that_leaves_the_pitches_is_not_valid_again() -> None:
     t = np.arange(1200)[:, np.newaxis] / 800
     pose = Pose(0.03 + 0.08 * np.sin(4 * t), 0 * t + 0.01, 0 * t)
-    found = replayed(THREE, begun(pose), noisy(THREE, pose), Tuning(pitches=1))
-    gone = np.argmax(pose.X + THREE.centre[0] > 1.55 * L)
-    assert found["valid"][20 : gone - 50].all() and not found["valid"][gone + 50 :].any()
-    assert gone < 400 and pose.X[gone + 50 :].min() < 0
+    outputs = replay(THREE, before_start(pose), noisy(THREE, pose), Tuning(pitches=1))
+    crossing = np.argmax(pose.X + THREE.centre[0] > 1.55 * L)
+    assert outputs["valid"][20 : crossing - 50].all() and not outputs["valid"][crossing + 50 :].any()
+    assert crossing < 400 and pose.X[crossing + 50 :].min() < 0
 
 
-def test_beyond_the_yaws_that_are_declared_nothing_is_valid_any_more() -> None:
+def test_beyond_the_yaw_limit_nothing_is_valid_any_more() -> None:
     t = np.arange(800)[:, np.newaxis] / 800
     pose = Pose(0 * t + 0.01, 0 * t + 0.02, 0.3 * np.sin(5 * t))
-    found = replayed(THREE, begun(pose), noisy(THREE, pose))
-    gone = np.argmax(pose.yaw > Tuning().yaw)
-    assert found["valid"][20 : gone - 2].all() and not found["valid"][gone + 2 :].any()
-    assert (np.abs(pose.yaw[gone + 2 :]) < 0.1).any() and found["restarted"][-1].all()
+    outputs = replay(THREE, before_start(pose), noisy(THREE, pose))
+    crossing = np.argmax(pose.yaw > Tuning().yaw_limit)
+    assert outputs["valid"][20 : crossing - 2].all() and not outputs["valid"][crossing + 2 :].any()
+    assert (np.abs(pose.yaw[crossing + 2 :]) < 0.1).any() and outputs["lock_lost"][-1].all()

@@ -30,7 +30,7 @@ def errors(estimated: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np
 
 
 def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() -> None:
-    source, bench = calibration.calibrated(), Bench(closed_loop.PLACES)
+    source, bench = calibration.calibrated_source(), Bench(closed_loop.PLACES)
     estimated, reference = calibration.samples(bench, replace(source, map=None), 0.0265, 1.7e-3, seed=77)
     assert source.map is not None
     before, peak_before = errors(estimated, reference)
@@ -38,15 +38,15 @@ def test_calibration_makes_the_errors_smaller_on_lines_that_it_has_not_seen() ->
     assert np.all(SEVEN * after < before) and np.all(SEVEN * peak < peak_before)
     assert max(peak[:2]) < 45e-6
     assert peak_before[0] < 1.4e-3  # what the paper found
-    turned = ErrorMap(source.map.grid, source.map.added.transpose(0, 2, 1))
-    worse, _ = errors(correct(turned, estimated), reference)
+    transposed = ErrorMap(source.map.grid, source.map.added.transpose(0, 2, 1))
+    worse, _ = errors(correct(transposed, estimated), reference)
     assert np.all(worse > 3 * after)
 
 
 def test_the_model_of_the_field_is_that_of_the_paper() -> None:
     bench = Bench(closed_loop.PLACES)
     fits = hall_bench.fits(bench, calibration.PITCH, TIME)
-    found = calibration.array(bench)
-    assert found.alpha == pytest.approx(3.1502, rel=0.02) and found.beta == pytest.approx(-0.1803, rel=0.05)
+    array = calibration.array(bench)
+    assert array.alpha == pytest.approx(3.1502, rel=0.02) and array.beta == pytest.approx(-0.1803, rel=0.05)
     assert max(np.abs(f.residual).max() for f in fits) < 0.21  # V: "less than 200 mV", for blocks that are spread
-    assert 0.03 < found.deviation < 0.06
+    assert 0.03 < array.deviation < 0.06

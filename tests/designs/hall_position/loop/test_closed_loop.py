@@ -1,4 +1,4 @@
-"""What stands between the estimate and the regulators: held, predicted, counted, and passed on only when valid."""
+"""`hall_source` between estimate and regulators: only valid estimates pass; others are predicted and counted."""
 
 from functools import cache
 
@@ -26,24 +26,24 @@ Columns = dict[str, np.ndarray]
 
 
 @cache
-def emitted() -> write.Emitted:
+def emit_source() -> write.EmittedCode:
     return write.emit(unranged(closed_loop._source(TIME, "")), np.float64)
 
 
 def answers(changed: Columns | None = None, old: str = "", new: str = "") -> Columns:
     """Return what ``hall_source`` makes of a steady motion that is valid from FIRST on, `old` in its C being `new`."""
-    made, k = emitted(), np.arange(N)
-    text = made.files["hall_source.c"]
+    source, k = emit_source(), np.arange(N)
+    text = source.files["hall_source.c"]
     assert old in text
-    given: Columns = {"X": SPEED * k, "Y": -SPEED * k, "yaw": np.full(N, 2e-3), "valid": k >= FIRST}
-    given |= {"without": np.zeros(N), "restarted": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
-    given |= {"y_ref_held": np.full(N, -0.01), "phi_ref_held": np.zeros(N)}
-    given |= changed or {}
-    controller = host.load({**made.files, "hall_source.c": text.replace(old, new)}, made.manifest)
-    return controller.replay({name: np.asarray(v, float) for name, v in given.items()}).outputs
+    inputs: Columns = {"X": SPEED * k, "Y": -SPEED * k, "yaw": np.full(N, 2e-3), "valid": k >= FIRST}
+    inputs |= {"excluded_sensor": np.zeros(N), "lock_lost": np.zeros(N), "x_ref_held": np.full(N, 0.02)}
+    inputs |= {"y_ref_held": np.full(N, -0.01), "phi_ref_held": np.zeros(N)}
+    inputs |= changed or {}
+    controller = host.load({**source.files, "hall_source.c": text.replace(old, new)}, source.manifest)
+    return controller.replay({name: np.asarray(v, float) for name, v in inputs.items()}).outputs
 
 
-def gone(first: int, count: int) -> Columns:
+def dropout(first: int, count: int) -> Columns:
     """Return flags that are not valid in some samples, and estimates that are nonsense there."""
     k = np.arange(N)
     bad = (k >= first) & (k < first + count)
@@ -51,18 +51,18 @@ def gone(first: int, count: int) -> Columns:
 
 
 def test_a_valid_estimate_is_the_position_and_until_then_the_set_point_is() -> None:
-    found, k = answers(), np.arange(N)
-    np.testing.assert_array_equal(found["x_raw"], np.where(k < FIRST, 0.02, SPEED * k))
-    np.testing.assert_array_equal(found["y_raw"], np.where(k < FIRST, -0.01, -SPEED * k))
-    np.testing.assert_array_equal(found["known"], k > FIRST)
-    assert not found["suspected"].any()
+    outputs, k = answers(), np.arange(N)
+    np.testing.assert_array_equal(outputs["x_raw"], np.where(k < FIRST, 0.02, SPEED * k))
+    np.testing.assert_array_equal(outputs["y_raw"], np.where(k < FIRST, -0.01, -SPEED * k))
+    np.testing.assert_array_equal(outputs["known"], k > FIRST)
+    assert not outputs["suspected"].any()
 
 
-def test_what_is_not_valid_does_not_move_the_position_beyond_the_motion_so_far() -> None:
+def test_an_invalid_estimate_is_replaced_by_the_prediction() -> None:
     k = np.arange(N)
-    found = answers(gone(50, 4))["x_raw"]
-    assert np.abs(found - SPEED * k)[50:54].max() < 0.2 * SPEED  # the motion is known to 2 % after 40 samples
-    at_rest = answers({**gone(50, 4), "X": np.where(k < 50, 0.0, 0.09)})["x_raw"]
+    outputs = answers(dropout(50, 4))["x_raw"]
+    assert np.abs(outputs - SPEED * k)[50:54].max() < 0.2 * SPEED  # the motion is known to 2 % after 40 samples
+    at_rest = answers({**dropout(50, 4), "X": np.where(k < 50, 0.0, 0.09)})["x_raw"]
     assert np.abs(at_rest[50:54]).max() == 0
     assert at_rest[54] == 0.09
 
@@ -71,20 +71,20 @@ def test_what_is_not_valid_does_not_move_the_position_beyond_the_motion_so_far()
     ("old", "new"),
     [("const double valid = in->valid;", "const double valid = 1.0;"), ("= x + motion_x;", "= x - motion_x;")],
 )
-def test_a_position_that_is_not_held_is_told(old: str, new: str) -> None:
+def test_a_position_that_is_not_held_is_detected(old: str, new: str) -> None:
     k = np.arange(N)
-    found = answers(gone(50, 4), old, new)["x_raw"]
-    assert np.abs(found - SPEED * k)[50:54].max() > SPEED
+    outputs = answers(dropout(50, 4), old, new)["x_raw"]
+    assert np.abs(outputs - SPEED * k)[50:54].max() > SPEED
 
 
-def test_invalid_samples_in_a_row_are_counted_to_the_suspicion_and_a_valid_one_begins_anew() -> None:
-    lost = closed_loop.LOST
+def test_consecutive_invalid_samples_raise_the_suspicion_and_a_valid_one_resets_the_count() -> None:
+    lost = closed_loop.MAX_INVALID
     for count, suspected in ((lost - 1, False), (lost, True)):
-        found = answers(gone(30, count))
-        assert found["suspected"].any() == suspected
-    found = answers(gone(30, N))
-    assert np.argmax(found["suspected"]) == 30 + lost + 1
-    assert all(found[f"suspect_{name}"][-1] for name in planar_stage.HALL)
+        outputs = answers(dropout(30, count))
+        assert outputs["suspected"].any() == suspected
+    outputs = answers(dropout(30, N))
+    assert np.argmax(outputs["suspected"]) == 30 + lost + 1
+    assert all(outputs[f"suspect_{name}"][-1] for name in planar_stage.HALL)
     twice = {"valid": (np.arange(N) >= FIRST) & (np.arange(N) % 6 != 0)}
     assert not answers(twice)["suspected"].any()
 
@@ -94,41 +94,41 @@ def test_a_search_at_the_beginning_is_no_failure() -> None:
 
 
 @pytest.mark.parametrize(("number", "letter"), [(1, "a"), (2, "b"), (3, "c")])
-def test_a_sensor_that_is_left_out_is_named(number: int, letter: str) -> None:
+def test_an_excluded_sensor_is_suspected(number: int, letter: str) -> None:
     k = np.arange(N)
-    found = answers({"without": np.where(k >= 40, number, 0)})
-    assert np.argmax(found["suspected"]) == 41
-    named = {name for name in planar_stage.HALL if found[f"suspect_{name}"][-1]}
+    outputs = answers({"excluded_sensor": np.where(k >= 40, number, 0)})
+    assert np.argmax(outputs["suspected"]) == 41
+    named = {name for name in planar_stage.HALL if outputs[f"suspect_{name}"][-1]}
     assert named == {f"V_{letter}x", f"V_{letter}y"}
 
 
-def test_an_estimate_that_has_restarted_is_not_used() -> None:
+def test_an_estimate_without_position_lock_is_not_used() -> None:
     k = np.arange(N)
-    found = answers({"restarted": k >= 30, "X": np.where(k >= 30, 0.09, SPEED * k)})
-    assert np.abs(found["x_raw"] - SPEED * k)[30:36].max() < SPEED
-    assert np.argmax(found["suspected"]) == 30 + closed_loop.LOST + 1
-    assert not answers({"restarted": np.ones(N)})["known"].any()
+    outputs = answers({"lock_lost": k >= 30, "X": np.where(k >= 30, 0.09, SPEED * k)})
+    assert np.abs(outputs["x_raw"] - SPEED * k)[30:36].max() < SPEED
+    assert np.argmax(outputs["suspected"]) == 30 + closed_loop.MAX_INVALID + 1
+    assert not answers({"lock_lost": np.ones(N)})["known"].any()
 
 
 @pytest.mark.parametrize("elsewhere", [{"X": np.full(N, 0.0455)}, {"Y": np.full(N, -0.03)}, {"yaw": np.full(N, 1.57)}])
-def test_a_position_begins_in_the_middle_pitch_and_not_turned(elsewhere: Columns) -> None:
-    found = answers(elsewhere)
-    assert not found["known"].any() and np.all(found["x_raw"] == 0.02)
+def test_a_position_starts_in_the_middle_pitch_at_a_small_yaw(elsewhere: Columns) -> None:
+    outputs = answers(elsewhere)
+    assert not outputs["known"].any() and np.all(outputs["x_raw"] == 0.02)
 
 
 def test_places_within_the_pitch_are_those_of_the_position() -> None:
     at = np.concatenate([[0.0], np.linspace(-0.159, 0.159, N - 1)])
-    found = answers({"X": at, "valid": np.ones(N)})
-    np.testing.assert_array_equal(found["x_raw"], at)
-    pitches = (found["x_raw"] - found["within_x"]) / allocation.PITCH
+    outputs = answers({"X": at, "valid": np.ones(N)})
+    np.testing.assert_array_equal(outputs["x_raw"], at)
+    pitches = (outputs["x_raw"] - outputs["within_x"]) / allocation.PITCH
     np.testing.assert_allclose(pitches, np.rint(pitches), atol=1e-12)
-    assert np.abs(found["within_x"]).max() <= allocation.PITCH / 2
+    assert np.abs(outputs["within_x"]).max() <= allocation.PITCH / 2
 
 
-def test_the_planar_controllers_law_is_taken_as_it_is_but_for_what_makes_it_ready() -> None:
+def test_the_planar_controllers_law_is_unchanged_except_for_its_ready_input() -> None:
     plant = planar_stage.plant()
     blocks = lqg.law(plant)
-    *changed, gate = closed_loop.driven(blocks, TIME)
+    *changed, gate = closed_loop.gate_currents(blocks, TIME)
     ready, known = sensing.READY.name, closed_loop.KNOWN.name
     other = {b.name for b, c in zip(blocks, changed, strict=True) if names(b.inputs) != names(c.inputs)}
     assert other == {"lqg_x", "lqg_y", "lqg_phi"}

@@ -1,6 +1,6 @@
-"""The experiments over the truth field and the two sources beside each other; what breaks the loop breaks a check.
+"""Experiments in the true field and comparison of the sources; each planted defect fails a check.
 
-The C takes its sines from libm: it is emitted sooner, and the polynomials are another test's matter.
+The C calls libm's sines, which makes emission faster; other tests cover the polynomials.
 """
 
 from dataclasses import replace
@@ -27,7 +27,7 @@ def loops() -> dict[str, Loop]:
     return dict(experiments.loops(libm=True))
 
 
-def planted(old: str, new: str) -> Loop:
+def loop_with_defect(old: str, new: str) -> Loop:
     """Return the calibrated loop with `old` in its C being `new`."""
     loop = loops()["calibrated"]
     name = f"{loop.rig.stage.controller.name}.c"
@@ -37,8 +37,8 @@ def planted(old: str, new: str) -> Loop:
     return replace(loop, rig=replace(loop.rig, controller=wrong))
 
 
-def failed(found: Experiment) -> set[str]:
-    return {check.name for check in found.checks if not check.passed}
+def failed_names(experiment: Experiment) -> set[str]:
+    return {check.name for check in experiment.checks if not check.passed}
 
 
 @pytest.mark.parametrize(
@@ -46,29 +46,29 @@ def failed(found: Experiment) -> set[str]:
 )
 def test_the_calibrated_loop_keeps_its_bars(make: object) -> None:
     assert callable(make)
-    assert failed(make(loops()["calibrated"])) == set()
+    assert failed_names(make(loops()["calibrated"])) == set()
 
 
 @pytest.mark.parametrize("name", ["plain", "calibrated"])
 def test_the_step_of_4_mm(name: str) -> None:
-    found = experiments.step(loops()[name], name)
-    assert failed(found) == set()
-    assert found.figures["motion as estimated, mm"] == pytest.approx(4.0, abs=2e-3)
+    experiment = experiments.step(loops()[name], name)
+    assert failed_names(experiment) == set()
+    assert experiment.figures["motion as estimated, mm"] == pytest.approx(4.0, abs=2e-3)
 
 
 def test_the_step_without_calibration_would_not_pass_for_the_calibrated_one() -> None:
-    assert failed(experiments.step(loops()["plain"], "calibrated")) == {"error of the motion"}
+    assert failed_names(experiments.step(loops()["plain"], "calibrated")) == {"error of the motion"}
 
 
 def test_the_zigzag() -> None:
     plain, calibrated = experiments.zigzags(loops())
-    assert failed(plain) == failed(calibrated) == set()
+    assert failed_names(plain) == failed_names(calibrated) == set()
     assert plain.figures["x and y, um rms"] > 60
 
 
-def test_a_correction_with_the_wrong_sign_is_told() -> None:
-    both = {**loops(), "calibrated": planted("X_corrected = X + ", "X_corrected = X - ")}
-    assert failed(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
+def test_a_correction_with_the_wrong_sign_is_detected() -> None:
+    both = {**loops(), "calibrated": loop_with_defect("X_corrected = X + ", "X_corrected = X - ")}
+    assert failed_names(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
 
 
 HELD = "hall_source_x + hall_source_motion_x"
@@ -76,7 +76,7 @@ REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "failing"),
     [
         ("const bool valid = ", "const bool valid = true || ", {REST, STEADY, STEP}),
         (HELD, "0.0f", {REST, STEADY, STEP}),
@@ -85,38 +85,38 @@ REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady
     ],
     ids=["used", "zeros", "without motion", "half the motion"],
 )
-def test_a_position_that_is_not_held_in_dropouts_is_told(old: str, new: str, told: set[str]) -> None:
-    assert told == failed(experiments.dropouts(planted(old, new)))
+def test_a_position_that_is_not_held_in_dropouts_is_detected(old: str, new: str, failing: set[str]) -> None:
+    assert failing == failed_names(experiments.dropouts(loop_with_defect(old, new)))
 
 
-def test_what_a_wrong_sample_makes_of_the_position_is_the_linear_loops() -> None:
+def test_the_response_to_a_wrong_sample_is_that_of_the_linear_loop() -> None:
     source, plant = closed_loop.Source(config.array(config.THREE)), planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
-    found = page_loops.opened(source, block, {})
+    parts = page_loops.open_loop(source, block, {})
     T = lqg.TIME.period_s
-    stage, law = sampled(found.plant, T, found.delay * T), found.controller
-    x, state, moved = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
+    stage, law = sampled(parts.plant, T, parts.delay * T), parts.controller
+    x, state, distances = np.zeros(len(stage.states)), np.zeros(len(law.states)), []
     for k in range(200):
         seen = stage.C @ x + (k == 0) * (np.array(stage.outputs) == "x")
         x, state = stage.A @ x + stage.B @ (law.C @ state + law.D @ seen), law.A @ state + law.B @ seen
-        moved.append(abs(x[stage.states.index("x")]))
-    assert 0.94 * experiments.RESPONSE < max(moved) < experiments.RESPONSE
+        distances.append(abs(x[stage.states.index("x")]))
+    assert 0.94 * experiments.RESPONSE < max(distances) < experiments.RESPONSE
 
 
-def test_a_loop_without_its_latch_is_told() -> None:
-    found = experiments.loss(
-        planted("state->hall_source_failed = (uint32_t)", "state->hall_source_failed = 0u * (uint32_t)")
+def test_a_loop_without_its_latch_is_detected() -> None:
+    experiment = experiments.loss(
+        loop_with_defect("state->hall_source_failed = (uint32_t)", "state->hall_source_failed = 0u * (uint32_t)")
     )
-    assert "samples to the latch" in failed(found)
+    assert "samples to the latch" in failed_names(experiment)
 
 
-def test_no_current_flows_until_a_position_is_known_and_none_where_it_is_lost_at_once() -> None:
+def test_no_current_flows_until_a_position_is_known() -> None:
     loop, samples = loops()["calibrated"], 400
     blind, rng = np.arange(samples) < 200, np.random.default_rng(4)
     nonsense = {n: Override(blind, rng.uniform(-4, 4, samples)) for n in planar_stage.HALL}
     run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=nonsense)
     currents = np.abs([run.commands[s.name] for s in planar_stage.INPUTS])
-    assert not currents.any()  # it has looked for its place again, and may be a pitch off
+    assert not currents.any()  # the search may have ended a pitch off
     shorter = {n: replace(o, mask=np.arange(samples) < 3) for n, o in nonsense.items()}
     run = loop.run(samples * stage_loop.TIME.period_s, {"x": 1e-3}, {"x": 5e-3}, overrides=shorter)
     first = int(np.argmax(run["valid"] > 0))
@@ -125,21 +125,21 @@ def test_no_current_flows_until_a_position_is_known_and_none_where_it_is_lost_at
 
 
 @cache
-def compared() -> Experiment:
-    by_name = {sources.SECTIONS: stage_loop.of_sections(libm=True), sources.PLACED: loops()["calibrated"]}
+def comparison() -> Experiment:
+    by_name = {sources.SECTIONS: stage_loop.of_sections(libm=True), sources.OPTIMISED: loops()["calibrated"]}
     return sources.experiment(by_name)
 
 
 def test_the_estimate_is_twice_as_near_to_its_path_as_the_sections() -> None:
-    assert [check.name for check in compared().checks if not check.passed] == []
+    assert [check.name for check in comparison().checks if not check.passed] == []
 
 
 @pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
 def test_the_estimate_costs_some_times_as_much() -> None:
-    by_sections, placed = (
-        compared().figures[f"{name}: instructions, {sources.BUILD}"] for name in (sources.SECTIONS, sources.PLACED)
+    by_sections, optimised = (
+        comparison().figures[f"{name}: instructions, {sources.BUILD}"] for name in (sources.SECTIONS, sources.OPTIMISED)
     )
-    assert 3 < placed / by_sections < 12  # functions of libm among them
+    assert 3 < optimised / by_sections < 12  # functions of libm among them
 
 
 def test_both_controllers_have_the_same_wires() -> None:

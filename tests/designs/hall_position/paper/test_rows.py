@@ -15,7 +15,7 @@ from synth.report import audit
 from synth.report.audit import Printed, Row
 
 STAGE = Stage()
-PRINTED = paper.printed()
+PRINTED = paper.published_rows()
 IDEAL = Stage(weak=1.43 / sqrt(2))
 l, W = 50.8e-3, 2 * np.pi / 50.8e-3
 
@@ -91,18 +91,18 @@ def test_verdicts_and_completeness(rows: dict[str, Row]) -> None:
     assert [r.document()["id"] for r in rows.values()] == list(rows)
 
 
-def recomputed(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
+def recompute(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
     """Return a row of a changed stage or with other numbers in the print."""
     of = PRINTED[name]
     changed = {k: Printed(text, of.numbers[k].unit) for k, text in numbers.items()}
     row = replace(of, numbers={**of.numbers, **changed})
-    return audit.computed(row, paper.on(stage, {**PRINTED, name: row}))
+    return audit.recompute(row, paper.scope(stage, {**PRINTED, name: row}))
 
 
-def computed_by(name: str, **functions: object) -> Row:
+def compute_with(name: str, **functions: object) -> Row:
     """Return a row that some functions are given in place of those of its name."""
-    bench = paper.on(STAGE, PRINTED)
-    return audit.computed(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
+    bench = paper.scope(STAGE, PRINTED)
+    return audit.recompute(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
 
 
 @pytest.mark.parametrize(
@@ -126,14 +126,14 @@ def computed_by(name: str, **functions: object) -> Row:
     ],
 )
 def test_a_defect_changes_the_verdict(name: str, stage: Stage, numbers: dict[str, str]) -> None:
-    assert str(recomputed(name, stage, **numbers).verdict) == "N"
+    assert str(recompute(name, stage, **numbers).verdict) == "N"
 
 
 def test_verdicts_on_layouts_follow_their_figures() -> None:
-    assert str(computed_by("K-13", singular_points=lambda *_: np.zeros((0, 2))).verdict) == "R"
-    offset = rank.changes(replace(STAGE.three, c=0.1))  # an offset of all voltages tells quarter turns apart
-    assert str(computed_by("K-15", changes=lambda _: offset).verdict) == "N"
-    worse = computed_by("K-14", by_waves=lambda s, of: errors.by_waves(s, of) * 10 ** (len(of.positions) - 2))
+    assert str(compute_with("K-13", singular_points=lambda *_: np.zeros((0, 2))).verdict) == "R"
+    offset = rank.voltage_changes(replace(STAGE.three, c=0.1))  # an offset of all voltages tells quarter turns apart
+    assert str(compute_with("K-15", voltage_changes=lambda _: offset).verdict) == "N"
+    worse = compute_with("K-14", by_waves=lambda s, of: errors.by_waves(s, of) * 10 ** (len(of.positions) - 2))
     assert str(worse.verdict) == "N"
 
 
@@ -149,12 +149,12 @@ CHANGED = {
 @pytest.mark.parametrize("parameter", list(CHANGED))
 def test_rows_depend_on_what_they_name(rows: dict[str, Row], parameter: str) -> None:
     for name in CHEAP:
-        after = recomputed(name, CHANGED[parameter])
-        moved = any(
+        after = recompute(name, CHANGED[parameter])
+        changed = any(
             abs(f.value - g.value) > 1e-9 * abs(f.value) + 1e-9  # an amplitude of nothing is 1e-17 T
             for f, g in zip(rows[name].recomputed, after.recomputed, strict=True)
         )
-        assert moved == (parameter in after.depends), name
+        assert changed == (parameter in after.depends), name
 
 
 # Oracles
@@ -163,29 +163,29 @@ def test_rows_depend_on_what_they_name(rows: dict[str, Row], parameter: str) -> 
 def test_a_correction_is_the_least_squares_solution_of_the_sensor_model() -> None:
     rng = np.random.default_rng(1)
     q = np.vstack([rng.uniform(0, l, (2, 30)), rng.uniform(-1, 1, 30)])
-    read = hall_correction.turned(hall_correction.volts(STAGE.three, q), -q[2])
+    read = hall_correction.rotate_voltages(hall_correction.volts(STAGE.three, q), -q[2])
     at = q + 1e-4 * rng.standard_normal(q.shape) * [[1], [1], [30]]
-    waves = concentrated_field.fitted(
+    waves = concentrated_field.waves_from_amplitudes(
         {1: STAGE.three.alpha / 8.4, 5: STAGE.three.beta / 8.4}, 3e-3, concentrated_field.values()
     )
-    sensors = hall_array.points(STAGE.three.positions)
+    sensors = hall_array.point_sensors(STAGE.three.positions)
     model = hall_array.planar(sensors, waves).function()
     for known in (False, True):
-        found = hall_correction.correction(STAGE.three, read, at, known)
+        steps = hall_correction.correction(STAGE.three, read, at, known)
         for k in range(30):
             volts, H = (v.full() for v in model(at[:, k]))
             e = read[:, :, k].T.ravel() - volts.ravel()
             n = 2 if known else 3
             expected = np.linalg.lstsq(H[:, :n], e, rcond=None)[0]
-            np.testing.assert_allclose(found[:n, k], expected, rtol=1e-6, atol=1e-12)
-    end = hall_correction.settled(STAGE.three, read, at, 1.0, 12)
+            np.testing.assert_allclose(steps[:n, k], expected, rtol=1e-6, atol=1e-12)
+    end = hall_correction.iterate(STAGE.three, read, at, 1.0, 12)
     np.testing.assert_allclose(end, q, rtol=0, atol=1e-10)
 
 
 def test_errors_above_blocks_are_those_of_another_solver() -> None:
     """At places of the scan without lost rank nearby, from the voltages themselves."""
-    truth, found = STAGE.truth, errors.errors(STAGE, False).reshape(2, 40, 40)
-    fit = field.fitted(STAGE).estimate
+    truth, map_of_errors = STAGE.truth, errors.errors(STAGE, False).reshape(2, 40, 40)
+    fit = field.fit_above_blocks(STAGE).estimate
     for i, j in ((3, 3), (20, 4), (9, 21)):
         at = [(i + s, j + s) for s in (-15, 15)]
         read = np.array([truth.at(np.array(a), np.array(b)) for a, b in at])
@@ -202,27 +202,27 @@ def test_errors_above_blocks_are_those_of_another_solver() -> None:
 
         place = np.array([i, j]) * l / 40 * 1e3
         q = least_squares(residual, [*place, 0.0], xtol=1e-14, ftol=1e-14, gtol=1e-14).x
-        np.testing.assert_allclose(1e3 * found[:, i, j], q[:2] - place, rtol=0, atol=2e-5)
+        np.testing.assert_allclose(1e3 * map_of_errors[:, i, j], q[:2] - place, rtol=0, atol=2e-5)
 
 
 def test_motions_are_those_between_two_estimates() -> None:
-    """A body that moves as far as told moves its estimate by the step."""
+    """A body that moves by the true motion moves its estimate by the step."""
     step, count = 4e-3, STAGE.truth.count
     off = errors.errors(STAGE, True)[0].reshape(count, count)
     X = l / count * np.arange(-count, 2 * count)
-    moved = errors.motions(off, l / count, step).reshape(count, count)
+    motions = errors.true_motions(off, l / count, step).reshape(count, count)
     for j in (0, 7, 30):
         seen = X + np.tile(off[:, j], 3)
         for k in (0, 11, 25):
-            true = X[count + k] + moved[j, k]
+            true = X[count + k] + motions[j, k]
             assert np.interp(true, X, seen) - seen[count + k] == pytest.approx(step, abs=1e-9)
 
 
 def test_a_table_takes_away_what_is_linear_between_its_places() -> None:
     x, y = np.meshgrid(np.arange(40), np.arange(40), indexing="ij")
     tent = np.minimum(x % 10, 10 - x % 10) * (1.0 + (y % 20 < 10) * (y % 10) + (y % 20 >= 10) * (10 - y % 10))
-    assert np.abs(errors.calibrated(tent, 5)).max() < 1e-12
-    left = errors.calibrated(tent, 20)
+    assert np.abs(errors.error_after_calibration(tent, 5)).max() < 1e-12
+    left = errors.error_after_calibration(tent, 20)
     assert np.abs(left[::20, ::20]).max() == 0 and np.abs(left).max() > 1
 
 

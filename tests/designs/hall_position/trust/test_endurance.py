@@ -1,4 +1,4 @@
-"""Within the speed and acceleration that are derived nothing is lost; a little beyond it is. Runs are seeded."""
+"""Within the derived speed and acceleration position lock is held; slightly beyond it is lost. Runs are seeded."""
 
 from dataclasses import replace
 
@@ -7,8 +7,8 @@ import pytest
 
 from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.trust import endurance, fleet
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import endurance, estimator_ensemble
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.execute import host
@@ -17,11 +17,11 @@ TWO, THREE = (EstimatorConfig(config.array(name)) for name in (config.NAME, conf
 BODIES, SAMPLES = 2000, 250
 
 
-def test_the_limits_are_those_of_reach_and_surprise() -> None:
+def test_the_limits_follow_from_the_largest_step_and_the_innovation_gate() -> None:
     limits = endurance.limits(THREE)
     assert limits.speed == pytest.approx(0.5 / (2 * np.pi) * 0.0508 * 800)
     assert limits.acceleration == pytest.approx(38.96, rel=1e-3)
-    calm = replace(THREE, tuning=Tuning(surprise=1.5, reach=0.5))
+    calm = replace(THREE, tuning=Tuning(innovation_gate_sigma=1.5, max_phase_step=0.5))
     assert endurance.limits(calm).acceleration == pytest.approx(limits.acceleration / 2)
     assert endurance.limits(calm).speed == pytest.approx(limits.speed / 2)
 
@@ -46,18 +46,20 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
     run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
     assert 0.7 < run.valid < 0.85 and run.lost == run.wrong == 0 and run.worst < 1e-4 and run.off < 2e-4
     loose, looser = (
-        endurance.run(replace(TWO, tuning=replace(TWO.tuning, firm=firm)), BODIES, SAMPLES, endurance.limits(TWO))
-        for firm in (1.0, 0.2)
+        endurance.run(
+            replace(TWO, tuning=replace(TWO.tuning, yaw_damping_ratio=ratio)), BODIES, SAMPLES, endurance.limits(TWO)
+        )
+        for ratio in (1.0, 0.2)
     )
     assert loose.off > 2 * run.off and looser.lost > 0.9
 
 
 def test_motions_creep_and_swing() -> None:
     """Within the limits, and half of them come close to these."""
-    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), fleet.TIME.period_s
-    at = motions.sines(TWO.array, fleet.TIME, 400, limits, rng, endurance.SLOWEST)
-    found = [at(k) for k in range(4000)]
-    X, Y, yaw = (np.array([getattr(p, name) for p in found]) for name in ("X", "Y", "yaw"))
+    rng, limits, T = np.random.default_rng(0), endurance.limits(TWO), estimator_ensemble.TIME.period_s
+    at = motions.random_course(TWO.array, estimator_ensemble.TIME, 400, limits, rng, endurance.SLOWEST)
+    poses = [at(k) for k in range(4000)]
+    X, Y, yaw = (np.array([getattr(p, name) for p in poses]) for name in ("X", "Y", "yaw"))
     speed = np.abs(np.diff(X, axis=0)).max(axis=0) / T
     size = np.hypot(np.diff(X, 2, axis=0), np.diff(Y, 2, axis=0)).max(axis=0) / T**2
     assert speed.max() <= limits.speed and (speed > 0.7 * limits.speed).mean() > 0.4
@@ -67,13 +69,13 @@ def test_motions_creep_and_swing() -> None:
 
 
 def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    stepped = fleet.stepped
+    stepped = estimator_ensemble.step
 
-    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
-    monkeypatch.setattr(fleet, "stepped", careless)
+    monkeypatch.setattr(estimator_ensemble, "step", careless)
     limits = endurance.limits(TWO)
     beyond = Limits(limits.speed, 3 * limits.acceleration)
     assert endurance.run(TWO, BODIES, SAMPLES, beyond).wrong > 20

@@ -1,4 +1,4 @@
-"""Where starts lead, near the place and from `init`, and that nothing is valid away from the truth."""
+"""Convergence near the position and from `init`; nothing is valid at a wrong position."""
 
 from typing import Any
 
@@ -7,8 +7,8 @@ import pytest
 
 from designs.hall_position import config
 from designs.hall_position.glsdc.parameters import Tuning
-from designs.hall_position.trust import fleet, starts
-from designs.hall_position.trust.fleet import EstimatorConfig
+from designs.hall_position.trust import estimator_ensemble, starts
+from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
 from synth.errors import ModelError
@@ -26,22 +26,22 @@ def grid(points: int, yaws: np.ndarray = YAWS) -> Pose:
 
 def test_of_three_sensors_every_start_within_a_sixteenth_of_a_pitch_leads_to_the_truth() -> None:
     """In a sample those whose yaw is off by up to 2.5 degrees, as it is held to the expected one; later all."""
-    found = starts.basin(THREE, BODIES, YAW)
-    near, small = found.off < THREE.array.pitch / 15.9, found.turned < np.radians(2.6)
-    assert found.wrong == 0 and found.samples == 60 * BODIES
-    assert (found.first[np.ix_(near, small)] == 1).all() and (found.then == 1).all()
+    basin = starts.basin(THREE, BODIES, YAW)
+    near, small = basin.off < THREE.array.pitch / 15.9, basin.turned < np.radians(2.6)
+    assert basin.wrong == 0 and basin.samples == 60 * BODIES
+    assert (basin.first[np.ix_(near, small)] == 1).all() and (basin.last == 1).all()
     # A sample corrects no more than half the reach, 4 mm, along each axis.
-    assert not found.first[found.off > 0.2 * THREE.array.pitch].any()
+    assert not basin.first[basin.off > 0.2 * THREE.array.pitch].any()
 
 
 def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
-    found = starts.basin(TWO, BODIES, YAW)
-    assert found.wrong == 0 and 0.5 < found.first[0, 0] < 0.7 and 0.9 < found.then.mean() < 1
+    basin = starts.basin(TWO, BODIES, YAW)
+    assert basin.wrong == 0 and 0.5 < basin.first[0, 0] < 0.7 and 0.9 < basin.last.mean() < 1
 
 
 def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
-    loose = EstimatorConfig(TWO.array, Tuning(firm=1.0))
-    three, two, other = (starts.reach(kind, 16) for kind in (THREE, TWO, loose))
+    loose = EstimatorConfig(TWO.array, Tuning(yaw_damping_ratio=1.0))
+    three, two, other = (starts.capture_radius(kind, 16) for kind in (THREE, TWO, loose))
     assert three.shape == (16, 16) and three.min() > 3e-3 and two.min() > 3e-3
     # Near singular places the nearest start leads to the other way out, but for the yaw that is held.
     assert 0.01 < (other < 1e-3).mean() < 0.3 and np.median(other) > 3e-3
@@ -52,13 +52,13 @@ def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
 def test_places_that_are_valid_wherever_the_estimate_converges_are_seen(
     kind: EstimatorConfig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stepped = fleet.stepped
+    stepped = estimator_ensemble.step
 
-    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
-    monkeypatch.setattr(fleet, "stepped", careless)
+    monkeypatch.setattr(estimator_ensemble, "step", careless)
     assert starts.basin(kind, 1000, YAW).wrong > 10
 
 
@@ -69,7 +69,7 @@ def test_no_bodies_samples_or_points_are_refused(number: Any) -> None:
     with pytest.raises(ModelError, match="number of samples is"):
         starts.basin(THREE, 1, YAW, number)
     with pytest.raises(ModelError, match="number of points is"):
-        starts.reach(THREE, number)
+        starts.capture_radius(THREE, number)
 
 
 @pytest.mark.parametrize("yaw", [float("nan"), None, "1"])
@@ -82,19 +82,19 @@ def test_a_yaw_that_is_none_is_refused(yaw: Any) -> None:
 
 @pytest.mark.filterwarnings("error")
 def test_where_no_start_was_drawn_there_is_no_share() -> None:
-    found = starts.basin(THREE, 4, YAW, 1)
-    assert np.isnan(found.first).sum() >= found.first.size - 4 and np.isfinite(found.first).any()
+    basin = starts.basin(THREE, 4, YAW, 1)
+    assert np.isnan(basin.first).sum() >= basin.first.size - 4 and np.isfinite(basin.first).any()
 
 
 def test_three_sensors_find_every_place_within_forty_samples() -> None:
     """A twentieth of a second. Over 8,000 poses it was 23 samples at most, and 6 in the middle."""
-    found = starts.cold_start(THREE, grid(24), 60)
-    took = found.first_valid
-    assert took.all() and not found.wrong.any() and took.max() <= 40 and np.median(took) < 10
-    assert found.right[-1].all() and took.shape == (24 * 24 * 5,)
+    scores = starts.cold_start(THREE, grid(24), 60)
+    took = scores.first_valid
+    assert took.all() and not scores.wrong.any() and took.max() <= 40 and np.median(took) < 10
+    assert scores.right[-1].all() and took.shape == (24 * 24 * 5,)
 
 
-def test_two_sensors_are_certain_at_rest_in_a_part_of_the_pitch_and_on_the_way_nearly_anywhere() -> None:
+def test_two_sensors_are_unambiguous_in_a_part_of_the_pitch_at_rest_and_nearly_everywhere_in_motion() -> None:
     pose = grid(16, YAWS / 2)
     rest, moving = starts.cold_start(TWO, pose, 60), starts.cold_start(TWO, pose, 400, speed=0.05)
     at_rest, in_motion = ((each.first_valid > 0).mean() for each in (rest, moving))
@@ -107,28 +107,28 @@ def test_a_body_that_moves_is_found(kind: EstimatorConfig) -> None:
     """Its place is not certain before its motion is known, nor is a sound sensor left out as the motion is not."""
     speeds, pose = (0.15, 0.2, 0.25, 0.3), grid(24)
     for seed, speed in enumerate(speeds):
-        found = starts.cold_start(kind, pose, 120, speed, seed)
-        assert not found.wrong.any() and found.right[-1].mean() >= (0.999 if kind is THREE else 0.95)
+        scores = starts.cold_start(kind, pose, 120, speed, seed)
+        assert not scores.wrong.any() and scores.right[-1].mean() >= (0.999 if kind is THREE else 0.95)
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
 def test_a_search_that_ends_wherever_it_converges_is_seen(
     kind: EstimatorConfig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stepped = fleet.stepped
+    stepped = estimator_ensemble.step
 
-    def careless(kind: EstimatorConfig, state: host.Records, volts: fleet.Numbers) -> host.Batch:
+    def careless(kind: EstimatorConfig, state: host.Records, volts: estimator_ensemble.Numbers) -> host.Batch:
         batch = stepped(kind, state, volts)
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
-    monkeypatch.setattr(fleet, "stepped", careless)
+    monkeypatch.setattr(estimator_ensemble, "step", careless)
     assert starts.cold_start(kind, grid(24), 40).wrong.any()
 
 
 def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
     """By 40 degrees: what is found is a quarter turn off, or nothing."""
-    found = starts.cold_start(THREE, grid(12, np.radians([-40.0, 40.0])), 60)
-    assert not found.valid.any() and not found.wrong.any()
+    scores = starts.cold_start(THREE, grid(12, np.radians([-40.0, 40.0])), 60)
+    assert not scores.valid.any() and not scores.wrong.any()
 
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])

@@ -38,13 +38,13 @@ def numbers(names: Sequence[str]) -> list[str]:
 
 
 def one(name: str, plant: Plant = PLANT, published: Prints = PRINTED) -> Row:
-    return audit.computed(published[name], rows.scope(plant, published))
+    return audit.recompute(published[name], rows.scope(plant, published))
 
 
 def recorded(name: str, **functions: Callable[..., object]) -> Row:
     """Return a row of records that some functions give in place of a loop."""
     scope = rows.scope()
-    return audit.computed(PRINTED[name], replace(scope, functions={**scope.functions, **functions}))
+    return audit.recompute(PRINTED[name], replace(scope, functions={**scope.functions, **functions}))
 
 
 def readers(names: Sequence[str]) -> dict[str, set[str]]:
@@ -52,7 +52,7 @@ def readers(names: Sequence[str]) -> dict[str, set[str]]:
     return {name: {n for formula in PRINTED[name].computed.values() for n in formula.names} for name in names}
 
 
-def changed(texts: Mapping[str, str]) -> dict[str, Published]:
+def with_other_digits(texts: Mapping[str, str]) -> dict[str, Published]:
     """Return what is printed with other digits for some numbers, such as {"Y-4.G": "2e-5"}."""
     published = dict(PRINTED)
     for source, text in texts.items():
@@ -62,7 +62,7 @@ def changed(texts: Mapping[str, str]) -> dict[str, Published]:
     return published
 
 
-def moved(before: Row, after: Row) -> bool:
+def differs(before: Row, after: Row) -> bool:
     """Whether a figure changed by more than rounding, or came to exist or ceased to."""
     old, new = (np.array([f.value for f in r.recomputed]) for r in (before, after))
     return not np.allclose(old, new, rtol=1e-7, atol=1e-12, equal_nan=True)
@@ -70,7 +70,7 @@ def moved(before: Row, after: Row) -> bool:
 
 def wrong_dependences(before: Mapping[str, Row], after: Mapping[str, Row], source: str) -> list[str]:
     """Return the rows that moved without declaring the source, or declare it and did not move."""
-    wrong = {n: (moved(before[n], r), source in r.depends) for n, r in after.items()}
+    wrong = {n: (differs(before[n], r), source in r.depends) for n, r in after.items()}
     return [n for n, (moves, declared) in wrong.items() if moves != (declared and source not in INSENSITIVE.get(n, ()))]
 
 
@@ -79,7 +79,7 @@ def assert_a_number_moves_what_depends_on_it(
 ) -> set[str]:
     """Check each row that reads a printed number against a print with 1 % more; return which these are."""
     name, number = source.split(".")
-    other = changed({source: repr(PRINTED[name][number].value * 1.01)})
+    other = with_other_digits({source: repr(PRINTED[name][number].value * 1.01)})
     after = {n: one(n, published=other) for n, seen in reads.items() if source in seen}
     assert not wrong_dependences(nominal, after, source)
     assert {n for n, r in nominal.items() if source in r.depends} <= set(after)

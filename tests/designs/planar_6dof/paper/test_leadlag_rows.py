@@ -21,9 +21,9 @@ from tests.designs.planar_6dof.paper.recomputed import (
     PRINTED,
     RECORDED,
     assert_a_number_moves_what_depends_on_it,
-    changed,
     one,
     recorded,
+    with_other_digits,
     wrong_dependences,
 )
 
@@ -121,16 +121,16 @@ def test_margins_are_those_of_the_loop_written_out(
         z = np.exp(1j * w * T)
         return transfer(k, a, m, w) * m * (1j * w) ** 2 * T**2 / (2 * m) * (z + 1) / (z - 1) ** 2
 
-    def found(L: Callable[[float], complex]) -> tuple[float, float]:
+    def crossover(L: Callable[[float], complex]) -> tuple[float, float]:
         w = brentq(lambda w: abs(L(w)) - 1, 60, 300, xtol=1e-12)
         return w / (2 * np.pi), float(np.degrees(np.angle(-L(w))))
 
     for case, T in (("continuous", 0.0), (HELD, 1e-3), ("held at 800 Hz", 1 / 800)):
-        frequency, margin = found(lambda w, T=T: transfer(k, a, m, w) * hold(w, T))  # type: ignore[misc]
+        frequency, margin = crossover(lambda w, T=T: transfer(k, a, m, w) * hold(w, T))  # type: ignore[misc]
         assert rows[name][f"crossover, {case}"] == pytest.approx(frequency, rel=1e-9)
         assert rows[name][f"phase margin, {case}"] == pytest.approx(margin, rel=1e-9)
     # sampled exactly, the continuous K at the crossover: what the prewarped rule keeps there
-    frequency, margin = found(lambda w: pulse(w, 1e-3))
+    frequency, margin = crossover(lambda w: pulse(w, 1e-3))
     assert rows[name][f"crossover, {SAMPLED}"] == pytest.approx(frequency, rel=2e-5)
     assert rows[name][f"phase margin, {SAMPLED}"] == pytest.approx(margin, abs=1e-3)
     assert abs(rows[name][f"crossover, {HELD}"] / frequency - 1) > 5e-7  # the two loops are not the same
@@ -182,11 +182,11 @@ def test_the_spread_of_masses_is_found_from_their_inertias() -> None:
     x, y, z = (points - masses @ points / M).T
     Ixx, Iyy, Izz = masses @ (y * y + z * z), masses @ (x * x + z * z), masses @ (x * x + y * y)
     plant = PLANT.with_parameters(Ixx=Ixx, Iyy=Iyy, Izz=Izz, M=M)
-    found = one("Y-24", plant)
+    figures = one("Y-24", plant)
     for axis, values in (("x", x), ("y", y), ("z", z)):
         expected = 1e3 * np.sqrt(masses @ values**2 / M)
-        assert found[f"rms distance along {axis}, as printed"] == pytest.approx(expected, rel=1e-9)
-    assert found.verdict == "R"
+        assert figures[f"rms distance along {axis}, as printed"] == pytest.approx(expected, rel=1e-9)
+    assert figures.verdict == "R"
 
 
 # What moves what
@@ -275,7 +275,7 @@ OTHER_PRINTS = [
 
 @pytest.mark.parametrize(("name", "numbers", "verdict"), OTHER_PRINTS)
 def test_a_verdict_follows_the_print(name: str, numbers: dict[str, str], verdict: str) -> None:
-    assert VERDICTS[name] != verdict == one(name, published=changed(numbers)).verdict
+    assert VERDICTS[name] != verdict == one(name, published=with_other_digits(numbers)).verdict
 
 
 def test_every_verdict_can_change() -> None:
@@ -311,19 +311,19 @@ Exprs = dict[str, ca.SX]
 
 
 def _swapped_phases(patch: pytest.MonkeyPatch) -> Plant:
-    right = lorentz_motor.commutated
+    right = lorentz_motor.phase_currents
 
     def swapped(*arguments: ca.SX) -> dict[str, ca.SX]:
-        found = right(*arguments)
-        return {"A": found["A"], "B": found["C"], "C": found["B"]}
+        phases = right(*arguments)
+        return {"A": phases["A"], "B": phases["C"], "C": phases["B"]}
 
-    patch.setattr(lorentz_motor, "commutated", swapped)
+    patch.setattr(lorentz_motor, "phase_currents", swapped)
     return PLANT
 
 
 def _no_distribution_factor(patch: pytest.MonkeyPatch) -> Plant:
     right = lorentz_motor.force_constant
-    patch.setattr(lorentz_motor, "force_constant", lambda p, reading="lorentz": right(p, "lorentz"))
+    patch.setattr(lorentz_motor, "force_constant", lambda p, variant="lorentz": right(p, "lorentz"))
     return PLANT
 
 
@@ -346,8 +346,8 @@ def _late_plant(patch: pytest.MonkeyPatch) -> Plant:
 
 def _heavy_settling(patch: pytest.MonkeyPatch) -> Plant:
     patch.setattr(axis_figures, "BAND", 1e-5)
-    right = axis_figures.measured
-    patch.setattr(axis_figures, "measured", lambda t, y, band=1e-5: right(t, y, band))
+    right = axis_figures.of_response
+    patch.setattr(axis_figures, "of_response", lambda t, y, band=1e-5: right(t, y, band))
     return PLANT
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from designs.planar_6dof import filtering
 from designs.planar_6dof.paper import filter, gains
-from designs.planar_6dof.paper.records import prominent
+from designs.planar_6dof.paper.records import prominent_line
 from synth.report.audit import Published, Row
 from synth.report.formulas import Formula
 from synth.synthesise.feedback import lqr
@@ -22,9 +22,9 @@ from tests.designs.planar_6dof.paper.recomputed import (
     PRINTED,
     RECORDED,
     assert_a_number_moves_what_depends_on_it,
-    changed,
     one,
     recorded,
+    with_other_digits,
     wrong_dependences,
 )
 
@@ -110,8 +110,8 @@ def test_the_gains_are_those_of_scipys_riccati_solution(rows: dict[str, Row]) ->
     A, B, Q, R, N = sampled(*planar(), Q49)
     X = scipy.linalg.solve_discrete_are(A, B, Q, R, s=N)
     K = np.linalg.solve(R + B.T @ X @ B, B.T @ X @ A + N.T)
-    found = gains.matrix({n: rows["Y-10"][f"gain of {n}"] for n in STATES})
-    np.testing.assert_allclose(found, K, rtol=1e-6, atol=1e-6 * np.abs(K).max())
+    K_recomputed = gains.matrix({n: rows["Y-10"][f"gain of {n}"] for n in STATES})
+    np.testing.assert_allclose(K_recomputed, K, rtol=1e-6, atol=1e-6 * np.abs(K).max())
 
 
 def test_the_gain_matrix_has_the_printed_pattern() -> None:
@@ -125,16 +125,16 @@ def test_the_gain_matrix_has_the_printed_pattern() -> None:
 def test_weights_come_back_from_their_gains(axis: str) -> None:
     stage = gains.Stage(13.2547, 117.15, T)
     q = {"x": (3e4, 2e10, 50.0), "y": (700.0, 4e9, 3.0), "phi": (2e3, 1e9, 80.0)}[axis]
-    chain, r = gains.one(stage, axis)
+    chain, r = gains.axis_model(stage, axis)
     K = -lqr.lqrd(chain, q, [r], T).K[0]
-    found = gains.weights(stage, axis, tuple(K.tolist()))
-    np.testing.assert_allclose(list(found.values()), q, rtol=1e-6)
+    weights = gains.weights(stage, axis, tuple(K.tolist()))
+    np.testing.assert_allclose(list(weights.values()), q, rtol=1e-6)
 
 
 def test_the_recovered_weights_are_near_the_round_ones(rows: dict[str, Row]) -> None:
     """Five digits of a gain leave up to 3 % of a weight that matters little."""
-    found = [rows["Y-10"][f"weight on {n} from the printed gains"] for n in STATES]
-    np.testing.assert_allclose(found, np.diag(Q49), rtol=0.03)
+    weights = [rows["Y-10"][f"weight on {n} from the printed gains"] for n in STATES]
+    np.testing.assert_allclose(weights, np.diag(Q49), rtol=0.03)
 
 
 def test_h_is_its_closed_form(rows: dict[str, Row]) -> None:
@@ -142,8 +142,8 @@ def test_h_is_its_closed_form(rows: dict[str, Row]) -> None:
     c, theta = T**2 + T**4 / 4, 5e-5
     along = (1 + np.sqrt(1 + 3 * c)) * theta / c
     across = 2 * theta / c
-    own, other = (along + 2 * across) / 3, (along - across) / 3
-    assert rows["Y-12"]["H, own position"] == pytest.approx(own * T / theta, rel=1e-9)
+    diagonal, other = (along + 2 * across) / 3, (along - across) / 3
+    assert rows["Y-12"]["H, own position"] == pytest.approx(diagonal * T / theta, rel=1e-9)
     assert rows["Y-12"]["H, another position"] == pytest.approx(other * T / theta, rel=1e-6)
     assert rows["Y-12"]["greatest |z| of A22 - H A12"] == pytest.approx(np.sqrt(1 + 3 * c), rel=1e-10)
 
@@ -167,9 +167,9 @@ def test_the_bandwidth_is_that_of_scipys_filter(
 
     assert rows[name][f"bandwidth at {case}"] == pytest.approx(brentq(excess, 5, 0.4 * rate), rel=1e-6)
     needed = next(f for f in rows[name].recomputed if f.name.startswith("deviation"))
-    wanted = PRINTED[name]["bandwidth"].value
+    bandwidth = PRINTED[name]["bandwidth"].value
     better = kalman.discrete(filtering.model("x", Discrete(1e-3)), [q], [needed.value**2], ("jerk",))
-    assert filter.half_power(better.current()) == pytest.approx(wanted, rel=1e-6)
+    assert filter.half_power(better.current()) == pytest.approx(bandwidth, rel=1e-6)
 
 
 def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) -> None:
@@ -184,14 +184,14 @@ def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) ->
 def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) -> None:
     axis = filtering.model("x", Discrete(T))
     A, C, Gamma, R = axis.A, axis.C, axis.B, 25e-10
-    P, found = 1e8 * np.eye(3), []
+    P, history = 1e8 * np.eye(3), []
     for _ in range(200):
         K = P @ C.T / (P[0, 0] + R)
-        found.append(K[0, 0])
+        history.append(K[0, 0])
         rest = np.eye(3) - K @ C
         P = A @ (rest @ P @ rest.T + R * K @ K.T) @ A.T + 100 * Gamma @ Gamma.T
-    np.testing.assert_allclose(filter.position_gains(100.0, T, 5e-5, 1e8, True)[:200], found, rtol=1e-3)
-    settled = 1 + int(np.flatnonzero(np.abs(np.array(found) / rows["Y-39"]["steady gain"] - 1) > 0.01)[-1])
+    np.testing.assert_allclose(filter.position_gains(100.0, T, 5e-5, 1e8, True)[:200], history, rtol=1e-3)
+    settled = 1 + int(np.flatnonzero(np.abs(np.array(history) / rows["Y-39"]["steady gain"] - 1) > 0.01)[-1])
     assert rows["Y-39"]["time until the gain is within 1 % of it, P updated"] == pytest.approx(1e3 * settled * T)
 
 
@@ -214,7 +214,7 @@ def test_a_printed_number_moves_the_rows_that_depend_on_it_and_no_other(
 def test_a_wrong_declaration_is_found(rows: dict[str, Row]) -> None:
     still = {"Y-13": rows["Y-13"]}
     assert wrong_dependences(rows, still, "Y-13.q") == ["Y-13"]
-    after = {"Y-13": replace(one("Y-13", published=changed({"Y-13.q": "110"})), depends=())}
+    after = {"Y-13": replace(one("Y-13", published=with_other_digits({"Y-13.q": "110"})), depends=())}
     assert wrong_dependences(rows, after, "Y-13.q") == ["Y-13"]
     assert {s for r in rows.values() for s in r.depends} <= set(NUMBERS)
 
@@ -248,7 +248,7 @@ STRUCTURE = {"Y-36", "Y-37"}  # statements that no printed number enters: see th
 
 @pytest.mark.parametrize(("name", "numbers", "verdict"), OTHER_PRINTS)
 def test_a_verdict_follows_the_print(name: str, numbers: dict[str, str], verdict: str) -> None:
-    assert VERDICTS[name] != verdict == one(name, published=changed(numbers)).verdict
+    assert VERDICTS[name] != verdict == one(name, published=with_other_digits(numbers)).verdict
 
 
 def test_every_verdict_can_change() -> None:
@@ -260,7 +260,7 @@ def test_the_gains_reproduce_as_printed_where_no_point_is_lost() -> None:
         row = published["Y-10"]
         return published | {"Y-10": replace(row, computed={**row.computed, "lost": Formula("1")})}
 
-    assert one("Y-10", published=kept(changed(WITH_POINTS))).verdict == "R"
+    assert one("Y-10", published=kept(with_other_digits(WITH_POINTS))).verdict == "R"
     assert one("Y-10", published=kept(PRINTED)).verdict == "N"
 
 
@@ -273,9 +273,9 @@ def _sign_in_33(patch: pytest.MonkeyPatch) -> None:
     right = gains.loop_33
 
     def wrong(held: object, K: np.ndarray, L: np.ndarray) -> np.ndarray:
-        found = right(held, K, L)  # type: ignore[arg-type]
-        found[9:, :6] *= -1
-        return found
+        matrix = right(held, K, L)  # type: ignore[arg-type]
+        matrix[9:, :6] *= -1
+        return matrix
 
     patch.setattr(gains, "loop_33", wrong)
 
@@ -318,7 +318,7 @@ def test_the_other_form_of_the_filter_is_another_figure(rows: dict[str, Row], mo
 def test_without_integrals_all_modes_show(monkeypatch: pytest.MonkeyPatch) -> None:
     """The verdict of Y-37 hangs on the integrals: without them nothing needs a correction."""
     plain = gains.model(gains.Stage(13.2547, 117.15, T), False)
-    hidden = len(gains.structure.unmoved(plain.A.T, plain.C.T, plain.states, plain.time))
+    hidden = len(gains.structure.uncontrollable_modes(plain.A.T, plain.C.T, plain.states, plain.time))
     assert hidden == 0
     shown = gains.model(gains.Stage(13.2547, 117.15, T), True)
     right = gains.model
@@ -339,8 +339,8 @@ def test_recorded_noise() -> None:
 def test_a_line_in_the_spectrum_is_found_and_noise_has_none(seed: int) -> None:
     rng, time = np.random.default_rng(seed), np.arange(8192) * T
     low_passed = scipy.signal.lfilter([0.2], [1, -0.8], rng.normal(size=len(time))) * 1e-5
-    quiet = recorded("Y-41", of_step=lambda _: prominent(low_passed, T))
+    quiet = recorded("Y-41", of_step=lambda _: prominent_line(low_passed, T))
     assert quiet.verdict == "R" and quiet["above its neighbours"] < 6
     hum = low_passed + 0.5e-5 * np.sin(2 * np.pi * 60 * time)
-    loud = recorded("Y-41", of_step=lambda _: prominent(hum, T))
+    loud = recorded("Y-41", of_step=lambda _: prominent_line(hum, T))
     assert loud.verdict == "N" and loud["most prominent line"] == pytest.approx(60, abs=1)

@@ -14,9 +14,9 @@ from synth.signals import names
 from synth.simulate import closed_loop
 from synth.simulate.scenario import Scenario, Trajectory
 from synth.timing import Discrete
-from tests.designs.planar_6dof import opened
+from tests.designs.planar_6dof import ideal_loops
 
-PLANT = opened.PLANT
+PLANT = ideal_loops.PLANT
 
 
 def at_rest() -> dict[str, float]:
@@ -26,11 +26,11 @@ def at_rest() -> dict[str, float]:
     return {name: read[name] for name in (*planar_stage.HALL, *planar_stage.LASERS)}
 
 
-def compiled(law: Sequence[Block], time: Discrete, filtered: bool = False) -> host.Controller:
+def compile_law(law: Sequence[Block], time: Discrete, filtered: bool = False) -> host.Controller:
     """Return a law in float64 with the positions known, its set-points called as they are held."""
-    parts = [*opened.seen(PLANT, time, filtered), *law]
-    inputs = [f"{a}_seen" for a in allocation.HORIZONTAL] + [*planar_stage.LASERS, *opened.REFERENCES]
-    block = compose("known", parts, inputs=[*inputs, *opened.ready(parts)], outputs=[*opened.ACTUATORS])
+    parts = [*ideal_loops.sensing_blocks(PLANT, time, filtered), *law]
+    inputs = [f"{a}_seen" for a in allocation.HORIZONTAL] + [*planar_stage.LASERS, *ideal_loops.REFERENCES]
+    block = compose("known", parts, inputs=[*inputs, *ideal_loops.ready(parts)], outputs=[*ideal_loops.ACTUATORS])
     emitted = write.emit(unranged(block), np.float64)
     return host.load(emitted.files, emitted.manifest)
 
@@ -44,10 +44,10 @@ def run(
 ) -> Trajectory:
     """Simulate the stage from rest at `start`, the middle if left out, with ideal sensors and a sample of delay."""
     known = controller.inputs.names or ()
-    rest = dict.fromkeys(opened.REFERENCES, 0.0) | ({"ready": ready} if "ready" in known else {})
+    rest = dict.fromkeys(ideal_loops.REFERENCES, 0.0) | ({"ready": ready} if "ready" in known else {})
     sensors = {f"{a}_seen": a for a in allocation.HORIZONTAL} | {d: d for d in planar_stage.LASERS}
-    given = rest | {f"{a}_ref_held": v for a, v in references.items()}
-    scenario = Scenario(duration_s, start or {}, sensors, opened.ACTUATORS, references=given)
+    inputs = rest | {f"{a}_ref_held": v for a, v in references.items()}
+    scenario = Scenario(duration_s, start or {}, sensors, ideal_loops.ACTUATORS, references=inputs)
     return closed_loop.simulate(PLANT, controller, scenario)
 
 

@@ -1,8 +1,8 @@
-"""What is committed of a planar controller beside its C: its numbers and test vectors.
+"""Files committed beside the C of a planar controller: gains and test vectors.
 
-The vectors are a second of a closed loop with noise. The platen starts at rest beside the corner of a pitch and goes
-out of it and back in x and y, over a border of its sections as well, while it yaws, lifts and tilts. A Hall channel is
-out of range for three samples and a set-point for ten.
+The test vectors are a second of a closed loop with noise. The platen starts at rest near the corner of a pitch and
+moves across the corner and back in x and y, and across a border of the sections, while it yaws, lifts and tilts. A Hall
+channel is out of range for three samples and a set-point for ten.
 """
 
 from collections.abc import Mapping
@@ -23,47 +23,47 @@ from synth.timing import Discrete
 
 STEPS = 1000
 START = {"x": 0.024, "y": -0.0245}  # m: a pitch ends at 25.4 mm, other sensors are read from 31.75 mm on
-WAY = {"x": 0.0095, "y": -0.009, "phi": 2e-3, "z": 5e-5, "theta": 2e-4, "psi": -2e-4}  # m, rad
+STROKE = {"x": 0.0095, "y": -0.009, "phi": 2e-3, "z": 5e-5, "theta": 2e-4, "psi": -2e-4}  # m, rad
 CHANNEL, BAD, VOLTS = "V_ay", slice(700, 703), 9.0  # the converter's range is 10 V, the sensor's 5 V
-SET_POINT, ASTRAY, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
+SET_POINT, BAD_REFERENCE, TOO_FAR = "x_ref", slice(800, 810), 0.2  # m
 
 
-def recorded(rig: Rig) -> Mapping[str, NDArray[Any]]:
+def record_inputs(rig: Rig) -> Mapping[str, NDArray[Any]]:
     """Return the inputs (STEPS,) of the test vectors' closed loop."""
     T = rig.period_s
-    wanted = ways(sample_times(STEPS * T, T))
-    wanted["x"][ASTRAY] = TOO_FAR
+    references = reference_paths(sample_times(STEPS * T, T))
+    references["x"][BAD_REFERENCE] = TOO_FAR
     mask = np.zeros(STEPS, dtype=bool)
     mask[BAD] = True
     bad = {CHANNEL: Override(mask, np.full(STEPS, VOLTS))}
-    return simulate(rig, STEPS * T, wanted, START, overrides=bad).measured
+    return simulate(rig, STEPS * T, references, START, overrides=bad).measured
 
 
-def ways(time: Array) -> dict[str, Array]:
-    """Return set-points (N,) by axis over samples (N,) in s: out and back once, x and y not together."""
+def reference_paths(time: Array) -> dict[str, Array]:
+    """Return set-points (N,) by axis at times (N,) in s: forward and back once, x and y at different times."""
     part = time / time[-1]
-    there = {axis: (1 - np.cos(2 * pi * part)) / 2 for axis in WAY} | {"y": np.sin(pi * part) ** 4}
-    return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in WAY.items()}
+    there = {axis: (1 - np.cos(2 * pi * part)) / 2 for axis in STROKE} | {"y": np.sin(pi * part) ** 4}
+    return {axis: START.get(axis, 0.0) + way * there[axis] for axis, way in STROKE.items()}
 
 
 def compensators(parts: Mapping[str, lead_lag.LeadLag]) -> dict[str, Any]:
-    """Return lead-lag compensators by axis, continuous and sampled, with the error of sampling."""
-    return {axis: _compensator(axis, made, made.continuous) for axis, made in parts.items()}
+    """Return lead-lag compensators by axis, continuous and sampled, with the error of the sampled one."""
+    return {axis: _compensator(axis, sampled, sampled.continuous) for axis, sampled in parts.items()}
 
 
-def _compensator(axis: str, made: lead_lag.LeadLag, continuous: lead_lag.Compensator) -> dict[str, Any]:
+def _compensator(axis: str, sampled: lead_lag.LeadLag, continuous: lead_lag.Compensator) -> dict[str, Any]:
     return {
         "equation": f"({vertical.EQUATION[axis]})",
         "continuous": {"gain": continuous.gain, "zeros": list(continuous.zeros), "poles": list(continuous.poles)},
         "sampled": {
-            "gain": made.gain,
-            "zeros": [digits.cut(z.real, 12) for z in made.zeros],
-            "poles": [digits.cut(vertical.pole(made), 12), 1.0],
+            "gain": sampled.gain,
+            "zeros": [digits.significant(z.real, 12) for z in sampled.zeros],
+            "poles": [digits.significant(vertical.pole(sampled), 12), 1.0],
         },
         "certificate": {
-            "at_rad_s": digits.cut(made.at, 6),
-            "gain_error": digits.cut(made.gain_error, 3),
-            "phase_error_degrees": digits.cut(made.phase_error, 3),
+            "at_rad_s": digits.significant(sampled.at, 6),
+            "gain_error": digits.significant(sampled.gain_error, 3),
+            "phase_error_degrees": digits.significant(sampled.phase_error, 3),
         },
     }
 

@@ -20,20 +20,20 @@ REFERENCES = [s.name for s in vertical.REFERENCES.values()]
 ACTUATORS = {s.name: s.name for s in planar_stage.INPUTS}
 
 
-def passed(time: Discrete, wires: Mapping[str, str], unit: str) -> list[Block]:
+def renaming_blocks(time: Discrete, wires: Mapping[str, str], unit: str) -> list[Block]:
     """Return Blocks that hand a signal on under another name, new name -> old name."""
-    found = []
+    blocks = []
     for new, old in wires.items():
 
         def law(u: Exprs, x: Exprs, k: Exprs, new: str = new, old: str = old) -> Step:
             return Step({new: u[old]})
 
         before, after = (Signal(name, unit, -1e6, 1e6) for name in (old, new))
-        found.append(build(f"pass_{new}", time, law, inputs=[before], outputs=[after]))
-    return found
+        blocks.append(build(f"pass_{new}", time, law, inputs=[before], outputs=[after]))
+    return blocks
 
 
-def pitched(within: Signal, time: Discrete) -> Block:
+def place_in_pitch(within: Signal, time: Discrete) -> Block:
     """Return the Block from a position seen in the middle pitch, or in one beside it, to its place within the pitch."""
     position = Signal(f"{within.name[-1]}_seen", "m", -1e6, 1e6)
     l = within.high - within.low
@@ -46,15 +46,15 @@ def pitched(within: Signal, time: Discrete) -> Block:
     return build(f"pitched_{position.name}", time, law, inputs=[position], outputs=[within])
 
 
-def seen(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
+def sensing_blocks(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
     """Return what makes raw and filtered positions of those of the plant, ``x_seen`` ..; unfiltered they are one."""
-    found = passed(time, {f"{d}_held": d for d in planar_stage.LASERS}, "m")
-    found += passed(time, {name: f"{name}_computed" for name in ACTUATORS}, "A")
-    found += [pitched(s, time) for s in allocation.WITHIN]
+    blocks = renaming_blocks(time, {f"{d}_held": d for d in planar_stage.LASERS}, "m")
+    blocks += renaming_blocks(time, {name: f"{name}_computed" for name in ACTUATORS}, "A")
+    blocks += [place_in_pitch(s, time) for s in allocation.WITHIN]
     for axis, unit in (("x", "m"), ("y", "m"), ("phi", "rad")):
-        found += passed(time, {f"{axis}_raw": f"{axis}_seen"}, unit)
-        found += [filtering.block(axis, time)] if filtered else passed(time, {axis: f"{axis}_raw"}, unit)
-    return [*found, vertical.vertical_kinematics(plant, time)]
+        blocks += renaming_blocks(time, {f"{axis}_raw": f"{axis}_seen"}, unit)
+        blocks += [filtering.block(axis, time)] if filtered else renaming_blocks(time, {axis: f"{axis}_raw"}, unit)
+    return [*blocks, vertical.vertical_kinematics(plant, time)]
 
 
 def ready(parts: Sequence[Block]) -> list[str]:
@@ -65,13 +65,13 @@ def ready(parts: Sequence[Block]) -> list[str]:
 def of_axis(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, delay: float = 1) -> StateSpace:
     """Return the loop opened at a position as it is measured, the other five closed."""
     signal = f"{axis}_raw" if axis in allocation.HORIZONTAL else axis
-    parts = loop.cut([*seen(PLANT, time, filtered), *law], signal)
+    parts = loop.cut([*sensing_blocks(PLANT, time, filtered), *law], signal)
     sensors = {f"{a}_seen": a for a in allocation.HORIZONTAL} | {d: d for d in planar_stage.LASERS}
     inputs = [*sensors, *REFERENCES, *ready(parts), signal]
     block = compose("opened", parts, inputs=inputs, outputs=[*ACTUATORS, f"{signal}_out"])
-    controller = loop.linearised(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
+    controller = loop.linearise_block(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
     point = trim.trim(PLANT, dict.fromkeys(planar_stage.AXES, 0.0), [])
-    return loop.opened(linearise.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
+    return loop.open_loop(linearise.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
 
 
 def margins_of(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, delay: float = 1) -> margins.Margins:
