@@ -22,7 +22,7 @@ import numpy as np
 from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
-from synth.emit.c import c_text, kinds, layout, printer
+from synth.emit.c import c_text, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
 from synth.emit.passes import outline as alike
@@ -108,8 +108,8 @@ def _printed(
     values = {c.name: c.value for c in reduced.block.constants}
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
-    header = c_text.header(made.block, memory, made.program)
-    return _Printed(made, memory, len(source(made, memory)) + header.count("\n"))
+    text = header.header(made.block, memory, made.program)
+    return _Printed(made, memory, len(source(made, memory)) + text.count("\n"))
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

@@ -37,6 +37,10 @@ STRICT_FLAGS = (
     "-Wconversion",
     "-Wshadow",
     "-Wdouble-promotion",
+    "-Wfloat-equal",
+    "-Wcast-qual",
+    "-Wundef",
+    "-Wstrict-prototypes",
     "-Werror",
 )
 

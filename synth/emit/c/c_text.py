@@ -7,61 +7,18 @@ The constants are local to the step, their only reader.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from textwrap import wrap
 
-from synth.block import Block, Fault
+from synth.block import Block
 from synth.emit.c import routines
 from synth.emit.c.expressions import constant, literal
+from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
-from synth.emit.c.layout import Layout, Struct
+from synth.emit.c.layout import Layout
 from synth.emit.c.printer import Line, guard_function, prose
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes.replace import Surrogate
-
-
-def _meaning(fault: Fault) -> str:
-    if fault.input:
-        return f"{fault.input}: not finite or outside its range"
-    return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
-
-
-def header(block: Block, layout: Layout, program: Program) -> str:
-    """Return the text of <name>.h."""
-    types = routines.state_types(block, program)
-    guard = f"{block.name.upper()}_H"
-    structs = "\n".join(routines.state_structs(block, program, layout))
-    structs += "\n" + "\n\n".join(_struct(block.name, s, types) for s in layout.structs)
-    checks = "\n".join(
-        f"extern char {block.name}_{s.kind}_size_is_{s.size}[(sizeof({s.type}) == {s.size}u) ? 1 : -1];"
-        for s in layout.structs
-    )
-    faults = "\n".join(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults)
-    returned = (
-        f" * It returns the fault bits:\n{faults}\n" if faults else " * It returns 0: the Block guards no input.\n"
-    )
-    return (
-        f"/* {block.name}: one step every {block.time.period_s:g} s, {layout.ctype}. Generated: do not edit. */\n"
-        f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n{structs}\n\n"
-        f"/* The layout is the same on every target. */\n{checks}\n\n"
-        "/* Put the state to its initial values. The caller owns it. */\n"
-        f"void {block.name}_init({block.name}_state_t *state);\n\n"
-        f"/* Compute one sample: read `in`, write `out`, advance `state`.\n{returned} */\n"
-        f"{_step_head(block.name)};\n\n#endif\n"
-    )
-
-
-def _struct(name: str, struct: Struct, types: Mapping[str, str]) -> str:
-    rows = [
-        routines.state_member(f, types) if f.part else f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */"
-        for f in struct.fields
-    ]
-    rows = list(dict.fromkeys(rows))
-    return "typedef struct {\n" + "\n".join(rows) + f"\n}} {struct.type};"
-
-
-def _step_head(name: str) -> str:
-    return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
 def source(
@@ -69,10 +26,10 @@ def source(
 ) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
     used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
-    parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"']
+    parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"', "#include <float.h>"]
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
     parts += ["#include <stdbool.h>"] if "logical" in kinds(program) else []
-    parts += [""]
+    parts += ["", *_refusals()]
     parts += _helpers(block.name, used, layout)
     if any("_flag(" in line.text for line in body if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
@@ -82,8 +39,24 @@ def source(
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
     called = routines.functions(block, program, layout)
-    step = [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
+    step = [*_init(block, layout), "", step_head(block.name), "{", *_constants(block, program, layout)]
     return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
+
+
+def _refusals() -> list[str]:
+    """Return the directives that refuse what would remove the tests for NaN and infinity, or round elsewhere."""
+    refused = [
+        ("defined(__FAST_MATH__)", "-ffast-math removes the tests for NaN and infinity: compile without it"),
+        (
+            "defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0)",
+            "-ffinite-math-only removes the tests for NaN and infinity: compile without it",
+        ),
+        (
+            "defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)",
+            "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like",
+        ),
+    ]
+    return [row for test, text in refused for row in (f"#if {test}", f'#error "{text}"', "#endif")] + [""]
 
 
 def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
@@ -184,6 +157,6 @@ def _init(block: Block, layout: Layout) -> list[str]:
     named = named or {first: texts.get(first, "0u")}
     rows = [f"        .{paths[name]} = {text}," for name, text in named.items()]
     return [
-        *(f"void {block.name}_init({block.name}_state_t *state)", "{"),
+        *(init_head(block.name), "{"),
         *("    /* A member that is not named is 0. */", f"    *state = ({block.name}_state_t){{", *rows, "    };", "}"),
     ]

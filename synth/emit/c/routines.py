@@ -47,7 +47,7 @@ def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
     for kind, part in first.items():
         fields = [f for f in layout.state.fields if f.part == part]
         rows = [f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields]
-        texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};\n")
+        texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};")
     return texts
 
 
