@@ -102,9 +102,7 @@ class _Printed(NamedTuple):
     lines: int
 
 
-def _printed(
-    reduced: Reduced, program: Program, groups: Sequence[calls.Group], scalar: type[np.floating]
-) -> _Printed:
+def _printed(reduced: Reduced, program: Program, groups: Sequence[calls.Group], scalar: type[np.floating]) -> _Printed:
     values = {c.name: c.value for c in reduced.block.constants}
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))

@@ -282,7 +282,8 @@ def _claims(role: str, struct: Mapping[str, Any]) -> list[str]:
     T, size = struct["type"], struct["size"]
     lines = [f"AGREES(manifest_{role}_has_{size}_bytes, sizeof({T}) == {size});"]
     for field in struct["fields"]:
-        name, path, offset, count, ctype = (field[key] for key in ("name", "path", "offset", "count", "ctype"))
+        name, offset, count, ctype = (field[key] for key in ("name", "offset", "count", "ctype"))
+        path = field.get("path", name)
         member, address = f"manifest_{role}_{name}", "" if count > 1 else "&"
         lines += [
             f"AGREES({member}_at_{offset}, offsetof({T}, {path}) == {offset});",

@@ -45,16 +45,11 @@ def source(
 
 def _refusals() -> list[str]:
     """Return the directives that refuse what would remove the tests for NaN and infinity, or round elsewhere."""
+    finite = "defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))"
+    wider = "defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)"
     refused = [
-        ("defined(__FAST_MATH__)", "-ffast-math removes the tests for NaN and infinity: compile without it"),
-        (
-            "defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0)",
-            "-ffinite-math-only removes the tests for NaN and infinity: compile without it",
-        ),
-        (
-            "defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)",
-            "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like",
-        ),
+        (finite, "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"),
+        (wider, "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"),
     ]
     return [row for test, text in refused for row in (f"#if {test}", f'#error "{text}"', "#endif")] + [""]
 
@@ -63,7 +58,7 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
     """Return the functions of the operations that C has no operator for."""
     t, parts = layout.ctype, []
     for op, sign in (("min", "<"), ("max", ">")):
-        if op in used or "slew" in used:
+        if op in used:
             head = f"static inline {t} {name}_{op}({t} a, {t} b)"
             parts += [head, "{", f"    return (a {sign} b) ? a : b;", "}", ""]
     if "clamp" in used:
@@ -73,7 +68,8 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
     if "slew" in used:
         parts += [f"static inline {t} {name}_slew({t} last, {t} target, {t} step)", "{"]
-        parts += [f"    return {name}_max({name}_min(target, last + step), last - step);", "}", ""]
+        parts += [f"    const {t} below = (target < (last + step)) ? target : (last + step);"]
+        parts += ["    return (below > (last - step)) ? below : (last - step);", "}", ""]
     return parts
 
 
@@ -97,12 +93,20 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
         bounds = f"{t} low, {t} high" if two else f"{t} high"
         kept, source = (f"{t} *last", "*last") if node.name else (f"{t} refused", "refused")
         range, name = "low .. high" if two else "-high .. high", f"{block.name}_{name}"
+        about = (
+            f"Return a value in {range}{', which `last` becomes' if node.name else ''}; "
+            f"for any other, set its fault bit and return {source}."
+        )
+        head = f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)"
         lines += [
-            f"/* Return a value in {range}{', which `last` becomes' if node.name else ''}; "
-            f"for any other, set its fault bit and return {source}. */",
-            f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)",
+            *routines.comment(about),
+            *routines.wrapped(head),
             *("{", f"    {t} held = value;"),
-            *([f"    if ({test}) {{", "        *last = value;", "    } else {"] if node.name else [f"    if (!({test})) {{"]),
+            *(
+                [f"    if ({test}) {{", "        *last = value;", "    } else {"]
+                if node.name
+                else [f"    if (!({test})) {{"]
+            ),
             *(f"        held = {source};", "        *faults |= bit;", "    }", "    return held;", "}", ""),
         ]
     return lines
@@ -119,8 +123,10 @@ def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
-        f"/* {prose(s.tag)} for {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}: {argument[p.parity]};",
-        f" * relative error at most {p.max_relative_error:.2g}. */",
+        *routines.comment(
+            f"{prose(s.tag)} for {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}: {argument[p.parity]}; "
+            f"relative error at most {p.max_relative_error:.2g}."
+        ),
         f"static inline {layout.ctype} {s.name}({layout.ctype} {t})",
         "{",
         f"    return {text};",
@@ -137,12 +143,7 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
     read = {n.name for n in program.nodes if n.op == "constant"}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
-    rows = [
-        f"    static const {layout.ctype} {constant(c.name)} = {literal(c.value, layout.scalar).c};".ljust(64)
-        + f"/* {c.unit}; {prose(c.source)} */"
-        for c in block.constants
-        if c.name in read
-    ]
+    rows = [row for c in block.constants if c.name in read for row in routines.number(constant(c.name), c, layout)]
     for name in dict.fromkeys(n.name for n in program.nodes if n.op == "table"):
         rows += _table(name, program.tables[name], layout)
     return [*rows, ""] if rows else []

@@ -13,7 +13,7 @@ INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt
 INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
-RESERVED |= {"state", "in", "out", "faults", "parameters", "bool", "true", "false", "uint32_t"}
+RESERVED |= {"state", "in", "out", "parameters", "bool", "true", "false", "uint32_t"}
 HELPERS = ("min", "max", "limit", "flag", "slew")
 INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 

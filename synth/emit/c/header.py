@@ -101,7 +101,9 @@ def _size_checks(block: Block, layout: Layout) -> list[str]:
 
 def _struct(struct: Struct, types: Mapping[str, str]) -> str:
     rows = [
-        routines.state_member(f, types) if f.part else f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */"
+        routines.state_member(f, types)
+        if f.part
+        else f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */"
         for f in struct.fields
     ]
     return "typedef struct {\n" + "\n".join(dict.fromkeys(rows)) + f"\n}} {struct.type};"

@@ -22,7 +22,7 @@ class Names:
     """Unique C identifiers: `taken` are those already in use."""
 
     def __init__(self, taken: set[str]) -> None:
-        self.taken, self.count = taken, 0
+        self.taken = taken
 
     def free(self, stem: str) -> str:
         """Return an unused name that begins with `stem`, and reserve it."""
@@ -31,11 +31,6 @@ class Names:
             name, n = f"{stem}_{n}", n + 1
         self.taken.add(name)
         return name
-
-    def next(self) -> str:
-        """Return the next name t1, t2, ... of an unnamed value, and reserve it."""
-        self.count += 1
-        return self.free(f"t{self.count}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +74,12 @@ def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, s
     """Return the names of the nodes that are signals, the fault word or next states."""
     named: dict[int, str] = {}
     roots = [(mark.signal.name, node) for mark, node in p.marks]
-    roots += [] if p.word is None else [(WORD, p.word)]
+    guarded = any(n.op == "guarded" for n in p.nodes)  # the guards set bits of the variable of this name
+    roots += [] if p.word is None else [("fault_word" if guarded else WORD, p.word)]
     roots += [(f"{name}_next", _carrier(p, name, node)) for name, node in p.next.items()]
     for name, node in roots:
         if node not in named and p.nodes[node].op not in (*LOADS, *INLINE) and not _is_member(p, p.nodes[node]):
-            named[node] = WORD if node == p.word else names.free(name)
+            named[node] = names.free(name)
     for node, root in shared.items():
         if node in named and root not in named:
             named[root] = named[node]

@@ -12,6 +12,7 @@ import numpy as np
 
 from synth.block import Block
 from synth.emit.c import locals as variables
+from synth.emit.c import naming
 from synth.emit.c.expressions import Expressions, Text, constant, literal, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
@@ -36,10 +37,10 @@ def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type
     return _print(lambda late: _Printer(block, p, statements, scalar, late).lines)
 
 
-def routine(block: Block, r: Routine, scalar: type[np.floating]) -> list[Line]:
-    """Return the lines of a routine between its braces."""
+def routine(block: Block, r: Routine, title: str, scalar: type[np.floating]) -> list[Line]:
+    """Return the lines of a routine between its braces, tagged with a title."""
     statements = schedule.statements(r.program)
-    return _print(lambda late: partial(_Printer(block, r.program, statements, scalar, late).routine, r))
+    return _print(lambda late: partial(_Printer(block, r.program, statements, scalar, late).routine, r, title))
 
 
 def _print(printer: Callable[[set[str]], Callable[[], list[Line]]]) -> list[Line]:
@@ -65,6 +66,7 @@ class _Printer:
     ) -> None:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
+        self.naming = naming.Naming(program, self.locals.name)
         self.c = Expressions(program, self.kinds, scalar, block.name)
         self.name = block.name
         self.returned: dict[str, str] = {}
@@ -72,8 +74,9 @@ class _Printer:
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
-    def routine(self, routine: Routine) -> list[Line]:
+    def routine(self, routine: Routine, title: str) -> list[Line]:
         """Return the lines of a routine's body."""
+        self.tag = self.shown = title
         self._block(self.statements, 1)
         self.tag = ""
         texts = {r.name: self.c.as_kind(self.p.returns[r.name], r.kind).c for r in routine.results}
@@ -146,14 +149,14 @@ class _Printer:
             return
         unnamed = k not in self.locals.name or k in self.locals.next_only
         waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS
-        if waits and len(text.c) < _WIDTH:
+        if waits and self.naming.width(text.c) < _WIDTH:
             self.c.text[k] = text
             return
         if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
             self.waiting |= {} if k in self.locals.direct_loads else {text.c: node.name}
             self.c.text[k] = text
             return
-        name = self.locals.name.get(k) or self._new_name(node)
+        name = self.locals.name.get(k) or self._new_name(k)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {text.c};", depth)
         if node.op == "within":
@@ -165,7 +168,7 @@ class _Printer:
             if c in self.locals.shared:
                 self.c.text[c] = self.c.text[self.locals.shared[c]]
                 continue
-            name = self.locals.name.get(c) or self.locals.names.next()
+            name = self.locals.name.get(c) or self._new_name(c)
             value = "" if start is None else f" = {self.c.as_kind(start, self.kinds[c]).c}"
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
@@ -210,7 +213,7 @@ class _Printer:
         limits = [self.c.value(b).c for b in bounds]
         passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
         call = f"{self.name}_{guard_function(self.p, node)}({', '.join(passed)});"
-        name = self.locals.name.get(k) or self._new_name(self.p.nodes[source])
+        name = self.locals.name.get(k) or self._new_name(source)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
 
@@ -231,7 +234,9 @@ class _Printer:
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
         text = f"{self.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:
-            result = self.p.nodes.index(Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}"))
+            result = self.p.nodes.index(
+                Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}")
+            )
             name = self.locals.name.get(result) or self.locals.names.free(call.names[0])
             text = f"const {self.c.ctype_of(routine.results[0].kind)} {name} = {text}"
             self.returned[f"{node.name}.{routine.results[0].name}"] = name
@@ -261,20 +266,25 @@ class _Printer:
     def _with_title(self, depth: int) -> list[Line]:
         """Return the lines printed so far, with the title of the section where it is a new one."""
         if self.tag not in ("", self.shown):
-            opened = not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
+            opened = (
+                not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
+            )
             self.printed += [] if opened else [Line("")]
             self.printed.append(Line("    " * depth + f"/* {self.tag} */", self.tag))
         self.shown = self.tag
         return self.printed
 
-    def _new_name(self, node: Node) -> str:
-        return self.locals.names.free(node.name) if node.op in LOADS else self.locals.names.next()
+    def _new_name(self, k: int) -> str:
+        node = self.p.nodes[k]
+        name = self.locals.names.free(node.name if node.op in LOADS else self.naming.name(k))
+        self.naming.made |= set() if node.op in LOADS else {name}
+        self.naming.named[k] = name
+        return name
 
 
 def guard_function(p: Program, node: Node) -> str:
     """Return the name of the function of a guard, without the program's prefix."""
-    name = "guard" if len(node.args) == 5 else "guard_symmetric"
-    return name if node.name else f"{name}_replaced"
+    return ("hold" if node.name else "replace") + ("" if len(node.args) == 5 else "_within")
 
 
 def prose(text: str) -> str:

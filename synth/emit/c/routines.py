@@ -1,8 +1,8 @@
 """Text of what a step calls: structs of the Blocks' states and parameters, and the functions that several Blocks share.
 
-    typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
-    static const <name>_<part>_parameters_t <block>_<part> = { .. };    one for each Block
-    static inline <type> <name>_<part>(..state.., ..parameters.., ..)   called once a Block
+typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
+static const <name>_<part>_parameters_t <block>_<part> = { .. };    one for each Block
+static inline <type> <name>_<part>(..state.., ..parameters.., ..)   called once a Block
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +20,19 @@ from synth.emit.passes import calls, words
 from synth.emit.passes.calls import Routine
 
 WIDTH = 116
+
+
+def comment(text: str, indent: str = "") -> list[str]:
+    """Return a comment in lines of at most 120 columns."""
+    rows = wrap(f"{indent}/* {text} */", WIDTH + 4, subsequent_indent=f"{indent} * ", break_on_hyphens=False)
+    return rows
+
+
+def wrapped(head: str) -> list[str]:
+    """Return the head of a function in lines of at most 120 columns, broken between its arguments."""
+    text = head.replace(" ", "\0").replace(",\0", ", ")
+    rows = wrap(text, WIDTH + 4, subsequent_indent="\0" * 4, break_on_hyphens=False)
+    return [row.replace("\0", " ") for row in rows]
 
 
 def inline(block: Block) -> str:
@@ -46,7 +59,9 @@ def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
     texts = []
     for kind, part in first.items():
         fields = [f for f in layout.state.fields if f.part == part]
-        rows = [f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields]
+        rows = [
+            f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields
+        ]
         texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};")
     return texts
 
@@ -62,9 +77,12 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         if len(routine.results) > 1:
             rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.results]
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
-        lines += [Line(_head(block, routine, used[0].block, p, layout)), Line("{")]
+        titles = [p.titles.get(c.block, c.block) for c in used]
+        tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
+        lines += [Line(row) for row in comment(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"))]
+        lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _shared(routine, constants, layout))
-        lines += [*printer.routine(block, routine, layout.scalar), Line("}"), Line("")]
+        lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
     return lines
 
 
@@ -95,7 +113,7 @@ def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floati
     return literal(constants[node.name].value if node.op == "constant" else node.value, scalar).c
 
 
-def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> str:
+def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> list[str]:
     state = ""
     if routine.states:
         state = f"{state_types(block, p)[part]} *state"
@@ -107,16 +125,21 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     kinds = [r.kind for r in routine.results]
     returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
     arguments = ", ".join(filter(None, [state, parameters, *passed]))
-    return f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
+    head = f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
+    return wrapped(head)
 
 
 def _shared(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
-    rows = [
-        f"    static const {layout.ctype} {local} = {literal(constants[name].value, layout.scalar).c};".ljust(64)
-        + f"/* {constants[name].unit}; {prose(constants[name].source)} */"
-        for local, name in routine.constants.items()
-    ]
+    rows = [row for local, name in routine.constants.items() for row in number(local, constants[name], layout)]
     return [*rows, ""] if rows else []
+
+
+def number(name: str, constant: Constant, layout: Layout) -> list[str]:
+    """Return the declaration of a constant, with its unit and source beside it, or above it where they are long."""
+    text = f"    static const {layout.ctype} {name} = {literal(constant.value, layout.scalar).c};"
+    about = f"{constant.unit}; {prose(constant.source)}"
+    row = f"{text.ljust(63)} /* {about} */"
+    return [row] if len(row) <= WIDTH + 4 else [*comment(about, " " * 4), text]
 
 
 def state_member(f: Member, types: Mapping[str, str]) -> str:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from synth.block import Named
 from synth.emit.c.kinds import kinds
+from synth.emit.c.naming import Naming
 from synth.emit.lower import Node, Program
 from synth.emit.passes import outline, words
 from synth.emit.passes.outline import Form, Part
@@ -72,7 +73,9 @@ def outlined(p: Program, constants: Mapping[str, float], groups: Sequence[Group]
         for part, form in group:
             numbers = [p.nodes[form.numbers[k]] for k in _different(p, group, constants)]
             states = {local: state for state, local in part.local.items() if local in routine.states}
-            names = tuple(_name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, routine.results, strict=True))
+            names = tuple(
+                _name(p, k) or f"{part.key}_{r.name}" for k, r in zip(form.results, routine.results, strict=True)
+            )
             calls[part.key] = Call(routine, part.block, tuple(numbers), names, states)
             parts[part.key] = (part, form)
     made = _Rewriter(p, parts, calls).program()
@@ -119,12 +122,8 @@ def _routine(
     names = _Names({"state", "parameters"})
     part_name = words.common([q.block for q, _ in group]) or part.block
     arguments = [
-        Argument(names.free(_local(p, column) or f"input_{k + 1}"), kind[column[0]])
-        for k, column in enumerate(zip(*(f.arguments for _, f in group), strict=True))
-    ]
-    results = [
-        Argument(names.free(_local(p, column) or f"output_{k + 1}"), kind[column[0]])
-        for k, column in enumerate(zip(*(f.results for _, f in group), strict=True))
+        Argument(names.free(_local(p, column) or "value"), kind[column[0]])
+        for column in zip(*(f.arguments for _, f in group), strict=True)
     ]
     parameters = {
         column: names.free(_parameter(p, group, column, part_name) or _role(p, part, form.numbers[column]))
@@ -153,7 +152,7 @@ def _routine(
         index[k] = len(nodes) - 1
         return index[k]
 
-    outputs = {a.name: place(k) for a, k in zip(results, form.results, strict=True)}
+    places = [place(k) for k in form.results]
     states = {part.local[state]: k for state, k in part.next.items()}
     next = {name: place(k) for name, k in states.items()}
     loads = [n.name for n in nodes if n.op == "state"]
@@ -164,7 +163,24 @@ def _routine(
         if k in part.region and k not in part.results
     )
     typed = {a.name: a.kind for a in arguments}
-    made = Program(tuple(nodes), marks, {}, next, integers, None, p.polynomials, by_value=len(parameters) <= 3, typed=typed, returns=outputs)
+    made = Program(
+        tuple(nodes),
+        marks,
+        {},
+        next,
+        integers,
+        None,
+        p.polynomials,
+        by_value=len(parameters) <= 3,
+        typed=typed,
+    )
+    naming = Naming(made, {})
+    columns = zip(*(f.results for _, f in group), strict=True)
+    results = [
+        Argument(names.free(_local(p, column) or naming.name(index)), kind[column[0]])
+        for column, index in zip(columns, places, strict=True)
+    ]
+    made = replace(made, returns={a.name: index for a, index in zip(results, places, strict=True)})
     name = _Names(taken).free(f"{part_name}_{part.phase}" if part.phase else part_name)
     order = tuple(dict.fromkeys((*states, *loads)))
     shared = {local: p.nodes[k].name for k, local in fixed.items()}
@@ -213,10 +229,19 @@ class _Rewriter:
             if part.next:
                 next[part.block] = self.store(key, part)
         word = None if p.word is None else self.place(p.word)
-        marks = tuple((n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k))
+        marks = tuple(
+            (n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k)
+        )
         typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
         p = replace(
-            p, nodes=tuple(self.nodes), marks=marks, outputs=outputs, next=next, word=word, calls=self.calls, typed=typed
+            p,
+            nodes=tuple(self.nodes),
+            marks=marks,
+            outputs=outputs,
+            next=next,
+            word=word,
+            calls=self.calls,
+            typed=typed,
         )
         return p.with_nodes(p.nodes, range(len(p.nodes)))
 

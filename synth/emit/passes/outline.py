@@ -118,9 +118,7 @@ def _part(
     stores = {p.next[state] for state in own} - region
     local = {s: s.removeprefix(f"{block}_") for s in p.next if p.owner(s) == block}
     roots = tuple(k for _, k in p.marks if k in region)
-    return Part(
-        block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots
-    )
+    return Part(block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots)
 
 
 def _results(p: Program, region: frozenset[int], stores: set[int]) -> tuple[int, ...]:
