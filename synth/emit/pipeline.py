@@ -13,6 +13,7 @@
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -25,10 +26,11 @@ from synth.emit import lower
 from synth.emit.c import c_text, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import outline as alike
 from synth.emit.passes import calls, fold, guards, limits, schedule, slews
+from synth.emit.passes import outline as alike
 from synth.emit.passes import replace as surrogates
 from synth.emit.passes.replace import Surrogate
+from synth.emit.passes.routine import Group
 from synth.emit.proof import ranges, safe
 
 
@@ -102,12 +104,13 @@ class _Printed(NamedTuple):
     lines: int
 
 
-def _printed(reduced: Reduced, program: Program, groups: Sequence[calls.Group], scalar: type[np.floating]) -> _Printed:
+def _printed(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
     values = {c.name: c.value for c in reduced.block.constants}
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))
     text = header.header(made.block, memory, made.program)
-    return _Printed(made, memory, len(source(made, memory)) + text.count("\n"))
+    lines = len(source(made, memory)) + text.count("\n") if memory.is_contiguous else sys.maxsize
+    return _Printed(made, memory, lines)
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

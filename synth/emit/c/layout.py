@@ -5,6 +5,7 @@ With 8-byte scalars an explicit member `reserved` follows an odd number of 4-byt
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from types import MappingProxyType
 
 import numpy as np
@@ -69,6 +70,12 @@ class Layout:
     def structs(self) -> tuple[Struct, Struct, Struct]:
         """Input, output and state."""
         return (self.input, self.output, self.state)
+
+    @property
+    def is_contiguous(self) -> bool:
+        """Whether the members of each Block's struct lie side by side."""
+        parts = [part for part, _ in groupby(f.part for f in self.state.fields) if part]
+        return len(parts) == len(set(parts))
 
 
 def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = MappingProxyType({})) -> Layout:

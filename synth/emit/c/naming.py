@@ -1,8 +1,8 @@
 """Names of values without a signal: made from the operation and its operands, else from the signal that they serve.
 
-    force_x - force_y        force_x_minus_force_y
-    y * y                    y_squared
-    a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
+force_x - force_y        force_x_minus_force_y
+y * y                    y_squared
+a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
 """
 
 import re
@@ -84,4 +84,3 @@ def _served(p: Program) -> list[str]:
             if near[k] < near[a]:
                 near[a], served[a] = near[k], served[k]
     return served
-

@@ -18,7 +18,7 @@ from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
-from synth.emit.passes.calls import Routine
+from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108

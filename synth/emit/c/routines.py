@@ -17,7 +17,7 @@ from synth.emit.c.layout import Layout, Member
 from synth.emit.c.printer import Line, prose
 from synth.emit.lower import Node, Program
 from synth.emit.passes import calls, words
-from synth.emit.passes.calls import Routine
+from synth.emit.passes.routine import Call, Routine
 
 WIDTH = 116
 
@@ -91,7 +91,7 @@ def _ctype(kind: str, layout: Layout) -> str:
 
 
 def _parameters(
-    block: Block, routine: Routine, used: Sequence[calls.Call], constants: Mapping[str, Constant], layout: Layout
+    block: Block, routine: Routine, used: Sequence[Call], constants: Mapping[str, Constant], layout: Layout
 ) -> list[str]:
     """Return the struct of what differs from Block to Block, and each Block's values."""
     kind = f"{block.name}_{routine.name}_parameters_t"
@@ -138,8 +138,9 @@ def number(name: str, constant: Constant, layout: Layout) -> list[str]:
     """Return the declaration of a constant, with its unit and source beside it, or above it where they are long."""
     text = f"    static const {layout.ctype} {name} = {literal(constant.value, layout.scalar).c};"
     about = f"{constant.unit}; {prose(constant.source)}"
-    row = f"{text.ljust(63)} /* {about} */"
-    return [row] if len(row) <= WIDTH + 4 else [*comment(about, " " * 4), text]
+    rows = [f"{text.ljust(63)} /* {about} */", f"{text} /* {about} */"]
+    fitting = [row for row in rows if len(row) <= WIDTH + 4]
+    return fitting[:1] or [*comment(about, " " * 4), text]
 
 
 def state_member(f: Member, types: Mapping[str, str]) -> str:

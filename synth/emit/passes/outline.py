@@ -10,10 +10,11 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from synth.emit.c.kinds import kinds
 from synth.emit.lower import Node, Program
 
 LEAVES = ("input", "state", "constant", "literal")
-NOT_OUTLINED = ("table", "within")
+NOT_OUTLINED = ("table", "within", "guard", "guarded", "accepted")
 FEWEST = 4  # operations of a function that is worth its name
 
 
@@ -169,6 +170,7 @@ def form(p: Program, part: Part) -> Form:
     shape: list[tuple[object, ...]] = []  # an entry a node, which refers to others by their places
     arguments: list[int] = []
     numbers: list[int] = []
+    kind = kinds(p)
 
     def leaf(k: int) -> tuple[object, ...]:
         node = p.nodes[k]
@@ -178,14 +180,13 @@ def form(p: Program, part: Part) -> Form:
         if node.op == "state" and node.name in part.local:
             return ("state", part.local[node.name])
         arguments.append(k)
-        return ("argument",)
+        return ("argument", kind[k])
 
     def visit(k: int) -> int:
         if k not in places:
             node = p.nodes[k]
             if k in part.region:
-                name = node.name if node.op in ("polynomial", *NOT_OUTLINED) else ""
-                entry = (node.op, name, k in part.results, *(visit(a) for a in node.args))
+                entry = (node.op, node.name, node.value, k in part.results, *(visit(a) for a in node.args))
             else:
                 entry = leaf(k)
             places[k] = len(shape)
@@ -200,12 +201,19 @@ def form(p: Program, part: Part) -> Form:
 
 
 def alike(p: Program) -> list[list[tuple[Part, Form]]]:
-    """Return the Parts with one canonical form, where there are at least two of them and they are worth a function."""
+    """Return the Parts with one canonical form, where there are at least two of them with some operations.
+
+    Integer states are left out: in a struct they would lie beside scalars of another size.
+    """
     found: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
     every = parts(p)
     for whole in every:
         for part in split(p, whole):
-            if len(part.region) >= FEWEST and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region):
+            if len(part.region) >= FEWEST and _is_plain(p, part):
                 made = form(p, part)
                 found[(part.phase, *made.shape)].append((part, made))
     return [group for group in found.values() if len(group) > 1]
+
+
+def _is_plain(p: Program, part: Part) -> bool:
+    return part.local.keys().isdisjoint(p.integers) and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region)
