@@ -78,7 +78,7 @@ def _inline(block: Block) -> list[str]:
     inline = routines.inline(block)
     return [
         *("#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"),
-        *("#else", f"#define {inline} static inline", "#endif", ""),
+        *("#else", f"#define {inline} static inline", "#endif"),
     ]
 
 
@@ -115,16 +115,16 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     """Return the C function that evaluates a surrogate by Horner's rule in t; in t^2 for an odd or even polynomial."""
     p, t = s.polynomial, "t"
-    about = f"{s.variable} {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else s.variable
+    about = f"x {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else "x"
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about
-    argument = {"none": f"t = {about}", "odd": f"{s.tag} / x, t = x^2, x = {about}", "even": f"t = x^2, x = {about}"}
+    value, argument = " / x" if p.parity == "odd" else "", about if p.parity == "none" else "x^2"
     text = literal(p.coefficients[-1], layout.scalar).c
     for c in p.coefficients[-2::-1]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
         *routines.comment(
-            f"{prose(s.tag)} for {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}: {argument[p.parity]}; "
+            f"{prose(s.tag)}{value}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, t = {argument}; "
             f"relative error at most {p.max_relative_error:.2g}."
         ),
         f"static inline {layout.ctype} {s.name}({layout.ctype} {t})",

@@ -89,7 +89,7 @@ def _meaning(fault: Fault) -> str:
 
 
 def _size_checks(block: Block, layout: Layout) -> list[str]:
-    """Return assertions of the sizes: by the keyword of C11, or by an array that a false one gives a negative length."""
+    """Return assertions of the sizes: by the keyword of C11, or an array of negative length where it is false."""
     asserted = [f'_Static_assert(sizeof({s.type}) == {s.size}u, "size of {s.type}");' for s in layout.structs]
     arrays = [
         f"extern char {block.name}_{s.kind}_size_is_{s.size}[(sizeof({s.type}) == {s.size}u) ? 1 : -1];"

@@ -149,7 +149,7 @@ class _Printer:
             return
         unnamed = k not in self.locals.name or k in self.locals.next_only
         waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS
-        if waits and self.naming.width(text.c) < _WIDTH:
+        if waits and (self.naming.width(text.c) < _WIDTH or k in self.p.returns.values()):
             self.c.text[k] = text
             return
         if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
@@ -223,7 +223,7 @@ class _Printer:
         return len(readers) == 1 and readers[0].op == "guard"
 
     def _call(self, node: Node, depth: int) -> None:
-        """Call a routine; what it returns has the name of the signal that it is, or stands in a struct of the call's."""
+        """Call a routine; its one result has the name of a signal, several are members of a struct."""
         call = self.p.calls[node.name]
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []

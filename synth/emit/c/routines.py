@@ -24,8 +24,7 @@ WIDTH = 116
 
 def comment(text: str, indent: str = "") -> list[str]:
     """Return a comment in lines of at most 120 columns."""
-    rows = wrap(f"{indent}/* {text} */", WIDTH + 4, subsequent_indent=f"{indent} * ", break_on_hyphens=False)
-    return rows
+    return wrap(f"{indent}/* {text} */", WIDTH + 4, subsequent_indent=f"{indent} * ", break_on_hyphens=False)
 
 
 def wrapped(head: str) -> list[str]:
