@@ -29,7 +29,7 @@ def source(
     parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"', "#include <float.h>"]
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
     parts += ["#include <stdbool.h>"] if "logical" in kinds(program) else []
-    parts += ["", *_refusals()]
+    parts += _refusals()
     parts += _helpers(block.name, used, layout)
     if any("_flag(" in line.text for line in body if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
@@ -144,6 +144,7 @@ def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
     read = {n.name for n in program.nodes if n.op == "constant"}
     read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
     rows = [row for c in block.constants if c.name in read for row in routines.number(constant(c.name), c, layout)]
+    rows += routines.parameters(block, program, layout)
     for name in dict.fromkeys(n.name for n in program.nodes if n.op == "table"):
         rows += _table(name, program.tables[name], layout)
     return [*rows, ""] if rows else []

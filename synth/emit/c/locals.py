@@ -62,6 +62,7 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
     taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
     taken |= {n.name for n in program.nodes if n.op in ("argument", "parameter")}
+    taken |= {c.parameters for c in program.calls.values()}
     names = Names(taken)
     name = _name_nodes(program, names, shared)
     marked = {program.word, *(k for _, k in program.marks), *starts, *shared.values()}

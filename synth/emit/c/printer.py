@@ -230,7 +230,7 @@ class _Printer:
         if routine.by_value:
             passed += [constant(n.name) if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
         elif routine.parameters:
-            passed += [f"&{call.block}_{routine.name}"]
+            passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
         text = f"{self.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:

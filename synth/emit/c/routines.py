@@ -1,7 +1,7 @@
 """Text of what a step calls: structs of the Blocks' states and parameters, and the functions that several Blocks share.
 
 typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
-static const <name>_<part>_parameters_t <block>_<part> = { .. };    one for each Block
+    typedef struct { .. } <name>_<part>_parameters_t;                   the numbers that differ, of which the step has one a Block
 static inline <type> <name>_<part>(..state.., ..parameters.., ..)   called once a Block
 """
 
@@ -92,7 +92,7 @@ def _ctype(kind: str, layout: Layout) -> str:
 def _parameters(
     block: Block, routine: Routine, used: Sequence[Call], constants: Mapping[str, Constant], layout: Layout
 ) -> list[str]:
-    """Return the struct of what differs from Block to Block, and each Block's values."""
+    """Return the struct of what differs from Block to Block."""
     kind = f"{block.name}_{routine.name}_parameters_t"
     rows = ["typedef struct {"]
     for name, node in zip(routine.parameters, used[0].numbers, strict=True):
@@ -100,12 +100,19 @@ def _parameters(
         comment = f"/* {about.unit}; {prose(about.source)} */" if about else ""
         rows.append((f"    {layout.ctype} {name};".ljust(40) + comment).rstrip())
     rows.append(f"}} {kind};")
-    for call in used:
-        values = [_value(node, constants, layout.scalar) for node in call.numbers]
-        head = f"static const {kind} {call.block}_{routine.name} = "
-        text = head + "{" + ", ".join(values) + "};"
-        rows += wrap(text, WIDTH, subsequent_indent=" " * 4, break_on_hyphens=False)
     return [*rows, ""]
+
+
+def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
+    """Return the declarations of the numbers that the calls pass in a struct."""
+    constants = {c.name: c for c in block.constants}
+    rows = []
+    for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
+        values = [_value(node, constants, layout.scalar) for node in call.numbers]
+        kind = f"{block.name}_{call.routine.name}_parameters_t"
+        text = f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};"
+        rows += wrap(text, WIDTH + 4, subsequent_indent=" " * 8, break_on_hyphens=False)
+    return rows
 
 
 def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:

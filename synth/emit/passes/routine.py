@@ -56,6 +56,11 @@ class Call:
     names: tuple[str, ...]
     states: Mapping[str, str]
 
+    @property
+    def parameters(self) -> str:
+        """The name of the struct of its numbers."""
+        return f"{self.block}_{self.routine.name}"
+
 
 class Names:
     """Names of one function, each given once."""
