@@ -24,8 +24,8 @@ from synth.emit.c import c_text, kinds, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
 from synth.emit.passes import fold, limits, schedule
-from synth.emit.passes import replace as surrogates
-from synth.emit.passes.replace import Surrogate
+from synth.emit.passes import surrogates as surrogates
+from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
 
 

@@ -15,7 +15,7 @@ from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.printer import Line, prose
 from synth.emit.lower import LIBM, Program
-from synth.emit.passes.replace import Surrogate
+from synth.emit.passes.surrogates import Surrogate
 
 
 def _meaning(fault: Fault) -> str:
