@@ -117,6 +117,7 @@ def examples() -> Mapping[str, Call]:
         "relative_degree.of_plant": single,
         "relative_degree.of_affine": {"model": lie.affine(maglev)},
         "feedback_loop.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
+        "feedback_loop.feedback": {"forward": ([[-100.0]], [[1.0]], [[10.0]])},
         "singularity.scaled": {
             "matrix": matrix,
             "symbols": ca.vertcat(x, g),

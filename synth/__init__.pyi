@@ -16,3 +16,22 @@ from synth.timing import Continuous as Continuous
 from synth.timing import Discrete as Discrete
 
 __version__: str
+
+__all__ = [
+    "Block",
+    "Constant",
+    "Continuous",
+    "Discrete",
+    "Parameter",
+    "Plant",
+    "Signal",
+    "State",
+    "StateSpace",
+    "Step",
+    "SynthError",
+    "analyse",
+    "build_block",
+    "build_plant",
+    "compose",
+    "synthesise",
+]

@@ -189,7 +189,7 @@ def controller(
     default those of the actuators. A law that reads the value of an actuator comes after the safe output and may
     distribute it. Without actuators the outputs are those of the laws, which continue after a latch.
 
-    The first use raises WiringError as `composition.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
+    The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safety.safe_output`.
     """
 
     def composed() -> Composition:

@@ -1,4 +1,4 @@
-"""The tree is written in the field's terms: no private words, no unclear phrases, few vague locals, participles known."""
+"""The tree is written in the field's terms: no private words, no unclear phrases, few vague locals."""
 
 import pytest
 

@@ -37,7 +37,7 @@ from synth import arguments, show
 from synth.analyse import interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import dimension
-from synth.statespace import StateSpace, System, in_common_time
+from synth.statespace import StateSpace, System, in_common_time, of
 from synth.timing import Continuous, common, period
 
 ARROWS = {
@@ -180,6 +180,22 @@ def close(plant: System, controller: System) -> ClosedLoop:
             "put a delay or a lag into one of them"
         ) from error
     return ClosedLoop(P, K, _with_sums(inner, signals, units), signals)
+
+
+@arguments.checked
+def feedback(forward: System, back: System | None = None) -> StateSpace:
+    """Return forward (I + back forward)^-1, the closed loop with negative feedback; `back` is 1 if left out.
+
+    Inputs and outputs keep their names, states get the prefixes of `close`. Raises as `close`; SignalError also for a
+    model without `back` whose numbers of inputs and outputs differ.
+    """
+    P = of(forward)
+    n = len(P.outputs)
+    if back is None and len(P.inputs) != n:
+        raise SignalError(f"a model with {len(P.inputs)} inputs and {n} outputs has no unit feedback: give `back`")
+    A, B, C = np.zeros((0, 0)), np.zeros((0, n)), np.zeros((n, 0))
+    loop = close(P, StateSpace(A, B, C, np.eye(n), (), P.outputs, P.inputs, P.time) if back is None else back)
+    return loop.PS.renamed(dict(zip(loop.signals["d"], P.inputs, strict=True)))
 
 
 def _require_fit(P: StateSpace, K: StateSpace) -> None:

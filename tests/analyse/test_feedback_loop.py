@@ -175,3 +175,17 @@ def test_a_plant_without_inputs_or_outputs_is_refused(n: int, p: int, m: int) ->
 
     with pytest.raises(SignalError, match=f"the plant has {m} inputs and {p} outputs, .* at least one of each"):
         feedback_loop.close(empty(p, m), empty(m, p))
+
+
+@pytest.mark.parametrize("back", [None, control.tf([1, 4], [1, 9])])
+def test_feedback_is_that_of_python_control_and_keeps_the_names(back: control.TransferFunction | None) -> None:
+    forward = control.tf([3], [1, 2, 5])
+    loop, reference = feedback_loop.feedback(forward, back), control.feedback(forward, 1 if back is None else back)
+    points = 1j * np.array([0.1, 1.0, 10.0])
+    np.testing.assert_allclose(loop.response(points)[:, 0, 0], reference(points), rtol=tolerances.of("double"))
+    assert (loop.inputs, loop.outputs) == (("u[0]",), ("y[0]",))
+
+
+def test_unit_feedback_wants_as_many_inputs_as_outputs() -> None:
+    with pytest.raises(SignalError, match="2 inputs and 1 outputs has no unit feedback"):
+        feedback_loop.feedback(([[-1.0]], [[1.0, 2.0]], [[1.0]]))

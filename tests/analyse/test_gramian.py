@@ -75,7 +75,7 @@ def test_one_mode_by_hand() -> None:
     assert grams.Wc[0, 0] == pytest.approx(5 * b * b / (2 * a)) and grams.Wo[0, 0] == pytest.approx(c * c / (2 * a))
     assert grams.hankel == pytest.approx([np.sqrt(5) * b * c / (2 * a)])
     assert grams.by_input == pytest.approx({"u1": 0.2, "u2": 0.8}) and grams.by_output == pytest.approx({"y1": 1})
-    assert "Hankel value" in str(grams) and "u2       80.00%" in str(grams)
+    assert "Hankel value" in str(grams) and "u2      80.00%" in str(grams)
 
 
 @settings(derandomize=True, max_examples=10, deadline=None)
