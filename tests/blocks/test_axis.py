@@ -234,7 +234,7 @@ def test_axes_of_one_inverse_are_decoupled_at_every_operating_point() -> None:
 
 def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
     _, interface, laws = beam()
-    with pytest.raises(SignalError, match=r"also needs the demand of 'a': join the axes of h, a by axis\.decoupled"):
+    with pytest.raises(SignalError, match=r"also needs the demand of 'a': join the axes of h, a by axis\.decouple"):
         laws[0].law(TIME, interface)
     with pytest.raises(SignalError, match="do not share one feedback linearisation"):
         axis.decouple([laws[0], beam()[2][1]])
