@@ -18,14 +18,14 @@ import numpy as np
 
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import derivative_filter, regulator, safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.feedback import lqr
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Continuous, Discrete
 from synth.verify import agree, steps
 

@@ -41,7 +41,7 @@ from synth.errors import SynthError
 
 LIMIT_S = 5.0
 MEMORY = 4 << 30  # bytes
-VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "compose", "check")
+VOCABULARY = ("signals", "timing", "plant", "statespace", "conversions", "fault", "block", "composition", "check")
 UNCHECKED = ("timing.Discrete", "check.Check", "safety.GuardedInput", "logs.Log")  # check their own arguments
 NAN_MEANS = {
     "structure.poles": "the damping of a pole at 0",

@@ -29,14 +29,14 @@ from benchmarks.hostile_examples import (
     model,
     usual,
 )
-from synth.analyse import lie, relative_degree, resting, worst
+from synth.analyse import equilibrium, lie, relative_degree, worst_case_search
 from synth.analyse.observability import placement
 from synth.blocks import safety
 from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import logs
-from synth.synthesise.observers import belief, kalman, lqg, noise
-from synth.synthesise.servo.minimal_polynomial import Mode
+from synth.synthesise.observers import kalman, lqg, noise, square_root_kalman
+from synth.synthesise.regulation.minimal_polynomial import Mode
 from synth.timing import Continuous
 
 
@@ -66,10 +66,10 @@ def examples() -> Mapping[str, Call]:
     slopes = {"deviations": lambda q: 1 / (2 + np.cos(q)), "changes": lambda q, half: half + 0 * q}
     placing = {"fine": np.ptp, "within": placement.Square(1.0, 10), "effort": placement.Effort(1, 2, 1)}
     unmoved = model([[1.0]], [[0.0]], [[1.0]], [[0.0]], ("x1",), ("u1",), ("y1",), TIME)
-    first = belief.initial(held, np.eye(2))
+    first = square_root_kalman.initial(held, np.eye(2))
     servo = common["servo"]
     resting_loop = example_resting_loop()
-    rest = resting.solve(resting_loop, {}, common["point"])
+    rest = equilibrium.solve(resting_loop, {}, common["point"])
     return {
         **hostile_stages.examples(),
         **hostile_vocabulary.examples(),
@@ -96,8 +96,8 @@ def examples() -> Mapping[str, Call]:
         "discretise.with_delay": {"system": held, "samples": 2},
         "interconnect.connect": {"models": [stage], "inputs": ["f"], "outputs": ["x"], "wires": {"f": {"f": 1.0}}},
         "lie.affine": single,
-        "linearise.linearise": single,
-        "linearise.require_point": single,
+        "linearisation.linearise": single,
+        "linearisation.require_point": single,
         "loop.cut": {"blocks": [example_step()], "signal": "y"},
         "loop.linearise_block": {"block": example_step(), "state": {"last": 0.0}, "inputs": {"u": 0.0}},
         "loop.open_loop": {
@@ -108,15 +108,16 @@ def examples() -> Mapping[str, Call]:
             "delay": 1,
         },
         "plots.over_time": {"time": [0.0, 0.1], "signals": {"x": [0.0, 1.0]}, "units": {"x": "m"}},
-        "rest_equations.ClosedLoop": fields(resting_loop),
-        "resting.Equilibrium": fields(rest),
-        "resting.open_loop": {"rest": rest, "signal": "current"},
-        "resting.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},
+        "equilibrium_equations.ClosedLoop": fields(resting_loop),
+        "equilibrium.Equilibrium": fields(rest),
+        "equilibrium.open_loop": {"rest": rest, "signal": "current"},
+        "equilibrium.solve": {"closed": resting_loop, "references": {}, "near": common["point"]},
         "magnitude.magnitudes": {"terms": {"x": x * g}, "symbols": symbols, "box": [RATE], "along": "gap", "held": {}},
         "magnitude.conditioning": {"matrix": matrix, "symbols": symbols},
         "relative_degree.of_plant": single,
         "relative_degree.of_affine": {"model": lie.affine(maglev)},
-        "sensitivity.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
+        "feedback_loop.close": {"controller": ([[-100.0]], [[1.0]], [[10.0]])},
+        "feedback_loop.feedback": {"forward": ([[-100.0]], [[1.0]], [[10.0]])},
         "singularity.scaled": {
             "matrix": matrix,
             "symbols": ca.vertcat(x, g),
@@ -142,16 +143,16 @@ def examples() -> Mapping[str, Call]:
         "transfer.check_limits": {"low": 1.0, "high": 2.0},
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
         "refinement.log": {"value": np.array([1 + 1j])},
-        "trim.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
+        "operating_points.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "worst.Criterion": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
-        "worst.search": {"loop": example_loop, "parameters": [K], "figure": worst.PHASE_MARGIN},
+        "worst_case_search.search": {"loop": example_loop, "parameters": [K], "figure": worst_case_search.PHASE_MARGIN},
         "zero_dynamics.at_point": {"plant": maglev, "degree": relative_degree.of_plant(maglev)},
         "zero_dynamics.of_linear": {"degrees": [2]},
         "anti_windup.of_gain": {"controller": ([[-1.0]], [[1.0]], [[1.0]]), "E": [[-0.5]]},
         "anti_windup.conditioning": {"controller": ([[-1.0]], [[1.0]], [[1.0]], [[1.0]]), "references": ["u1"]},
-        "belief.initial": {"system": held},
-        "belief.predict": {"estimate": first, "system": held},
-        "belief.update": {"estimate": first, "system": held, "y": [0.1]},
+        "square_root_kalman.initial": {"system": held},
+        "square_root_kalman.predict": {"estimate": first, "system": held},
+        "square_root_kalman.update": {"estimate": first, "system": held, "y": [0.1]},
         "bumpless.start": {"state": [0.1, 0.0], "present": [0.2]},
         "coloured.process": {"shaping": shaping},
         "coloured.measurement": {"shaping": coloured},
@@ -233,10 +234,10 @@ def examples() -> Mapping[str, Call]:
         "safety.guard": {"inputs": [safety.GuardedInput(GAP, 0.02, True)], "bad_samples": 3},
         "safety.safe_output": {"outputs": [Y], "safety": safe},
         "safety.frozen": {"block": safety.guard(TIME, [safety.GuardedInput(GAP, 0.02, True)], 3)},
-        "servo.of_gain": {"K": [[-1.0, -1.0, -1.0]]},
-        "servo.with_observer": {"L": [[1.0], [1.0]]},
-        "servo.with_estimator": {"servo": servo, "estimator": common["estimator"].predictor()},
-        "servo.split_plant": {"regulated": None, "controls": None},
+        "regulation.of_gain": {"K": [[-1.0, -1.0, -1.0]]},
+        "regulation.with_observer": {"L": [[1.0], [1.0]]},
+        "regulation.with_estimator": {"servo": servo, "estimator": common["estimator"].predictor()},
+        "regulation.split_plant": {"regulated": None, "controls": None},
         "steady_error.evaluate": {"errors": ["x"]},
         "steady_error.with_suffix": {"signals": ["x"], "end": "reference"},
         "steady_error.closed_loop": {

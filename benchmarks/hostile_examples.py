@@ -13,7 +13,7 @@ import casadi as ca
 import control
 import numpy as np
 
-from synth.analyse import discretise, resting, singularity, trim
+from synth.analyse import discretise, equilibrium, operating_points, singularity
 from synth.block import Block, Constant, State, Step
 from synth.block import build as block
 from synth.plant import build as plant
@@ -22,7 +22,7 @@ from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.feedback import lqr
 from synth.synthesise.observers import kalman, reduced_observer
-from synth.synthesise.servo import internal_model, optimal_servo
+from synth.synthesise.regulation import internal_model, optimal_servo
 from synth.timing import Continuous, Discrete, Time
 
 Call = Mapping[str, Any]
@@ -51,7 +51,7 @@ def example_step(name: str = "step") -> Block:
     )
 
 
-def example_resting_loop() -> resting.ClosedLoop:
+def example_resting_loop() -> equilibrium.ClosedLoop:
     """Return the levitated mass under an integrator of its gap, which rests wherever the mass does."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
@@ -62,7 +62,7 @@ def example_resting_loop() -> resting.ClosedLoop:
     drive, seen = Signal("drive", "A", 0.1, 10.0), Signal("seen", "m", 0.01, 0.03)
     controller = block("hold", TIME, law, inputs=[seen], outputs=[drive], states=[total])
     maglev = plant("maglev", [GAP, RATE], [CURRENT], [GAP], [K], example_physics)
-    return resting.ClosedLoop(maglev, controller, {"seen": "gap"}, {"current": "drive"})
+    return equilibrium.ClosedLoop(maglev, controller, {"seen": "gap"}, {"current": "drive"})
 
 
 def example_linear(theta: Any) -> Any:
@@ -107,7 +107,7 @@ def usual() -> Call:
     """Return examples by the names of arguments."""
     stage = model([[0, 1], [-4, -0.4]], [[0], [1]], [[1, 0]], [[0]], ("x", "v"), ("f",), ("x",), Continuous(), UNITS)
     maglev = plant("maglev", [GAP, RATE], [CURRENT], [GAP], [K], example_physics)
-    rest = trim.trim(maglev, {"gap": 0.02}, ["current"])
+    rest = operating_points.trim(maglev, {"gap": 0.02}, ["current"])
     held = discretise.zero_order_hold(stage, T)
     gain = lqr.lqrd(stage, np.eye(2), np.eye(1), T)
     estimator = kalman.kalmd(stage, 1e-4 * np.eye(2), [[1e-6]], T)

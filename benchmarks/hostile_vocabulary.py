@@ -76,6 +76,6 @@ def examples() -> Mapping[str, Call]:
             "constants": [Constant("gain", 2.0, "1", "given")],
         },
         "block.clip": {"expr": u, "bounds": GAP},
-        "compose.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
+        "composition.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
         "check.Check": {"name": "c", "found": 1.0, "limit": 2.0, "unit": "1", "about": ""},
     }

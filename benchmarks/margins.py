@@ -18,7 +18,7 @@ from time import process_time
 import numpy as np
 
 from benchmarks.margins_cases import KINDS, Case, Complex, case
-from synth.analyse import margins
+from synth.analyse import stability_margins
 from synth.errors import SynthError
 from synth.statespace import Array
 
@@ -112,7 +112,7 @@ def compare_with_truth(case: Case) -> Outcome:
     """Return the library's margins of a case compared with the truth."""
     start = process_time()
     try:
-        reported = margins.of_loop(case.loop)
+        reported = stability_margins.of_loop(case.loop)
     except SynthError as error:
         return Outcome(case, 0.0, "", str(error), process_time() - start)
     seconds, excesses = process_time() - start, _excesses(reported, truth(case))
@@ -122,7 +122,7 @@ def compare_with_truth(case: Case) -> Outcome:
     return Outcome(case, excesses[worst], worst, "", seconds)
 
 
-def _excesses(reported: margins.Margins, true: Truth) -> dict[str, float]:
+def _excesses(reported: stability_margins.Margins, true: Truth) -> dict[str, float]:
     return {
         "gain": _excess(min(reported.gain_margin, CAP), min(true.gain, CAP)),
         "reduction": _excess(1 / max(reported.gain_reduction_margin, 1 / CAP), 1 / max(true.reduction, 1 / CAP)),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.execute import recorder, trace
-from synth.verify import lines, meter, rivals
+from synth.verify import baselines, lines, meter
 from synth.verify.steps import Steps
 
 FRAME = "frame"
@@ -30,7 +30,7 @@ def measure(emitted: EmittedCode, stimulus: Steps, build: meter.Build) -> dict[s
     """
     if not len(stimulus):
         raise SignalError("parts of a step: found 0 steps, need 1 or more: give steps")
-    candidate = rivals.emitted_c(emitted)
+    candidate = baselines.emitted_c(emitted)
     path = meter.link(candidate, build)
     machine = meter.boot(candidate, build, path)
     names, owner = _owners(emitted, machine.code, candidate.entry, path)

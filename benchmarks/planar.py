@@ -26,7 +26,7 @@ from synth.block import Block, unranged
 from synth.emit import write
 from synth.execute import host
 from synth.simulate.experiments import Run
-from synth.verify import meter, rivals, steps, stimuli
+from synth.verify import baselines, meter, steps, stimuli
 from synth.verify.steps import Steps
 
 BARS = {"lead-lag": 800, "LQG": 700, "LQG, full order": 700, "reduced core": 95, "full core": 100}
@@ -104,7 +104,7 @@ def builds() -> list[meter.Build]:
 
 def measure(subject: Subject, build: meter.Build) -> Costs:
     """Measure a subject by a build, and CasADi's C for comparison."""
-    every = meter.run(rivals.emitted_c(subject.emitted), subject.every, build).cost.instructions
+    every = meter.run(baselines.emitted_c(subject.emitted), subject.every, build).cost.instructions
     worst = subject.every.part(np.array([np.argmax(every)]))
     within, costliest = (parts.measure(subject.emitted, sequence, build) for sequence in (subject.within, worst))
     shares: dict[str, tuple[float, int]] = {}
@@ -118,7 +118,7 @@ def measure(subject: Subject, build: meter.Build) -> Costs:
 
 def _ratio(subject: Subject, build: meter.Build, shimmed: bool) -> float:
     common = steps.thinned(subject.within, COMMON_STEPS[shimmed])
-    candidates = rivals.emitted_c(subject.emitted), rivals.casadi(subject.block, shimmed)
+    candidates = baselines.emitted_c(subject.emitted), baselines.casadi(subject.block, shimmed)
     ours, casadis = (meter.run(c, common, build).cost.instructions.mean() for c in candidates)
     return float(casadis / ours)
 

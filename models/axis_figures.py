@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth import timing
-from synth.analyse import loop, margins, sensitivity, time_response, transfer
+from synth.analyse import feedback_loop, loop, stability_margins, time_response, transfer
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
 from synth.timing import Continuous
@@ -102,7 +102,7 @@ def integrating(axes: Sequence[Axis], order: float) -> int:
 @cache
 def margin(axis: Axis, hold_s: float = 0.0, delay_s: float = 0.0) -> Margin:
     """Return the margins of the continuous loop, or with `hold_s` of the held loop with a delay."""
-    L = sensitivity.close(axis.plant, axis.compensator.model).L
+    L = feedback_loop.close(axis.plant, axis.compensator.model).L
     return _margin(transfer.delayed(L, delay_s, hold_s) if hold_s else L)
 
 
@@ -116,7 +116,7 @@ def sampled_margin(axis: Axis, period_s: float) -> Margin:
 @cache
 def step(axis: Axis) -> Step:
     """Return the step response figures of the continuous loop."""
-    T = sensitivity.close(axis.plant, axis.compensator.model).T
+    T = feedback_loop.close(axis.plant, axis.compensator.model).T
     poles, V = np.linalg.eig(T.A)
     time: Array = np.arange(round(LONG / FINE), dtype=np.float64) * FINE
     residues = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
@@ -147,12 +147,12 @@ def gain_at(axis: Axis, frequency: float) -> float:
     return float(abs(axis.plant.response(s)[0, 0, 0] * axis.compensator.model.response(s)[0, 0, 0]))
 
 
-def _sampled_loop(axis: Axis, rule: lead_lag.LeadLag) -> sensitivity.ClosedLoop:
-    return sensitivity.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
+def _sampled_loop(axis: Axis, rule: lead_lag.LeadLag) -> feedback_loop.ClosedLoop:
+    return feedback_loop.close(loop.sampled(axis.plant, timing.period(rule.discrete.time)), rule.discrete)
 
 
 def _margin(L: transfer.Loop) -> Margin:
-    of_loop = margins.of_loop(L)
+    of_loop = stability_margins.of_loop(L)
     last = max(of_loop.gain_crossings, key=lambda c: c.frequency)
     return Margin(last.frequency / (2 * pi), last.phase_margin, last.delay_margin, of_loop.stable)
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from synth.block import Block
-from synth.compose import compose
+from synth.composition import compose
 from synth.plant import Plant
 from synth.signals import names
 from synth.statespace import Array, readonly

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from synth import declared
+from synth import standard_tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.declaration import (
     Actuator,
     Companion,
@@ -189,7 +189,7 @@ def controller(
     default those of the actuators. A law that reads the value of an actuator comes after the safe output and may
     distribute it. Without actuators the outputs are those of the laws, which continue after a latch.
 
-    The first use raises WiringError as `compose.compose`, and SignalError as `safety.guard` and `safety.safe_output`.
+    The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safety.safe_output`.
     """
 
     def composed() -> Composition:
@@ -234,12 +234,12 @@ def design(
     controller: Controller,
     plant: Plant,
     *,
-    emit: Callable[[Stage, type[np.floating]], Mapping[str, EmittedCode]] = declared.emit,
+    emit: Callable[[Stage, type[np.floating]], Mapping[str, EmittedCode]] = standard_tasks.emit,
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
-    simulate: Callable[[Stage, Progress], Sequence[Experiment]] = declared.simulate,
-    audit: Callable[[Stage], Iterator[Row]] = declared.no_audit,
-    bench: Callable[[Stage], Bench] = declared.bench,
-    report: Callable[..., str] = declared.report,
+    simulate: Callable[[Stage, Progress], Sequence[Experiment]] = standard_tasks.simulate,
+    audit: Callable[[Stage], Iterator[Row]] = standard_tasks.no_audit,
+    bench: Callable[[Stage], Bench] = standard_tasks.bench,
+    report: Callable[..., str] = standard_tasks.report,
     **fields: Any,
 ) -> Design:
     """Return the design of a stage; `fields` are further ones of `declaration.Stage`.

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from synth import declared
 from synth import stage as stages
+from synth import standard_tasks
 from synth.block import Block
 from synth.declaration import Controller, Interface, Stage
 from synth.execute import compile as host_compiler
@@ -89,7 +89,7 @@ def undetected_defects(stage: Stage) -> list[str]:
 
 def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
     """Return random and edge steps, and those of a closed loop up to the latch and of latches from the limits."""
-    rig, block = declared.rig(stage, np.float64), stage.controller.block
+    rig, block = standard_tasks.rig(stage, np.float64), stage.controller.block
     loop = steps.record(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
     recorded = steps.concatenate("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
     rng = np.random.default_rng(standard.SEED)

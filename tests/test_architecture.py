@@ -14,6 +14,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 VOCABULARY = (
+    "lazy",
     "errors",
     "store",
     "progress",
@@ -35,11 +36,11 @@ VOCABULARY = (
     "statespace",
     "fault",
     "block",
-    "compose",
+    "composition",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "jobs", "tasks", "tables", "declared", "stage", "testing", "new", "commands", "cli")
+LAYERS += ("workspace", "jobs", "tasks", "tables", "standard_tasks", "stage", "testing", "new", "commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, Fault, State, Step, build
-from synth.compose import compose
+from synth.composition import compose
 from synth.errors import SignalError, TimingError, WiringError
 from synth.signals import Signal
 from synth.timing import Discrete

@@ -156,29 +156,29 @@ def test_another_compiler_is_another_key(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_the_toolkit_itself_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     """A constant of the surrogates' search that is set otherwise, and another function in the place of one."""
     from synth.emit.approx import minimax, surrogate
-    from synth.emit.passes import replace
+    from synth.emit.passes import surrogates
 
-    before = slices.digest(replace._fit)
+    before = slices.digest(surrogates._fit)
     monkeypatch.setattr(surrogate, "TRIALS", 2)
-    assert slices.digest(replace._fit) != before
+    assert slices.digest(surrogates._fit) != before
     monkeypatch.undo()
-    assert slices.digest(replace._fit) == before
+    assert slices.digest(surrogates._fit) == before
     monkeypatch.setattr(minimax, "fit", lambda *a: None)
     with pytest.raises(ContentError, match=r"in place of synth\.emit\.approx\.minimax\.fit"):
-        slices.digest(replace._fit)
+        slices.digest(surrogates._fit)
 
 
 def test_a_slice_holds_what_runs_and_little_else() -> None:
-    from synth.analyse import margins
+    from synth.analyse import stability_margins
 
-    modules = {module for module, _ in slices._places(slices._entry(margins.of_loop))}
+    modules = {module for module, _ in slices._places(slices._entry(stability_margins.of_loop))}
     assert {"synth.analyse.crossings", "synth.analyse.rational", "synth.statespace"} <= modules
     assert not any(module.startswith(("synth.emit", "synth.report", "synth.synthesise")) for module in modules)
 
 
 def test_every_function_that_runs_is_in_the_slice() -> None:
     """What was called while a loop's margins were computed, against what the syntax trees say may be."""
-    from synth.analyse import margins
+    from synth.analyse import stability_margins
     from synth.statespace import StateSpace
     from synth.timing import Discrete
 
@@ -196,11 +196,11 @@ def test_every_function_that_runs_is_in_the_slice() -> None:
     loop = StateSpace(np.array([[0.9]]), np.array([[0.1]]), np.array([[1.0]]), np.zeros((1, 1)), *names, Discrete(1e-3))
     sys.setprofile(trace)
     try:
-        inner = margins.of_loop.__wrapped__.__wrapped__  # type: ignore[attr-defined]
+        inner = stability_margins.of_loop.__wrapped__.__wrapped__  # type: ignore[attr-defined]
         inner(loop)
     finally:
         sys.setprofile(None)
-    assert called and called <= slices._places(slices._entry(margins.of_loop))
+    assert called and called <= slices._places(slices._entry(stability_margins.of_loop))
 
 
 def times(x: float, k: float = 2.0) -> float:

@@ -7,14 +7,14 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import discretise, disk, interconnect, sensitivity, transfer
+from synth.analyse import discretise, disk, feedback_loop, interconnect, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, in_common_time, of
 from synth.synthesise.classical import lead_lag
 from synth.synthesise.feedback import inverse_lqr, lqr
 from synth.synthesise.observers import lqg
+from synth.synthesise.regulation import internal_model
 from synth.synthesise.riccati import riccati
-from synth.synthesise.servo import internal_model
 from synth.timing import Continuous, Discrete
 
 PLANT = control.ss(control.tf([1], [1, 1, 0]))
@@ -30,18 +30,18 @@ GAINS = {
 @pytest.mark.parametrize("dt", [None, True])
 @pytest.mark.parametrize("name", GAINS)
 def test_a_controller_without_time_takes_the_plants(name: str, dt: Any) -> None:
-    closed = sensitivity.close(HELD, GAINS[name](dt))
-    timed = sensitivity.close(HELD, GAINS[name](0.1))
+    closed = feedback_loop.close(HELD, GAINS[name](dt))
+    timed = feedback_loop.close(HELD, GAINS[name](0.1))
     assert closed.whole.time == Discrete(0.1)
     np.testing.assert_array_equal(closed.whole.A, timed.whole.A)
-    assert sensitivity.close(GAINS[name](dt), HELD).whole.time == Discrete(0.1)
+    assert feedback_loop.close(GAINS[name](dt), HELD).whole.time == Discrete(0.1)
     if dt is None:
-        assert sensitivity.close(PLANT, GAINS[name](None)).whole.time == Continuous()
+        assert feedback_loop.close(PLANT, GAINS[name](None)).whole.time == Continuous()
 
 
 def test_a_sampled_controller_of_no_period_does_not_meet_a_continuous_plant() -> None:
     with pytest.raises(TimingError, match=r"a sampled system \(dt is True\) meets continuous time"):
-        sensitivity.close(PLANT, GAINS["a static gain"](True))
+        feedback_loop.close(PLANT, GAINS["a static gain"](True))
     with pytest.raises(SignalError, match="there is no sample period, dt is None"):
         in_common_time(GAINS["a static gain"](None), GAINS["a lag"](None))
     gain = GAINS["a static gain"](None)

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from synth import declared, stage
+from synth import stage, standard_tasks
 from synth.errors import DesignError, SignalError, WiringError
 from synth.execute import host
 from synth.stage import Actuator, Sensor, SetPoint
@@ -76,7 +76,7 @@ def test_a_law_without_its_actuator_is_refused() -> None:
 
 
 def test_once_latched_the_laws_stand_still_and_the_outputs_go_to_their_safe_values() -> None:
-    controller = declared.compiled_controller(PID.DESIGN.stage, np.float64)
+    controller = standard_tasks.compiled_controller(PID.DESIGN.stage, np.float64)
     n = 100
     held = {"z": np.full(n, 1e-4), "x": np.full(n, 5e-4), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     held["z"][20:] = np.nan
@@ -106,7 +106,7 @@ def test_test_vectors_are_a_closed_loop_up_to_the_latch() -> None:
     files = PID.DESIGN.emit(np.float32)["levitator_pid"]
     assert set(files.files) == {"levitator_pid.c", "levitator_pid.h", "manifest.json", "gains.json", "vectors.json"}
     controller = host.load(files.files, files.manifest)
-    inputs = declared.record(declared.rig(PID.DESIGN.stage, np.float32))
+    inputs = standard_tasks.record(standard_tasks.rig(PID.DESIGN.stage, np.float32))
     faults = controller.replay(inputs).faults
     assert len(faults) == 1000 and faults[-1] >> 31 and not faults[:900].max() >> 31
     assert all(np.isfinite(column).all() for column in inputs.values())

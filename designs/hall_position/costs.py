@@ -26,9 +26,9 @@ from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
+from synth.verify.baselines import Candidate
 from synth.verify.meter import Build
-from synth.verify.rivals import Candidate
 from synth.verify.steps import Steps
 
 BUILDS = (Build("gcc -O2", "gcc"), Build("gcc -O2 contracted", "gcc", cross.CONTRACTED))
@@ -101,8 +101,8 @@ def of_three(emitted: EmittedCode) -> Subject:
     """Return the emitted C of three sensors, with steps that include the costliest ones."""
     sequences = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
     costly = steps.concatenate("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
-    casadi = rivals.casadi(config.block(config.THREE), shimmed=True)
-    return Subject("three sensors", rivals.emitted_c(emitted), casadi, costly)
+    casadi = baselines.casadi(config.block(config.THREE), shimmed=True)
+    return Subject("three sensors", baselines.emitted_c(emitted), casadi, costly)
 
 
 def of_six(array: SpatialArray) -> Subject:
@@ -111,7 +111,7 @@ def of_six(array: SpatialArray) -> Subject:
     emitted = write.emit(block, np.float32, error=six_estimator.SURROGATE_ERROR[np.float32])
     sequence = six_steps(array, host.load(emitted.files, emitted.manifest))
     name = f"six degrees of freedom, {len(array.positions)} sensors"
-    return Subject(name, rivals.emitted_c(emitted), rivals.casadi(block, shimmed=True), sequence)
+    return Subject(name, baselines.emitted_c(emitted), baselines.casadi(block, shimmed=True), sequence)
 
 
 def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:

@@ -21,13 +21,13 @@ from models import maglev_stage, pmlsm, windings
 from synth import stage
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import derivative_filter, regulator, safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.plant import Plant
 from synth.signals import Signal, names
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.feedback import lqr
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Continuous, Discrete
 
 NAME = "maglev_5dof"

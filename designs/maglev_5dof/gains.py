@@ -9,7 +9,7 @@ from designs.maglev_5dof import control
 from synth.emit.c import digits
 from synth.statespace import readonly
 from synth.synthesise.feedback import lqr
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 
 
 def document(scalar: type[np.floating]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from models import maglev_stage
 from synth.analyse import robustness
 from synth.declaration import Stage
 from synth.plant import Plant
-from synth.report import figures, page, shown, standard, template
+from synth.report import figures, page, presentation, standard, template
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.verify import standard as verification
@@ -27,7 +27,9 @@ BESIDE = {  # rows of the audit with the paper's statements on an experiment
 def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: Any) -> str:
     """Return the report as one HTML document; arguments as `template.report`."""
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
-    style = standard.Shown(experiments.UNITS, experiments.COUNTS, shown.beside(BESIDE, rows), paths, LONGEST, WINDOW)
+    style = standard.Shown(
+        experiments.UNITS, experiments.COUNTS, presentation.beside(BESIDE, rows), paths, LONGEST, WINDOW
+    )
     loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
     extra = template.Extra(_values(stage.plant), [loop_part], maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)

@@ -7,7 +7,7 @@ from typing import Any
 from designs.planar_6dof import artefacts, bench, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, planar_stage
-from synth import declared, stage
+from synth import stage, standard_tasks
 from synth.report.audit import Row
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
@@ -41,7 +41,7 @@ def design(
         gains=lambda _: gains(),
         recording=artefacts.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
-        audit=lambda shipped: audit(declared.rig(shipped, shipped.scalar)),
-        bench=partial(declared.bench, own=bench.stimuli, floor=bench.FLOOR),
+        audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
+        bench=partial(standard_tasks.bench, own=bench.stimuli, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
     )

@@ -21,7 +21,7 @@ from models import halbach, planar_stage
 from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.declaration import Stage
 from synth.execute import build, host
 from synth.simulate.rig import Rig

@@ -27,7 +27,7 @@ from models import planar_allocation as allocation
 from models import planar_stage
 from models.planar_allocation import AXES
 from models.planar_stage import commutation_matrix
-from synth.analyse import linearise, loop, margins, trim
+from synth.analyse import linearisation, loop, operating_points, stability_margins
 from synth.block import Block
 from synth.plant import Plant
 from synth.signals import names
@@ -60,13 +60,13 @@ class OpenLoop:
     signal: str
     label: str
     L: StateSpace
-    margins: margins.Margins
+    margins: stability_margins.Margins
 
 
 def parts(plant: Plant, block: Block, place: Place = MIDDLE, delay: float = 1) -> LoopParts:
     """Return plant and controller of the loop of a whole controller, with the platen at rest at a place."""
     pose = {**MIDDLE, **place}
-    stage = linearise.linearise(plant, trim.trim(plant, pose, []))
+    stage = linearisation.linearise(plant, operating_points.trim(plant, pose, []))
     C = stage.select(SENSED, ()).C[:, [stage.states.index(axis) for axis in AXES]]
     K = loop.linearise_block(block, *rest_point(plant, block, pose))
     return in_motor_coordinates(stage.select(AXES, PHASES), K, C, commutation_matrix(plant, pose), delay)
@@ -113,7 +113,7 @@ def of_block(plant: Plant, block: Block, axes: Iterable[str], label: str) -> lis
 
 def of_parts(both: LoopParts, axes: Iterable[str], label: str) -> list[OpenLoop]:
     """Return the loops of some axes, all others closed."""
-    return [OpenLoop(axis, label, L, margins.of_loop(L)) for axis in axes for L in [open_loop(both, [axis])]]
+    return [OpenLoop(axis, label, L, stability_margins.of_loop(L)) for axis in axes for L in [open_loop(both, [axis])]]
 
 
 def rounded_controller(plant: Plant, time: Discrete, sensed: Sequence[Block], law: Sequence[Block]) -> Block:
@@ -133,10 +133,10 @@ def places_over_pitch(pitch: float, places: int) -> list[Place]:
     return [{"x": offsets[k], "y": offsets[3 * k % places]} for k in range(places)]
 
 
-def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, margins.Margins]]:
+def over_pitch(plant: Plant, block: Block, places: int = 7) -> list[dict[str, stability_margins.Margins]]:
     """Return the margins of the six loops by axis at places spread over a pitch in x and in y."""
     each_place = (parts(plant, block, place) for place in places_over_pitch(plant.parameter("l").value, places))
-    return [{axis: margins.of_loop(open_loop(each, [axis])) for axis in AXES} for each in each_place]
+    return [{axis: stability_margins.of_loop(open_loop(each, [axis])) for axis in AXES} for each in each_place]
 
 
 def horizontal(both: LoopParts) -> dict[str, StateSpace]:

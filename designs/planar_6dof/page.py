@@ -27,8 +27,8 @@ from synth.report.captions import Made
 from synth.report.figures import SYMBOLS
 from synth.report.notation import readable
 from synth.report.page import Section
+from synth.report.presentation import Beside, Shown, beside, window
 from synth.report.prose import Value
-from synth.report.shown import Beside, Shown, beside, window
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
 from synth.timing import Discrete

@@ -38,7 +38,7 @@ from models.planar_allocation import HORIZONTAL, LIMIT
 from synth.analyse import discretise, interconnect
 from synth.block import Block, Constant, Exprs, State
 from synth.blocks import linear_block
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
@@ -204,12 +204,12 @@ def _rows(measured: Columns) -> Iterator[tuple[page.Cell, ...]]:
 
 
 def _count_instructions(what: str, order: Order, of: Block, inputs: Columns) -> Iterator[tuple[page.Cell, ...]]:
-    from synth.verify import meter, rivals, steps  # needs the extra `target`
+    from synth.verify import baselines, meter, steps  # needs the extra `target`
 
     emitted = write.emit(of, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     recorded = steps.record(host.load(emitted.files, emitted.manifest), "at rest", dict(inputs), closed_loop=True)
     assert emitted.program is not None
     arithmetic = sum(operations.of_program(emitted.program).values())
     for build in meter.builds():
-        n = meter.run(rivals.emitted_c(emitted), recorded, build).cost.instructions
+        n = meter.run(baselines.emitted_c(emitted), recorded, build).cost.instructions
         yield what, order, len(of.states), arithmetic, build.name, float(n.mean()), int(n.max())

@@ -1,1 +1,35 @@
-"""Analysis of linear and nonlinear models: operating points, linearisation, loops and margins, norms, structure."""
+"""Analysis of linear and nonlinear models. The names below are imported once they are used.
+
+Operating points
+    trim(plant, fixed, free)             the equilibrium of a plant: inputs and states at rest
+    linearise(plant, point)              A, B, C, D at an operating point, from exact derivatives
+
+Linear models
+    c2d(system, period_s)                zero-order hold
+    delay(system, samples)               a sampled model with delayed inputs
+    connect(models, inputs, ...)         models wired by the names of their signals
+    feedback(forward, back)              the closed loop with negative feedback
+    minreal(system)                      without what no input reaches or no output shows
+    poles(system)                        with damping, frequency and the states that take part
+    zeros(system)                        transmission zeros
+    gramians(system)                     controllability and observability Gramians, Hankel singular values
+
+Loops
+    delayed(system, delay_s, hold_s)     a continuous loop with an exact delay and hold
+    margins(loop)                        gain, phase, delay and modulus margins with all crossings, verified
+    disk_margin(loop)                    the gain and phase that may change together, certified
+    sensitivity(plant, controller)       L, S, T, PS and CS of the closed loop
+    frequency_response(loop)             L at frequencies in rad/s
+
+Norms and responses
+    norm_h2(system)                      root mean square of the outputs under white noise
+    norm_hinf(system)                    largest gain over frequency, with a proved upper bound
+    step_response(system, duration_s)    the response to a unit step at each input
+    impulse_response(system, duration_s) the response to a unit impulse at each input
+    bode(loop)                           a figure of magnitude and phase with the margins
+    step(system)                         a figure of the step response
+"""
+
+from synth import lazy
+
+__getattr__, __dir__, __all__ = lazy.exports(__name__, __file__)

@@ -12,7 +12,7 @@ w is the disk margin. The skew sigma is 0 for gains that rise and fall by the sa
 for a margin of T = L/(1 + L). f covers all gains between two factors and all phases up to an angle.
 
 `of_loop` varies all channels at once (multiloop), `each` varies one channel at a time (loop-at-a-time).
-`sensitivity.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both. A sampled
+`feedback_loop.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both. A sampled
 loop is evaluated exactly, on z = exp(i w T).
 """
 

@@ -8,8 +8,8 @@ The signal s is one of these:
 - a signal inside the controller, whose Blocks are then composed with s `cut`: its driver drives ``s_out``, its readers
   read ``s``.
 
-The loop L from s to -s_out has the closed loop 1 + L. `resting.open_loop` linearises plant and controller at rest and
-opens the loop there.
+The loop L from s to -s_out has the closed loop 1 + L. `equilibrium.open_loop` linearises plant and controller at rest
+and opens the loop there.
 
 A plant x' = A x + B u(t - tau) with its input held over each period T and delayed by tau = (d + f) T, 0 <= f < 1,
 receives u[k-d-1] for the first f T of period k and u[k-d] for the remainder:

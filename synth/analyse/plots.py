@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth import arguments, show
-from synth.analyse import margins as loop_margins
+from synth.analyse import stability_margins as loop_margins
 from synth.analyse import time_response, transfer
-from synth.analyse.margins import Margins
+from synth.analyse.stability_margins import Margins
 from synth.analyse.time_response import TimeResponse
 from synth.analyse.transfer import Delayed, Loop
 from synth.errors import SignalError
@@ -74,7 +74,7 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
     A dot marks each gain crossing and a diamond each phase crossing; a thick line shows the least phase margin, and the
     gain margins up and down. Left out, the limits enclose all poles and crossings, and `margins` is computed.
 
-    Raises SignalError and ModelError as `margins.of_loop`.
+    Raises SignalError and ModelError as `stability_margins.of_loop`.
     """
     transfer.check_limits(low, high)
     model = transfer.of_loop(loop)

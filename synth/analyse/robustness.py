@@ -15,10 +15,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from synth import arguments
-from synth.analyse import disk, margins, resting, trim
-from synth.analyse.margins import Margins
-from synth.analyse.rest_equations import ClosedLoop, Wires
-from synth.analyse.resting import Equilibrium
+from synth.analyse import disk, equilibrium, operating_points, stability_margins
+from synth.analyse.equilibrium import Equilibrium
+from synth.analyse.equilibrium_equations import ClosedLoop, Wires
+from synth.analyse.stability_margins import Margins
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, SignalError
@@ -121,7 +121,7 @@ def of_controller(
     `actuators` are the wires from the controller's outputs to the plant's inputs, by default those of the interface;
     `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open instead.
 
-    Raises SignalError for no operating point, or as `rest_equations.ClosedLoop`.
+    Raises SignalError for no operating point, or as `equilibrium_equations.ClosedLoop`.
     """
     if not points or not cases:
         raise SignalError(
@@ -165,23 +165,23 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 
 
 @arguments.checked
-def equilibrium(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
+def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
     """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
 
-    Raises SignalError for an unknown point; ModelError as `trim.trim` and `resting.solve`.
+    Raises SignalError for an unknown point; ModelError as `operating_points.trim` and `equilibrium.solve`.
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
     closed = loops.closed
     plant = closed.plant.with_parameters(**case) if case else closed.plant
-    near = trim.trim(plant, dict(loops.points[point]), list(loops.actuators))
+    near = operating_points.trim(plant, dict(loops.points[point]), list(loops.actuators))
     outputs = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
     values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(
         zip(names(plant.outputs), outputs, strict=True)
     )
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    return resting.solve(replace(closed, plant=plant), references, near)
+    return equilibrium.solve(replace(closed, plant=plant), references, near)
 
 
 @arguments.checked
@@ -192,19 +192,20 @@ def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenL
     """
     chosen = loops.signals if signals is None else signals
     equilibria = (
-        (point, case, equilibrium(loops, point, case)) for point, case in itertools.product(loops.points, loops.cases)
+        (point, case, equilibrium_at(loops, point, case))
+        for point, case in itertools.product(loops.points, loops.cases)
     )
     return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
 
 
 def _open(point: str, case: Case, signal: str, at_rest: Equilibrium) -> OpenLoop:
-    L = resting.open_loop(at_rest, signal)
+    L = equilibrium.open_loop(at_rest, signal)
     return OpenLoop(point, case, signal, L, _margins(L, signal, point))
 
 
 def _margins(L: StateSpace, signal: str, point: str) -> Margins:
     try:
-        return margins.of_loop(L)
+        return stability_margins.of_loop(L)
     except ModelError as error:
         raise ModelError(f"the loop opened at {signal} at the operating point '{point}': {error}") from error
 
@@ -212,9 +213,9 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 @arguments.checked
 def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
-    at_rest = equilibrium(loops, point, case)
+    at_rest = equilibrium_at(loops, point, case)
     cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
-    return {name: disk.of_loop(resting.open_loop(at_rest, list(signals))) for name, signals in cuts.items()}
+    return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in cuts.items()}
 
 
 @arguments.checked

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from synth import arguments, show, statespace
-from synth.analyse import box, linearise
+from synth.analyse import box, linearisation
+from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.relative_degree import RelativeDegree
-from synth.analyse.trim import OperatingPoint
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
 from synth.signals import names
@@ -101,7 +101,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     Raises SignalError if the point belongs to another plant; ModelError if it is not an equilibrium, if its held inputs
     differ from those of `degree`, or if the decoupling matrix is singular there.
     """
-    model = linearise.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
+    model = linearisation.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
     _require_matching(plant, degree, point)
     if weight is not None:
         weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))

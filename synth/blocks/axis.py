@@ -23,7 +23,7 @@ from synth.declaration import Interface, Law
 from synth.errors import SignalError
 from synth.statespace import System, of
 from synth.synthesise.nonlinear.feedback_linearisation import Chain
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Discrete
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth.analyse import reach
+from synth.analyse import peak_bounds
 from synth.block import Block
 from synth.blocks import axis_inverse, axis_regulator, linear_block
 from synth.blocks.axis_inverse import MARGIN, Command, round_up
@@ -125,4 +125,4 @@ def _state_bounds(model: StateSpace, wires: _Wires) -> Array:
     others, inputs = [0, 1, 2, 4], tuple(model.inputs[i] for i in (0, 1, 2, 4))
     form = (model.A - E @ command, B[:, others], command, direct[:, others])
     held = StateSpace(*form, model.states, inputs, model.outputs[:1], model.time)
-    return np.array([round_up(MARGIN * float(b)) for b in reach.state_bounds(held, wires.bounds)])
+    return np.array([round_up(MARGIN * float(b)) for b in peak_bounds.state_bounds(held, wires.bounds)])

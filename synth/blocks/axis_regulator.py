@@ -35,9 +35,9 @@ from synth.errors import SignalError
 from synth.statespace import Array, StateSpace, readonly
 from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
 from synth.synthesise.observers import kalman as filters
-from synth.synthesise.servo import anti_windup as windup
-from synth.synthesise.servo import internal_model, leapfrog_form, optimal_servo
-from synth.synthesise.servo import servo as servos
+from synth.synthesise.regulation import anti_windup as windup
+from synth.synthesise.regulation import internal_model, leapfrog_form, optimal_servo
+from synth.synthesise.regulation import servo as servos
 from synth.timing import Discrete
 
 

@@ -18,7 +18,7 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.statespace import Array
 from synth.synthesise.feedback.lqr import Gain
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Discrete
 
 

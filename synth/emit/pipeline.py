@@ -26,11 +26,10 @@ from synth.emit import lower
 from synth.emit.c import c_text, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, fold, guards, limits, schedule, slews
+from synth.emit.passes import calls, fold, guards, limits, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
-from synth.emit.passes import replace as surrogates
-from synth.emit.passes.replace import Surrogate
 from synth.emit.passes.routine import Group
+from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
 
 

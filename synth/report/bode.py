@@ -14,8 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullFormatter
 
-from synth.analyse import margins, plots
-from synth.analyse.margins import Margins
+from synth.analyse import plots, stability_margins
+from synth.analyse.stability_margins import Margins
 from synth.errors import SignalError
 from synth.report.figures import COLOURS, style_context
 from synth.statespace import Array, Complex, StateSpace
@@ -50,7 +50,7 @@ def curve(
         *(c.frequency for c in loop_margins.phase_crossings),
     ]
     w = np.unique([*np.geomspace(low, top, points), *(f for f in crossings if low < f < top)])
-    return LoopCurve(label, w, margins.response(loop)(w), loop_margins)
+    return LoopCurve(label, w, stability_margins.response(loop)(w), loop_margins)
 
 
 def phase(curve: LoopCurve) -> Array:

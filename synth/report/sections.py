@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from synth.analyse.disk import DiskMargin
-from synth.analyse.margins import Margins
+from synth.analyse.stability_margins import Margins
 from synth.plant import Plant
 from synth.report import bode, figures
 from synth.report.audit import Row

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from synth.analyse.margins import Margins
+from synth.analyse.stability_margins import Margins
 from synth.block import Block
 from synth.check import Check
 from synth.emit.write import EmittedCode
@@ -23,7 +23,7 @@ from synth.report.equations import display
 from synth.report.equations.derive import Named
 from synth.report.notation import number
 from synth.report.page import Section
-from synth.report.shown import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
+from synth.report.presentation import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
 from synth.signals import Signal
 from synth.simulate.experiment import Experiment
 from synth.statespace import StateSpace

@@ -21,8 +21,8 @@ from synth.report import page, prose, sections, standard
 from synth.report.audit import Row
 from synth.report.equations.derive import Named
 from synth.report.page import Section
+from synth.report.presentation import Shown
 from synth.report.prose import Value
-from synth.report.shown import Shown
 from synth.simulate.experiment import Experiment
 from synth.verify import standard as verification
 from synth.verify.cost import Cost

@@ -15,9 +15,9 @@ from synth.block import Block
 from synth.emit.write import EmittedCode
 from synth.errors import CompileError
 from synth.execute import cross, elf, host, image, recorder
-from synth.verify import cost, lines, operations, rivals, steps
+from synth.verify import baselines, cost, lines, operations, steps
+from synth.verify.baselines import Candidate
 from synth.verify.cost import Cost, Coverage, Memory, SequenceCost, StepCost
-from synth.verify.rivals import Candidate
 from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
@@ -83,8 +83,8 @@ def measure(
     controller = host.load(emitted.files, emitted.manifest)
     loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
     shared = steps.thinned(steps.without_faults(controller, loops), common)
-    emitted_c = rivals.emitted_c(emitted)
-    candidates = (emitted_c, rivals.casadi(block, shimmed=False), rivals.casadi(block, shimmed=True))
+    emitted_c = baselines.emitted_c(emitted)
+    candidates = (emitted_c, baselines.casadi(block, shimmed=False), baselines.casadi(block, shimmed=True))
     compared, measured, coverages = [], [], []
     for build in builds():
         for candidate in candidates:
@@ -102,7 +102,7 @@ def measure(
         tuple(measured),
         tuple(coverages),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
-        rivals.not_measured(),
+        baselines.not_measured(),
     )
 
 

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import margins, traced_crossings
+from synth.analyse import stability_margins, traced_crossings
 from synth.errors import ModelError
 from synth.statespace import StateSpace, from_control, of
 from tests.analyse.scalar_loops import EXACT, decays, gain, loop, off_boundary
@@ -16,7 +16,7 @@ def test_a_resonance_far_narrower_than_the_grid_is_found(w0: float, zeta: float)
     """An integrator of gain w0/1000 with a residue so large that the resonance reaches |L| of some 50."""
     peak = 50 * 2 * zeta
     resonance = control.tf([peak * w0**2], [1, 2 * zeta * w0, w0**2]) + control.tf([w0 / 1000], [1, 0])
-    loop_margins = margins.of_loop(from_control(control.ss(resonance)))
+    loop_margins = stability_margins.of_loop(from_control(control.ss(resonance)))
     around = [c.frequency for c in loop_margins.gain_crossings if abs(c.frequency / w0 - 1) < 0.5]
     assert len(around) == 2 and around[0] < w0 < around[1]
     assert np.abs(np.array(around) / w0 - 1) == pytest.approx(50 * zeta, rel=0.1)
@@ -27,14 +27,14 @@ def test_a_resonance_far_narrower_than_the_grid_is_found(w0: float, zeta: float)
 
 def test_a_notch_far_narrower_than_the_grid_is_found() -> None:
     notch = control.tf([1, 2e-7, 1], [1, 2e-3, 1]) * control.tf([1.5], [1])
-    loop_margins = margins.of_loop(from_control(control.ss(notch)))
+    loop_margins = stability_margins.of_loop(from_control(control.ss(notch)))
     assert len(loop_margins.gain_crossings) == 2
 
 
 def test_a_peak_of_sensitivity_far_narrower_than_the_grid_is_found() -> None:
     """L passes -1 at a distance of 1e-4, where nothing in L itself is narrow."""
     L = gain(loop([1], [1, 3, 3, 1]), 8 * (1 - 1e-6))
-    loop_margins = margins.of_loop(L)
+    loop_margins = stability_margins.of_loop(L)
     w = np.sqrt(3) * (1 + np.linspace(-1e-5, 1e-5, 20001))
     brute = 1 / np.abs(1 + L.response(1j * w)[:, 0, 0]).min()
     assert brute > 1e5 and loop_margins.peak_sensitivity == pytest.approx(brute, rel=1e-4)
@@ -43,11 +43,11 @@ def test_a_peak_of_sensitivity_far_narrower_than_the_grid_is_found() -> None:
 def test_poles_on_the_axis_are_no_crossings() -> None:
     """A resonator inside the controller: L is infinite at 3 rad/s, and its imaginary part changes sign there."""
     b, a = np.polymul([2.0, 3.0], [1, 1, 9]), np.polymul([1, 0, 0], [1, 0, 9])
-    loop_margins = margins.of_loop(loop(b, a))
+    loop_margins = stability_margins.of_loop(loop(b, a))
     assert loop_margins.stable == decays(loop(b, a))
     assert all(abs(c.frequency - 3) > 1e-3 for c in loop_margins.phase_crossings)
     assert np.isfinite(loop_margins.peak_sensitivity) and loop_margins.gain_crossings
-    undamped = margins.of_loop(loop([1], [1, 0, 1]))
+    undamped = stability_margins.of_loop(loop([1], [1, 0, 1]))
     assert not undamped.stable and undamped.gain_crossings[0].frequency == pytest.approx(np.sqrt(2), rel=EXACT)
 
 
@@ -58,28 +58,28 @@ def test_a_pair_of_crossings_closer_than_the_grid_is_found(above: float, monkeyp
     rest = (1 + above) * 2 * zeta * np.sqrt(1 - zeta**2)
     L = loop([rest * wn**2], [1, 2 * zeta * wn, wn**2])
     v = np.roots([1, 4 * zeta**2 - 2, 1 - rest**2])  # |L| = 1 at (w / wn)^2
-    frequencies = [c.frequency for c in margins.of_loop(L).gain_crossings]
+    frequencies = [c.frequency for c in stability_margins.of_loop(L).gain_crossings]
     assert frequencies == pytest.approx(sorted(wn * np.sqrt(v.real)), rel=1e-8)
-    assert margins.of_loop(gain(L, (1 - above) / (1 + above))).gain_crossings == ()
-    monkeypatch.setattr(margins, "EXACT_STATES", 0)
-    assert [c.frequency for c in margins.of_loop(L).gain_crossings] == pytest.approx(frequencies, rel=1e-8)
+    assert stability_margins.of_loop(gain(L, (1 - above) / (1 + above))).gain_crossings == ()
+    monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
+    assert [c.frequency for c in stability_margins.of_loop(L).gain_crossings] == pytest.approx(frequencies, rel=1e-8)
     monkeypatch.setattr(traced_crossings, "_with_extrema", lambda f, w, value: (w, value))
-    assert above > 1e-4 or len(margins.of_loop(L).gain_crossings) == 0
+    assert above > 1e-4 or len(stability_margins.of_loop(L).gain_crossings) == 0
 
 
 def test_an_undamped_loop_is_real_at_all_frequencies() -> None:
     """L = 1 / (s^2 + 1) < 0 above 1 rad/s: for every gain a pole is on the axis; the reported margin is 1."""
-    loop_margins = margins.of_loop(loop([1], [1, 0, 1]))
+    loop_margins = stability_margins.of_loop(loop([1], [1, 0, 1]))
     assert not loop_margins.stable and loop_margins.phase_margin == pytest.approx(0, abs=1e-6)
     assert [c.gain_margin for c in loop_margins.phase_crossings] == pytest.approx([1], rel=EXACT)
-    double = margins.of_loop(loop([1], [1, 0, 0]))
+    double = stability_margins.of_loop(loop([1], [1, 0, 0]))
     assert [c.gain_margin for c in double.phase_crossings] == pytest.approx([1], rel=EXACT)
 
 
 def test_an_undamped_resonance_is_no_crossing_of_the_negative_axis() -> None:
     """Its real residue turns L from + to - through infinity, with the same small imaginary part on both sides."""
     L = from_control(control.ss(control.tf([1e-3], [1, 0]) + control.tf([1e-6], [1, 0, 1])))
-    loop_margins = margins.of_loop(L)
+    loop_margins = stability_margins.of_loop(L)
     assert not loop_margins.phase_crossings and len(loop_margins.gain_crossings) == 3
     w = np.array([c.frequency for c in loop_margins.gain_crossings])
     assert np.abs(1e-3 / (1j * w) + 1e-6 / (1 - w**2)) == pytest.approx(1, rel=1e-6)
@@ -90,7 +90,7 @@ def test_a_resonance_just_below_nyquist_is_found(below: float) -> None:
     """A pole pair at pi - below with a damping of a tenth of that."""
     angle, radius = np.pi - below, 1 - below / 10
     L = loop([0.5 * below**2], [1, -2 * radius * np.cos(angle), radius**2], 1.0)
-    loop_margins = margins.of_loop(L)
+    loop_margins = stability_margins.of_loop(L)
     w = np.pi - below * np.linspace(0, 4, 200_001)
     z = np.exp(1j * w)
     size = np.abs(0.5 * below**2 / (z**2 - 2 * radius * np.cos(angle) * z + radius**2))
@@ -102,9 +102,9 @@ def test_a_resonance_just_below_nyquist_is_found(below: float) -> None:
 def test_a_traced_loop_of_many_states_agrees_with_the_polynomials(monkeypatch: pytest.MonkeyPatch) -> None:
     w, zeta = np.geomspace(0.5, 200, 15), np.linspace(0.005, 0.05, 15)
     model = modal(w, zeta)
-    exact = margins.of_loop(model)
-    monkeypatch.setattr(margins, "EXACT_STATES", 10)
-    traced = margins.of_loop(model)
+    exact = stability_margins.of_loop(model)
+    monkeypatch.setattr(stability_margins, "EXACT_STATES", 10)
+    traced = stability_margins.of_loop(model)
     assert [c.frequency for c in traced.gain_crossings] == pytest.approx(
         [c.frequency for c in exact.gain_crossings], rel=1e-8
     )
@@ -124,22 +124,22 @@ def modal(w: np.ndarray, zeta: np.ndarray) -> StateSpace:
 def test_an_omitted_traced_crossing_fails_the_verification(monkeypatch: pytest.MonkeyPatch) -> None:
     """The planted defect: only the closed-loop poles reveal it."""
     L = loop([4.0], [1, 3, 3, 1])
-    monkeypatch.setattr(margins, "EXACT_STATES", 0)
-    assert margins.of_loop(L).gain_margin == pytest.approx(2, rel=EXACT)
+    monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
+    assert stability_margins.of_loop(L).gain_margin == pytest.approx(2, rel=EXACT)
     monkeypatch.setattr(traced_crossings, "_real_axis_frequencies", lambda curve, unit: [])
     with pytest.raises(ModelError, match="the gain margin fails its verification: the closed loop has 0 unstable"):
-        margins.of_loop(L)
+        stability_margins.of_loop(L)
     monkeypatch.undo()
-    monkeypatch.setattr(margins, "EXACT_STATES", 0)
+    monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
     monkeypatch.setattr(traced_crossings, "_unit_gain_frequencies", lambda curve: [])
     with pytest.raises(ModelError, match="the phase margin fails its verification"):
-        margins.of_loop(gain(L, 1.9))
+        stability_margins.of_loop(gain(L, 1.9))
 
 
 def test_many_lightly_damped_modes_are_traced_or_refused() -> None:
     """The brackets of the trace and the search inside them have different rounding errors."""
     w = np.geomspace(1, 100, 29)
-    loop_margins = margins.of_loop(modal_rates(w, 1e-8))
+    loop_margins = stability_margins.of_loop(modal_rates(w, 1e-8))
     assert loop_margins.stable and len(loop_margins.gain_crossings) % 2 == 0
 
 
@@ -151,9 +151,9 @@ def modal_rates(w: np.ndarray, zeta: float) -> StateSpace:
 
 
 def test_a_single_omitted_traced_crossing_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(margins, "EXACT_STATES", 0)
+    monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
     L = loop([4.0], [1, 3, 3, 1])
     roots = traced_crossings._roots
     monkeypatch.setattr(traced_crossings, "_roots", lambda f, w, value: roots(f, w, value)[1:])
     with pytest.raises(ModelError, match=r"0 crossings of \|L\| = 1 were found, but .L. goes from 4 to"):
-        margins.of_loop(L)
+        stability_margins.of_loop(L)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import delayed_crossings, margins, rational, transfer, zpk
+from synth.analyse import delayed_crossings, rational, stability_margins, transfer, zpk
 from synth.errors import ModelError
 from synth.statespace import Array
 
@@ -71,7 +71,7 @@ def test_a_gain_that_only_touches_one_counts_as_a_crossing() -> None:
     """|L| = 1 touched from below by a resonance: an interval that stays undecided counts as a crossing."""
     zeta = 0.05
     touching = control.tf([2 * zeta * np.sqrt(1 - zeta**2)], [1, 2 * zeta, 1])
-    loop_margins = margins.of_loop(transfer.delayed(touching, 0.3))
+    loop_margins = stability_margins.of_loop(transfer.delayed(touching, 0.3))
     assert loop_margins.phase_margin < 180 and loop_margins.gain_crossings[0].frequency == pytest.approx(
         np.sqrt(1 - 2 * zeta**2), rel=1e-6
     )
@@ -89,8 +89,8 @@ def test_a_gain_that_only_touches_one_counts_as_a_crossing() -> None:
 def test_a_crossing_on_a_node_is_kept(
     numerator: list[float], denominator: list[float], delay: float, crossings: list[float] | None
 ) -> None:
-    loop_margins = margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
-    plain = margins.of_loop(control.tf(numerator, denominator))
+    loop_margins = stability_margins.of_loop(transfer.delayed(control.tf(numerator, denominator), delay))
+    plain = stability_margins.of_loop(control.tf(numerator, denominator))
     expected = [c.frequency for c in plain.gain_crossings] if crossings is None else crossings
     assert [c.frequency for c in loop_margins.gain_crossings] == pytest.approx(expected, rel=1e-9)
     for c, d in zip(loop_margins.gain_crossings, plain.gain_crossings, strict=True):
@@ -102,7 +102,7 @@ def test_a_crossing_on_a_node_is_kept(
 
 @pytest.mark.parametrize("b", [[-1.0, 1.0], [1.0, 1.0], [-2.0, -2.0]])
 def test_a_delayed_all_pass_of_gain_one_has_no_delay_margin(b: list[float]) -> None:
-    loop_margins = margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
+    loop_margins = stability_margins.of_loop(transfer.delayed(control.tf(b, [abs(b[0]), abs(b[0])]), 0.1))
     assert (
         not loop_margins.stable
         and loop_margins.delay_margin == 0
@@ -113,7 +113,8 @@ def test_a_delayed_all_pass_of_gain_one_has_no_delay_margin(b: list[float]) -> N
 def test_a_direct_path_of_minus_one_under_a_hold_is_well_posed() -> None:
     """L = -s / (s + 1), delayed and held: direct feedthrough of -1, removed by the hold."""
     loop_margins, beside = (
-        margins.of_loop(transfer.delayed(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1)) for d in (-1.0, -1 + 1e-9)
+        stability_margins.of_loop(transfer.delayed(([[-1.0]], [[1.0]], [[1.0]], [[d]]), 0.1, 0.1))
+        for d in (-1.0, -1 + 1e-9)
     )
     assert loop_margins.stable and loop_margins.gain_margin == pytest.approx(beside.gain_margin, rel=1e-6)
 
@@ -124,4 +125,4 @@ def test_a_loop_that_stays_close_to_gain_one_is_refused_in_time(
     monkeypatch.setattr(delayed_crossings, "MOST_INTERVALS", 500)
     flat = control.tf([1.0, 1.0 + 1e-15], [1.0, 1.0])
     with pytest.raises(ModelError, match="cannot be separated"):
-        margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))
+        stability_margins.of_loop(transfer.delayed(flat * 0.9999999999999, 0.1))

@@ -8,7 +8,7 @@ import pytest
 import scipy.linalg
 from scipy.optimize import minimize
 
-from synth.analyse import disk, sensitivity, structured_peak
+from synth.analyse import disk, feedback_loop, structured_peak
 from synth.statespace import StateSpace, of
 from synth.timing import Continuous, Discrete
 from tests.analyse.destabiliser import destabiliser
@@ -87,7 +87,7 @@ CASES = [(p, sampled, seed) for p in (1, 2, 3, 4) for sampled in (False, True) f
 @pytest.mark.slow
 @pytest.mark.parametrize(("p", "sampled", "seed"), CASES)
 def test_a_search_finds_no_smaller_factors_and_none_much_larger(p: int, sampled: bool, seed: int) -> None:
-    loop = sensitivity.close(*lqg_pair(p, sampled, seed)).L
+    loop = feedback_loop.close(*lqg_pair(p, sampled, seed)).L
     skew = (0.0, 0.7, -1.0, 1.0)[(p + seed) % 4]
     margin = disk.of_loop(loop, skew)
     destabilising, w, delta = search_least_delta(loop, skew)
@@ -108,7 +108,7 @@ def test_a_search_finds_no_smaller_factors_and_none_much_larger(p: int, sampled:
 def test_the_search_catches_a_wrong_closed_loop(
     planted: Callable[[float], tuple[float, float]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    loop = sensitivity.close(*lqg_pair(2, False, 1)).L
+    loop = feedback_loop.close(*lqg_pair(2, False, 1)).L
     destabilising = search_least_delta(loop, 0.4)[0]
     assert holds(disk.of_loop(loop, 0.4), destabilising)
     monkeypatch.setattr(disk, "_skew_factors", planted)
@@ -118,7 +118,7 @@ def test_the_search_catches_a_wrong_closed_loop(
 @pytest.mark.parametrize("sampled", [False, True])
 def test_a_peak_off_the_grid_is_found_by_the_certificate(sampled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a planted grid of five points the margin of the grid alone is wrong; the certificate corrects it."""
-    loop = sensitivity.close(*lqg_pair(3, sampled, 5)).Li
+    loop = feedback_loop.close(*lqg_pair(3, sampled, 5)).Li
     destabilising = search_least_delta(loop, 0.0)[0]
     monkeypatch.setattr(structured_peak, "grid", lambda poles: np.array([0.0, 1e-3, 20.0, 1e3, np.inf]))
     monkeypatch.setattr(structured_peak, "_climb", lambda M, points: None)
@@ -128,7 +128,7 @@ def test_a_peak_off_the_grid_is_found_by_the_certificate(sampled: bool, monkeypa
 
 def test_a_certificate_of_one_interval_only_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     """A planted defect: intervals above the level count as finished."""
-    loop = sensitivity.close(*lqg_pair(3, False, 5)).Li
+    loop = feedback_loop.close(*lqg_pair(3, False, 5)).Li
     destabilising = search_least_delta(loop, 0.0)[0]
     monkeypatch.setattr(structured_peak, "grid", lambda poles: np.array([0.0, 1e-3, 20.0, 1e3, np.inf]))
     monkeypatch.setattr(structured_peak, "_climb", lambda M, points: None)
@@ -138,7 +138,7 @@ def test_a_certificate_of_one_interval_only_is_detected(monkeypatch: pytest.Monk
 
 def test_where_singular_values_meet_the_level_is_raised_until_the_axis_is_covered() -> None:
     """The scaling then gains little at its neighbours: this loop takes some twenty intervals, and 1e-3 more."""
-    loop = sensitivity.close(*lqg_pair(3, True, 10)).both
+    loop = feedback_loop.close(*lqg_pair(3, True, 10)).both
     margin = disk.of_loop(loop)
     destabilising, w, delta = search_least_delta(loop, 0.0)
     assert off_pole(loop, w, 0.0, delta) < 1e-6
@@ -159,7 +159,9 @@ def narrow() -> StateSpace:
     ("loop", "grid"),
     [
         pytest.param(narrow(), np.geomspace(1e-2, 1.1e2, 400), id="between the points"),
-        pytest.param(sensitivity.close(*lqg_pair(2, False, 2)).Li, np.geomspace(1e-3, 0.5, 400), id="beyond the last"),
+        pytest.param(
+            feedback_loop.close(*lqg_pair(2, False, 2)).Li, np.geomspace(1e-3, 0.5, 400), id="beyond the last"
+        ),
     ],
 )
 def test_a_peak_that_python_control_misses_is_found(loop: StateSpace, grid: Array) -> None:
@@ -173,7 +175,7 @@ def test_a_peak_that_python_control_misses_is_found(loop: StateSpace, grid: Arra
 @pytest.mark.parametrize("p", [2, 3])
 def test_python_control_agrees_on_a_fine_grid(p: int, skew: float) -> None:
     """Its grid misses the peak by about 1e-5, its phase lacks the half-plane case; its gain margin is smaller."""
-    loop = sensitivity.close(*lqg_pair(p, False, 3)).Li
+    loop = feedback_loop.close(*lqg_pair(p, False, 3)).Li
     margin = disk.of_loop(loop, skew)
     alpha, gain, phase = control.disk_margins(loop.to_control(), np.geomspace(1e-3, 1e2, 800), skew)
     assert margin.lower <= alpha and alpha == pytest.approx(margin.alpha, rel=2e-4)
@@ -184,7 +186,7 @@ def test_python_control_agrees_on_a_fine_grid(p: int, skew: float) -> None:
 
 @pytest.mark.parametrize("sampled", [False, True])
 def test_one_channel_at_a_time_is_the_scalar_loop_with_the_other_closed(sampled: bool) -> None:
-    loop = sensitivity.close(*lqg_pair(2, sampled, 7)).L
+    loop = feedback_loop.close(*lqg_pair(2, sampled, 7)).L
     w = np.geomspace(1e-3, np.pi / 0.3, 20001)
     L = loop.response(point(loop, w))
     by_channel = disk.loop_at_a_time(loop)
@@ -199,7 +201,7 @@ def test_one_channel_at_a_time_is_the_scalar_loop_with_the_other_closed(sampled:
 @pytest.mark.parametrize("sampled", [False, True])
 def test_factors_at_inputs_and_outputs_at_once_are_a_search_of_the_whole_loop(sampled: bool) -> None:
     plant, controller = lqg_pair(2, sampled, 4)
-    closed = sensitivity.close(plant, controller)
+    closed = feedback_loop.close(plant, controller)
     both = disk.of_loop(closed.both)
     parts = [disk.of_loop(part).alpha for part in (closed.Li, closed.L)]
     assert both.certified and both.alpha < min(parts)
@@ -215,7 +217,7 @@ def test_factors_at_inputs_and_outputs_at_once_are_a_search_of_the_whole_loop(sa
 
 @pytest.mark.parametrize(("sampled", "skew"), [(False, 0.0), (False, 1.0), (True, 0.0), (True, -1.0)])
 def test_the_destabiliser_is_a_real_system_that_puts_a_pole_on_the_boundary(sampled: bool, skew: float) -> None:
-    loop = sensitivity.close(*lqg_pair(3, sampled, 0 if sampled else 3)).Li
+    loop = feedback_loop.close(*lqg_pair(3, sampled, 0 if sampled else 3)).Li
     margin = disk.of_loop(loop, skew)
     f = destabiliser(margin)
     assert f.inputs == loop.inputs and f.time == loop.time and np.isrealobj(f.A)
@@ -230,7 +232,7 @@ def test_the_destabiliser_is_a_real_system_that_puts_a_pole_on_the_boundary(samp
 
 
 def test_units_of_state_and_time_do_not_matter() -> None:
-    loop = sensitivity.close(*lqg_pair(3, False, 2)).Li
+    loop = feedback_loop.close(*lqg_pair(3, False, 2)).Li
     scale = 10.0 ** np.linspace(-4, 4, len(loop.A))
     A, B, C = 1e3 * loop.A * scale / scale[:, None], 1e3 * loop.B / scale[:, None], loop.C * scale
     margin, expected = disk.of_loop((A, B, C, loop.D)), disk.of_loop(loop)
@@ -239,7 +241,7 @@ def test_units_of_state_and_time_do_not_matter() -> None:
 
 
 def test_the_curve_is_the_margin_of_each_frequency() -> None:
-    loop = sensitivity.close(*lqg_pair(3, True, 1)).Li
+    loop = feedback_loop.close(*lqg_pair(3, True, 1)).Li
     margin = disk.of_loop(loop)
     assert margin.frequencies[0] == 0 and margin.frequencies[-1] == pytest.approx(np.pi / 0.3)
     assert (np.diff(margin.frequencies) >= 0).all() and margin.curve.min() == pytest.approx(margin.alpha, rel=LEVEL)
@@ -249,7 +251,7 @@ def test_the_curve_is_the_margin_of_each_frequency() -> None:
 
 
 def test_a_model_may_be_arrays_or_a_python_control_system() -> None:
-    loop = sensitivity.close(*lqg_pair(2, True, 1)).Li
+    loop = feedback_loop.close(*lqg_pair(2, True, 1)).Li
     expected = disk.of_loop(loop).alpha
     assert disk.of_loop((loop.A, loop.B, loop.C, loop.D, 0.3)).alpha == expected
     assert disk.of_loop(loop.to_control()).alpha == expected

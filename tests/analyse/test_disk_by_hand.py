@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import disk, margins, sensitivity
+from synth.analyse import disk, feedback_loop, stability_margins
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, of
 from synth.timing import Discrete
@@ -23,7 +23,7 @@ def test_a_second_order_loop_meets_its_closed_form(zeta: float) -> None:
     assert (margin.gain_low, margin.gain_high) == pytest.approx((1 - least, 1 + least), rel=LEVEL)
     assert margin.phase == pytest.approx(np.degrees(2 * np.arcsin(least / 2)), rel=LEVEL)
     modulus = disk.of_loop(loop, skew=1.0)
-    assert modulus.alpha == pytest.approx(margins.of_loop(loop).modulus_margin, rel=LEVEL)
+    assert modulus.alpha == pytest.approx(stability_margins.of_loop(loop).modulus_margin, rel=LEVEL)
     assert modulus.gain_high == pytest.approx(1 / (1 - modulus.alpha), rel=DOUBLE)
     balanced = disk.of_loop(loop)
     assert balanced.gain_low * balanced.gain_high == pytest.approx(1.0, rel=DOUBLE)
@@ -49,7 +49,7 @@ def satellite() -> tuple[StateSpace, StateSpace]:
 
 def test_the_spinning_satellite_is_robust_in_each_channel_and_fragile_in_both() -> None:
     """Each channel alone has L = 1/s; with both, 1 -+ d in the gains destabilises for d > 1/sqrt(101) at w = 0."""
-    loop = sensitivity.close(*satellite()).Li
+    loop = feedback_loop.close(*satellite()).Li
     for alone in disk.loop_at_a_time(loop).values():
         assert alone.alpha == pytest.approx(2.0, rel=LEVEL)
     margin = disk.of_loop(loop, skew=-1.0)
@@ -57,7 +57,7 @@ def test_the_spinning_satellite_is_robust_in_each_channel_and_fragile_in_both() 
     balanced = disk.of_loop(loop)
     assert balanced.alpha == pytest.approx(0.09975124, rel=LEVEL)  # python-control's figure on a fine grid
     assert (balanced.gain_low, balanced.gain_high, balanced.phase) == pytest.approx((0.905, 1.105, 5.71), abs=5e-3)
-    both = disk.of_loop(sensitivity.close(*satellite()).both)
+    both = disk.of_loop(feedback_loop.close(*satellite()).both)
     assert both.channels == ("u1", "u2", "y1", "y2") and both.alpha == pytest.approx(balanced.alpha / 2, rel=2e-3)
 
 
@@ -119,11 +119,11 @@ def test_invalid_loops_are_refused() -> None:
 
 
 def test_a_disk_margin_prints_its_certificate() -> None:
-    margin = disk.of_loop(sensitivity.close(*satellite()).Li)
+    margin = disk.of_loop(feedback_loop.close(*satellite()).Li)
     text = repr(margin)
     assert "Disk margin of 2 channels in continuous time: 0.09975" in text and "proved for all frequencies" in text
     assert "0.90499 to 1.105" in text and "5.7106 deg" in text and "\nu1 " in text and "|f|" in text
-    assert "not proved between" in repr(disk.of_loop(sensitivity.close(*satellite()).Li, certify=False))
+    assert "not proved between" in repr(disk.of_loop(feedback_loop.close(*satellite()).Li, certify=False))
     assert list(margin.worst.items()) == [("u1", margin.delta[0]), ("u2", margin.delta[1])]
     with pytest.raises(ValueError, match="read-only"):
         margin.curve[0] = 1.0

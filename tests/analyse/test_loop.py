@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from synth.analyse import discretise, loop, margins
+from synth.analyse import discretise, loop, stability_margins
 from synth.block import Block, Exprs, Fault, State, Step, build
-from synth.compose import compose
+from synth.composition import compose
 from synth.errors import ModelError, SignalError, TimingError
 from synth.signals import Signal
 from synth.statespace import StateSpace
@@ -155,8 +155,8 @@ def test_the_poles_of_a_delayed_sampled_loop_near_those_of_a_finely_sampled_one(
 
 
 def test_a_loop_is_opened_with_a_fraction_of_a_sample_too() -> None:
-    between = [margins.of_loop(open_loop("q", delay)).phase_margin for delay in (1, 1.5, 2)]
-    crossing = margins.of_loop(open_loop("q", 1)).gain_crossings[0].frequency
+    between = [stability_margins.of_loop(open_loop("q", delay)).phase_margin for delay in (1, 1.5, 2)]
+    crossing = stability_margins.of_loop(open_loop("q", 1)).gain_crossings[0].frequency
     assert between[0] - between[1] == pytest.approx(np.degrees(crossing * T / 2), rel=0.02)
     assert between[0] - between[2] == pytest.approx(np.degrees(crossing * T), rel=0.02)
 
@@ -225,7 +225,7 @@ def test_the_loop_at_the_position_is_the_product_of_its_parts() -> None:
 
 def test_the_stiffness_of_the_magnet_is_its_lower_gain_margin() -> None:
     """At rest L = -K_p / 4: the gain may decrease to 4/30 before the magnet destabilises it."""
-    loop_margins = margins.of_loop(open_loop("q"))
+    loop_margins = stability_margins.of_loop(open_loop("q"))
     assert loop_margins.stable and loop_margins.gain_reduction_margin == pytest.approx(4 / KP, rel=1e-6)
 
 

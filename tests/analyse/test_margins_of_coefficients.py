@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import margins
+from synth.analyse import stability_margins
 from synth.errors import ModelError
 from tests.analyse.scalar_loops import EXACT
 
@@ -69,24 +69,25 @@ LAGS_20_US = fraction(
 )
 def test_a_fast_sampled_transfer_function_keeps_its_gain_margin(L: object, gain: float, low: float) -> None:
     """Its poles cluster at z = 1; the margins are those of the coefficients, from roots in 60 digits."""
-    loop_margins = margins.of_loop(L)
+    loop_margins = stability_margins.of_loop(L)
     assert loop_margins.stable and loop_margins.gain_margin == pytest.approx(gain, rel=1e-7)
     assert loop_margins.gain_reduction_margin == pytest.approx(low, rel=1e-7)
-    assert 1e-4 < loop_margins.uncertainty < margins.MAX_UNCERTAINTY and "makes the margins uncertain by" in repr(
-        loop_margins
+    assert (
+        1e-4 < loop_margins.uncertainty < stability_margins.MAX_UNCERTAINTY
+        and "makes the margins uncertain by" in repr(loop_margins)
     )
 
 
 @pytest.mark.parametrize("L", [MAGLEV_10_US, LAGS_20_US], ids=["maglev", "lags"])
 def test_coefficients_that_no_longer_determine_a_margin_are_refused(L: object) -> None:
     with pytest.raises(ModelError, match=r"(not determined by the coefficients|hides whether).*loop\.sampled"):
-        margins.of_loop(L)
+        stability_margins.of_loop(L)
 
 
 def test_the_crossing_at_zero_frequency_of_a_transfer_function_is_kept() -> None:
     s = control.tf("s")
     L = 400 / (s**2 - 400) / (1 + s / 1000) ** 3 * 3 * (1 + s / 15) / (1 + s / 1000)
-    loop_margins = margins.of_loop(L)
+    loop_margins = stability_margins.of_loop(L)
     assert (
         loop_margins.gain_reduction_margin == pytest.approx(1 / 3, rel=EXACT)
         and loop_margins.phase_crossings[0].frequency == 0
@@ -94,4 +95,4 @@ def test_the_crossing_at_zero_frequency_of_a_transfer_function_is_kept() -> None
     T = 1e-3
     a = np.poly(np.exp(np.array([20.0, -20.0]) * T))
     sampled = control.tf([3 * abs(a.sum())], a, T)  # -3 at z = 1
-    assert margins.of_loop(sampled).gain_reduction_margin == pytest.approx(1 / 3, rel=1e-6)
+    assert stability_margins.of_loop(sampled).gain_reduction_margin == pytest.approx(1 / 3, rel=1e-6)

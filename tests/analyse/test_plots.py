@@ -9,7 +9,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from synth.analyse import margins, plots, time_response, transfer
+from synth.analyse import plots, stability_margins, time_response, transfer
 from synth.errors import SignalError
 
 LOOP = control.ss(control.tf([30.0, 900.0], [1 / 300, 1.0, 0.0, 0.0]))
@@ -27,7 +27,7 @@ LOOPS = {
 @pytest.mark.parametrize("name", LOOPS)
 def test_a_bode_plot_marks_each_crossing_where_the_curve_has_it(name: str) -> None:
     loop = LOOPS[name]
-    figure, loop_margins = plots.bode(loop), margins.of_loop(loop)
+    figure, loop_margins = plots.bode(loop), stability_margins.of_loop(loop)
     gain, phase = figure.axes
     FigureCanvasAgg(figure).draw()
     dots, diamonds = (next(line for line in gain.lines if line.get_marker() == marker) for marker in "oD")
@@ -47,7 +47,7 @@ def test_a_bode_plot_marks_each_crossing_where_the_curve_has_it(name: str) -> No
 
 
 def test_limits_are_rad_per_second_and_margins_may_be_handed_over() -> None:
-    loop_margins = margins.of_loop(LOOP)
+    loop_margins = stability_margins.of_loop(LOOP)
     (gain, _) = plots.bode(LOOP, low=2 * np.pi, high=200 * np.pi, margins=loop_margins).axes
     np.testing.assert_allclose(gain.get_xlim(), (1.0, 100.0), rtol=1e-6)
     with pytest.raises(SignalError, match="open it at one signal"):

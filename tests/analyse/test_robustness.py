@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth.analyse import disk, linearise, loop, margins, resting, robustness, trim
+from synth.analyse import disk, equilibrium, linearisation, loop, operating_points, robustness, stability_margins
 from synth.analyse.robustness import Loops
 from synth.errors import SignalError
 from tests import levitator
@@ -31,8 +31,8 @@ def test_every_actuator_and_sensor_is_opened_at_every_point(nominal: list[robust
 
 
 def test_the_equilibrium_is_that_of_the_plant_and_the_controller(nominal: list[robustness.OpenLoop]) -> None:
-    rest = robustness.equilibrium(loops(), "side")
-    point = trim.trim(DESIGN.PLANT, {"x": 8e-4}, ["i1", "i2"])
+    rest = robustness.equilibrium_at(loops(), "side")
+    point = operating_points.trim(DESIGN.PLANT, {"x": 8e-4}, ["i1", "i2"])
     assert rest.point["i2"] == pytest.approx(400 * 8e-4 / 8, rel=1e-6)
     assert rest.point["i1"] == pytest.approx(point["i1"], rel=1e-6)
     assert rest.inputs["x"] == pytest.approx(rest.inputs["x_ref"], rel=1e-9) and rest.inputs["x_ref"] == 8e-4
@@ -41,7 +41,7 @@ def test_the_equilibrium_is_that_of_the_plant_and_the_controller(nominal: list[r
 def test_a_decoupled_axis_has_the_margins_of_its_own_linear_loop(nominal: list[robustness.OpenLoop]) -> None:
     """x does not depend on z: its loop is the model that it was made from, with hold and delay, under its servo."""
     T = DESIGN.TIME.period_s
-    model = linearise.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
+    model = linearisation.linearise(DESIGN.PLANT, DESIGN.REST).channel("x", "i2")
     servo = DESIGN.X.law(DESIGN.TIME, DESIGN.INTERFACE).blocks[0].rounded(np.float32)
     K = loop.linearise_block(servo, {"started": 1.0}, dict.fromkeys((s.name for s in servo.inputs), 0.0))
     P = loop.sampled(model, T, T)
@@ -102,7 +102,7 @@ def test_unknown_names_are_refused(nominal: list[robustness.OpenLoop]) -> None:
     with pytest.raises(SignalError, match="2\\^11 corners"):
         robustness.corners(DESIGN.PLANT, ["K"] * 11)
     with pytest.raises(SignalError, match="no operating point 'mid': choose one of low, side"):
-        robustness.equilibrium(loops(), "mid")
+        robustness.equilibrium_at(loops(), "mid")
     with pytest.raises(SignalError, match="no operating points"):
         loops({})
     with pytest.raises(SignalError, match="'phase' is not a known margin"):
@@ -113,7 +113,7 @@ def test_unknown_names_are_refused(nominal: list[robustness.OpenLoop]) -> None:
 
 def test_the_margins_are_those_of_the_opened_loop(nominal: list[robustness.OpenLoop]) -> None:
     for o in nominal[:2]:
-        assert o.margin("delay_margin") == margins.of_loop(o.L).delay_margin
+        assert o.margin("delay_margin") == stability_margins.of_loop(o.L).delay_margin
         assert o.margin("gain_reduction") == 1 / o.margins.gain_reduction_margin
 
 
@@ -124,16 +124,16 @@ def coordinates(**weights: dict[str, float]) -> Loops:
 def test_loops_open_at_coordinates_instead_of_sensors() -> None:
     """A scaled sensor is cut as it is; all of them cut at once leave det(1 + L) in any coordinates."""
     z = np.exp(1j * np.array([0.02, 0.3, 1.5]))
-    at = robustness.equilibrium(loops({"mid": {"z": 0.0}}), "mid")
+    at = robustness.equilibrium_at(loops({"mid": {"z": 0.0}}), "mid")
     scaled = robustness.open_loops(coordinates(far={"z": 2.0}))
     assert [o.signal for o in scaled] == ["far", "x"]
-    np.testing.assert_allclose(scaled[0].L.response(z), resting.open_loop(at, "z").response(z), rtol=1e-9)
-    turned = robustness.equilibrium(coordinates(mean={"z": 0.5, "x": 0.5}, gap={"z": 1.0, "x": -0.7}), "mid")
-    pairs = resting.open_loop(turned, ["mean", "gap"]), resting.open_loop(at, ["z", "x"])
+    np.testing.assert_allclose(scaled[0].L.response(z), equilibrium.open_loop(at, "z").response(z), rtol=1e-9)
+    turned = robustness.equilibrium_at(coordinates(mean={"z": 0.5, "x": 0.5}, gap={"z": 1.0, "x": -0.7}), "mid")
+    pairs = equilibrium.open_loop(turned, ["mean", "gap"]), equilibrium.open_loop(at, ["z", "x"])
     new, old = (np.linalg.det(np.eye(2) + L.response(z)) for L in pairs)
     np.testing.assert_allclose(new, old, rtol=1e-9)
-    alone = resting.open_loop(turned, "mean").response(z)
-    assert np.abs(alone / resting.open_loop(at, "z").response(z) - 1).max() > 0.1
+    alone = equilibrium.open_loop(turned, "mean").response(z)
+    assert np.abs(alone / equilibrium.open_loop(at, "z").response(z) - 1).max() > 0.1
 
 
 @pytest.mark.parametrize(
@@ -150,6 +150,6 @@ def test_coordinates_that_do_not_fit_are_refused(weights: dict[str, dict[str, fl
 
 
 def test_a_loop_does_not_open_at_a_sensor_and_at_its_coordinate() -> None:
-    at = robustness.equilibrium(coordinates(far={"z": 2.0}), "mid")
+    at = robustness.equilibrium_at(coordinates(far={"z": 2.0}), "mid")
     with pytest.raises(SignalError, match="at 'z' and at a coordinate of it at once"):
-        resting.open_loop(at, ["far", "z"])
+        equilibrium.open_loop(at, ["far", "z"])

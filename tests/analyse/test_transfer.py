@@ -7,7 +7,7 @@ import scipy.special
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import discretise, margins, nyquist, transfer
+from synth.analyse import discretise, nyquist, stability_margins, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.timing import Continuous, Discrete
 from tests import tolerances
@@ -92,24 +92,24 @@ def test_a_cancelled_pole_is_counted(hidden: float, unstable: int) -> None:
 def test_direct_feedthrough_of_one_or_more_gives_infinitely_many_unstable_poles() -> None:
     for D in (-2.0, 1.0):
         loop = transfer.delayed(tf([D, 2], [1, 1]), 0.1)
-        loop_margins = margins.of_loop(loop)
+        loop_margins = stability_margins.of_loop(loop)
         assert count(loop) == np.inf and not loop_margins.stable and loop_margins.delay_margin == 0
     held = transfer.delayed(tf([-0.5, 2], [1, 1]), 0.01, 0.1)
-    assert margins.of_loop(held).stable and margins.of_loop(held).direct == 0
+    assert stability_margins.of_loop(held).stable and stability_margins.of_loop(held).direct == 0
 
 
 def test_the_count_on_the_stability_boundary_is_refused() -> None:
     with pytest.raises(ModelError, match=r"\|1 \+ L\| is .* at 5 rad/s: rounding hides .*; change its gain"):
-        margins.of_loop(transfer.delayed(tf([5], [1, 0]), np.pi / 10))
+        stability_margins.of_loop(transfer.delayed(tf([5], [1, 0]), np.pi / 10))
     with pytest.raises(ModelError, match="more than 1000 turns: give `high` below"):
-        margins.of_loop(transfer.delayed(tf([0.5], [1, 0]), 3e3))
-    assert not margins.of_loop(transfer.delayed(tf([0.5], [1, 0]), 3e3), high=1.5).stable
+        stability_margins.of_loop(transfer.delayed(tf([0.5], [1, 0]), 3e3))
+    assert not stability_margins.of_loop(transfer.delayed(tf([0.5], [1, 0]), 3e3), high=1.5).stable
 
 
 def test_a_delayed_loop_of_an_integrator_has_its_closed_form() -> None:
     """L = k exp(-s tau) / s: phase margin 90 - k tau, L < 0 first at pi / (2 tau)."""
     k, tau = 5.0, 0.1
-    loop_margins = margins.of_loop(transfer.delayed(tf([k], [1, 0]), tau))
+    loop_margins = stability_margins.of_loop(transfer.delayed(tf([k], [1, 0]), tau))
     (crossing,) = loop_margins.gain_crossings
     assert loop_margins.stable and crossing.frequency == pytest.approx(k, rel=EXACT)
     assert crossing.phase_margin == pytest.approx(90 - np.degrees(k * tau), rel=EXACT)
@@ -123,17 +123,17 @@ def test_a_delayed_loop_of_an_integrator_has_its_closed_form() -> None:
 
 
 def test_a_small_delay_keeps_its_high_crossing_and_no_delay_gives_the_model_itself() -> None:
-    loop_margins = margins.of_loop(transfer.delayed(tf([5], [1, 0]), 1e-3))
+    loop_margins = stability_margins.of_loop(transfer.delayed(tf([5], [1, 0]), 1e-3))
     assert loop_margins.gain_margin == pytest.approx(np.pi / 2 / 1e-3 / 5, rel=EXACT)
     plain, none = (
-        margins.of_loop(tf([20, 60], [1, 8, 0])),
-        margins.of_loop(transfer.delayed(tf([20, 60], [1, 8, 0]), 0)),
+        stability_margins.of_loop(tf([20, 60], [1, 8, 0])),
+        stability_margins.of_loop(transfer.delayed(tf([20, 60], [1, 8, 0]), 0)),
     )
     assert none.stable and none.gain_crossings == plain.gain_crossings
 
 
 def test_direct_feedthrough_below_one_crosses_infinitely_often() -> None:
-    loop_margins = margins.of_loop(transfer.delayed(tf([0.5, 2], [1, 1]), 0.1))
+    loop_margins = stability_margins.of_loop(transfer.delayed(tf([0.5, 2], [1, 1]), 0.1))
     assert loop_margins.stable and loop_margins.phase_crossings[-1].frequency == np.inf
     assert loop_margins.phase_crossings[-1].gain_margin == pytest.approx(2, rel=EXACT)
     assert loop_margins.gain_margin < 2  # at a finite frequency, where |L| is still larger
@@ -149,12 +149,12 @@ def test_the_positioners_loops_have_their_recomputed_margins(axis: str) -> None:
     k, a, inertia, *rows = POSITIONER[axis]
     loop = positioner(k, a, inertia)
     for hold, (hertz, degrees) in zip((0.0, 1e-3, 1 / 800), rows, strict=True):
-        loop_margins = margins.of_loop(transfer.delayed(loop, 0.0, hold))
+        loop_margins = stability_margins.of_loop(transfer.delayed(loop, 0.0, hold))
         (crossing,) = loop_margins.gain_crossings
         assert loop_margins.stable
         assert crossing.frequency / (2 * np.pi) == pytest.approx(hertz, abs=0.5e-3)
         assert crossing.phase_margin == pytest.approx(degrees, abs=0.5e-3)
-    late = margins.of_loop(transfer.delayed(loop, 0.5e-3)).gain_crossings[0]
+    late = stability_margins.of_loop(transfer.delayed(loop, 0.5e-3)).gain_crossings[0]
     assert abs(late.frequency / (2 * np.pi) - rows[1][0]) > 5e-3
 
 
@@ -165,11 +165,15 @@ def test_invalid_delayed_loops_are_refused() -> None:
         with pytest.raises(TimingError, match="it must be finite and 0 or more"):
             transfer.delayed(tf([1], [1, 1]), *times)
     two = (np.eye(2), np.eye(2), np.eye(2), np.zeros((2, 2)))
-    for refused in (lambda: transfer.delayed(two, 0.1), lambda: transfer.response(two), lambda: margins.of_loop(two)):
+    for refused in (
+        lambda: transfer.delayed(two, 0.1),
+        lambda: transfer.response(two),
+        lambda: stability_margins.of_loop(two),
+    ):
         with pytest.raises(SignalError, match="open it at one signal"):
             refused()
     with pytest.raises(SignalError, match="give 0 < low < high"):
-        margins.of_loop(tf([1], [1, 1]), low=10.0, high=1.0)
+        stability_margins.of_loop(tf([1], [1, 1]), low=10.0, high=1.0)
 
 
 def test_each_kind_of_system_is_accepted_and_a_delayed_loop_prints() -> None:
@@ -190,7 +194,7 @@ def test_invalid_frequency_limits_are_refused(limits: dict[str, float]) -> None:
     L = tf([3], [1, 1])
     for refused_loop in (L, transfer.delayed(L, 0.1), discretise.zero_order_hold(L, 0.1)):
         with pytest.raises(SignalError, match=r"give a finite frequency above 0|give 0 < low < high|give a number"):
-            margins.of_loop(refused_loop, **limits)
+            stability_margins.of_loop(refused_loop, **limits)
 
 
 def test_on_an_undamped_pole_the_response_is_that_just_beside_it() -> None:

@@ -6,8 +6,8 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import relative_degree, trim, zero_dynamics
-from synth.analyse.linearise import linearise
+from synth.analyse import operating_points, relative_degree, zero_dynamics
+from synth.analyse.linearisation import linearise
 from synth.analyse.zero_dynamics import ZeroDynamics
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
@@ -21,7 +21,7 @@ FREE = {"aircraft": ["T"], "two_masses": [], "flexible_joint": [], "ball_and_bea
 
 def of_plant(plant: Plant, *outputs: str) -> ZeroDynamics:
     degree = relative_degree.of_plant(plant, outputs or None)
-    return zero_dynamics.at_point(plant, degree, trim.trim(plant, {}, FREE[plant.name]))
+    return zero_dynamics.at_point(plant, degree, operating_points.trim(plant, {}, FREE[plant.name]))
 
 
 def values(dynamics: ZeroDynamics) -> list[complex]:
@@ -134,10 +134,10 @@ def test_the_beam_has_no_degree_at_its_equilibrium() -> None:
 def test_points_that_do_not_fit_are_refused() -> None:
     plant = textbook_plants.aircraft(0.1)
     degree = relative_degree.of_plant(plant)
-    point = trim.trim(plant, {}, ["T"])
+    point = operating_points.trim(plant, {}, ["T"])
     with pytest.raises(ModelError, match="found for other parameters"):
         zero_dynamics.at_point(plant.with_parameters(eps=0.2), degree, point)
-    moving = trim.OperatingPoint(point.x, [1.2, 0.0], point.p, 0.2, point.states, point.inputs)
+    moving = operating_points.OperatingPoint(point.x, [1.2, 0.0], point.p, 0.2, point.states, point.inputs)
     with pytest.raises(ModelError, match=r"not at rest at the point: 'vz' changes by 0\.2 per s: trim"):
         zero_dynamics.at_point(plant, degree, moving)
     held = relative_degree.of_plant(plant, ["px"], {"T": 1.1})

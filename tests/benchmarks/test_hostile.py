@@ -24,7 +24,7 @@ INNER = {  # modules whose functions take what others have read
     *("rational", "crossings", "delayed_crossings", "traced_crossings", "zpk", "perturbation", "nyquist", "assessment"),
     *("nearest_root", "peak_gain", "bounded_real", "resolvent", "held_cost", "balance", "copies", "modes"),
     *("modal", "modal_peak", "climb", "isolated_zeros", "refinement", "zeros", "glsdc", "error_map", "phasor"),
-    *("axis_blocks", "axis_inverse", "axis_regulator", "rest_equations"),
+    *("axis_blocks", "axis_inverse", "axis_regulator", "equilibrium_equations"),
 }
 
 

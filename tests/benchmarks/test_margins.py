@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks import margins as search
 from benchmarks import margins_cases
-from synth.analyse import crossings, margins
-from synth.analyse.margins import Margins
+from synth.analyse import crossings, stability_margins
+from synth.analyse.stability_margins import Margins
 from synth.statespace import StateSpace, readonly
 from synth.timing import Discrete
 
@@ -26,7 +26,7 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
     part: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The planted defects."""
-    of_loop = margins.of_loop
+    of_loop = stability_margins.of_loop
 
     def optimistic(loop: object) -> Margins:
         outcomes = of_loop(loop)
@@ -44,7 +44,7 @@ def test_a_margin_that_is_reported_a_thousandth_too_large_is_noticed(
         peak = outcomes.peak_sensitivity / (more if part == "modulus" else 1)
         return replace(outcomes, gain_crossings=gains, phase_crossings=phases, peak_sensitivity=peak)
 
-    monkeypatch.setattr(margins, "of_loop", optimistic)
+    monkeypatch.setattr(stability_margins, "of_loop", optimistic)
     cases = [(kind, k) for kind in margins_cases.KINDS[:2] for k in range(12)]
     outcomes = [search.compare_with_truth(margins_cases.case(kind, np.random.default_rng(k))) for kind, k in cases]
     assert any(o.excess > search.TOLERANCE and o.worst == part for o in outcomes)

@@ -7,7 +7,7 @@ from benchmarks import axes, parts
 from synth.emit.write import EmittedCode
 from synth.errors import SignalError
 from synth.execute import host
-from synth.verify import lines, meter, rivals, steps
+from synth.verify import baselines, lines, meter, steps
 from synth.verify.steps import Steps
 from tests.execute.planted import COMPILERS
 
@@ -43,7 +43,7 @@ def line_of(block: str) -> str:
 @pytest.mark.parametrize("build", meter.builds(), ids=[b.name for b in meter.builds()])
 def test_parts_add_up_to_what_is_issued(build: meter.Build, stimulus: Steps) -> None:
     counts = parts.measure(EMITTED, stimulus, build)
-    issued = meter.run(rivals.emitted_c(EMITTED), stimulus, build).cost.instructions
+    issued = meter.run(baselines.emitted_c(EMITTED), stimulus, build).cost.instructions
     assert np.array_equal(sum(counts.values()), issued)
     assert set(counts) == BLOCKS | {parts.FRAME} and list(counts)[-1] == parts.FRAME
     busy = {"guard", "regulator_1", "regulator_2"}
@@ -75,7 +75,7 @@ def test_a_function_is_charged_to_the_line_that_calls_it(compiler: str, stimulus
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_inlined_calls_stand_at_their_lines(compiler: str) -> None:
-    path = meter.link(rivals.emitted_c(EMITTED), BUILDS[compiler])
+    path = meter.link(baselines.emitted_c(EMITTED), BUILDS[compiler])
     text = EMITTED.files["axes_2.c"].splitlines()
     inlined = lines.calls(path, "axes_2_step")
     assert inlined and all(call.low < call.high for call in inlined)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks import planar
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
 
 GENERATED = Path(__file__).parents[2] / "generated_c"
 PARTS = {"guard", "sensing", "filters", "positions", "law", "allocation", "commutation", "safe output"}
@@ -22,7 +22,7 @@ def costs() -> dict[str, planar.Costs]:
 
 def test_parts_add_up_to_the_mean_and_to_the_costliest_step(costs: dict[str, planar.Costs]) -> None:
     for name, subject in ((s.name, s) for s in planar.cores()):
-        cost, candidate = costs[name], rivals.emitted_c(subject.emitted)
+        cost, candidate = costs[name], baselines.emitted_c(subject.emitted)
         issued = meter.run(candidate, subject.every, planar.builds()[0]).cost.instructions
         assert cost.most == issued.max() == sum(most for _, most in cost.parts.values())
         small = meter.run(candidate, steps.thinned(subject.within, 50), planar.builds()[0]).cost.instructions

@@ -9,7 +9,7 @@ import pytest
 
 from synth import plant as plants
 from synth import stage
-from synth.analyse import linearise, loop, robustness, trim
+from synth.analyse import linearisation, loop, operating_points, robustness
 from synth.blocks import axis, axis_regulator
 from synth.blocks.axis_regulator import Regulator
 from synth.declaration import Interface
@@ -40,7 +40,7 @@ def mass(stiffness: float = 0.0) -> StateSpace:
         [spring],
         lambda x, u, p: ({"q": x["v"], "v": u["f"] - p["k"] * x["q"]}, {"q": x["q"]}),
     )
-    return linearise.linearise(body, trim.trim(body, {}, []))
+    return linearisation.linearise(body, operating_points.trim(body, {}, []))
 
 
 def default_axis(model: Any = None, **changed: Any) -> axis.ServoLaw:
@@ -183,8 +183,8 @@ def test_a_loop_that_forgets_the_delay_loses_its_margin() -> None:
     late = replace(forgetful, interface=around())
     points = {"mid": {"z": 0.0}}
     require = {"phase_margin": 30.0, "modulus_margin": 0.5}
-    checks = {c.name: robustness.checks(robustness.open_loops(robustness.of_controller(c, DESIGN.PLANT, points)), require)
-             for c in (late, sound)}  # fmt: skip
+    loops = {c.name: robustness.of_controller(c, DESIGN.PLANT, points) for c in (late, sound)}
+    checks = {name: robustness.checks(robustness.open_loops(of), require) for name, of in loops.items()}
     assert all(check.passed for check in checks["sound"])
     assert not all(check.passed for check in checks["late"])
 
@@ -234,7 +234,7 @@ def test_axes_of_one_inverse_are_decoupled_at_every_operating_point() -> None:
 
 def test_an_axis_that_shares_its_inverse_is_refused_alone() -> None:
     _, interface, laws = beam()
-    with pytest.raises(SignalError, match=r"also needs the demand of 'a': join the axes of h, a by axis\.decoupled"):
+    with pytest.raises(SignalError, match=r"also needs the demand of 'a': join the axes of h, a by axis\.decouple"):
         laws[0].law(TIME, interface)
     with pytest.raises(SignalError, match="do not share one feedback linearisation"):
         axis.decouple([laws[0], beam()[2][1]])

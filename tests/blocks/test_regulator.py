@@ -15,7 +15,7 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 

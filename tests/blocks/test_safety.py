@@ -17,7 +17,7 @@ from hypothesis.extra.numpy import arrays
 
 from synth.block import Block, Exprs, State, Step, build, clip
 from synth.blocks.safety import LATCH_BIT, GuardedInput, Safety, frozen, guard, safe_output
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit.write import EmittedCode, emit
 from synth.errors import SignalError
 from synth.execute import compile as compiler

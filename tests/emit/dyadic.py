@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.block import Block, Constant, Fault, Safety, State, Step, build
-from synth.compose import compose
+from synth.composition import compose
 from synth.signals import Signal
 from synth.timing import Discrete
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import casadi as ca
 
 from synth.block import Block, Constant, Fault, Safety, State, Step, build
-from synth.compose import compose
+from synth.composition import compose
 from tests.emit.dyadic import TIME, signal
 
 SX = ca.SX

@@ -9,7 +9,7 @@ import pytest
 
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks.safety import GuardedInput, guard
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit.proof import safe
 from synth.emit.write import emit
 from synth.errors import EmitError

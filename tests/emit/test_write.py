@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from synth.block import Block, Constant, State, Step, build
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import pipeline
-from synth.emit.passes import replace
+from synth.emit.passes import surrogates
 from synth.emit.write import emit, save
 from synth.errors import EmitError, SignalError
 from synth.signals import Signal
@@ -140,14 +140,14 @@ def test_emission_grows_linearly_with_the_number_of_axes() -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("empty_cache")
 def test_a_search_through_all_nodes_for_each_axis_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = replace._candidate_variables
+    plain = surrogates._candidate_variables
 
     def searched(program: Any, users: Any, node_ranges: Any, f: Any) -> Any:
         for k in range(len(program.nodes)):
-            replace._reciprocal(program, k, f.variable)
+            surrogates._reciprocal(program, k, f.variable)
         return plain(program, users, node_ranges, f)
 
-    monkeypatch.setattr(replace, "_candidate_variables", searched)
+    monkeypatch.setattr(surrogates, "_candidate_variables", searched)
     assert growth()["calls"] > 4.1
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from matplotlib.figure import Figure
 
-from synth.analyse import margins
+from synth.analyse import stability_margins
 from synth.errors import SignalError
 from synth.report import bode, figures
 from synth.report.figures import Curve, Panel
@@ -117,7 +117,7 @@ def resonant() -> StateSpace:
 
 def test_the_phase_follows_the_poles() -> None:
     loop = resonant()
-    curve = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
+    curve = bode.curve("L", loop, stability_margins.of_loop(loop), 0.05, 100.0)
     w = curve.frequency
     expected = -np.degrees(np.arctan(w / 5)) - np.where(w > 1, 180.0, 0.0)
     away = np.abs(np.log(w)) > 1e-3
@@ -128,7 +128,7 @@ def test_the_phase_follows_the_poles() -> None:
 
 def test_a_bode_plot_marks_the_crossings() -> None:
     loop = resonant()
-    curve = bode.curve("L", loop, margins.of_loop(loop), 0.05, 100.0)
+    curve = bode.curve("L", loop, stability_margins.of_loop(loop), 0.05, 100.0)
     gain, angle, sensitivity = bode.bode_plot([curve]).axes
     dots = [line for line in gain.lines if line.get_marker() == "o"]
     assert len(dots) == 1 and len(dots[0].get_xdata()) == len(curve.margins.gain_crossings) > 0
@@ -140,7 +140,7 @@ def test_a_bode_plot_marks_the_crossings() -> None:
 
 def test_more_loops_than_can_be_told_apart_are_refused() -> None:
     loop = resonant()
-    curve = bode.curve("L", loop, margins.of_loop(loop))
+    curve = bode.curve("L", loop, stability_margins.of_loop(loop))
     for count in (0, 7):
         with pytest.raises(SignalError, match=f"has {count} loops"):
             bode.bode_plot([curve] * count)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from synth.analyse import margins
+from synth.analyse import stability_margins
 from synth.check import Check
 from synth.report import gains_table, page, standard
-from synth.report.shown import Shown
+from synth.report.presentation import Shown
 from synth.simulate.experiment import Experiment
 from synth.statespace import StateSpace, readonly
 from synth.timing import Continuous, Discrete
@@ -31,13 +31,13 @@ class Opened:
     signal: str
     label: str
     L: StateSpace
-    margins: margins.Margins
+    margins: stability_margins.Margins
 
 
 def opened(signal: str, gain: float) -> Opened:
     A, B, C, D = (readonly(m) for m in ([[-1.0, 0], [1, -10]], [[gain], [0]], [[0, 1.0]], [[0.0]]))
     L = StateSpace(A, B, C, D, ("a", "b"), ("u",), ("y",), Continuous())
-    return Opened(signal, f"at {signal}, {gain:g}", L, margins.of_loop(L))
+    return Opened(signal, f"at {signal}, {gain:g}", L, stability_margins.of_loop(L))
 
 
 def test_laws_with_the_same_entries_share_a_table() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from synth import declared
+from synth import standard_tasks
 from synth.errors import SignalError
 from synth.simulate import experiments
 from synth.simulate.conditions import Conditions, Sine
@@ -21,7 +21,7 @@ DESIGN: Any = levitator.design("levitator_2dof")
 @pytest.fixture(scope="module")
 def rig() -> Rig:
     stage = DESIGN.DESIGN.stage
-    return Rig(stage, DESIGN.PLANT, declared.compiled_controller(stage, np.float32))
+    return Rig(stage, DESIGN.PLANT, standard_tasks.compiled_controller(stage, np.float32))
 
 
 def checks(run: Any) -> dict[str, Any]:

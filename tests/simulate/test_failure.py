@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from synth import declared
+from synth import standard_tasks
 from synth.simulate import failure
 from synth.simulate.failure import Failure
 from tests.verify.test_stimuli import STAGE
@@ -11,7 +11,7 @@ AT, DURATION = 0.1, 0.4  # s
 
 
 def fail(shown: float | None) -> Failure:
-    rig = declared.rig(STAGE, np.float64)
+    rig = standard_tasks.rig(STAGE, np.float64)
     point = rig.stage.interface.set_points[0]
     n = round(DURATION / rig.period_s)
     course = np.full(n, rig.at_rest()[point.name])

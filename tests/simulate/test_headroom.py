@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import declared
+from synth import standard_tasks
 from synth.block import Block, clip
 from synth.declaration import Stage
 from synth.simulate import headroom
@@ -41,7 +41,7 @@ def test_a_sound_stage_is_inside_all_bounds() -> None:
 
 
 def test_a_bound_that_is_too_low_is_found(planted: Stage) -> None:
-    runs = {run.name: run for run in declared.simulate(planted, lambda _: None)}
+    runs = {run.name: run for run in standard_tasks.simulate(planted, lambda _: None)}
     check = next(c for c in runs["step_z"].checks if c.name == headroom.NAME)
     assert not check.passed and check.found == pytest.approx(1) and check.about.startswith("pid_z_v")
     assert not runs["step_z"].trajectory.faults.any()
@@ -57,12 +57,12 @@ def test_comparison_of_witnesses_does_not_detect_it(planted: Stage) -> None:
 
 
 def test_states_limited_on_purpose_may_reach_their_bound(planted: Stage) -> None:
-    runs = declared.simulate(replace(planted, limited=["pid_z_v"]), lambda _: None)
+    runs = standard_tasks.simulate(replace(planted, limited=["pid_z_v"]), lambda _: None)
     assert all(c.passed for run in runs for c in run.checks if c.name == headroom.NAME)
 
 
 def test_the_ratio_is_taken_about_the_middle_of_the_range() -> None:
-    controller = declared.compiled_controller(PID.DESIGN.stage, np.float64)
+    controller = standard_tasks.compiled_controller(PID.DESIGN.stage, np.float64)
     n = 10
     inputs = {"z": np.zeros(n), "x": np.full(n, -1e-3), "z_ref": np.zeros(n), "x_ref": np.full(n, 8e-4)}
     ratios = headroom.ratios(controller, inputs)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import declared
+from synth import standard_tasks
 from synth.simulate.rig import Rig
 from tests import levitator
 
@@ -14,7 +14,7 @@ PID = levitator.design()
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return declared.rig(PID.DESIGN.stage, np.float64)
+    return standard_tasks.rig(PID.DESIGN.stage, np.float64)
 
 
 def test_a_set_point_that_is_not_given_stays_where_its_position_starts(rig: Rig) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from synth.block import Exprs, State, Step, build, clip
 from synth.blocks import safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.errors import CompileError, DesignError
 from synth.signals import Signal

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synth import declared
+from synth import standard_tasks
 from synth.verify import sampling, steps, stimuli
 from tests import levitator
 
@@ -47,7 +47,7 @@ def test_whole_numbers_and_margins() -> None:
 
 
 def test_steps_in_operation_are_near_recorded_ones() -> None:
-    rig = declared.rig(PID.DESIGN.stage, np.float64)
+    rig = standard_tasks.rig(PID.DESIGN.stage, np.float64)
     inputs = stimuli.closed_loop(rig, 500).measured
     recorded = steps.record(rig.controller, "loop", inputs)
     states, drawn = sampling.in_operation(BLOCK, np.random.default_rng(5), N, recorded)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import declared
+from synth import standard_tasks
 from synth.execute import build, host
 from synth.verify import steps, stimuli
 from tests import levitator
@@ -16,7 +16,7 @@ STAGE = PID.DESIGN.stage
 
 @pytest.fixture(scope="module")
 def controller() -> host.Controller:
-    return declared.compiled_controller(STAGE, np.float32)
+    return standard_tasks.compiled_controller(STAGE, np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_a_doubled_slew_is_found(controller: host.Controller, doubled: host.Cont
 
 
 def test_a_doubled_slew_is_found_by_the_replay_too(controller: host.Controller, doubled: host.Controller) -> None:
-    inputs = stimuli.closed_loop(declared.rig(STAGE, np.float32), stimuli.REPLAY).measured
+    inputs = stimuli.closed_loop(standard_tasks.rig(STAGE, np.float32), stimuli.REPLAY).measured
     outputs = [c.replay(inputs).outputs for c in (controller, doubled)]
     assert any(not np.array_equal(outputs[0][name], outputs[1][name]) for name in outputs[0])
 
@@ -52,7 +52,7 @@ def test_latches_end_at_rest(controller: host.Controller) -> None:
 
 
 def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(controller: host.Controller) -> None:
-    replay = controller.replay(stimuli.closed_loop(declared.rig(STAGE, np.float32), stimuli.REPLAY).measured)
+    replay = controller.replay(stimuli.closed_loop(standard_tasks.rig(STAGE, np.float32), stimuli.REPLAY).measured)
     first = int(np.argmax(replay.faults >> 31))
     assert 9500 <= first <= 9505 and (replay.faults[first:] >> 31).all()
     seen = np.bitwise_or.reduce(replay.faults[:first])
@@ -60,7 +60,7 @@ def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(contro
 
 
 def test_every_sequence_is_there_and_closed_loops_come_first(controller: host.Controller) -> None:
-    rig = declared.rig(STAGE, np.float32)
+    rig = standard_tasks.rig(STAGE, np.float32)
     sequences = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
     assert [s.name for s in sequences if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
     assert all(s.closed_loop for s in sequences[:3]) and {"latches", "faults", "edges"} <= {s.name for s in sequences}

@@ -11,7 +11,7 @@ import casadi as ca
 from synth.block import Block, Exprs
 from synth.blocks import safety
 from synth.blocks.glsdc import Vector
-from synth.compose import compose
+from synth.composition import compose
 from synth.signals import Signal, names
 from synth.timing import Discrete
 

@@ -22,7 +22,7 @@ from models import built_matrix, hall_bench, hall_calibration, hall_chain, plana
 from models.hall_bench import Bench
 from synth.block import Block, unranged
 from synth.blocks import safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import build, host

@@ -14,7 +14,7 @@ from synth.report.captions import Made, Rows
 from synth.report.charts import Chart, Line
 from synth.report.maps import Map
 from synth.report.notation import readable
-from synth.report.shown import Shown
+from synth.report.presentation import Shown
 from synth.simulate.experiment import Experiment
 from synth.statespace import Array
 

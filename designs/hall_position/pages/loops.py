@@ -21,7 +21,7 @@ from models import hall_array, hall_chain, hall_two_waves, planar_stage
 from models.hall_chain import Chain
 from models.hall_two_waves import PlanarArray as Sensors
 from models.planar_allocation import AXES, HORIZONTAL
-from synth.analyse import linearise, loop, trim
+from synth.analyse import linearisation, loop, operating_points
 from synth.block import Block
 from synth.report import page, sections, standard
 from synth.report.figures import SYMBOLS
@@ -61,7 +61,10 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
 def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
     """Return both parts of the open loop with the platen at rest at a place, m."""
     plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
-    stage, E = linearise.linearise(plant, trim.trim(plant, pose, [])), loops.commutation_matrix(plant, pose)
+    stage, E = (
+        linearisation.linearise(plant, operating_points.trim(plant, pose, [])),
+        loops.commutation_matrix(plant, pose),
+    )
     motors = stage.select(AXES, PHASES)
     volts, slopes = voltages_and_slopes(source.array, pose)
     upright = stage.select(planar_stage.LASERS, ()).C[:, [stage.states.index(axis) for axis in AXES]]

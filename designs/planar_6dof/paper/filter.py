@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from designs.planar_6dof import filtering
 from synth.statespace import Array, StateSpace
-from synth.synthesise.observers import belief, kalman, noise
+from synth.synthesise.observers import kalman, noise, square_root_kalman
 from synth.timing import Discrete, period
 
 SECONDS = 1.0  # after which the recursions are compared
@@ -53,11 +53,11 @@ def position_gains(q: float, period_s: float, deviation: float, p0: float, updat
     """Return the gain of the position (N,) over a second from P_0 = p0 I, with or without an update of P."""
     axis, V = filtering.model("x", Discrete(period_s)), deviation**2
     W = q * axis.B @ axis.B.T
-    now, history = belief.initial(axis, p0 * np.ones(3)), []
+    now, history = square_root_kalman.initial(axis, p0 * np.ones(3)), []
     for _ in range(round(SECONDS / period_s)):
         history.append(now.P[0, 0] / (now.P[0, 0] + V))
-        now = belief.update(now, axis, np.array([V]), np.zeros(1)) if update else now
-        now = belief.predict(now, axis, (W + W.T) / 2)
+        now = square_root_kalman.update(now, axis, np.array([V]), np.zeros(1)) if update else now
+        now = square_root_kalman.predict(now, axis, (W + W.T) / 2)
     return np.array(history)
 
 

@@ -18,7 +18,7 @@ from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
 from synth.emit.c.printer import Line, guard_function, prose
 from synth.emit.lower import LIBM, Program
-from synth.emit.passes.replace import Surrogate
+from synth.emit.passes.surrogates import Surrogate
 
 
 def source(

@@ -10,7 +10,7 @@ import numpy as np
 from synth.block import LATCH_BIT, Block, Fault
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.printer import Line
-from synth.emit.passes.replace import Surrogate
+from synth.emit.passes.surrogates import Surrogate
 from synth.errors import EmitError
 
 

@@ -1,7 +1,7 @@
 """Text of what a step calls: structs of the Blocks' states and parameters, and the functions that several Blocks share.
 
 typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
-    typedef struct { .. } <name>_<part>_parameters_t;                   the numbers that differ, of which the step has one a Block
+typedef struct { .. } <name>_<part>_parameters_t;                   the step has one for each Block
 static inline <type> <name>_<part>(..state.., ..parameters.., ..)   called once a Block
 """
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes import fold
-from synth.emit.passes.replace import Surrogate
+from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges
 from synth.emit.proof.ranges import SELECTIONS
 

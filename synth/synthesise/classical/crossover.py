@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from synth import arguments, show
-from synth.analyse import loop, margins, sensitivity, transfer
+from synth.analyse import feedback_loop, loop, stability_margins, transfer
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace, System, of
 from synth.synthesise.classical import lead_lag
@@ -38,8 +38,8 @@ class Design:
 
     compensator: LeadLag
     plant: StateSpace
-    closed: sensitivity.ClosedLoop
-    margins: margins.Margins
+    closed: feedback_loop.ClosedLoop
+    margins: stability_margins.Margins
     crossover: float
     phase_margin: float
     lead: float
@@ -183,8 +183,8 @@ def _check_design(
             f"the lead's pole at {-min(compensator.continuous.poles):.4g} rad/s becomes z = {least:.3g}, which "
             "alternates from sample to sample: use a shorter period, a lower crossover or two sections"
         )
-    closed = sensitivity.close(plant, compensator.discrete)
-    loop_margins = margins.of_loop(closed.L)
+    closed = feedback_loop.close(plant, compensator.discrete)
+    loop_margins = stability_margins.of_loop(closed.L)
     if not closed.stable:
         worst, others = max(closed.poles, key=abs), ", ".join(f"{c.frequency:.4g}" for c in loop_margins.gain_crossings)
         raise ModelError(

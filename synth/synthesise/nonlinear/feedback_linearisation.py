@@ -27,8 +27,8 @@ import numpy as np
 from synth import arguments, law, show
 from synth.analyse import box, relative_degree, rounding, singularity, zero_dynamics
 from synth.analyse.box import Box
+from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.relative_degree import RelativeDegree
-from synth.analyse.trim import OperatingPoint
 from synth.analyse.zero_dynamics import ZeroDynamics
 from synth.check import Check
 from synth.errors import ModelError, SignalError

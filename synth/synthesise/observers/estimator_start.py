@@ -4,7 +4,7 @@
 
 x_0 are prior values of the states and d their standard deviations. Of all x^ that reproduce the measurement, it is the
 nearest to x_0 relative to d. An unobserved state, or one with the deviation 0, starts at its prior value. x^[0] is the
-limit of the first correction of a Kalman filter (`belief.update`) for an initial covariance s E, s large. G
+limit of the first correction of a Kalman filter (`square_root_kalman.update`) for an initial covariance s E, s large. G
 is computed in ball arithmetic and rounded once.
 """
 

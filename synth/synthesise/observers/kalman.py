@@ -101,6 +101,22 @@ class Estimator:
 
 
 @arguments.checked
+def kalman(
+    system: System,
+    W: weights.Weight,
+    V: weights.Weight,
+    G: noise.NoiseInput = None,
+    S: ArrayLike | None = None,
+    exact: bool = False,
+) -> Estimator:
+    """Return the filter of a model in its own time: `continuous` for densities or `discrete` for covariances.
+
+    Arguments and errors as for `continuous`.
+    """
+    return steady(noise.white(of(system), W, V, G, S), exact)
+
+
+@arguments.checked
 def continuous(
     system: System,
     W: weights.Weight,

@@ -9,8 +9,9 @@
 
 The controller computes the integral states q of chosen outputs itself, without error; only the plant's states are
 estimated. They are recognised among the gain's states by their names, ``<output>_integral`` as in
-`lqr.with_integrators`, and add an input ``<output>_reference``. The poles of the loop are those of A + B K, with the integrators, and those of
-the estimator (separation principle). Source: Anderson, Moore, Optimal Control (1990), chapter 8.
+`lqr.with_integrators`, and add an input ``<output>_reference``. The poles of the loop are those of A + B K, with the
+integrators, and those of the estimator (separation principle). Source: Anderson, Moore, Optimal Control (1990),
+chapter 8.
 """
 
 from collections.abc import Sequence

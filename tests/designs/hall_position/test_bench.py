@@ -17,7 +17,7 @@ from synth.blocks import safety
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
 from synth.execute import cross, host
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
 from synth.verify.meter import Build
 from synth.verify.steps import Steps
 
@@ -84,7 +84,7 @@ def test_the_sequences_search_restart_and_converge() -> None:
 @GCC
 @pytest.mark.parametrize("name", config.PLACES)
 def test_every_decision_is_seen_both_ways(name: str) -> None:
-    candidate = rivals.emitted_c(subject(name).emitted)
+    candidate = baselines.emitted_c(subject(name).emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(THIN[name]), ONCE), ONCE)
     assert coverage.decisions > 50 and coverage.missing == ()
 
@@ -95,7 +95,7 @@ def test_a_decision_that_nothing_takes_is_detected() -> None:
     (emitted, _, _), name = subject(config.NAME), config.NAME
     planted = "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     text = emitted.files[f"{name}.c"].replace("    return faults;", planted)
-    candidate = rivals.emitted_c(EmittedCode({**emitted.files, f"{name}.c": text}, emitted.manifest))
+    candidate = baselines.emitted_c(EmittedCode({**emitted.files, f"{name}.c": text}, emitted.manifest))
     coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every(100), ONCE), ONCE)
     assert [line for line in coverage.missing if "1.2345678f" in line]
 
@@ -104,7 +104,7 @@ def test_a_decision_that_nothing_takes_is_detected() -> None:
 @pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
     costly = steps.concatenate("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
-    most = meter.run(rivals.emitted_c(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
+    most = meter.run(baselines.emitted_c(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
     ceiling = CEILINGS[name][build]
     assert 0.93 * ceiling < most <= ceiling
     assert name != config.NAME or ceiling <= (AIM if build.endswith("contracted") else LIMIT)
@@ -114,8 +114,8 @@ def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> No
 def test_casadis_own_c_takes_twice_as_many() -> None:
     pair, build = subject(config.NAME), SHIPPED["gcc, newlib"]
     few = steps.thinned(pair.sequences["motions"], 20)
-    rival = meter.run(rivals.casadi(config.block(), shimmed=True), few, build).cost.instructions
-    emitted_cost = meter.run(rivals.emitted_c(pair.emitted), few, build).cost.instructions
+    rival = meter.run(baselines.casadi(config.block(), shimmed=True), few, build).cost.instructions
+    emitted_cost = meter.run(baselines.emitted_c(pair.emitted), few, build).cost.instructions
     assert rival.min() > 1.8 * emitted_cost.max()
 
 

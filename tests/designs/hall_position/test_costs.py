@@ -16,7 +16,7 @@ from synth.emit import write
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.report import page
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
 from tests.designs.hall_position import posed
 
 GCC = pytest.mark.skipif("gcc" not in cross.available(), reason="arm-none-eabi-gcc is not installed")
@@ -59,7 +59,7 @@ def with_loop(emitted: EmittedCode) -> EmittedCode:
 
 @GCC
 def test_a_loop_that_is_planted_shows_as_more() -> None:
-    slower = costs.row(subject()._replace(emitted=rivals.emitted_c(with_loop(three()))), PLAIN)
+    slower = costs.row(subject()._replace(emitted=baselines.emitted_c(with_loop(three()))), PLAIN)
     assert 4 * TURNS <= slower.emitted - measure_three().emitted <= 10 * TURNS  # load, compare, branch, add, store
     assert slower.casadi == measure_three().casadi
 

@@ -5,7 +5,7 @@ import pytest
 
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
-from synth import declared
+from synth import standard_tasks
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
@@ -25,17 +25,17 @@ def stage() -> Plant:
 
 @pytest.fixture(scope="session")
 def single() -> host.Controller:
-    return declared.compiled_controller(DESIGN.stage, np.float32)
+    return standard_tasks.compiled_controller(DESIGN.stage, np.float32)
 
 
 @pytest.fixture(scope="session")
 def double() -> host.Controller:
-    return declared.compiled_controller(DESIGN.stage, np.float64)
+    return standard_tasks.compiled_controller(DESIGN.stage, np.float64)
 
 
 @pytest.fixture(scope="session")
 def shipped() -> Rig:
-    return declared.rig(DESIGN.stage, np.float32)
+    return standard_tasks.rig(DESIGN.stage, np.float32)
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.paper import rows as paper
 from designs.maglev_5dof.paper.bench import SPRINGS, AuditSetup
 from models import maglev_figures, maglev_polynomial, maglev_stage
-from synth.analyse import trim
+from synth.analyse import operating_points
 from synth.report import audit
 from synth.report.audit import Published, Row
 
@@ -100,7 +100,7 @@ def test_rows_come_one_by_one() -> None:
 
 def test_holding_currents_are_those_of_trim(rows: dict[str, Row]) -> None:
     for lv3, figure in (("coth2", "i_d at 25 mm"), ("csch2", "i_d at 25 mm, csch^2")):
-        point = trim.trim(maglev_stage.plant(lv3), {"y": 0.025}, [f"i_d{j}" for j in range(1, 5)])
+        point = operating_points.trim(maglev_stage.plant(lv3), {"y": 0.025}, [f"i_d{j}" for j in range(1, 5)])
         assert rows["F-1"][figure] == pytest.approx(point["i_d1"], rel=1e-9)
 
 

@@ -12,7 +12,7 @@ from designs.maglev_5dof.design import DESIGN
 from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import meter, on_target, rivals, steps, stimuli
+from synth.verify import baselines, meter, on_target, steps, stimuli
 from synth.verify.steps import Steps
 
 FOLDER = Path(__file__).parents[3] / "generated_c" / control.NAME
@@ -63,7 +63,7 @@ def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller
 
 @pytest.mark.parametrize("build", BUILDS, ids=[b.compiler for b in BUILDS])
 def test_every_decision_is_seen_both_ways(build: meter.Build, sequences: dict[str, Steps]) -> None:
-    candidate = rivals.emitted_c(EMITTED)
+    candidate = baselines.emitted_c(EMITTED)
     short = [steps.thinned(s, 50 if s.closed_loop else 5000) for s in sequences.values()]
     coverage = meter.coverage(candidate, meter.run(candidate, steps.concatenate("all", short), build), build)
     assert coverage.decisions > 40 and not coverage.missing, coverage.missing

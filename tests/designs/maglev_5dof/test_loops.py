@@ -6,8 +6,8 @@ import pytest
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.experiments import WIRES
-from synth.analyse import discretise, loop, robustness, trim
-from synth.compose import compose
+from synth.analyse import discretise, loop, operating_points, robustness
+from synth.composition import compose
 from synth.plant import Plant
 from synth.verify import standard
 from tests import tolerances
@@ -50,7 +50,10 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
     stage: Plant, loops: robustness.Loops, gap: int
 ) -> None:
     """The equilibrium is the controller's too, at the ends of the range as well; init's last currents are none."""
-    point, rest = trim.trim(stage, {"y": gap * 1e-3}, list(WIRES)), robustness.equilibrium(loops, f"{gap} mm")
+    point, rest = (
+        operating_points.trim(stage, {"y": gap * 1e-3}, list(WIRES)),
+        robustness.equilibrium_at(loops, f"{gap} mm"),
+    )
     for s in control.CURRENTS:
         assert rest.state[f"safe_output_last_{s.name}"] == pytest.approx(point[s.name], abs=1e-6)
     assert abs(point["i_d1"] - control.SAFE_CURRENT) > 1e-3
@@ -60,7 +63,7 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
 @pytest.mark.parametrize("gap", GAPS)
 def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, opened: Opened, gap: int) -> None:
     """The whole loop is put together here, from the controller as it ships and the plant under its delay."""
-    rest = robustness.equilibrium(loops, f"{gap} mm")
+    rest = robustness.equilibrium_at(loops, f"{gap} mm")
     K, sensors = rest.controller, {s.name: s.of for s in control.INTERFACE.sensors}
     P = discretise.with_delay(discretise.zero_order_hold(rest.plant, control.TIME.period_s), 1)
     S = np.array([[float(sensors.get(i) == o) for o in P.outputs] for i in K.inputs])
@@ -89,7 +92,7 @@ def test_margins(opened: Opened) -> None:
 
 def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, opened: Opened) -> None:
     """Cut at the position alone, with the law's gaps left in place, the loop would show another low-frequency gain."""
-    rest, of = robustness.equilibrium(loops, "25 mm"), loops.closed
+    rest, of = robustness.equilibrium_at(loops, "25 mm"), loops.closed
     block = compose("cut", loop.cut(DESIGN.stage.controller.parts, "y"), inputs=[*rest.inputs, "y"], outputs=CUT)
     K = loop.linearise_block(block, rest.state, {**rest.inputs, "y": 0.025})
     partial = loop.open_loop(rest.plant, K, "y", of.sensors, of.actuators)

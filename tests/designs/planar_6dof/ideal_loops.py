@@ -7,9 +7,9 @@ import casadi as ca
 from designs.planar_6dof import filtering, vertical
 from models import planar_allocation as allocation
 from models import planar_stage
-from synth.analyse import linearise, loop, margins, trim
+from synth.analyse import linearisation, loop, operating_points, stability_margins
 from synth.block import Block, Exprs, Step, build, clip
-from synth.compose import compose
+from synth.composition import compose
 from synth.plant import Plant
 from synth.signals import Signal, names
 from synth.statespace import StateSpace
@@ -70,10 +70,12 @@ def of_axis(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, del
     inputs = [*sensors, *REFERENCES, *ready(parts), signal]
     block = compose("opened", parts, inputs=inputs, outputs=[*ACTUATORS, f"{signal}_out"])
     controller = loop.linearise_block(block, {}, dict.fromkeys(inputs, 0.0) | dict.fromkeys(ready(parts), 1.0))
-    point = trim.trim(PLANT, dict.fromkeys(planar_stage.AXES, 0.0), [])
-    return loop.open_loop(linearise.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
+    point = operating_points.trim(PLANT, dict.fromkeys(planar_stage.AXES, 0.0), [])
+    return loop.open_loop(linearisation.linearise(PLANT, point), controller, signal, sensors, ACTUATORS, delay)
 
 
-def margins_of(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, delay: float = 1) -> margins.Margins:
+def margins_of(
+    law: Sequence[Block], time: Discrete, axis: str, filtered: bool, delay: float = 1
+) -> stability_margins.Margins:
     """Return the margins of `of_axis`."""
-    return margins.of_loop(of_axis(law, time, axis, filtered, delay))
+    return stability_margins.of_loop(of_axis(law, time, axis, filtered, delay))

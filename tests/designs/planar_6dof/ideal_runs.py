@@ -7,7 +7,7 @@ import numpy as np
 from models import planar_allocation as allocation
 from models import planar_stage
 from synth.block import Block, unranged
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.execute import host
 from synth.signals import names

@@ -18,11 +18,11 @@ from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg_design
 from models import planar_allocation as allocation
 from models import planar_stage
-from synth import declared
+from synth import standard_tasks
 from synth.blocks import safety
 from synth.emit.write import EmittedCode
 from synth.execute import host
-from synth.verify import meter, on_target, rivals, steps, stimuli
+from synth.verify import baselines, meter, on_target, steps, stimuli
 from synth.verify.steps import Steps
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
@@ -182,7 +182,7 @@ def unexplained_decisions(missing: tuple[str, ...]) -> list[str]:
 )
 def test_every_decision_is_seen_both_ways(name: str, build: str) -> None:
     """One compiler for the lead-lag, whose text differs from LQG's in filters and loops alone."""
-    candidate = rivals.emitted_c(subject(name).emitted)
+    candidate = baselines.emitted_c(subject(name).emitted)
     coverage = meter.coverage(candidate, meter.run(candidate, subject(name).every, BUILDS[build]), BUILDS[build])
     assert coverage.decisions > 60 and len(coverage.missing) < 20
     assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
@@ -194,7 +194,7 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
     text = emitted.files["planar_6dof_lqg.c"].replace(
         "    return faults;", "    if (in->V_ax == 1.2345678f) { faults |= 1u << 30; }\n    return faults;"
     )
-    candidate = rivals.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
+    candidate = baselines.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
     coverage = meter.coverage(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
     assert [line for line in unexplained_decisions(coverage.missing) if "1.2345678f" in line]
 
@@ -202,7 +202,7 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
 def test_what_the_failures_are_for_is_told_without_them() -> None:
     """The planted defect: a meter that leaves the failures out. No channel is named then, and no input refused."""
     lqg, build = subject("planar_6dof_lqg"), BUILDS[FIRST]
-    candidate = rivals.emitted_c(lqg.emitted)
+    candidate = baselines.emitted_c(lqg.emitted)
     sound = steps.thinned(lqg.sequences["travel"], THIN)
     left = unexplained_decisions(meter.coverage(candidate, meter.run(candidate, sound, build), build).missing)
     assert any("sensing_contradiction_confirmed" in line for line in left)
@@ -213,7 +213,7 @@ def test_what_the_failures_are_for_is_told_without_them() -> None:
 def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject) -> None:
     costly = [s for s in design.sequences.values() if s.name.endswith(("anew", "again"))]
     stimulus = steps.concatenate("costly", [steps.thinned(s, COSTLY) for s in costly])
-    run = meter.run(rivals.emitted_c(design.emitted), stimulus, SHIPPED[build])
+    run = meter.run(baselines.emitted_c(design.emitted), stimulus, SHIPPED[build])
     most, ceiling = run.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]
     assert 0.95 * ceiling < most <= ceiling
 
@@ -225,6 +225,8 @@ def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, mon
     monkeypatch.setattr(bench, "stimuli", lambda controller: [])
     stage, controller = DESIGNS[name].stage, subject(name).controller
     assert stage is not None
-    declared.bench(replace(stage, experiments=()), bench.stimuli, bench.FLOOR).sequences(controller, lambda _: None)
+    standard_tasks.bench(replace(stage, experiments=()), bench.stimuli, bench.FLOOR).sequences(
+        controller, lambda _: None
+    )
     assert measured_steps[0][0].controller is controller and measured_steps[0][3] == []
     assert DESIGNS[name].bench.floor == bench.FLOOR and DESIGNS[name].bench.block() is BLOCKS[name]

@@ -15,7 +15,7 @@ from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
 from synth.block import Block, unranged
 from synth.blocks import safety
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.execute import host
 from synth.statespace import Array

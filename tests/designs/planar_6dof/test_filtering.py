@@ -11,7 +11,7 @@ import pytest
 
 from designs.planar_6dof import filtering, reference_sensing
 from synth.block import Block, unranged
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.execute import compile as compiler
 from synth.execute import host

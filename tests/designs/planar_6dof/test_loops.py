@@ -11,7 +11,7 @@ from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import page as own
 from models import planar_allocation as allocation
 from models import planar_stage
-from synth.analyse import disk, margins
+from synth.analyse import disk, stability_margins
 from synth.analyse import loop as analyse
 from synth.block import Block
 from synth.emit import write
@@ -148,7 +148,7 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
 
 def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.LoopParts], cases: dict[str, Case]) -> None:
     """The calibrated slope of x is off by a few per cent at most, and so is the crossover."""
-    middle = margins.of_loop(loops.open_loop(opened["leadlag"], ["x"]))
+    middle = stability_margins.of_loop(loops.open_loop(opened["leadlag"], ["x"]))
     by_place = loops.over_pitch(PLANT, cases["leadlag"][0], places=3)
     for each in by_place:
         assert each["x"].stable and each["x"].phase_margin == pytest.approx(middle.phase_margin, abs=3)

@@ -13,7 +13,7 @@ from synth.emit import write
 from synth.execute import compile as compiler
 from synth.execute import cross, host
 from synth.statespace import Array
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
 from tests.designs.planar_6dof.measured import (
     AS_MEASURED,
     CAL,
@@ -277,4 +277,4 @@ def test_what_a_step_costs(predicted: bool, most: int) -> None:
     inputs = estimation_inputs(noisy(sensing_maps.voltages(PLANT, pose)))
     stimulus = steps.record(host.load(made.files, made.manifest), "motion", inputs)
     build = next(b for b in meter.builds() if b.compiler == cross.available()[-1])
-    assert meter.run(rivals.emitted_c(made), stimulus, build).cost.instructions.max() <= most
+    assert meter.run(baselines.emitted_c(made), stimulus, build).cost.instructions.max() <= most

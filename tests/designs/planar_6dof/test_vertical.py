@@ -11,7 +11,7 @@ from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import loop
 from synth.block import unranged
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import write
 from synth.execute import host
 from synth.signals import names

@@ -11,7 +11,7 @@ from synth.analyse import loop
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
 from tests import tolerances
 
 BARS = {"reduced": 95, "full": 100}  # instructions by gcc on a Cortex-M4F
@@ -51,4 +51,4 @@ def test_what_a_step_costs(order: Order) -> None:
     errors = {axis: 1e-6 * np.sin(np.arange(50) + i) for i, axis in enumerate(HORIZONTAL)}
     small = steps.record(controller, "small", errors, closed_loop=True)
     for stimulus, build in ((small, "gcc, newlib"), (steps.random_steps(controller, 1000), "gcc, newlib, small")):
-        assert meter.run(rivals.emitted_c(emitted), stimulus, builds[build]).cost.instructions.max() <= BARS[order]
+        assert meter.run(baselines.emitted_c(emitted), stimulus, builds[build]).cost.instructions.max() <= BARS[order]

@@ -21,7 +21,7 @@ from synth.emit.c.expressions import Text, literal
 from synth.emit.c.layout import layout
 from synth.emit.lower import LIBM
 from synth.emit.passes import fold
-from synth.emit.passes.replace import Surrogate
+from synth.emit.passes.surrogates import Surrogate
 from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError
 from synth.execute import compile as compiler

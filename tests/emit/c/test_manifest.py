@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from synth.block import Block, Step, build
 from synth.blocks.safety import LATCH_BIT, NO_SAFE_OUTPUT, GuardedInput, Safety, frozen, guard, safe_output
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit.c.manifest import dumps
 from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError, WiringError

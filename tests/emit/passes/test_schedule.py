@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from synth.block import Block, State, Step, build
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import lower, pipeline
 from synth.emit.lower import Program
 from synth.emit.passes import fold, schedule

@@ -12,7 +12,7 @@ import pytest
 from designs.maglev_5dof import control
 from models import maglev_stage
 from synth.block import Block, Constant, Fault, State, Step, build, clip
-from synth.compose import compose
+from synth.composition import compose
 from synth.emit import lower, write
 from synth.emit.proof import bisection, ranges, safe
 from synth.emit.proof.ranges import Range

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from synth.block import Block, Constant, State, Step, build, clip, table
-from synth.compose import compose
+from synth.composition import compose
 from synth.errors import ModelError
 from synth.plant import Plant, Symbols
 from synth.plant import build as build_plant

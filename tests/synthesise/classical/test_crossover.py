@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import loop, margins
+from synth.analyse import loop, stability_margins
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.classical import crossover, lead_lag
@@ -135,4 +135,4 @@ def test_a_design_prints_what_was_asked_and_what_came() -> None:
         "delay margin",
     ):
         assert part in text
-    assert margins.of_loop(control.tf([1], [1, 0])).stable
+    assert stability_margins.of_loop(control.tf([1], [1, 0])).stable

@@ -8,7 +8,7 @@ import scipy.signal
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from synth.analyse import loop, margins, sensitivity
+from synth.analyse import feedback_loop, loop, stability_margins
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.classical import lead_lag
@@ -196,7 +196,7 @@ def test_the_positioners_step_is_that_of_the_loop_sampled_by_the_trapezoidal_rul
     The continuous loop gives 13.16 ms, 12.655 % and 134.4 ms, the prewarped one 13.04 % too: the row was sampled.
     """
     discrete = lead_lag.tustin(paper(), T, W).discrete
-    closed = sensitivity.close(loop.sampled(inertia(), T), discrete).T
+    closed = feedback_loop.close(loop.sampled(inertia(), T), discrete).T
     y, x = [], np.zeros(len(closed.A))
     for _ in range(1000):
         y.append(float((closed.C @ x + closed.D[:, 0])[0]))
@@ -205,20 +205,20 @@ def test_the_positioners_step_is_that_of_the_loop_sampled_by_the_trapezoidal_rul
     assert 100 * (y.max() - 1) == pytest.approx(13.036, abs=0.5e-3)
     assert np.argmax(y >= 0.9) - np.argmax(y >= 0.1) == 12
     assert np.flatnonzero(np.abs(y - 1) > 0.02)[-1] == 133
-    whole = sensitivity.close(inertia(), paper().model).T
+    whole = feedback_loop.close(inertia(), paper().model).T
     _, smooth = scipy.signal.step((whole.A, whole.B, whole.C, whole.D), T=np.linspace(0, 0.1, 4001))
     assert 100 * (smooth.max() - 1) == pytest.approx(12.655, abs=1e-3)
 
 
 def test_the_sampled_controller_keeps_the_published_loops_margin_under_the_hold() -> None:
     """With the prewarped controller in place of the continuous one, Y-7 at 1 kHz keeps its digits: 17.322, 71.387."""
-    closed = sensitivity.close(loop.sampled(inertia(), T), lead_lag.prewarped(paper(), T, W).discrete)
-    (crossing,) = margins.of_loop(closed.L).gain_crossings
+    closed = feedback_loop.close(loop.sampled(inertia(), T), lead_lag.prewarped(paper(), T, W).discrete)
+    (crossing,) = stability_margins.of_loop(closed.L).gain_crossings
     assert crossing.frequency / (2 * np.pi) == pytest.approx(17.322, abs=0.5e-3)
     assert crossing.phase_margin == pytest.approx(71.387, abs=0.5e-3)
     # half a sample forgotten is seen: 3 degrees
-    late = sensitivity.close(loop.sampled(inertia(), T, T / 2), lead_lag.prewarped(paper(), T, W).discrete)
-    (crossing,) = margins.of_loop(late.L).gain_crossings
+    late = feedback_loop.close(loop.sampled(inertia(), T, T / 2), lead_lag.prewarped(paper(), T, W).discrete)
+    (crossing,) = stability_margins.of_loop(late.L).gain_crossings
     assert abs(crossing.phase_margin - 71.387) > 3
 
 

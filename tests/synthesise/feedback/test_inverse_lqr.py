@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import inverse_lqr, lqr
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 

@@ -7,7 +7,7 @@ import pytest
 from synth.errors import SignalError, TimingError
 from synth.statespace import StateSpace
 from synth.synthesise.feedback import lqr, weights
-from synth.synthesise.servo import internal_model
+from synth.synthesise.regulation import internal_model
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 from tests.synthesise.feedback.problems import random_problem

@@ -6,7 +6,7 @@ import pytest
 
 from designs.maglev_5dof import reference
 from models import maglev_stage
-from synth.analyse import trim
+from synth.analyse import operating_points
 from synth.errors import ModelError, SignalError
 from synth.synthesise.identify import identify
 from synth.synthesise.identify.logs import Log
@@ -69,7 +69,9 @@ def holds(noise_A: float, seed: int = 1, each: int = 20) -> Log:
     plant = maglev_stage.plant().with_parameters(**TRUE)
     rng, rows = np.random.default_rng(seed), []
     for phi, theta in ANGLES:
-        point = trim.trim(plant, {"y": 0.025, "phi": phi, "theta": theta}, [f"i_d{j}" for j in (1, 2, 3, 4)])
+        point = operating_points.trim(
+            plant, {"y": 0.025, "phi": phi, "theta": theta}, [f"i_d{j}" for j in (1, 2, 3, 4)]
+        )
         rows += [np.concatenate([point.x, point.u + noise_A * rng.normal(size=6)]) for _ in range(each)]
     names = [s.name for s in (*plant.states, *plant.inputs)]
     return Log(dict(zip(names, np.array(rows).T, strict=True)))

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from models import maglev_stage
-from synth.analyse import box, rounding, trim
+from synth.analyse import box, operating_points, rounding
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant, Symbols
 from synth.synthesise.nonlinear import dynamic_extension, feedback_linearisation
@@ -212,7 +212,7 @@ def test_the_nonlinear_plant_follows_the_linear_chain(name: str) -> None:
 def test_the_levitated_stage_follows_fifteen_integrators() -> None:
     """All quadratic terms of the currents are in the plant, and no term is dropped from the law."""
     stage = full_stage()
-    point = trim.trim(stage, {"y": 0.025}, ["i_d1", "i_d2", "i_d3", "i_d4"])
+    point = operating_points.trim(stage, {"y": 0.025}, ["i_d1", "i_d2", "i_d3", "i_d4"])
     law = feedback_linearisation.of_plant(stage, list(maglev_stage.RATE), point=point, weight=np.eye(6))
     assert law.degree.degrees == (3,) * 5 and law.zeros is not None and law.zeros.agreed
     assert law.check().passed
@@ -230,7 +230,7 @@ def test_the_levitated_stage_follows_fifteen_integrators() -> None:
 
 def test_zero_dynamics_come_with_a_point() -> None:
     plant = textbook_plants.aircraft(0.1)
-    law = feedback_linearisation.of_plant(plant, point=trim.trim(plant, {}, ["T"]))
+    law = feedback_linearisation.of_plant(plant, point=operating_points.trim(plant, {}, ["T"]))
     assert law.zeros is not None and law.zeros.verdict == "not minimum phase"
     text = repr(law)
     assert "Zero dynamics of order 2: not minimum phase" in text
@@ -256,7 +256,7 @@ def test_spare_inputs_share_the_work_by_their_weight() -> None:
     assert law.check().passed
     held = feedback_linearisation.of_plant(plant, held={"coarse": 1.0})
     assert held.check().passed and held.law([0.0, 0.0], [6.0]).full().item() == pytest.approx(4.0)
-    biased = trim.OperatingPoint([0, 0], [2.0, -1.0], [], 0.0, ("x", "v"), ("fine", "coarse"))
+    biased = operating_points.OperatingPoint([0, 0], [2.0, -1.0], [], 0.0, ("x", "v"), ("fine", "coarse"))
     about = feedback_linearisation.of_plant(plant, weight=[4.0, 1.0], point=biased)
     np.testing.assert_allclose(about.law([0, 0], [0.0]).full().ravel(), [2.0, -1.0], rtol=1e-12)
     with pytest.raises(SignalError, match="input weight"):

@@ -14,8 +14,8 @@ from synth.execute import host
 from synth.signals import Signal
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import belief, estimator_start, kalman, lqg
-from synth.synthesise.servo import optimal_servo, servo
+from synth.synthesise.observers import estimator_start, kalman, lqg, square_root_kalman
+from synth.synthesise.regulation import optimal_servo, servo
 from synth.timing import Continuous
 from tests import tolerances
 
@@ -128,8 +128,8 @@ def test_it_is_the_limit_of_the_first_update_of_a_kalman_filter() -> None:
         FILTER.current(), model, ["near"], values=values, deviations=dict(zip(model.states, d, strict=True))
     )
     x_0 = [values.get(x, 0.0) for x in model.states]
-    before = belief.initial(model, np.diag(d**2), x_0)
-    after = belief.update(before, model, np.full(2, 1e-22), {"near": 4e-3})
+    before = square_root_kalman.initial(model, np.diag(d**2), x_0)
+    after = square_root_kalman.update(before, model, np.full(2, 1e-22), {"near": 4e-3})
     np.testing.assert_allclose(start.a + start.G @ [0.0, 4e-3, 9.0], after.x, rtol=0, atol=1e-9)
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from synth.statespace import StateSpace
-from synth.synthesise.observers import belief, kalman
+from synth.synthesise.observers import kalman, square_root_kalman
 from synth.timing import Discrete
 from tests.synthesise.observers.models import run
 
@@ -64,15 +64,15 @@ def test_the_gain_as_printed_tends_to_one() -> None:
     """(14) predicts P and never updates it, so that it grows and K of (16) trusts the measurement alone."""
     model, Gamma = published_model(800)
     W = 100 * Gamma @ Gamma.T
-    now = belief.initial(model, 1e8 * np.eye(3))
+    now = square_root_kalman.initial(model, 1e8 * np.eye(3))
     for _ in range(200):
-        now = belief.predict(now, model, (W + W.T) / 2)
+        now = square_root_kalman.predict(now, model, (W + W.T) / 2)
     P = now.P[0, 0]
     assert 1 - P / (P + 25e-10) < 1e-12
-    from_nothing = belief.initial(model, np.zeros((3, 3)))
+    from_nothing = square_root_kalman.initial(model, np.zeros((3, 3)))
     gains = []
     for _ in range(800):
-        from_nothing = belief.predict(from_nothing, model, (W + W.T) / 2)
+        from_nothing = square_root_kalman.predict(from_nothing, model, (W + W.T) / 2)
         gains.append(from_nothing.P[0, 0] / (from_nothing.P[0, 0] + 25e-10))
     assert (np.diff(gains) > 0).all()
     assert gains[-1] > 1 - 1e-6

@@ -9,7 +9,7 @@ import pytest
 from designs.hall_position import costs
 from synth.execute import cross, host
 from synth.statespace import Array as Numbers
-from synth.verify import meter, rivals, steps
+from synth.verify import baselines, meter, steps
 from synth.verify.meter import Build
 from tests.designs.hall_position import reference_six
 from tests.designs.hall_position.posed import (
@@ -42,15 +42,15 @@ def sequence() -> steps.Steps:
 @pytest.mark.parametrize("build", LIMIT, ids=lambda b: b.name)
 def test_four_corrections_take_so_many_instructions(build: Build) -> None:
     assert USUAL.corrections == 4
-    instructions = meter.run(rivals.emitted_c(emit_c(FOUR, USUAL, np.float32)), sequence(), build).cost.instructions
+    instructions = meter.run(baselines.emitted_c(emit_c(FOUR, USUAL, np.float32)), sequence(), build).cost.instructions
     assert 0.9 * LIMIT[build] < instructions.max() <= LIMIT[build]
 
 
 @GCC
 def test_casadis_own_c_takes_more() -> None:
     few = steps.thinned(sequence(), 10)
-    rival = meter.run(rivals.casadi(block(FOUR), shimmed=True), few, PLAIN).cost.instructions
-    emitted_cost = meter.run(rivals.emitted_c(emit_c(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
+    rival = meter.run(baselines.casadi(block(FOUR), shimmed=True), few, PLAIN).cost.instructions
+    emitted_cost = meter.run(baselines.emitted_c(emit_c(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
     assert rival.max() > 1.5 * emitted_cost.max()
 
 

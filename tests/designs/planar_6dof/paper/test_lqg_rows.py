@@ -15,7 +15,7 @@ from designs.planar_6dof.paper.records import prominent_line
 from synth.report.audit import Published, Row
 from synth.report.formulas import Formula
 from synth.synthesise.feedback import lqr
-from synth.synthesise.observers import belief, kalman
+from synth.synthesise.observers import kalman, square_root_kalman
 from synth.timing import Discrete
 from tests.designs.planar_6dof.paper import recomputed
 from tests.designs.planar_6dof.paper.recomputed import (
@@ -287,7 +287,7 @@ def _unsampled_cost(patch: pytest.MonkeyPatch) -> None:
 
 def _no_update(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(filter, "position_gains", filter.position_gains.__wrapped__)
-    patch.setattr(belief, "update", lambda now, *_: now)
+    patch.setattr(square_root_kalman, "update", lambda now, *_: now)
 
 
 def _predicting_filter(patch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from designs.levitator_2dof import reference
 
 from models import levitator
 from synth import stage
-from synth.analyse import linearise, trim
+from synth.analyse import linearisation, operating_points
 from synth.blocks import axis
 from synth.simulate.conditions import Conditions, Sine
 from synth.simulate.experiments import Hold, LiftOff, Step, Track
@@ -17,7 +17,7 @@ from synth.timing import Discrete
 TIME = Discrete(1 / 2000)
 HUM, COURSE = 100 * pi, 20 * pi  # rad/s: of the mains, and of the course that is to be tracked
 PLANT = levitator.plant()
-REST = trim.trim(PLANT, {"z": 0.0}, ["i1", "i2"])
+REST = operating_points.trim(PLANT, {"z": 0.0}, ["i1", "i2"])
 INVERSE = feedback_linearisation.of_plant(PLANT, ["z"], {"i2": 0.0, "hum": 0.0})
 
 INTERFACE = stage.interface(
@@ -40,7 +40,7 @@ Z = axis.servo(
     set_point=0.6,
 )
 X = axis.servo(
-    linearise.linearise(PLANT, REST).channel("x", "i2"),
+    linearisation.linearise(PLANT, REST).channel("x", "i2"),
     modes={0.0: 25.0, COURSE: 20.0, HUM: 20.0},
     weights={"x": 1e8, "vx": 1e2},
     effort=1e1,

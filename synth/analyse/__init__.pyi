@@ -1,0 +1,45 @@
+from synth.analyse.discretise import with_delay as delay
+from synth.analyse.discretise import zero_order_hold as c2d
+from synth.analyse.disk import of_loop as disk_margin
+from synth.analyse.feedback_loop import close as sensitivity
+from synth.analyse.feedback_loop import feedback as feedback
+from synth.analyse.gramian import gramians as gramians
+from synth.analyse.interconnect import connect as connect
+from synth.analyse.linearisation import linearise as linearise
+from synth.analyse.norms import norm_h2 as norm_h2
+from synth.analyse.norms import norm_hinf as norm_hinf
+from synth.analyse.operating_points import trim as trim
+from synth.analyse.plots import bode as bode
+from synth.analyse.plots import step as step
+from synth.analyse.realisation import minimal as minreal
+from synth.analyse.stability_margins import of_loop as margins
+from synth.analyse.structure import poles as poles
+from synth.analyse.structure import transmission_zeros as zeros
+from synth.analyse.time_response import impulse_response as impulse_response
+from synth.analyse.time_response import step_response as step_response
+from synth.analyse.transfer import delayed as delayed
+from synth.analyse.transfer import response as frequency_response
+
+__all__ = [
+    "bode",
+    "c2d",
+    "connect",
+    "delay",
+    "delayed",
+    "disk_margin",
+    "feedback",
+    "frequency_response",
+    "gramians",
+    "impulse_response",
+    "linearise",
+    "margins",
+    "minreal",
+    "norm_h2",
+    "norm_hinf",
+    "poles",
+    "sensitivity",
+    "step",
+    "step_response",
+    "trim",
+    "zeros",
+]

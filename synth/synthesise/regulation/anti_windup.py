@@ -1,0 +1,211 @@
+"""Anti-windup by back-calculation or conditioning: feedback of the actuators' excess over the commands.
+
+    x_c' = A x_c + B w + E (u_limited - u),    u = C x_c + D w          (x_c+ in discrete time)
+
+Without saturation the excess is zero. While all actuators are saturated, x_c' = (A - E C) x_c + ..; E must make this
+stable. While only some are saturated, the plant takes part, and nothing is certified.
+
+back_calculation   E for the internal model of a servo regulator: all eigenvalues of I (x) Phi - E K_xi keep the
+                   frequencies of the modes and decay at one rate a. E is the gain of an observer of xi from u: with
+                   F = I (x) Phi + (a / 2) I, which has no decaying mode, E = Z^-1 K_xi' V^-1 and
+                   F' Z + Z F = K_xi' V^-1 K_xi (Bass), in the real Jordan form of Phi. In discrete time likewise with
+                   F = I (x) Phi exp(a T / 2).
+conditioning       the realisable reference (Hanus, Kinnaert, Henrotte 1987): the change of some inputs w_r, as many as
+                   commands, for which the command equals the limited one. Where D_r, from w_r to u, is invertible,
+                   E = B_r D_r^-1. Where D_r = 0 and C B_r is invertible, the reference of the previous sample gives
+                   E = A B_r (C B_r)^-1, or more gently E = (A - z I) B_r (C B_r)^-1 with z = exp(-a T), in continuous
+                   time z = -a. The eigenvalues of A - E C are the zeros from w_r to u and, where D_r = 0, z once for
+                   each command.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import flint
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth import arguments, show
+from synth.analyse import precise
+from synth.analyse.equilibrate import equilibrated
+from synth.errors import ModelError, SignalError
+from synth.statespace import Array, Complex, StateSpace, System, of, readonly
+from synth.synthesise.feedback import weights
+from synth.synthesise.regulation import internal_model, minimal_polynomial
+from synth.synthesise.regulation.servo import Servo
+from synth.synthesise.riccati import kronecker, spectrum
+from synth.timing import Continuous, Time
+
+SINGULAR = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
+
+
+@show.result
+class AntiWindup:
+    """E (k, m), from the excess of each command to the controller's states.
+
+    `controller` has the additional inputs ``<control>_excess``; `eigenvalues` are those of A - E C.
+    """
+
+    E: Array
+    controller: StateSpace
+    eigenvalues: Complex
+
+    def sheet(self) -> show.Sheet:
+        """Return E and the eigenvalues while all commands are limited."""
+        model = self.controller
+        excess = model.inputs[len(model.inputs) - self.E.shape[1] :]
+        values = ", ".join(show.number(s) for s in self.eigenvalues)
+        line = f"With all actuators at their limits the controller has the eigenvalues {values}"
+        return show.Sheet("Anti-windup", (line,), (show.matrix("E", self.E, model.labels(model.states), excess),))
+
+
+@arguments.checked
+def of_gain(controller: System, E: ArrayLike) -> AntiWindup:
+    """Return a controller with any anti-windup gain E (k, m).
+
+    Raises SignalError for an E of another shape, ModelError when the controller with limited commands is not stable.
+    """
+    model, gain = of(controller), arguments.matrix("E", E)
+    if gain.shape != model.C.T.shape or not np.isfinite(gain).all():
+        raise SignalError(
+            f"E is {gain.shape}: give a finite one of {model.C.T.shape}, the controller's states by its commands"
+        )
+    return _with_excess_inputs(model, readonly(gain), "take another E")
+
+
+@arguments.checked
+def back_calculation(regulator: Servo, decay_per_s: float, V: weights.Weight | None = None) -> AntiWindup:
+    """Return a servo regulator whose internal model decays at the rate a = `decay_per_s` during saturation.
+
+    V (m, m) weights the commands: a large entry gives the excess of its command less effect. By default the commands
+    are weighted by the size of their gains, independent of units. An observer continues with the limited commands. E is
+    computed in ball arithmetic and each entry is rounded once, with the same result on every machine.
+
+    Raises SignalError for a rate that is not positive or a V that is not definite; ModelError as `of_gain`.
+    """
+    rate, controls = _decay_rate(decay_per_s), regulator.controls
+    weight = None if V is None else weights.definite("V", V, controls)
+    E = _gain(regulator, rate, weight)
+    no_gain = np.zeros((len(regulator.controller.A) - len(E), len(controls)))
+    return _with_excess_inputs(regulator.controller, readonly(np.vstack([E, no_gain])), "choose a larger decay_per_s")
+
+
+def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
+    """Return E (p k, m) in the coordinates xi, each entry rounded once."""
+    model, p = regulator.model, len(regulator.regulated)
+    k = len(model.Phi)
+    V = np.diag(1 / equilibrated(_modal_gains(regulator, rate))[1] ** 2) if V is None else V
+
+    def compute() -> flint.arb_mat:
+        C, V_balls, half = precise.matrix(regulator.K_xi), precise.matrix(V), flint.arb(rate) / 2
+        form = internal_model.exact(model.modes, model.time)
+        Phi = flint.arb_mat([[form[i, j] for j in range(k)] for i in range(k)])
+        weighted = V_balls.solve(C).transpose()
+        if isinstance(model.time, Continuous):
+            F = Phi + precise.identity(k) * half
+            return kronecker.lyapunov(F.transpose(), weighted * C).solve(weighted)
+        F = Phi * (half * flint.arb(model.time.period_s)).exp()
+        X = kronecker.stein(F.transpose(), weighted * C).solve(C.transpose())
+        return (V_balls + C * X).solve((kronecker.block(Phi, p) * X).transpose()).transpose()
+
+    try:
+        return precise.correctly_rounded(compute, "the anti-windup gain")
+    except ZeroDivisionError as error:
+        raise ModelError(
+            "a mode of the internal model is not observable in the commands, and no E stabilises it: give the "
+            "regulator a gain K_xi on each mode"
+        ) from error
+
+
+def _modal_gains(regulator: Servo, rate: float) -> Array:
+    """Return K_xi in modal coordinates, each column scaled by the size of its mode."""
+    modes, p = regulator.model.modes, len(regulator.regulated)
+
+    def compute() -> flint.arb_mat:
+        return precise.matrix(regulator.K_xi) * kronecker.block(minimal_polynomial.modal_matrix(modes, rate), p)
+
+    C = precise.correctly_rounded(compute, "the gain on the modes")
+    return C / _mode_sizes(C, [mode.order for mode in modes] * p)
+
+
+@arguments.checked
+def conditioning(controller: System, references: Sequence[str] | str, decay_per_s: float | None = None) -> AntiWindup:
+    """Return a controller conditioned on the inputs `references`, as many as its commands.
+
+    `decay_per_s` is the rate a of the case D_r = 0; in discrete time None is allowed and means deadbeat, z = 0.
+
+    Raises SignalError for an unknown reference, another count or a rate that is not positive; ModelError when neither
+    D_r nor, with D_r = 0, C B_r is invertible, and for zeros that do not decay.
+    """
+    model, names = of(controller), arguments.names("references", references)
+    part = model.select(model.outputs, names)
+    if len(names) != len(model.outputs):
+        raise SignalError(
+            f"conditioning on {', '.join(names)}: give as many references as commands, "
+            f"{len(model.outputs)} for {', '.join(model.outputs)}, or use back_calculation"
+        )
+    if part.D.any():
+        E = np.linalg.solve(_require_invertible(part, part.D, "the direct term D").T, part.B.T).T
+    else:
+        z = _pole(decay_per_s, model.time)
+        invertible = _require_invertible(part, part.C @ part.B, "D = 0, and C B")
+        E = np.linalg.solve(invertible.T, (part.A @ part.B - z * part.B).T).T
+    return _with_excess_inputs(
+        model,
+        readonly(E),
+        f"it is a zero from {', '.join(names)}, and no choice here helps: use back_calculation",
+    )
+
+
+def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup:
+    excess = tuple(f"{name.removesuffix('_command')}_excess" for name in model.outputs)
+    units = {end: model.unit(name) for end, name in zip(excess, model.outputs, strict=True) if model.unit(name)}
+    with_excess = replace(
+        model,
+        B=np.hstack([model.B, gain]),
+        D=np.hstack([model.D, np.zeros((len(excess), len(excess)))]),
+        inputs=(*model.inputs, *excess),
+        units={**model.units, **units},
+    )
+    held_A = model.A - gain @ model.C
+    values = np.sort_complex(np.linalg.eigvals(held_A).astype(np.complex128))
+    if (pole := spectrum.unstable_pole(held_A, model.time)) is not None:
+        raise ModelError(
+            f"while its commands are held the controller has the eigenvalue {show.number(pole)}, which does not "
+            f"decay, and it winds up: {mend}"
+        )
+    return AntiWindup(readonly(gain), with_excess, values)
+
+
+def _mode_sizes(C: Array, orders: Sequence[int]) -> Array:
+    """Return a scale for each column of C, equal for all columns of a mode, that makes all modes of similar size."""
+    first = np.cumsum([0, *orders[:-1]])
+    whole = np.sqrt(np.add.reduceat((C**2).sum(axis=0), first))
+    return np.repeat(np.where(whole > 0, whole, 1.0), orders)
+
+
+def _require_invertible(part: StateSpace, M: Array, what: str) -> Array:
+    """Return M (m, m), called `what`; raise ModelError when it is singular after scaling."""
+    values = np.linalg.svd(equilibrated(M)[0], compute_uv=False)
+    if not values.size or values[-1] <= SINGULAR * values[0]:
+        raise ModelError(
+            f"from {', '.join(part.inputs)} to {', '.join(part.outputs)} {what} is singular: no reference makes every "
+            "command realisable; condition on other inputs, give each command an error of its own, or use "
+            "back_calculation"
+        )
+    return M
+
+
+def _pole(decay_per_s: float | None, time: Time) -> float:
+    if isinstance(time, Continuous):
+        if decay_per_s is None:
+            raise SignalError("conditioning a continuous controller whose D is 0: give the rate decay_per_s")
+        return -_decay_rate(decay_per_s)
+    return 0.0 if decay_per_s is None else float(np.exp(-_decay_rate(decay_per_s) * time.period_s))
+
+
+def _decay_rate(decay_per_s: float) -> float:
+    rate = arguments.real("rate decay_per_s", decay_per_s)
+    if rate.ndim or not (np.isfinite(rate) and rate > 0):
+        raise SignalError(f"the anti-windup decays at {decay_per_s} 1/s: give a finite rate above 0")
+    return float(rate)
