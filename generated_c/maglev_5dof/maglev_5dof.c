@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -125,12 +124,6 @@ typedef struct {
     float k_p1;                         /* 1/s^2; F(14)-(16): gain on p1 */
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
 } maglev_5dof_regulator_parameters_t;
-static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {-1699.6849f, -48291.37f, -2.251582f,
-    122.7319f, -5.5538764f};
-static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
-    86.03567f, -7.0522647f};
-static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
-    86.03567f, -7.0522647f};
 
 /* regulator_y, regulator_phi, regulator_theta: F(14)-(16) */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
@@ -212,6 +205,13 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
 
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 {
+    static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {-1699.6849f, -48291.37f, -2.251582f,
+        122.7319f, -5.5538764f};
+    static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
+        86.03567f, -7.0522647f};
+    static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
+        86.03567f, -7.0522647f};
+
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float y1_held = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);

@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -106,12 +105,6 @@ typedef struct {
     float k_h;                          /* 1; (16), steady: gain on the acceleration, in units of position */
     float high;
 } planar_6dof_leadlag_filter_parameters_t;
-static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {0.30911008f, 0.05698819f, 0.0026284785f,
-    0.05f};
-static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
-    0.2f};
-static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
-    0.2f};
 
 /* filter_phi, filter_x, filter_y: Kalman filter, (6)-(16) */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_filter_state_t *state,
@@ -199,6 +192,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_z_integral_input_x_allocation_rear_share = 0.0033167496f;
     /* 1 1; (25): 1 - integral_decay; times allocation_half */
     static const float loop_psi_integral_input_x_allocation_half = 0.0049751243f;
+    static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {0.30911008f, 0.05698819f, 0.0026284785f,
+        0.05f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
+        0.2f};
+    static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
+        0.2f};
 
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
