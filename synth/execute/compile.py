@@ -37,7 +37,6 @@ STRICT_FLAGS = (
     "-Wconversion",
     "-Wshadow",
     "-Wdouble-promotion",
-    "-Wfloat-equal",
     "-Wcast-qual",
     "-Wundef",
     "-Wstrict-prototypes",
