@@ -184,14 +184,18 @@ def _only_stored(
     Its store can stand where the node is computed, as no load of the state follows there.
     """
     found: dict[int, str] = {}
+    stores: dict[int, list[tuple[int, Store]]] = {}
+    for place, s in enumerate(block):
+        if isinstance(s, Store):
+            stores.setdefault(s.node, []).append((place, s))
     for place, s in enumerate(block):
         if isinstance(s, Branch):
             found |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
         if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
             continue
-        stores = {i: t for i, t in enumerate(block) if isinstance(t, Store) and t.node == s.node}
-        states = [(i, t.name) for i, t in stores.items() if t.struct == "state" and t.name not in p.integers]
-        if states and reads[s.node] == len(stores) > 1:
+        of_node = stores.get(s.node, [])
+        states = [(i, t.name) for i, t in of_node if t.struct == "state" and t.name not in p.integers]
+        if states and reads[s.node] == len(of_node) > 1:
             last, state = states[0]
             between = {p.nodes[k] for k in _definitions(block[place:last])}
             found |= {} if Node("state", name=state) in between else {s.node: state}

@@ -66,6 +66,7 @@ class _Printer:
     ) -> None:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
+        self.users = program.users()
         self.naming = naming.Naming(program, self.locals.name)
         self.c = Expressions(program, self.kinds, scalar, block.name)
         self.name = block.name
@@ -219,8 +220,7 @@ class _Printer:
 
     def _is_guarded(self, k: int) -> bool:
         """Tell whether only a guard reads an input."""
-        readers = [n for n in self.p.nodes if k in n.args]
-        return len(readers) == 1 and readers[0].op == "guard"
+        return len(self.users[k]) == 1 and self.p.nodes[self.users[k][0]].op == "guard"
 
     def _call(self, node: Node, depth: int) -> None:
         """Call a routine; its one result has the name of a signal, several are members of a struct."""

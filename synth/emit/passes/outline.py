@@ -7,7 +7,7 @@ functions: one for its signals and one for its next states.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from synth.emit.c.kinds import kinds
@@ -61,7 +61,10 @@ def parts(p: Program) -> list[Part]:
         if p.nodes[k].op not in LEAVES:
             owner.setdefault(k, p.owner(state))
     closures = _closures(p, owner)
-    return [_part(p, block, region, carriers, held) for block, region in closures.items() if region]
+    states: dict[str, list[str]] = defaultdict(list)
+    for state in p.next:
+        states[p.owner(state)].append(state)
+    return [_part(p, block, region, states[block], carriers, held) for block, region in closures.items() if region]
 
 
 def _carriers(p: Program) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
@@ -112,12 +115,17 @@ def _closures(p: Program, owner: Mapping[int, str]) -> dict[str, frozenset[int]]
 
 
 def _part(
-    p: Program, block: str, region: frozenset[int], carriers: Mapping[str, int], held: Mapping[str, tuple[int, int]]
+    p: Program,
+    block: str,
+    region: frozenset[int],
+    states: Sequence[str],
+    carriers: Mapping[str, int],
+    held: Mapping[str, tuple[int, int]],
 ) -> Part:
-    own = {state: k for state, k in carriers.items() if p.owner(state) == block}
+    own = {state: carriers[state] for state in states}
     holds = {held.get(state) for state in own}
     stores = {p.next[state] for state in own} - region
-    local = {s: s.removeprefix(f"{block}_") for s in p.next if p.owner(s) == block}
+    local = {s: s.removeprefix(f"{block}_") for s in states}
     roots = tuple(k for _, k in p.marks if k in region)
     return Part(block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots)
 
@@ -159,18 +167,18 @@ def _depends_on_itself(p: Program, region: frozenset[int]) -> bool:
     """Tell whether a value that a region needs from outside depends on the region."""
     reached = set(region)
     for k in range(min(region), len(p.nodes)):
-        if k not in region and any(a in reached for a in p.nodes[k].args):
+        if k not in region and not reached.isdisjoint(p.nodes[k].args):
             reached.add(k)
-    return any(a in reached - region for k in region for a in p.nodes[k].args)
+    outside = reached - region
+    return any(not outside.isdisjoint(p.nodes[k].args) for k in region)
 
 
-def form(p: Program, part: Part) -> Form:
-    """Return the canonical form of a Part."""
+def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
+    """Return the canonical form of a Part; `kind` holds the kinds of all nodes."""
     places: dict[int, int] = {}
     shape: list[tuple[object, ...]] = []  # an entry a node, which refers to others by their places
     arguments: list[int] = []
     numbers: list[int] = []
-    kind = kinds(p)
 
     def leaf(k: int) -> tuple[object, ...]:
         node = p.nodes[k]
@@ -206,11 +214,11 @@ def alike(p: Program) -> list[list[tuple[Part, Form]]]:
     Integer states are left out: in a struct they would lie beside scalars of another size.
     """
     found: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
-    every = parts(p)
-    for whole in every:
+    kind = kinds(p)
+    for whole in parts(p):
         for part in split(p, whole):
             if len(part.region) >= FEWEST and _is_plain(p, part):
-                made = form(p, part)
+                made = form(p, part, kind)
                 found[(part.phase, *made.shape)].append((part, made))
     return [group for group in found.values() if len(group) > 1]
 
