@@ -142,9 +142,9 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     loop_inputs = {axis: (pose[f"{axis}_raw"], values[f"{axis}_ref"], ready) for axis in HORIZONTAL}
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
-    demand = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
-    demand |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
-    currents, achieved = shared.allocate(demand, pose["phi"])
+    demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
+    demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
+    currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
