@@ -18,7 +18,8 @@ Two ideal arrays have waves (n, 0) and (0, n) with n = 1, 5, 9, .. only. Blocks 
 m = strong/2 and m = weak/sqrt(2). If these differ, the waves 3, 7, .. appear, and waves with nonzero p and q, one odd
 and one even, chiefly (2, +-1) and (1, +-2). Model (2) contains none of them, and they are most of its residual.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Fig. 2.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+2, Fig. 2.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

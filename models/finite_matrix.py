@@ -16,8 +16,8 @@ of the charges on the blocks' faces. The other matrices of the lattice add less 
 Table 2 gives the remanence of an ideal array. The fabricated blocks have 1.43 and 1.10 T; an ideal weak block would
 have 1.01 T. The papers do not print which strong block is the origin, and thus where the travel lies.
 
-Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors", Table 2; Kawato, Kim, "Multi-Degree-of-
-Freedom Precision Position Sensing", section 2.
+Source: Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors", Table 2; Kawato, Kim, "A Novel Multi-DOF
+Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section 2.
 """
 
 from dataclasses import dataclass

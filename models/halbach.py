@@ -14,8 +14,8 @@ above the array they add for n = 1, 5, 9, .. and cancel for n = 3, 7, ... A laye
 
 which has neither divergence nor curl. Finite extent and imperfect blocks are neglected.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2; Yu, Kim, "Design of Precision
-Positioner with Hall-effect Sensors", Table 2.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+2; Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors", Table 2.
 """
 
 from collections.abc import Mapping, Sequence

@@ -16,7 +16,8 @@ multiplies it by prod_j sinc(K.q_j d_j / 2), where sinc(t) = sin(t)/t. For the s
 1 - 1.4e-5 for the fundamental, 1 - 3.6e-4 for the 5th and 1 - 1.2e-3 for the 9th. The yaw changes these by 2e-10, 1e-7
 and 1e-6 only: width and height nearly cancel because K.K = 0, and a square is isotropic to second order.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", sections 2 and 3, Figs. 5 to 7.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", sections
+2 and 3, Figs. 5 to 7.
 """
 
 from collections.abc import Iterable, Sequence

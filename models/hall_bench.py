@@ -2,7 +2,8 @@
 
     pose --> field as built --> 200 Hz filter, settled --> + noise --> converter --> model (2) by batch least squares
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", sections 2.C and 3.A.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", sections
+2.C and 3.A.
 """
 
 from dataclasses import dataclass, field

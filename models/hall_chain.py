@@ -8,7 +8,8 @@ period T apart have the correlation exp(-w_c T), 0.208 at 800 Hz. At a speed v t
 mm/s. The order of the filter and the converter are not printed. 16 bits over +-5 V have a step of 0.15 mV and an error
 of 0.04 mV rms, beside the noise of 1 mV.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2.C.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+2.C.
 """
 
 from collections.abc import Sequence

@@ -4,7 +4,8 @@ Fig. 5 and (3): two sensors a spacing apart along X have voltages with the slope
 pair is the minimum of sqrt(V_1'^2 + V_2'^2) over X; noise over slope is the standard deviation of X. For a pure sine it
 is largest, and constant over X, at a spacing of (1/4 + n/2) pitch.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 2, Figs. 4 and 5.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+2, Figs. 4 and 5.
 """
 
 from collections.abc import Sequence

@@ -11,7 +11,8 @@ by phases in rad and the yaw, and with the yaw's information N_T, by Lagrange's 
 
 `synth.analyse.observability.worst_deviation` proves their largest values between grid points.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3.B.
 """
 
 from dataclasses import dataclass, replace

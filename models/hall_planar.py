@@ -8,7 +8,8 @@ R(yaw) V - B(P) has the length of V - R(yaw)' B, the residual of a sensor. In th
 Phasors of a displaced pose are the predicted ones rotated by a small angle, and
 sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3.B.
 """
 
 from collections.abc import Sequence

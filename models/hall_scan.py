@@ -13,7 +13,8 @@ The residual of (2) consists mostly of waves outside the model, (2, +-1) above a
 intervals treat it as independent errors: they state how well the data determine the coefficients. The map of the
 residual shows the error of the model.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 8.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", (2),
+section 3.A, Fig. 8.
 """
 
 from collections.abc import Mapping, Sequence

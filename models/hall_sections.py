@@ -44,7 +44,8 @@ the four voltages of these are all suspected, V_ax and V_bx by m_x, V_ay and V_c
 are significant, or the yaw is beyond MAX_KNOWN_YAW. Errors, noise and undetected failures are listed in
 docs/decisions/planar_sensing.md.
 
-Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing".
+Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using
+Two-Axis Hall-Effect Sensors".
 """
 
 from dataclasses import dataclass, replace

@@ -6,7 +6,8 @@
 for a sensor whose axes u, v rotate with the platen by phi about Z; s is the sensitivity of sensor and amplifier, V/T.
 Tilt about X and Y moves the sensor but does not turn its axes.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", the measurement model; Yu, Kim, section 3.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", the
+measurement model; Yu, Kim, section 3.
 """
 
 from dataclasses import dataclass

@@ -4,7 +4,8 @@
 
 Sensors are at +-(3/8, 3/8) l about the body's origin: the paper gives the spacing (3) only, whose first is (3/4) l.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), (3), section 3.A.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", (2), (3),
+section 3.A.
 """
 
 from collections.abc import Sequence

@@ -6,7 +6,8 @@
 
 This B_X agrees with the first at the height, without c: subtract the sensors' offsets first.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.A, Fig. 6 (b).
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", (2),
+section 3.A, Fig. 6 (b).
 """
 
 from collections.abc import Iterable

@@ -73,6 +73,8 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
         reports = {f"{name}.html": built.page, f"{name}.evidence.json": _strict_json(built.evidence) + "\n"}
         write.save(reports, root / "reports")
         failed = [c for c in built.checks if not c.passed]
+        if failed and not as_json:
+            tables.print_checks(f"{name}: failed checks", failed)
         _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
         documents.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in failed]})
     return _finish(as_json, documents, results, any(document["failed"] for document in documents))
@@ -155,7 +157,7 @@ def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
         emitted = tasks.emission(design, design.scalar).result(report)
         count = progress.numbered(report, PROOFS * len(emitted))
         return {
-            folder: list(proofs.prove(e.files, e.manifest, whole, partial(_in_folder, count, folder)))
+            folder: list(proofs.prove(e.files, e.manifest, whole, _in_folder(count, folder, design.name)))
             for folder, e in emitted.items()
         }
 
@@ -168,8 +170,9 @@ def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
     return _finish(as_json, documents, results, not all(c.passed for checks in folders.values() for c in checks))
 
 
-def _in_folder(report: Progress, folder: str, line: str) -> None:
-    report(f"{folder}: {line}")
+def _in_folder(report: Progress, folder: str, design: str) -> Progress:
+    """Return a report with the folder of the C in each line, except for the folder that has the design's name."""
+    return report if folder == design else lambda line: report(f"{folder}: {line}")
 
 
 def simulate(names: Names, as_json: bool, fresh: bool) -> int:

@@ -21,6 +21,10 @@ class ModelError(SynthError):
     """A model lacks a requested property: no trim point, an unstabilisable mode, a singular decoupling matrix."""
 
 
+class NoEquilibriumError(ModelError):
+    """A closed loop has no equilibrium that could be found: usually it is not stable."""
+
+
 class EmitError(SynthError):
     """A Block cannot be written as C."""
 

@@ -1,6 +1,6 @@
 """Display of results at a prompt and in a notebook (as the rich `repr` of pandas): a title, sentences and tables.
 
-A class decorated with `printed`, or with `result`, describes itself once, by its method ``sheet()``. From the sheet
+A class decorated with `with_repr`, or with `result`, describes itself once, by its method ``sheet()``. From the sheet
 follow the text of a prompt (``__repr__``), the HTML of a notebook (``_repr_html_``) and, for matrices and equations,
 LaTeX (``_repr_latex_``).
 """

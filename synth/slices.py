@@ -235,6 +235,8 @@ def _follow_name(root: Path, name: str, binding: str, attributes: Sequence[str])
         yield name, binding
     elif module and binding in module.imports:
         yield from _follow(root, module.imports[binding], attributes)
+    elif module and binding in module.exports:
+        yield from _follow(root, module.exports[binding], attributes)
     else:
         yield name, WHOLE
 

@@ -35,11 +35,15 @@ class Statement:
 
 @dataclass(frozen=True, eq=False)
 class Module:
-    """A parsed module: its statements by the name that they bind, the others (BARE), and its imports by name."""
+    """A parsed module: its statements by the name that they bind, the others (BARE), and its imports by name.
+
+    `exports` are the names that a package imports once they are used, from its stub, see `lazy`.
+    """
 
     path: Path
     statements: dict[str, tuple[Statement, ...]]
     imports: dict[str, str]
+    exports: dict[str, str]
 
 
 @cache
@@ -60,11 +64,19 @@ def module(root: Path, name: str) -> Module | None:
 def parsed(path: Path | None, name: str) -> Module:
     """Read a module, once in a process."""
     if path is None:  # a folder without __init__.py
-        return Module(Path(), {}, {})
+        return Module(Path(), {}, {}, {})
     content = text(path)
     version = hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).digest()
     key = hashlib.sha256(version + f"{name} {path.name} ".encode() + content).hexdigest()
-    return Module(path, *store.fetch(key, lambda: _summary(ast.parse(content), name, path.name == "__init__.py")))
+    summary = store.fetch(key, lambda: _summary(ast.parse(content), name, path.name == "__init__.py"))
+    return Module(path, *summary, _exports(path, name))
+
+
+def _exports(path: Path, name: str) -> dict[str, str]:
+    stub = path.with_suffix(".pyi")
+    if path.name != "__init__.py" or not stub.is_file():
+        return {}
+    return dict(_imports(ast.parse(text(stub)).body, name, True))
 
 
 @cache

@@ -8,7 +8,7 @@ every result that depends on the law.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache as once
 from importlib.util import find_spec
 from pathlib import Path
@@ -144,7 +144,7 @@ def build(design: Design) -> Task[Built]:
         evidence, experiments = verify.result(_silent), simulate.result(_silent)
         parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
         say("report")
-        checks = (*evidence.checks, *(c for e in experiments for c in e.checks))
+        checks = (*evidence.checks, *(_titled(c, e.title) for e in experiments for c in e.checks))
         return Built(design.report(*parts), evidence.document(), checks)
 
     try:
@@ -152,6 +152,11 @@ def build(design: Design) -> Task[Built]:
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
     return Task("report", compute, (design.report, *keys))
+
+
+def _titled(check: Check, title: str) -> Check:
+    """Return a check of an experiment with the experiment's title in front of its description."""
+    return replace(check, about=": ".join(filter(None, (title, check.about))))
 
 
 def build_jobs(designs: Sequence[Design], root: Path) -> list[Job]:

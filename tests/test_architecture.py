@@ -136,7 +136,7 @@ def test_imports_follow_the_flow_of_data() -> None:
         ("synth/signals.py", "import models.pmlsm"),
         ("synth/signals.py", "from synth import analyse"),
         ("synth/signals.py", "from . import cli"),
-        ("synth/analyse/trim.py", "def f():\n    from synth.emit import lower"),
+        ("synth/analyse/operating_points.py", "def f():\n    from synth.emit import lower"),
         ("synth/emit/lower.py", "from ..execute import host"),
         ("models/pmlsm.py", "from designs.maglev_5dof import design"),
         ("designs/maglev_5dof/reference.py", "import casadi as ca"),

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -176,6 +177,22 @@ def test_a_slice_holds_what_runs_and_little_else() -> None:
     assert not any(module.startswith(("synth.emit", "synth.report", "synth.synthesise")) for module in modules)
 
 
+def design_loop(plant: Any) -> Any:
+    import synth
+    from synth import analyse, synthesise
+
+    return synth.analyse.margins(synthesise.lqr(analyse.c2d(plant, 1e-3), [1.0], [1.0]))
+
+
+def test_a_name_that_a_package_imports_once_it_is_used_is_followed() -> None:
+    """Left out, a change of `lqr` would not be seen by a design that calls it as `synthesise.lqr`."""
+    places = slices._places(slices._entry(design_loop))
+    assert ("synth.synthesise.feedback.lqr", "lqr") in places
+    assert ("synth.analyse.discretise", "zero_order_hold") in places
+    assert ("synth.analyse.stability_margins", "of_loop") in places
+    assert ("synth.synthesise.observers.kalman", "kalman") not in places and ("synth.analyse", "*") not in places
+
+
 def test_every_function_that_runs_is_in_the_slice() -> None:
     """What was called while a loop's margins were computed, against what the syntax trees say may be."""
     from synth.analyse import stability_margins
@@ -273,7 +290,7 @@ def test_a_damaged_entry_counts_as_missing(folder: Path, damage: str) -> None:
             }[damage]
         )
     assert not store.holds("cd" * 32)
-    assert store.fetch("cd" * 32, lambda: "anew") == "anew"
+    assert store.fetch("cd" * 32, lambda: "new") == "new"
 
 
 def _entry(path: Path, body: bytes) -> bytes:
@@ -292,7 +309,7 @@ def test_a_fresh_run_reads_what_it_made_itself_and_leaves_it(monkeypatch: pytest
     assert store.fetch(key, lambda: "named") == "named"
 
 
-def test_a_fresh_run_compiles_anew() -> None:
+def test_a_fresh_run_compiles_again() -> None:
     source = {"one.c": "int one(void);\nint one(void) { return 1; }\n"}
     library = host_compiler.shared_library(source)
     first = library.stat().st_ino

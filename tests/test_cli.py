@@ -132,6 +132,19 @@ def test_an_unknown_core_is_wrong_usage() -> None:
 
 
 @pytest.mark.usefixtures("one_design")
+def test_the_progress_of_prove_names_the_design_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    def proofs(files: Any, manifest: Any, deep: bool, report: Progress) -> tuple[Check, ...]:
+        report("Eva")
+        return ()
+
+    monkeypatch.setattr(prove, "prove", proofs)
+    design = replace(AXES, emit=lambda scalar: dict.fromkeys(("axes_2", "currents"), EMITTED[scalar]["axes_2"]))
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [design])
+    lines = RUNNER.invoke(cli.app, ["prove", "--json"]).stderr.splitlines()
+    assert [line for line in lines if "Eva" in line] == ["axes_2: Eva", "axes_2: currents: Eva"]
+
+
+@pytest.mark.usefixtures("one_design")
 @pytest.mark.parametrize(("arguments", "whole"), [((), False), (("--whole",), True)])
 @pytest.mark.parametrize("alarms", [0, 1])
 def test_prove_tells_the_depth_and_fails_with_a_check(
@@ -175,6 +188,21 @@ def test_build_goes_on_without_an_emulator(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
     assert RUNNER.invoke(cli.app, ["build"]).exit_code == 0
     assert Path("reports/axes_2.html").read_text() == "cost: none"
+
+
+def fail(report: Progress, whole: bool) -> Evidence:
+    return Evidence("axes_2", (), (Check("replay", 2e-3, 1e-12, "A", "at step 7"), Check("latch", 0, 0, "1")))
+
+
+@pytest.mark.usefixtures("one_design")
+def test_build_prints_the_failed_checks_and_counts_them_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(AXES, verify=fail)])
+    result = RUNNER.invoke(cli.app, ["build"])
+    assert result.exit_code == 1 and "latch" not in result.stdout
+    lines = result.stdout.splitlines()
+    assert any("replay" in line and "0.002" in line and "FAILED" in line for line in lines)
+    assert "replay: at step 7" in lines and lines[-1].startswith("axes_2: 2 checks, 1 failed; report in")
 
 
 def crash(report: Progress, whole: bool) -> Evidence:

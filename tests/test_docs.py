@@ -7,10 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import control
 import pytest
 
 from docs import pages
-from synth import new
+from synth import analyse, new, synthesise
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +43,7 @@ COMMAND = ("-c", "from synth.cli import main; main()")
 def test_the_examples_of_a_page_run_and_print_what_it_shows(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`python -m docs.pages PAGE` writes anew what the examples of a page print."""
+    """`python -m docs.pages PAGE` rewrites what the examples of a page print."""
     monkeypatch.setenv("MPLBACKEND", "svg")
     _, pairs = pages.run(read(page), tmp_path)
     for shown, printed in pairs:
@@ -63,8 +64,23 @@ def test_the_links_of_the_readme_lead_somewhere() -> None:
 
 
 def test_the_names_beside_matlabs_are_there() -> None:
-    for module, function in re.findall(r"`((?:analyse|synthesise)\.[a-z_.]+)\.([a-z_0-9]+)`", read("coming-from.md")):
+    for module, function in re.findall(r"`((?:analyse|synthesise)[a-z_.]*)\.([a-z_0-9]+)`", read("coming-from.md")):
         assert callable(getattr(importlib.import_module(f"synth.{module}"), function)), (module, function)
+
+
+def test_every_exported_function_stands_beside_its_counterparts() -> None:
+    exported = {f"{p.__name__.split('.')[1]}.{name}" for p in (analyse, synthesise) for name in p.__all__}
+    table = read("coming-from.md").split("## Names: from these to theirs")[1]
+    assert set(re.findall(r"^\| `((?:analyse|synthesise)\.\w+)` \|", table, re.MULTILINE)) == exported
+
+
+def test_the_names_of_python_control_are_there() -> None:
+    theirs, ours = read("coming-from.md").split("## Names: from these to theirs")
+    names = set()
+    for table, column in ((theirs, 2), (ours, 3)):
+        rows = [row.split("|") for row in table.splitlines() if row.startswith("| ")]
+        names |= {name for row in rows for name in re.findall(r"`(\w+)", row[column])}
+    assert names and [name for name in sorted(names - {"flatsys"}) if not hasattr(control, name)] == []
 
 
 def test_the_tutorial_leads_to_a_verified_bearing(tmp_path: Path) -> None:

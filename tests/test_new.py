@@ -48,6 +48,33 @@ def test_the_new_files_are_as_clean_as_this_repository(tmp_path: Path) -> None:
     assert (ended := run(folder, sys.executable, "-m", "ruff", "format", *form, ".")).returncode == 0, ended.stdout
 
 
+def test_the_new_workspace_installs_synth_from_a_clone(tmp_path: Path) -> None:
+    """The package is on no index."""
+    folder, _ = new.create(tmp_path, "stage")
+    for file, clone in (("README.md", "../synth"), (".github/workflows/ci.yml", "./.synth")):
+        text = (folder / file).read_text()
+        assert f"pip install '{clone}[target]' pytest" in text and "synth-stage" not in text
+
+
+def test_the_gains_of_a_new_stage_know_a_damper(tmp_path: Path) -> None:
+    """x'' = a x + c x' + b i under i = I - P x - D v, I' = -k x / T has its three poles at -W."""
+    folder, _ = new.create(tmp_path, "stage")
+    model = folder / "models" / "stage.py"
+    rate = '"vz": lift / p["M"] - p["g"]'
+    assert rate in model.read_text()
+    model.write_text(model.read_text().replace(rate, f'{rate} - 60.0 * x["vz"]'))
+    script = (
+        "import numpy as np\nfrom designs.stage import control\nfrom synth import analyse\n"
+        "M = analyse.linearise(control.PLANT, analyse.trim(control.PLANT, {'z': 0.0}, ['i']))\n"
+        "P, D, k = (c.value for c in control.gains()[:3])\n"
+        "(a, c), b = M.A[1], M.B[1, 0]\nassert c == -60.0\n"
+        "np.testing.assert_allclose([b * D - c, b * P - a, b * k / control.TIME.period_s], "
+        "[3 * control.W, 3 * control.W**2, control.W**3])"
+    )
+    ended = run(folder, sys.executable, "-c", script)
+    assert ended.returncode == 0, ended.stderr
+
+
 @pytest.mark.parametrize("name", ["", "1a", "a-b", "../up", "My", "class", "int", "tests", "models", "é"])
 def test_a_name_that_no_module_can_have_is_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(SynthError, match=r"cannot be the name of a module|no identifier of C"):

@@ -1,7 +1,8 @@
 """Reference of the estimator of (X, Y, yaw): the paper's equations in plain NumPy.
 
-Kawato and Kim, "Multi-Degree-of-Freedom Precision Position Sensing", (2), section 3.B and Fig. 9. For each sensor, with
-c, s of the yaw and d the derivative of its place P by the yaw, its two voltages and their Jacobian are
+Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", (2), section
+3.B and Fig. 9. For each sensor, with c, s of the yaw and d the derivative of its place P by the yaw, its two voltages
+and their Jacobian are
 
     [ a ]   [  c  s ] [ B_X ]        [  c g_X   s g_Y   -s B_X + c B_Y + c g_X d_X + s g_Y d_Y ]
     [ b ] = [ -s  c ] [ B_Y ]   H =  [ -s g_X   c g_Y   -c B_X - s B_Y - s g_X d_X + c g_Y d_Y ]    g = dB/dX, V/m

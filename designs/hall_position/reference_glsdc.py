@@ -5,7 +5,8 @@
 A correction is the least-squares solution of the weighted rows stacked on S, by QR factorisation, at each trial or once
 at the predicted pose. A search starts at the points of Roberts' sequence.
 
-Source: Kawato and Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B and Fig. 9.
+Source: Kawato and Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors",
+section 3.B and Fig. 9.
 """
 
 from collections.abc import Callable, Mapping, Sequence

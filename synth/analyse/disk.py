@@ -11,7 +11,7 @@ S = 1/(1 + L) and mu is the structured singular value for diag(delta) (Seiler, P
 w is the disk margin. The skew sigma is 0 for gains that rise and fall by the same factor, 1 for a margin of S, and -1
 for a margin of T = L/(1 + L). f covers all gains between two factors and all phases up to an angle.
 
-`of_loop` varies all channels at once (multiloop), `each` varies one channel at a time (loop-at-a-time).
+`of_loop` varies all channels at once (multiloop), `loop_at_a_time` varies one (loop-at-a-time).
 `feedback_loop.close` gives the loop of a plant and a controller, opened at the inputs, the outputs or both. A sampled
 loop is evaluated exactly, on z = exp(i w T).
 """

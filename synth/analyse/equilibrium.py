@@ -22,7 +22,7 @@ from synth import arguments
 from synth.analyse import equilibrium_equations, linearisation, loop
 from synth.analyse.equilibrium_equations import ClosedLoop
 from synth.analyse.operating_points import OperatingPoint
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.signals import names
 from synth.statespace import StateSpace
 
@@ -77,8 +77,8 @@ def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPo
 
     Disturbances are those of `near`. Without integral action the equilibrium differs slightly from the trim.
 
-    Raises SignalError for a missing or unknown reference, or an operating point of another plant; ModelError if no
-    equilibrium is found, with the signal that still changes, or if the controller raises a fault there.
+    Raises SignalError for a missing or unknown reference, or an operating point of another plant; NoEquilibriumError
+    with the signal that still changes; ModelError if the controller raises a fault at equilibrium.
     """
     _check(closed, references, near)
     equations = equilibrium_equations.of_loop(closed, references, near)
@@ -138,14 +138,16 @@ def _require_no_fault(rest: Equilibrium) -> None:
 
 def _no_rest(
     closed: ClosedLoop, equations: equilibrium_equations.Equations, trial: equilibrium_equations.Trial | None
-) -> ModelError:
+) -> NoEquilibriumError:
     what = f"the loop of plant '{closed.plant.name}' under '{closed.controller.name}'"
     if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.unknowns):
-        return ModelError(f"{what} has no rest: it is not finite, or counts without end; start it closer to its trim")
+        return NoEquilibriumError(
+            f"{what} has no rest: it is not finite, or counts without end; start it closer to its trim"
+        )
     worst = int(np.abs(trial.residual).argmax())
     signal = equations.unknowns[worst]
     change = trial.residual[worst] * equations.scale[worst]
-    return ModelError(
+    return NoEquilibriumError(
         f"{what} does not rest: '{signal.name}' still changes by {change:.4g} {signal.unit} in a period at best; give "
         "references that its plant can rest at, or a controller that stabilises it there"
     )

@@ -7,8 +7,8 @@ With Phi(t) = exp(A t), or A^t in discrete time (sums for integrals),
     Hankel singular values         sqrt of the eigenvalues of Wc Wo, the same in all coordinates
 
 The unstable part of A = T diag(As, Au) T^-1 is integrated backward in time: with -Au, or the inverse of Au. A mode on
-the stability boundary has no such integral; `over` integrates to a horizon instead. The share of an input is its part
-of trace(Wc Wo) = sum of squared Hankel values. Shares depend on the units of the inputs.
+the stability boundary has no such integral; `over_horizon` integrates to a horizon instead. The share of an input is
+its part of trace(Wc Wo) = sum of squared Hankel values. Shares depend on the units of the inputs.
 """
 
 import warnings
@@ -230,5 +230,5 @@ def _border_error(model: StateSpace) -> ModelError:
     return ModelError(
         f"the model has no Gramian over all time: mode {structure.pair(worst.value)} in "
         f"{structure.direction_text(worst.states)} lies on the border of stability{hint}; close a loop around it, "
-        "take it out of the model, or integrate over a horizon with `over`"
+        "take it out of the model, or integrate over a horizon with `over_horizon`"
     )

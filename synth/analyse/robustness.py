@@ -21,7 +21,7 @@ from synth.analyse.equilibrium_equations import ClosedLoop, Wires
 from synth.analyse.stability_margins import Margins
 from synth.check import Check
 from synth.declaration import Controller, Interface
-from synth.errors import ModelError, SignalError
+from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.plant import Plant
 from synth.signals import names
 from synth.statespace import StateSpace
@@ -65,13 +65,38 @@ class OpenLoop:
     @property
     def label(self) -> str:
         """The signal, the operating point and the changed parameters, as text."""
-        changed = "".join(f", {name} = {value:.5g}" for name, value in self.case.items())
-        return f"at {self.signal}, {self.point}{changed}"
+        return f"at {self.signal}, {self.point}{_changed(self.case)}"
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
         kind = REQUIREMENTS[name]
         return float(kind.of(self.margins)) if self.margins.stable else kind.if_unstable
+
+
+@dataclass(frozen=True)
+class Unsolved:
+    """An operating point, with some parameters changed, without an equilibrium of the loop, and the reason."""
+
+    point: str
+    case: Case
+    reason: str
+
+    @property
+    def label(self) -> str:
+        """The operating point and the changed parameters, as text."""
+        return f"at {self.point}{_changed(self.case)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """The loops at all operating points and cases, and those points and cases that have no equilibrium."""
+
+    opened: Sequence[OpenLoop]
+    unsolved: Sequence[Unsolved]
+
+
+def _changed(case: Case) -> str:
+    return "".join(f", {name} = {value:.5g}" for name, value in case.items())
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +193,7 @@ def _ends(plant: Plant, name: str) -> tuple[float, float]:
 def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibrium:
     """Return the equilibrium of the loop at an operating point, with some parameters of the plant changed.
 
-    Raises SignalError for an unknown point; ModelError as `operating_points.trim` and `equilibrium.solve`.
+    Raises SignalError for an unknown point; ModelError as `operating_points.trim`, and as `equilibrium.solve`.
     """
     if point not in loops.points:
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
@@ -198,6 +223,26 @@ def open_loops(loops: Loops, signals: Sequence[str] | None = None) -> list[OpenL
     return [_open(point, case, signal, at_rest) for point, case, at_rest in equilibria for signal in chosen]
 
 
+@arguments.checked
+def survey(loops: Loops) -> Survey:
+    """Return the loops as `open_loops` does, with the points and cases without an equilibrium listed beside them.
+
+    An unstable loop may have no equilibrium that can be found, since its samples do not lead to one.
+
+    Raises as `open_loops`, but no NoEquilibriumError.
+    """
+    opened: list[OpenLoop] = []
+    unsolved: list[Unsolved] = []
+    for point, case in itertools.product(loops.points, loops.cases):
+        try:
+            at_rest = equilibrium_at(loops, point, case)
+        except NoEquilibriumError as error:
+            unsolved.append(Unsolved(point, case, str(error)))
+        else:
+            opened += [_open(point, case, signal, at_rest) for signal in loops.signals]
+    return Survey(opened, unsolved)
+
+
 def _open(point: str, case: Case, signal: str, at_rest: Equilibrium) -> OpenLoop:
     L = equilibrium.open_loop(at_rest, signal)
     return OpenLoop(point, case, signal, L, _margins(L, signal, point))
@@ -219,8 +264,10 @@ def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, di
 
 
 @arguments.checked
-def checks(loops: Sequence[OpenLoop], require: Mapping[str, float]) -> list[Check]:
+def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Sequence[Unsolved] = ()) -> list[Check]:
     """Return for each required margin the worst of the loops and by how much it falls short.
+
+    Where a loop is not stable, or has no equilibrium, no margin is left.
 
     `require` {name: least} takes the names of REQUIREMENTS: phase_margin in degrees, gain_margin and gain_reduction as
     factors above 1, delay_margin in s, modulus_margin.
@@ -229,9 +276,19 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float]) -> list[Chec
     """
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
+    if unsolved:
+        return [_check_unsolved(unsolved, name, least) for name, least in require.items()]
     if not loops:
         raise SignalError("there is no loop to check: open at least one")
     return [_check(loops, name, least) for name, least in require.items()]
+
+
+def _check_unsolved(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
+    kind, first = REQUIREMENTS[name], unsolved[0]
+    unit = "" if kind.unit == "1" else f" {kind.unit}"
+    others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""
+    about = f"no equilibrium {first.label}{others}: {first.reason}; {least:g}{unit} is required"
+    return Check(f"{name.replace('_', ' ')} falls short by", least - kind.if_unstable, 0.0, kind.unit, about)
 
 
 def _check(loops: Sequence[OpenLoop], name: str, least: float) -> Check:

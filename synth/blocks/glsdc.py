@@ -16,8 +16,8 @@ without pivoting:
 
 Both inequalities hold up to rounding. The code enforces them, which bounds every quantity computed from the factors.
 
-Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "Multi-Degree-of-Freedom Precision
-Position Sensing", Fig. 9.
+Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "A Novel Multi-DOF Precision
+Positioning Methodology Using Two-Axis Hall-Effect Sensors", Fig. 9.
 """
 
 from collections.abc import Callable, Iterable, Sequence

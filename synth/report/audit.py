@@ -171,7 +171,7 @@ def recompute(printed: Published, scope: Scope) -> Row:
 def rows(scope: Scope, ids: Iterable[str] | None = None) -> Iterator[Row]:
     """Yield the recomputed rows with the given `ids`, or all printed rows, as they are computed.
 
-    Raises DesignError as `computed`.
+    Raises DesignError as `recompute`.
     """
     return (recompute(scope.published[id], scope) for id in (scope.published if ids is None else ids))
 

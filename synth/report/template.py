@@ -128,13 +128,21 @@ def facts(stage: Stage) -> tuple[tuple[str, str], ...]:
 
 
 def loops(stage: Stage, required: Sequence[Check]) -> Section:
-    """Return the loops of a stage at its operating points, their margins, and the disk margins."""
+    """Return the loops of a stage at its operating points, their margins, and the disk margins of the stable ones."""
     if not stage.operating_points:
         return Section(standard.LOOPS, (page.Text("No operating points are declared; there are no loops to show."),))
     opened = verification.loops(stage)
-    disks = {point: robustness.disk_margins(opened, point) for point in opened.points}
-    blocks = (page.Text(standard.OPENED), sections.disks(disks))
-    return standard.loops(robustness.open_loops(opened), required, blocks)
+    survey = robustness.survey(opened)
+    unstable = dict.fromkeys(loop.point for loop in survey.opened if not loop.margins.stable)
+    lost = {*unstable, *(u.point for u in survey.unsolved)}
+    disks = {point: robustness.disk_margins(opened, point) for point in opened.points if point not in lost}
+    notes = (
+        [f"The closed loop is NOT STABLE at {', '.join(unstable)}: it has no disk margin there."] if unstable else []
+    )
+    notes += [f"No equilibrium of the loop was found {u.label}: {u.reason}." for u in survey.unsolved]
+    tables = (sections.disks(disks),) if disks else ()
+    blocks = (page.Text(standard.OPENED), *map(page.Text, notes), *tables)
+    return standard.loops(survey.opened, required, blocks)
 
 
 def default_style(stage: Stage) -> Shown:

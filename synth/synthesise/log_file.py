@@ -43,7 +43,7 @@ HUGE = 1e70  # upper bound of a magnitude, as in `arguments.SIZES`
 def read(path: Path | str, required: Mapping[str, str]) -> Log:
     """Return the samples of a file; `required` are names and SI units of columns that it must contain.
 
-    Raises DesignError for a file that cannot be opened, and SignalError as `parsed`, naming file and line.
+    Raises DesignError for a file that cannot be opened, and SignalError as `parse`, naming file and line.
     """
     try:
         text = Path(path).read_bytes().decode("utf-8-sig")

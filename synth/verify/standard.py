@@ -67,7 +67,8 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     checks += compare_paths(stage, witness_set)
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
-        checks += robustness.checks(robustness.open_loops(over_tolerances(stage)), stage.require)
+        survey = robustness.survey(over_tolerances(stage))
+        checks += robustness.checks(survey.opened, stage.require, survey.unsolved)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 

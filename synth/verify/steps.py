@@ -1,13 +1,14 @@
 """Stimuli as independent steps (x_k, u_k): each step stores its state and can be omitted.
 
-recorded    x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
-drawn       x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
-anew        existing steps with some entries of x resampled
-faulty      every input bad, alone and all at once, for 1 sample up to the latch, and latched until the outputs settle
-edges       every input alone at an end of its range, at the next number beyond, or at a special number such as -0
-shaken      existing steps with x and u perturbed
-rare        the steps with the least frequent flags
-at_ends     the steps in which an output or x_{k+1} reaches, or nearly reaches, an end of its range
+record          x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
+random_steps    x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
+resampled       existing steps with some entries of x resampled
+fault_steps     every input bad, alone and all at once, for 1 sample up to the latch, and latched until the outputs
+                settle
+edge_steps      every input alone at an end of its range, at the next number beyond, or at a special number such as -0
+perturbed       existing steps with x and u perturbed
+rarest          the steps with the least frequent flags
+at_range_ends   the steps in which an output or x_{k+1} reaches, or nearly reaches, an end of its range
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -99,7 +100,7 @@ def random_steps(controller: host.Controller, n: int) -> Steps:
 
 
 def resampled(controller: host.Controller, steps: Steps, name: str) -> Steps:
-    """Return steps with some states resampled as in `drawn`: in a third none, in others few or half."""
+    """Return steps with some states resampled as in `random_steps`: in a third none, in others few or half."""
     rng = np.random.default_rng(SEED + 2)
     n, states = len(steps), steps.states.copy()
     share = rng.choice((0.0, 0.03, 0.5), n)
@@ -173,7 +174,7 @@ def at_range_ends(controller: host.Controller, steps: Steps, each: int, within: 
 def fault_steps(controller: host.Controller, good: Mapping[str, float]) -> Steps:
     """Record bad samples of each input alone and of all inputs, between `good` ones, up to the latch and after it.
 
-    Raises SignalError as `recorded`, and DesignError for a manifest without safety.
+    Raises SignalError as `record`, and DesignError for a manifest without safety.
     """
     guarded = [f["input"] for f in controller.manifest["faults"] if "input" in f]
     runs = [

@@ -7,7 +7,7 @@ import pytest
 
 from synth.analyse import disk, equilibrium, linearisation, loop, operating_points, robustness, stability_margins
 from synth.analyse.robustness import Loops
-from synth.errors import SignalError
+from synth.errors import NoEquilibriumError, SignalError
 from tests import levitator
 
 DESIGN: Any = levitator.design("levitator_2dof")
@@ -77,6 +77,23 @@ def test_an_insufficient_margin_fails_and_so_does_an_unstable_loop() -> None:
     assert lost["gain margin falls short by"].found == 0.5 and not any(c.passed for c in lost.values())
     sound = robustness.checks(robustness.open_loops(loops({"mid": {"z": 0.0}}), ["z"]), {"phase_margin": 80.0})
     assert not sound[0].passed and 30 < 80 - sound[0].found < 50
+
+
+def test_a_point_without_an_equilibrium_leaves_no_margin(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Planted: at one of two operating points the samples of the loop lead to no equilibrium."""
+    solve = equilibrium.solve
+
+    def fail_at_the_side(closed: Any, references: Any, near: Any) -> equilibrium.Equilibrium:
+        if references["x_ref"]:
+            raise NoEquilibriumError("'x' still changes")
+        return solve(closed, references, near)
+
+    monkeypatch.setattr(equilibrium, "solve", fail_at_the_side)
+    survey = robustness.survey(loops())
+    assert {o.point for o in survey.opened} == {"low"} and [u.point for u in survey.unsolved] == ["side"]
+    (check,) = robustness.checks(survey.opened, {"phase_margin": 30.0}, survey.unsolved)
+    assert not check.passed and check.found == 30.0
+    assert "no equilibrium at side: 'x' still changes; 30 degrees is required" in check.about
 
 
 def test_disk_margins_are_no_larger_than_those_of_one_channel(nominal: list[robustness.OpenLoop]) -> None:

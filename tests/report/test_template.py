@@ -1,9 +1,11 @@
 """The report of a declared stage: all standard sections, and those of the design in their places."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from synth.analyse import robustness
 from synth.check import Check
 from synth.report import page, standard, template
 from synth.report.page import Section
@@ -31,6 +33,25 @@ def test_a_declaration_alone_gives_every_standard_section(monkeypatch: pytest.Mo
         assert f" {title}</h2>" in html, title
     assert "<math" in html and standard.AUDIT not in html
     assert "2 checks" in html and html.count("phase margin falls short by") == 1
+
+
+def test_a_loop_that_is_not_stable_is_reported_as_such() -> None:
+    """With six times the gain of the coil, the loop of z is not stable in the middle and above."""
+    loops = template.loops(replace(STAGE, plant=STAGE.plant.with_parameters(K=120.0)), [MARGIN])
+    texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
+    assert "The closed loop is NOT STABLE at mid, high: it has no disk margin there." in texts
+    (disks,) = (block for block in loops.blocks if isinstance(block, page.Table))
+    assert {row[0] for row in disks.rows} == {"low"}
+    (table,) = (block for block in loops.sections[0].blocks if isinstance(block, page.Table))
+    assert [row[1] for row in table.rows] == ["stable", "UNSTABLE", "UNSTABLE"]
+
+
+def test_a_point_without_an_equilibrium_is_named_in_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = robustness.Survey((), [robustness.Unsolved(n, {}, "'z' still changes") for n in ("low", "mid", "high")])
+    monkeypatch.setattr(robustness, "survey", lambda loops: lost)
+    loops = template.loops(STAGE, [MARGIN])
+    texts = [block.text for block in loops.blocks if isinstance(block, page.Text)]
+    assert "No equilibrium of the loop was found at mid: 'z' still changes." in texts and not loops.sections
 
 
 def test_text_and_blocks_of_report_md_are_placed_by_title(monkeypatch: pytest.MonkeyPatch) -> None:

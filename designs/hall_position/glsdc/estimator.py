@@ -15,7 +15,8 @@ is tracked from the last one.
 
 Deviations are those of a body at rest, deviation^2 (H'W H + damping)^-1, with the yaw damped as the phases are.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3.B, Fig. 9.
 """
 
 import casadi as ca

@@ -9,7 +9,8 @@ and is never less than lambda radius^2. The radius is the sensors' rms arm times
 
     N_T = lambda radius^2 + sum over X, Y of [sum over pairs (g_i h_j - g_j h_i)^2 + lambda sum h^2] / N
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3.B, Fig. 9.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3.B, Fig. 9.
 """
 
 from collections.abc import Callable, Iterable, Sequence

@@ -7,7 +7,8 @@ faults the body is searched: every PATIENCE samples start elsewhere in the pitch
 the yaw of the last sample without a fault. Pitches then count from 0. Deviations are those of the Jacobian at the
 predicted pose.
 
-Source: Kawato, Kim, "Multi-Degree-of-Freedom Precision Position Sensing", section 3, Fig. 6 (b) and Fig. 9.
+Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3, Fig. 6 (b) and Fig. 9.
 """
 
 from collections.abc import Sequence

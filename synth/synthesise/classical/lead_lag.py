@@ -118,7 +118,7 @@ class LeadLag:
 
 
 Method = Callable[[Compensator, float, float], LeadLag]
-"""`tustin`, `prewarped`, `matched` or `held`: (compensator, period in s, the frequency `at` in rad/s) -> LeadLag."""
+"""`tustin`, `prewarped`, `matched` or `zero_order_hold`: (compensator, period in s, `at` in rad/s) -> LeadLag."""
 
 
 @arguments.checked

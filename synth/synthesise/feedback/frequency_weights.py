@@ -77,7 +77,7 @@ def frequency_shaped_lqr(
 def augmented(system: System, filters: Sequence[System]) -> StateSpace:
     """Return plant and filters as one model: states (x, w), the plant's inputs, the filters' outputs z.
 
-    Raises as `shaped`.
+    Raises as `frequency_shaped_lqr`.
     """
     plant, parts = of(system), [of(f) for f in filters]
     if not parts:

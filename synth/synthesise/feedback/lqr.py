@@ -13,8 +13,9 @@
     ^                                       |
     +------------------[ K ]<---------------+
 
-`weights.output_weights` converts weights on outputs (MATLAB `lqry`); `integral` adds the states q (MATLAB `lqi`). The
-computation is in double precision, or with `exact` in ball arithmetic for gains that are the same on every machine.
+`weights.output_weights` converts weights on outputs (MATLAB `lqry`); `with_integrators` adds the states q (MATLAB
+`lqi`). The computation is in double precision, or with `exact` in ball arithmetic for gains that are the same on every
+machine.
 """
 
 from collections.abc import Mapping, Sequence

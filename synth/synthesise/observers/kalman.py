@@ -1,4 +1,4 @@
-"""Steady-state Kalman filter; MATLAB `kalman` and, for `sampled`, `kalmd`; python-control `lqe`, `dlqe`.
+"""Steady-state Kalman filter; MATLAB `kalman`, and `kalmd` of a continuous model; python-control `lqe`, `dlqe`.
 
                        w              v
                        |              |

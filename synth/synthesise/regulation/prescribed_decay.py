@@ -61,7 +61,7 @@ def design(
 
     Raises SignalError for a rate that is not positive, a gain for other states or inputs than the plant's, or as
     `internal_model.exosystem`; TimingError for another time; ModelError as `internal_model.augmented` and
-    `regulation.of_gain`.
+    `servo.of_gain`.
     """
     if not isinstance(gain, Gain):
         raise SignalError(f"the gain is a {type(gain).__name__}: give that of lqr.lqr, dlqr or lqrd")

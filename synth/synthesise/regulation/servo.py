@@ -143,7 +143,7 @@ def of_gain(
 def with_observer(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     """Return the regulator with a full-order observer of the plant, x^' = A x^ + B u + L (y - C x^ - D u).
 
-    L is (n, l) for the outputs `measured`. Raises as `estimated`; SignalError for an L of another shape.
+    L is (n, l) for the outputs `measured`. Raises as `with_estimator`; SignalError for an L of another shape.
     """
     plant = servo.plant
     ends = plant.outputs if measured is None else arguments.names("measured outputs", measured)

@@ -152,7 +152,7 @@ def solve(
 
 
 def solve_checked(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
-    """Solve as `solve` does, for weights that `checked_weights` returned."""
+    """Solve as `solve` does, for weights that `weight_matrices` returned."""
     equation = _equation(model, Q, R, N)
     balance = Balance.of(equation)
     certified = _first_certified(model, equation, balance)

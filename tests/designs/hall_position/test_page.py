@@ -82,7 +82,7 @@ def test_without_a_measured_cost_no_other_is_measured(monkeypatch: pytest.Monkey
     parts: list[Section] = []
     monkeypatch.setattr(page, "_blocks", lambda *_: {})
     monkeypatch.setattr(six, "section", lambda _: Section("Six degrees of freedom"))
-    monkeypatch.setattr(template, "assembled", lambda *arguments: str(parts.extend(arguments[3])))
+    monkeypatch.setattr(template, "assemble", lambda *arguments: str(parts.extend(arguments[3])))
     page.report({}, Evidence(config.NAME, (), ()), [], [], None)
     assert [part.blocks for part in parts if part.title == costs.TITLE] == [(Text(costs.ABSENT),)]
 

@@ -178,7 +178,7 @@ def test_another_output_that_is_wrong_in_single_is_detected(
 
         return step if controller is by.c32 else emitted(controller)
 
-    monkeypatch.setattr(agree, "emitted", corrupted)
+    monkeypatch.setattr(agree, "emitted_c", corrupted)
     (name,) = failed_names(verification.compare_single(subject(), by, steps_of("motions")))
     assert output.split("_")[0] in name
 

@@ -108,7 +108,7 @@ def test_what_the_observers_pole_costs(monkeypatch: pytest.MonkeyPatch, axis: st
     for p, expected in PEAKS[axis].items():
         monkeypatch.setitem(lqg.OBSERVER_POLE, axis, p)
         L = ideal_loops.of_axis(lqg.law(PLANT), lqg.TIME, axis, filtered=False)
-        margins = ideal_loops.margins.of_loop(L)
+        margins = ideal_loops.stability_margins.of_loop(L)
         assert margins.stable and margins.peak_sensitivity == pytest.approx(expected, abs=0.01)
         if p in CURRENTS.get(axis, {}):
             assert NOISE[axis] * demand(axis, p) == pytest.approx(CURRENTS[axis][p], abs=0.005)
