@@ -712,8 +712,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     state->estimator_residual_faults = (X_test_3) ? ((estimator_phase_x_test) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_flag(valid_test_4 || (estimator_acquired != 0u));
-    const bool estimator_lock_lost_next = (estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (estimator_phase_x_test_2 || !valid_test_2 || (((valid_test_4) ? 0.04363323f : 0.08726646f) < yaw_size)));
-    state->estimator_lock_lost = hall_position_flag(estimator_lock_lost_next);
+    state->estimator_lock_lost = hall_position_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (estimator_phase_x_test_2 || !valid_test_2 || (((valid_test_4) ? 0.04363323f : 0.08726646f) < yaw_size))));
     out->valid = valid ? 1.0f : 0.0f;
     out->lock_lost = (float)estimator_lock_lost;
 

@@ -952,10 +952,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool valid_test_2 = (fabsf(pitch_x_plus_X_part_8) <= 8.0f) && (fabsf(pitch_y_plus_Y_part_7) <= 8.0f);
     const float yaw_size = fabsf(yaw);
     const bool valid_test_3 = valid_test_2 && (yaw_size <= 0.17453292f);
-    const bool valid_test_4 = valid_test && (((cost_0_test ? 1.0f : 0.0f) + (cost_0_test_2 ? 1.0f : 0.0f) + (cost_0_test_3 ? 1.0f : 0.0f)) < 1.0f) && (damped_part <= 1.612292f) && yaw_change_sine_test_7 && valid_test_3;
-    const bool valid_test_5 = valid_test_4 || ((estimator_ambiguity_resolved != 0u) && !damped);
+    const bool valid_test_4 = (valid_test && (((cost_0_test ? 1.0f : 0.0f) + (cost_0_test_2 ? 1.0f : 0.0f) + (cost_0_test_3 ? 1.0f : 0.0f)) < 1.0f) && (damped_part <= 1.612292f) && yaw_change_sine_test_7 && valid_test_3) || ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
-    const bool valid = valid_test && valid_test_5 && !(estimator_lock_lost != 0u) && valid_test_3;
+    const bool valid = valid_test && valid_test_4 && !(estimator_lock_lost != 0u) && valid_test_3;
     out->lock_lost = (float)estimator_lock_lost;
     const bool estimator_phase_x_test = 4u <= estimator_residual_faults;
     const bool estimator_phase_x_test_2 = yaw_change_sine_test_6 && estimator_phase_x_test;
@@ -988,18 +987,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         if (converged && estimator_yaw_last_good_test) {
             state->estimator_searching = 0u;
         }
-        state->estimator_ambiguity_resolved = hall_position_three_flag(valid_test_5);
+        state->estimator_ambiguity_resolved = hall_position_three_flag(valid_test_4);
         const float estimator_excluded_sensor_part = cost_0_part_24_squared + cost_0_part_51_squared;
         const float estimator_excluded_sensor_part_2 = cost_0_part_11_squared + cost_0_part_44_squared;
         const float estimator_excluded_sensor_part_3 = cost_0_part_37_squared + cost_0_part_58_squared;
         const float estimator_excluded_sensor_part_4 = hall_position_three_max(estimator_excluded_sensor_part, estimator_excluded_sensor_part_2);
         const float estimator_excluded_sensor_part_5 = hall_position_three_min(estimator_excluded_sensor_part, estimator_excluded_sensor_part_2) + hall_position_three_min(estimator_excluded_sensor_part_3, estimator_excluded_sensor_part_4);
-        const bool estimator_excluded_sensor_test = (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (estimator_excluded_sensor_part_5 <= 0.076f) && ((25.0f * estimator_excluded_sensor_part_5) <= hall_position_three_max(estimator_excluded_sensor_part_3, estimator_excluded_sensor_part_4));
-        if (yaw_change_sine_test_6 && ((1.6e-05f * yaw_change_sine_part_131) < cost_4_part_52) && estimator_excluded_sensor_test) {
+        if (yaw_change_sine_test_6 && ((1.6e-05f * yaw_change_sine_part_131) < cost_4_part_52) && (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (estimator_excluded_sensor_part_5 <= 0.076f) && ((25.0f * estimator_excluded_sensor_part_5) <= hall_position_three_max(estimator_excluded_sensor_part_3, estimator_excluded_sensor_part_4))) {
             state->estimator_excluded_sensor = (uint32_t)((estimator_excluded_sensor_part_4 < estimator_excluded_sensor_part_3) ? 3.0f : ((estimator_excluded_sensor_part_2 < estimator_excluded_sensor_part) ? 2.0f : 1.0f));
         }
     }
-    if (valid_test_5 && estimator_yaw_last_good_test) {
+    if (valid_test_4 && estimator_yaw_last_good_test) {
         state->estimator_yaw_last_good = yaw;
     }
     state->estimator_pitch_x = hall_position_three_limit(pitch_x_plus_X_part_8, 8.0f);
@@ -1017,9 +1015,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, 0.14022085f);
     state->estimator_residual_faults = (yaw_change_sine_test_6) ? ((estimator_phase_x_test) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
-    state->estimator_acquired = hall_position_three_flag(valid_test_5 || (estimator_acquired != 0u));
-    const bool estimator_lock_lost_next = (estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (estimator_phase_x_test_2 || !valid_test_2 || (((valid_test_5) ? 0.17453292f : 0.34906584f) < yaw_size)));
-    state->estimator_lock_lost = hall_position_three_flag(estimator_lock_lost_next);
+    state->estimator_acquired = hall_position_three_flag(valid_test_4 || (estimator_acquired != 0u));
+    state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (estimator_phase_x_test_2 || !valid_test_2 || (((valid_test_4) ? 0.17453292f : 0.34906584f) < yaw_size))));
     out->X = X;
     out->Y = Y;
     out->yaw = yaw;

@@ -117,9 +117,8 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float value_part_3 = state->s + (parameters->k_s * raw_minus_p) + value_part_2;
     const float value_part_4 = value_part + value_part_3;
     const float value_part_5 = value_part_3 + value_part_2;
-    const bool value_test = (ready != 0u) && (fabsf(value_part_4) <= parameters->high) && (fabsf(value_part_5) <= parameters->high) && (fabsf(value_part_2) <= parameters->high);
     float value_part_6 = value_part;
-    if (value_test) {
+    if ((ready != 0u) && (fabsf(value_part_4) <= parameters->high) && (fabsf(value_part_5) <= parameters->high) && (fabsf(value_part_2) <= parameters->high)) {
         state->p = value_part_4;
         state->s = value_part_5;
         state->h = value_part_2;

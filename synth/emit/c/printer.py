@@ -150,7 +150,9 @@ class _Printer:
             return
         unnamed = k not in self.locals.name or k in self.locals.next_only
         waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS
-        if waits and (self.naming.width(text.c) < _WIDTH or k in self.p.returns.values()):
+        # An analyser learns from a condition what it does not learn from a variable that holds it.
+        width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
+        if waits and (self.naming.width(text.c) < width or k in self.p.returns.values()):
             self.c.text[k] = text
             return
         if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
