@@ -289,11 +289,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float e_theta = theta - theta_ref_held;
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
         const float w_theta = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
-
-        /* regulator_x: F(14)-(17) */
         const float w_x = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
-
-        /* regulator_z: F(14)-(17) */
         const float w_z = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
 
         /* decoupling: direct and thrust currents, F(8), F(12) */

@@ -131,6 +131,20 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     return value_part_6;
 }
 
+typedef struct {
+    float ref_held_minus_value;
+    float d;
+} planar_6dof_leadlag_loop_output_t;
+
+/* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
+ * (24); lead-lag, (25) */
+PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const planar_6dof_leadlag_loop_state_t *state,
+    float gain, float ref_held, float value)
+{
+    const float ref_held_minus_value = ref_held - value;
+    return (planar_6dof_leadlag_loop_output_t){.ref_held_minus_value = ref_held_minus_value, .d = (gain * ref_held_minus_value) + state->lead + state->integral};
+}
+
 /* loop_x, loop_y, loop_phi: lead-lag, (21); lead-lag, (22) */
 PLANAR_6DOF_LEADLAG_INLINE void planar_6dof_leadlag_loop_update(planar_6dof_leadlag_loop_state_t *state,
     float lead_input, float achieved, float value)
@@ -482,71 +496,58 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float z = 0.5f * (z_part + d3_held);
         const float theta = 8.333333f * (d3_held - z_part);
         const float psi = 8.333333f * (d1_held - d2_held);
-
-        /* loop_x: lead-lag, (21) */
-        const float x_ref_minus_x = x_ref_held - x;
-        const float d_x = (loop_x_gain * x_ref_minus_x) + state->loop_x.lead + state->loop_x.integral;
-
-        /* loop_y: lead-lag, (21) */
-        const float y_ref_minus_y = y_ref_held - y;
-        const float d_y = (loop_y_gain * y_ref_minus_y) + state->loop_y.lead + state->loop_y.integral;
-
-        /* loop_phi: lead-lag, (22) */
-        const float phi_ref_minus_phi = phi_ref_held - phi;
-        const float d_phi = (loop_phi_gain * phi_ref_minus_phi) + state->loop_phi.lead + state->loop_phi.integral;
+        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x, loop_x_gain, x_ref_held, x);
+        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y, loop_y_gain, y_ref_held, y);
+        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi, loop_phi_gain, phi_ref_held, phi);
+        const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z, loop_z_gain, z_ref_held, z);
 
         /* loop_z: lead-lag, (23) */
-        const float z_ref_minus_z = z_ref_held - z;
-        const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_gain * z_ref_minus_z) + state->loop_z_lead + loop_z_integral;
-        state->loop_z_lead = loop_z_lead_input * z_ref_minus_z;
+        state->loop_z.lead = loop_z_lead_input * loop_z_output.ref_held_minus_value;
+        const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta, loop_theta_gain, theta_ref_held, theta);
 
         /* loop_theta: lead-lag, (24) */
-        const float theta_ref_minus_theta = theta_ref_held - theta;
-        const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_gain * theta_ref_minus_theta) + state->loop_theta_lead + loop_theta_integral;
-        state->loop_theta_lead = loop_theta_lead_input * theta_ref_minus_theta;
+        state->loop_theta.lead = loop_theta_lead_input * loop_theta_output.ref_held_minus_value;
+        const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi, loop_psi_gain, psi_ref_held, psi);
 
         /* loop_psi: lead-lag, (25) */
-        const float psi_ref_minus_psi = psi_ref_held - psi;
-        const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_gain * psi_ref_minus_psi) + state->loop_psi_lead + loop_psi_integral;
-        state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
+        state->loop_psi.lead = loop_psi_lead_input * loop_psi_output.ref_held_minus_value;
 
         /* allocation: motor currents, Table 3, (17) */
         const float phi_squared = phi * phi;
         const float i_CQ_part = f1_polynomial(phi_squared);
         const float i_CQ_part_2 = phi * f2_polynomial(phi_squared);
-        const float i_CQ = planar_6dof_leadlag_limit((i_CQ_part * d_x) + (i_CQ_part_2 * d_y), planar_6dof_leadlag_max(1.134f - fabsf(d_phi), 0.567f));
-        const float i_AQ_part = planar_6dof_leadlag_limit(d_phi + i_CQ, 1.134f);
-        const float i_AQ_part_2 = planar_6dof_leadlag_limit(0.5f * ((i_CQ_part * d_y) - (i_CQ_part_2 * d_x)), 1.134f - fabsf(i_AQ_part));
+        const float i_CQ = planar_6dof_leadlag_limit((i_CQ_part * loop_x_output.d) + (i_CQ_part_2 * loop_y_output.d), planar_6dof_leadlag_max(1.134f - fabsf(loop_phi_output.d), 0.567f));
+        const float i_AQ_part = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, 1.134f);
+        const float i_AQ_part_2 = planar_6dof_leadlag_limit(0.5f * ((i_CQ_part * loop_y_output.d) - (i_CQ_part_2 * loop_x_output.d)), 1.134f - fabsf(i_AQ_part));
         const float i_AQ = i_AQ_part_2 - i_AQ_part;
         const float i_BQ = i_AQ_part_2 + i_AQ_part;
-        const float d_z_minus_d_theta = d_z - d_theta;
-        const float i_AD = planar_6dof_leadlag_limit(d_z_minus_d_theta + d_psi, 0.54913455f);
-        const float i_BD = planar_6dof_leadlag_limit(d_z_minus_d_theta - d_psi, 0.54913455f);
+        const float d_minus_d = loop_z_output.d - loop_theta_output.d;
+        const float i_AD = planar_6dof_leadlag_limit(d_minus_d + loop_psi_output.d, 0.54913455f);
+        const float i_BD = planar_6dof_leadlag_limit(d_minus_d - loop_psi_output.d, 0.54913455f);
 
         /* loop_psi: lead-lag, (25) */
-        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
+        const float loop_psi_integral_next = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
+        state->loop_psi.integral = loop_psi_integral_next;
 
         /* allocation: motor currents, Table 3, (17) */
-        const float i_CD = planar_6dof_leadlag_limit(d_z + (2.0f * d_theta), 0.54913455f);
+        const float i_CD = planar_6dof_leadlag_limit(loop_z_output.d + (2.0f * loop_theta_output.d), 0.54913455f);
 
         /* loop_z: lead-lag, (23) */
         const float i_AD_plus_i_BD = i_AD + i_BD;
-        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
+        const float loop_z_integral_next = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
+        state->loop_z.integral = loop_z_integral_next;
 
         /* allocation: motor currents, Table 3, (17) */
         const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
-        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, x_ref_minus_x);
+        planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.ref_held_minus_value);
         const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
-        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, y_ref_minus_y);
+        planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.ref_held_minus_value);
         const float achieved_phi = i_AQ_part - i_CQ;
-        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, phi_ref_minus_phi);
+        planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.ref_held_minus_value);
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
 
         /* loop_theta: lead-lag, (24) */
-        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
+        state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) + (loop_theta_integral_input * achieved_theta);
 
         /* commutation: phase currents, (17) inverted */
         const float distance_rear = within_x - (0.025584769f * i_CQ_part_2);

@@ -246,7 +246,8 @@ class _Printer:
             name = self.locals.names.free(node.name)
             text = f"const {self.name}_{routine.name}_t {name} = {text}"
             self.returned |= {f"{node.name}.{r.name}": f"{name}.{r.name}" for r in routine.results}
-        self._put(text, depth)
+        self._check_loads(text)
+        self.printed.append(Line("    " * depth + text, prose(self.p.titles.get(call.block, self.tag))))
 
     def _put(self, text: str, depth: int) -> None:
         self._check_loads(text)

@@ -24,13 +24,19 @@ WIDTH = 116
 
 def comment(text: str, indent: str = "") -> list[str]:
     """Return a comment in lines of at most 120 columns."""
-    return wrap(f"{indent}/* {text} */", WIDTH + 4, subsequent_indent=f"{indent} * ", break_on_hyphens=False)
+    return wrap(
+        f"{indent}/* {text} */",
+        WIDTH + 4,
+        subsequent_indent=f"{indent} * ",
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
 
 
 def wrapped(head: str) -> list[str]:
     """Return the head of a function in lines of at most 120 columns, broken between its arguments."""
     text = head.replace(" ", "\0").replace(",\0", ", ")
-    rows = wrap(text, WIDTH + 4, subsequent_indent="\0" * 4, break_on_hyphens=False)
+    rows = wrap(text, WIDTH + 4, subsequent_indent="\0" * 4, break_on_hyphens=False, break_long_words=False)
     return [row.replace("\0", " ") for row in rows]
 
 
@@ -111,7 +117,7 @@ def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
         values = [_value(node, constants, layout.scalar) for node in call.numbers]
         kind = f"{block.name}_{call.routine.name}_parameters_t"
         text = f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};"
-        rows += wrap(text, WIDTH + 4, subsequent_indent=" " * 8, break_on_hyphens=False)
+        rows += wrap(text, WIDTH + 4, subsequent_indent=" " * 8, break_on_hyphens=False, break_long_words=False)
     return rows
 
 
