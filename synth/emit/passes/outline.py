@@ -139,7 +139,7 @@ def _results(p: Program, region: frozenset[int], stores: set[int]) -> tuple[int,
 
 
 def split(p: Program, part: Part) -> list[Part]:
-    """Return a Part as it is where nothing that it needs depends on it, else its signals and its next states separately."""
+    """Return a Part whole where nothing that it needs depends on it, else its signals and next states separately."""
     if not _depends_on_itself(p, part.region):
         return [part]
     marks = {k for _, k in p.marks} & part.region
