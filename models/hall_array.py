@@ -87,7 +87,7 @@ class Pose:
     """Position of the body's origin, (3, 1) in m, Z above the matrix, and its axes as columns (3, 3)."""
 
     at: ca.SX
-    turn: ca.SX
+    rotation: ca.SX
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,8 +157,8 @@ def voltages(array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
 
 
 def _pair(sensor: Sensor, array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
-    turn = pose.turn @ ca.SX(axes(sensor))
-    at = pose.at + pose.turn @ ca.SX(ca.DM(sensor.position))
+    turn = pose.rotation @ ca.SX(axes(sensor))
+    at = pose.at + pose.rotation @ ca.SX(ca.DM(sensor.position))
     seen = [average_over_volume(wave, turn, array.volume) for wave in waves]
     B = concentrated_field.field(seen, *ca.vertsplit(at))
     b = turn.T @ ca.vertcat(B.x, B.y, B.z)

@@ -119,20 +119,20 @@ def _places(plant: Plant, points: int) -> Array:
 class Watch:
     """Over N starts: sample in which a failure was noticed, or -1, named suspects, and errors (axes, N) until then.
 
-    `moved` (N,) is the distance in m until it was noticed, inf where it was not.
+    `distance` (N,) is the distance in m until it was noticed, inf where it was not.
     """
 
     noticed: NDArray[np.int64]
     named: NDArray[np.bool_]
     error: Array
-    moved: Array
+    distance: Array
 
     def summary(self, name: str) -> dict[str, float]:
         """Return shares in % and worst errors for the failed voltage `name`; named ones are shares of the noticed."""
         noticed, named_right = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
         alone = named_right & (self.named.sum(axis=0) == 1)
         named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (named_right, alone))
-        worst = {"moved, mm": self.moved, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
+        worst = {"moved, mm": self.distance, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
         shares = {"unnoticed, %": 100 * float(np.mean(~noticed)), "named, %": 100 * named, "alone, %": 100 * only}
         return shares | {what: 1e3 * float(v.max()) for what, v in worst.items()}
 

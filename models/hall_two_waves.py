@@ -41,13 +41,13 @@ class _Periodic:
         return 2 * pi / self.pitch
 
     @property
-    def reach(self) -> float:
+    def longest_arm(self) -> float:
         """Return the largest |x| + |y| of the arms, rad."""
         return max(abs(x) + abs(y) for x, y, *_ in self.arms)
 
     def yaw_within(self, phase: float) -> float:
-        """Return the yaw T in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
-        return sqrt(1 + 2 * phase / self.reach) - 1
+        """Return the yaw T in rad that moves no sensor by more than a phase in rad: a (T + T^2/2) = phase, with the longest arm a."""
+        return sqrt(1 + 2 * phase / self.longest_arm) - 1
 
     def _check(self, positive: Iterable[str], finite: Iterable[str]) -> None:
         """Convert fields to floats; raise ModelError for one that is not a number, or not above 0 where it must be."""
@@ -199,6 +199,6 @@ def _one() -> ca.Function:
     q, r, field = (ca.SX.sym(name, n) for name, n in (("q", len(hall_array.SPATIAL)), ("r", 3), ("field", 4)))
     pose, (alpha, beta, height, pitch) = hall_array.spatial_pose(q), ca.vertsplit(field)
     waves = concentrated_field.waves_from_amplitudes({1: alpha, 5: beta}, height, {"l": pitch})
-    B = concentrated_field.field(waves, *ca.vertsplit(pose.at + pose.turn @ r))
-    volts = (pose.turn.T @ ca.vertcat(B.x, B.y, B.z))[:2]
+    B = concentrated_field.field(waves, *ca.vertsplit(pose.at + pose.rotation @ r))
+    volts = (pose.rotation.T @ ca.vertcat(B.x, B.y, B.z))[:2]
     return ca.Function("sensor", [q, r, field], [ca.jacobian(volts, q)])

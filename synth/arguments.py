@@ -71,7 +71,7 @@ def _with_checks(function: Callable[..., Any], where: str) -> Callable[..., Any]
             if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
                 args = (*args[:i], plain, *args[i + 1 :])
         for name, value in kwargs.items():
-            kind = k.names.get(name, k.others)
+            kind = k.by_name.get(name, k.others)
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
             if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
@@ -121,7 +121,7 @@ class Kinds:
 
     places: tuple[tuple[str, Kind | None], ...]
     further: tuple[str, Kind | None]
-    names: Mapping[str, Kind | None]
+    by_name: Mapping[str, Kind | None]
     others: Kind | None
 
 

@@ -74,7 +74,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
         write.save(reports, root / "reports")
         failed = [c for c in built.checks if not c.passed]
         _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
-        documents.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in failed]})
+        documents.append({"design": name, "checks": len(built.checks), "failed": [c.document() for c in failed]})
     return _finish(as_json, documents, results, any(document["failed"] for document in documents))
 
 
@@ -224,7 +224,7 @@ def _experiment(e: Experiment) -> Mapping[str, Any]:
 
 
 def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
-    return [asdict(c) | {"passed": c.passed} for c in checks]
+    return [c.document() | {"passed": c.passed} for c in checks]
 
 
 def _require_emulator() -> None:

@@ -169,7 +169,7 @@ def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Bloc
         return Step({f"{n}_computed": v for n, v in limited.items()} | excess)
 
     bounds = {n: max(abs(s.low), abs(s.high)) for n, s in ends.items()}
-    outputs = [*(around.computed(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
+    outputs = [*(around.computed_output(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
     return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
 
 

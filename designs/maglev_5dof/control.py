@@ -216,7 +216,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
         return Step(output, named=named_signals)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
-    outputs = [*(INTERFACE.computed(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
+    outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
 
 

@@ -90,7 +90,7 @@ class RelativeDegree:
         Raises ModelError if D or a is not finite.
         """
         points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-        terms = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
+        terms = np.abs(self.model.box.evaluate(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
         effect = np.einsum("pmk,m->pk", terms[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
         drift = terms[:, -1].max(axis=1)
         ratios = [float(r / a) if a else np.inf for r, a in zip(effect, drift, strict=True)]
@@ -203,7 +203,7 @@ def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
     terms = ca.horzcat(ca.densify(D), rounding.error_bound(D))
-    evaluated = model.box.evaluated(terms, points).transpose(2, 0, 1)
+    evaluated = model.box.evaluate(terms, points).transpose(2, 0, 1)
     m = len(model.inputs)
     evaluated = evaluated * np.tile(box.half_widths(model.inputs), 2)
     size = np.linalg.norm(evaluated[:, :, :m], axis=2, keepdims=True)

@@ -69,7 +69,7 @@ class ZeroDynamics:
         return len(self.modes)
 
     @property
-    def agreed(self) -> bool:
+    def is_consistent(self) -> bool:
         """Whether the two methods give the same zeros."""
         return self.distance <= TOLERANCE
 
@@ -82,7 +82,7 @@ class ZeroDynamics:
             "not minimum phase": "a mode grows while the outputs stay at zero: choose other outputs",
             "not hyperbolic": "a mode on the imaginary axis: the linear model does not decide",
         }
-        word = "agree" if self.agreed else "DISAGREE"
+        word = "agree" if self.is_consistent else "DISAGREE"
         lines = (
             meaning[self.verdict],
             f"restricted dynamics and pencil {word}: relative difference {self.distance:.1e}",

@@ -6,7 +6,7 @@
 
 The axis receives the limited command, so it is a stable system whether or not the actuator is at its limit: the
 internal model tracks the actuator (A - E C), and the estimator is stable. The bounds of its states are therefore the
-largest values to which inputs in their ranges can drive them (`analyse.reach`); they need no tuning.
+largest values to which inputs in their ranges can drive them (`analyse.peak_bounds`); they need no tuning.
 """
 
 from collections.abc import Sequence
@@ -77,7 +77,7 @@ def _command(axis: Axis, interface: Interface) -> Command:
             f"the axis of '{axis.output}' commands '{axis.command}', which no actuator drives: the interface has "
             f"{', '.join(a.of for a in interface.actuators) or 'none'}"
         )
-    return Command(f"{actuator}_demand", f"{actuator}_excess", interface.computed(actuator))
+    return Command(f"{actuator}_demand", f"{actuator}_excess", interface.computed_output(actuator))
 
 
 def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:

@@ -97,7 +97,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
     demands = [commands[name].signal() for name in outputs]
     actuator_demands = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
     excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
-    computed = [interface.computed(a) for a in actuators]
+    computed = [interface.computed_output(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w = ca.vertcat(*(u[s.name] for s in demands))

@@ -42,7 +42,7 @@ class Formula:
     what: str = ""
 
     @property
-    def names(self) -> frozenset[str]:
+    def identifiers(self) -> frozenset[str]:
         """Names in the expression: parameters, functions, other values and printed numbers such as F-1.mass."""
         tree = ast.parse(_PRINTED.sub("printed", self.text), mode="eval")
         return frozenset(_PRINTED.findall(self.text)) | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
@@ -90,5 +90,5 @@ def sources(formulas: Mapping[str, Formula]) -> frozenset[str]:
     """Return the names that the figures among the formulas depend on, directly or through other values."""
     reached: dict[str, frozenset[str]] = {}
     for name, formula in formulas.items():
-        reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.names))
+        reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.identifiers))
     return frozenset().union(*(reached[name] for name, formula in formulas.items() if formula.what))

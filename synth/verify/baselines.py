@@ -67,7 +67,7 @@ class Candidate:
     entry: str
     state: int
     signals: int
-    placed: Callable[[Image, Steps], CallLayout]
+    lay_out: Callable[[Image, Steps], CallLayout]
 
 
 def emitted_c(code: EmittedCode) -> Candidate:

@@ -120,7 +120,7 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     """Measure a candidate over a sequence of steps."""
     path = link(candidate, build)
     machine = boot(candidate, build, path)
-    layout = candidate.placed(machine, sequence)
+    layout = candidate.lay_out(machine, sequence)
     measured = machine.measure(candidate.entry, layout.arguments).cost
     return Run(measured, layout.outputs(), machine.program.size(), path)
 
@@ -128,12 +128,12 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
 def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
     """Count the executed instructions of each step (N,), without those that are predicated false."""
     machine = boot(candidate, build, link(candidate, build))
-    arguments = candidate.placed(machine, sequence).arguments
+    arguments = candidate.lay_out(machine, sequence).arguments
     counts = []
     with recorder.attach(machine.engine) as record:
         for row in arguments:
             machine.calls(candidate.entry, row[np.newaxis])
-            record.call_ended()
+            record.end_call()
             if record.is_filling:
                 counts.append(np.diff(record.take().ends, prepend=0))
         counts.append(np.diff(record.take().ends, prepend=0))

@@ -54,7 +54,7 @@ def test_a_row_depends_on_what_its_figures_name_and_on_no_more() -> None:
 
 
 def test_an_attribute_is_no_name() -> None:
-    assert Formula("filter(F-1.mass).mass + rate").names == {"filter", "F-1.mass", "printed", "rate"}
+    assert Formula("filter(F-1.mass).mass + rate").identifiers == {"filter", "F-1.mass", "printed", "rate"}
 
 
 @pytest.mark.parametrize(

@@ -245,7 +245,7 @@ def _dropout_in_a_step(loop: Loop) -> Check:
         about = f"{after} samples after a step of {1e3 * SMALL:g} mm, without noise"
         off = float(np.abs(run["x"] - clean["x"]).max())
         checks.append(Check("x differs in a step", off, RESPONSE * float(errors[at]), "m", about))
-    return max(checks, key=lambda check: check.found / check.limit)
+    return max(checks, key=lambda check: check.value / check.limit)
 
 
 def _held_errors(raw: Array) -> Array:

@@ -40,7 +40,7 @@ def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Secti
     """Return every experiment, with the text of `beside` on the paper's figure, by name."""
     tables = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
     return standard.experiments(
-        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, drawn=tables, fine=SMALL)
+        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, blocks=tables, fine=SMALL)
     )
 
 

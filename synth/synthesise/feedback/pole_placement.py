@@ -79,10 +79,10 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     structure.require_stabilisable(model.A, model.B, model.states, model.inputs, model.time)
     part = staircase.scaled(model.A, model.B)
     split = staircase.controllable_split(part.A, part.B)
-    fixed = staircase.modes(part.A.T, split.outside)[0] * part.rate
-    requested = _check_poles(poles, split.inside.shape[1], fixed, model)
+    fixed = staircase.modes(part.A.T, split.complement)[0] * part.rate
+    requested = _check_poles(poles, split.controllable.shape[1], fixed, model)
     size = _pole_scale(requested, model.time)
-    placements = (_placement(model, K, requested, fixed) for K in _candidates(part, split.inside, requested))
+    placements = (_placement(model, K, requested, fixed) for K in _candidates(part, split.controllable, requested))
     best = next(placements)
     while best.error > CLOSE * size and (other := next(placements, None)):
         best = min(best, other, key=lambda p: p.error)

@@ -147,7 +147,7 @@ def _integrator_state(degree: RelativeDegree, mixing: _Mixing, k: int) -> Signal
     if not row.nnz():
         return input
     points = box.scatter(degree.model.states, rounding.POINTS, rounding.SEEDS[0])
-    values = degree.model.box.evaluated(row, points)[0]
+    values = degree.model.box.evaluate(row, points)[0]
     ends = values[None] * np.array([[s.low for s in inputs], [s.high for s in inputs]])[:, :, None]
     low, high = (float(sum(extreme(ends, axis=(0, 2)))) for extreme in (np.min, np.max))
     about = f"{input.name} with " + ", ".join(s.name for s, v in zip(inputs, values, strict=True) if v.any())
@@ -172,7 +172,7 @@ def _best_block(degree: RelativeDegree, rows: Sequence[int], size: int) -> tuple
     """Return the rows and columns of the square block of D that is best conditioned at the worst scattered point."""
     D, model = degree.decoupling, degree.model
     points = box.scatter(model.states, rounding.POINTS, rounding.SEEDS[0])
-    values = model.box.evaluated(D, points).transpose(2, 0, 1) * box.half_widths(model.inputs)
+    values = model.box.evaluate(D, points).transpose(2, 0, 1) * box.half_widths(model.inputs)
     values /= np.linalg.norm(values, axis=2).max(axis=0)[:, None]
     choices = [
         (list(i), list(j)) for i in combinations(rows, size) for j in combinations(range(len(model.inputs)), size)

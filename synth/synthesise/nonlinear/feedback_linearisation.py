@@ -124,10 +124,10 @@ class Linearisation:
         reached = _derivatives(self, u)
         domain = Box(ca.vertcat(self.x, u), (*states, *inputs))
         at = box.scatter(domain.signals, points, SEED)
-        demands = np.roll(domain.evaluated(reached, at)[:, 0, :], 1, axis=1)
+        demands = np.roll(domain.evaluate(reached, at)[:, 0, :], 1, axis=1)
         inputs_sent, error_u = _evaluate_law(self, at[: len(states)], demands)
         parts = ca.horzcat(reached, rounding.error_bound(reached), ca.jacobian(reached, u))
-        values = domain.evaluated(parts, np.vstack([at[: len(states)], inputs_sent]))
+        values = domain.evaluate(parts, np.vstack([at[: len(states)], inputs_sent]))
         size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(demands)
         most = CANCELLATION * np.abs(demands).max(axis=1, keepdims=True)
         figure = float((np.abs(values[:, 0] - demands) / (rounding.LIMIT * np.minimum(size, most))).max())
@@ -141,7 +141,7 @@ class Linearisation:
         lines = [
             f"inputs {', '.join(self.inputs)}; demands {', '.join(self._demands())}",
             *degree.lines,
-            f"normal form: {'holds' if check.passed else 'DOES NOT HOLD'}, {check.found:.2g} of the rounding error",
+            f"normal form: {'holds' if check.passed else 'DOES NOT HOLD'}, {check.value:.2g} of the rounding error",
         ]
         if zeros:
             lines += [zeros.title, *zeros.lines]

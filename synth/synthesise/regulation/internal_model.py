@@ -42,7 +42,7 @@ class InternalModel:
     modes: tuple[Mode, ...]
     time: Time
 
-    def names(self, outputs: Sequence[str]) -> tuple[str, ...]:
+    def state_names(self, outputs: Sequence[str]) -> tuple[str, ...]:
         """Return the names of the states: xi1, xi2, .. for one output, else xi1_<output>, .. for each output."""
         ends = [""] if len(outputs) == 1 else [f"_{name}" for name in outputs]
         return tuple(f"xi{k + 1}{end}" for end in ends for k in range(len(self.Phi)))
@@ -53,7 +53,7 @@ class InternalModel:
         The last state is the integral of an output, in its unit times s; each other state is the integral of the next
         one. This also holds in discrete time, where N is about the period in s.
         """
-        n, names = len(self.Phi), self.names(outputs)
+        n, names = len(self.Phi), self.state_names(outputs)
         powers = [f" s^{k}" if k > 1 else " s" for k in range(n, 0, -1)]
         ends = [units.get(name) and units[name] + power for name in outputs for power in powers]
         return {name: end for name, end in zip(names, ends, strict=True) if end}
@@ -256,7 +256,7 @@ def augmented(plant: System, exosystem: Exosystem) -> StateSpace:
     N = np.kron(np.eye(p), model.N)
     A = np.block([[part.A, np.zeros((n, p * k))], [N @ part.C, np.kron(np.eye(p), model.Phi)]])
     B = np.vstack([part.B, N @ part.D])
-    states = part.states + model.names(part.outputs)
+    states = part.states + model.state_names(part.outputs)
     units = {**part.units, **model.units(part.outputs, part.units)}
     return StateSpace(A, B, np.eye(n + p * k), np.zeros((n + p * k, m)), states, part.inputs, states, part.time, units)
 

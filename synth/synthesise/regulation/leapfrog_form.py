@@ -32,7 +32,7 @@ def controller(regulator: Servo, system: System | None = None) -> StateSpace:
     or multiple mode, a frequency as `internal_model.leapfrog`, or a system without the regulator's xi.
     """
     model, outputs = regulator.model, regulator.regulated
-    T, old = period(model.time), regulator.model.names(regulator.regulated)
+    T, old = period(model.time), regulator.model.state_names(regulator.regulated)
     source = regulator.controller if system is None else of(system)
     common(model.time, source.time)
     if any(mode.multiplicity > 1 or mode.value.real for mode in model.modes):

@@ -68,7 +68,7 @@ def lqrd(
     """
     plant, acting, model = servo.split_plant(system, exosystem, regulated, controls)
     common(Continuous(), plant.time)
-    names = (*acting.states, *model.names(acting.outputs))
+    names = (*acting.states, *model.state_names(acting.outputs))
     Q, R = weights.semidefinite("Q", Q, names), weights.definite("R", R, acting.inputs)
     W = _period_weight(acting, model, scipy.linalg.block_diag(Q, R), period_s, exact)
     plant, acting = (discretise.zero_order_hold(part, period_s) for part in (plant, acting))

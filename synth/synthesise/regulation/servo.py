@@ -67,7 +67,7 @@ class Servo:
     @property
     def states(self) -> tuple[str, ...]:
         """The states that K acts on."""
-        return (*self.plant.states, *self.model.names(self.regulated))
+        return (*self.plant.states, *self.model.state_names(self.regulated))
 
     @property
     def poles(self) -> Complex:
@@ -229,7 +229,7 @@ def _controller(servo: Servo, estimator: StateSpace) -> StateSpace:
     units |= {**plant.units, **model.units(regulated, plant.units)}
     for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
         units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
-    states = (*model.names(regulated), *estimator_states)
+    states = (*model.state_names(regulated), *estimator_states)
     inputs = (*with_suffix(regulated, "error"), *estimator_inputs)
     return StateSpace(A, B, C, D, states, inputs, with_suffix(controls, "command"), plant.time, units)
 

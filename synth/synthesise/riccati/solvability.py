@@ -228,7 +228,7 @@ def _invisible_modes(model: StateSpace, stated: Equation) -> tuple[Complex, int]
     n, names = len(model.states), tuple(f"y{k}" for k in range(len(joint)))
     seen = StateSpace(model.A, model.B, joint[:, :n], joint[:, n:], model.states, model.inputs, names, model.time)
     zeros = structure.transmission_zeros(seen)
-    unseen = np.array([m.value for m in zeros.unseen], dtype=np.complex128)
+    unseen = np.array([m.value for m in zeros.unobservable], dtype=np.complex128)
     return np.concatenate([zeros.values, unseen]), zeros.rank
 
 

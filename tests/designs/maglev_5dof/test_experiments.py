@@ -23,7 +23,7 @@ def all_runs() -> dict[str, Experiment]:
 
 def test_every_check_passes(all_runs: dict[str, Experiment]) -> None:
     failed = [
-        f"{e.name}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}"
+        f"{e.name}: {c.name} {c.value:.4g} > {c.limit:.4g} {c.unit}"
         for e in all_runs.values()
         for c in e.checks
         if not c.passed

@@ -33,7 +33,7 @@ def test_estimates_and_errors_are_those_of_numpy_and_of_curve_fit(seed: int) -> 
     theta, ssr, *_ = np.linalg.lstsq(Phi / size, y, rcond=None)
     np.testing.assert_allclose(estimate.values * size, theta, rtol=1e-9, atol=tolerances.of("double"))
     assert estimate.rms["y"] == pytest.approx(np.sqrt(ssr[0] / len(y)))
-    assert estimate.freedom == len(y) - len(names)
+    assert estimate.residual_freedom == len(y) - len(names)
     fitted, covariance = scipy.optimize.curve_fit(lambda P, *t: P @ np.array(t), Phi / size, y, p0=np.zeros(len(names)))
     np.testing.assert_allclose(estimate.values * size, fitted, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(estimate.covariance * size * size[:, None], covariance, rtol=1e-4, atol=1e-9)
@@ -72,7 +72,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(monkeypatch: pytest.Monke
     def biased(*args: object) -> Estimate:
         estimate = right(*args)
         return replace(
-            estimate, covariance=estimate.covariance * estimate.freedom / (estimate.freedom + len(estimate.names))
+            estimate, covariance=estimate.covariance * estimate.residual_freedom / (estimate.residual_freedom + len(estimate.parameters))
         )
 
     monkeypatch.setattr(least_squares, "estimate", biased)

@@ -18,7 +18,7 @@ def test_a_trajectory_gives_mass_damping_spring_and_the_start() -> None:
     fit = identify.fit_trajectory(stage(), log, tuple(truth), ("s",), initial={"x": 0.0, "v": 0.0}, free=("x", "v"))
     expected = np.array([*truth.values(), 0.05, -0.1])
     low, high = fit.estimate.intervals.T
-    assert ((low < expected) & (expected < high)).all() and fit.estimate.names == ("m", "d", "k", "x_0", "v_0")
+    assert ((low < expected) & (expected < high)).all() and fit.estimate.parameters == ("m", "d", "k", "x_0", "v_0")
     assert fit.estimate.units["v_0"] == "m/s" and fit.steps < 15
     assert fit.estimate.rms["s"] == pytest.approx(1e-3, rel=0.15)
     np.testing.assert_allclose(fit.estimate.values, scipy_fit(log), rtol=2e-4, atol=1e-5)

@@ -49,7 +49,7 @@ def recorded(name: str, **functions: Callable[..., object]) -> Row:
 
 def readers(names: Sequence[str]) -> dict[str, set[str]]:
     """Return for each row what its formulas name: it cannot depend on another printed number."""
-    return {name: {n for formula in PRINTED[name].computed.values() for n in formula.names} for name in names}
+    return {name: {n for formula in PRINTED[name].computed.values() for n in formula.identifiers} for name in names}
 
 
 def with_other_digits(texts: Mapping[str, str]) -> dict[str, Published]:
