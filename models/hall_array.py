@@ -33,7 +33,7 @@ from models.hall_chain import Chain
 from synth.block import Exprs
 from synth.errors import ModelError
 from synth.plant import Plant, build
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import readonly
 
 Array = NDArray[np.float64]
@@ -183,7 +183,7 @@ def plant(array: HallArray, waves: Sequence[Wave], volts: Sequence[Signal], reac
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[Exprs, Exprs]:
         read = ca.vertsplit(voltages(array, waves, planar_pose(ca.vcat([x[s.name] for s in states]))))
-        return {s.name: u[f"speed_{s.name}"] for s in states}, dict(zip(names(volts), read, strict=True))
+        return {s.name: u[f"speed_{s.name}"] for s in states}, dict(zip(signal_names(volts), read, strict=True))
 
     return build("hall_sensors", states, speeds, volts, [], physics)
 

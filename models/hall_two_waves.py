@@ -46,7 +46,7 @@ class _Periodic:
         return max(abs(x) + abs(y) for x, y, *_ in self.arms)
 
     def yaw_within(self, phase: float) -> float:
-        """Return the yaw T in rad that moves no sensor by more than a phase in rad: a (T + T^2/2) = phase, with the longest arm a."""
+        """Return the yaw T in rad that moves no sensor by more than a phase in rad: longest_arm (T + T^2/2) = phase."""
         return sqrt(1 + 2 * phase / self.longest_arm) - 1
 
     def _check(self, positive: Iterable[str], finite: Iterable[str]) -> None:
@@ -122,7 +122,7 @@ class SpatialArray(_Periodic):
         if len({r[:2] for r in self.positions}) < 2:
             raise ModelError(
                 f"all sensors are at x, y = {self.positions[0][:2]} m, above one another: their voltages differ by the "
-                "decay with Z alone, which hardly separates rotations from displacements; give places apart in x and y"
+                "decay with Z alone, which separates rotations poorly from displacements; give places apart in x and y"
             )
         self._check(("alpha", "height", "pitch", "deviation"), ("beta",))
 

@@ -97,16 +97,16 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
 
 
 def bench(
-    stage: Stage, own: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
+    stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
 ) -> Bench:
-    """Return the stimuli of the machine code; `own` returns steps that are special to this stage."""
+    """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
         return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
         loop = Rig(stage, stage.plant, controller)
-        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, own(controller))
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
     return Bench(lambda: stage.controller.block, replay, sequences, floor)
 

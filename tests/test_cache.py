@@ -273,7 +273,7 @@ def test_a_damaged_entry_counts_as_missing(folder: Path, damage: str) -> None:
             }[damage]
         )
     assert not store.holds("cd" * 32)
-    assert store.fetch("cd" * 32, lambda: "anew") == "anew"
+    assert store.fetch("cd" * 32, lambda: "recomputed") == "recomputed"
 
 
 def _entry(path: Path, body: bytes) -> bytes:
@@ -292,7 +292,7 @@ def test_a_fresh_run_reads_what_it_made_itself_and_leaves_it(monkeypatch: pytest
     assert store.fetch(key, lambda: "named") == "named"
 
 
-def test_a_fresh_run_compiles_anew() -> None:
+def test_a_fresh_run_compiles_again() -> None:
     source = {"one.c": "int one(void);\nint one(void) { return 1; }\n"}
     library = host_compiler.shared_library(source)
     first = library.stat().st_ino

@@ -114,7 +114,7 @@ def steps_along(of: Subject, controller: host.Controller, inputs: Columns) -> tu
 
 def condition_steps(of: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
     """Return steps with the magnification of their rounding errors and the margins of their costs."""
-    held, refused = reference_guard.hold_refused(of.setup, states, inputs)
+    held, refused = reference_guard.hold_voltages(of.setup, states, inputs)
     step = of.setup, reference_guard.estimator_states(states), held, refused
     near = np.where(near_decision_boundary(of, *step[1:]), 1 / CHANGE, 0.0)
     severity = np.maximum(reference_rounding.magnification(*step), near)

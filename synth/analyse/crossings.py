@@ -148,7 +148,8 @@ def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial
                 return tuple(Crossing(w, complex(v)) for w, v in zip(frequencies, values, strict=True))
         bits *= 4
     raise ModelError(
-        f"{rational.MOST_BITS} bits do not resolve a crossing of the loop: leave out modes that the loop hardly shows"
+        f"{rational.MOST_BITS} bits do not resolve a crossing of the loop: "
+        "leave out modes with a negligible residue in the loop"
     )
 
 

@@ -81,7 +81,7 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
     marked = margins or loop_margins.of_loop(loop)
     period = model.time.period_s if not isinstance(model, Delayed) and isinstance(model.time, Discrete) else None
     w, L = _response(model, marked, low, high)
-    degrees = unwrapped(w, L, max((c.frequency for c in marked.gain_crossings), default=w[-1]))
+    degrees = unwrapped_phase(w, L, max((c.frequency for c in marked.gain_crossings), default=w[-1]))
     with style_context():
         figure, (gain, phase) = _panels(2, height=5.4)
         _draw_gain(gain, w, L, marked)
@@ -136,7 +136,7 @@ def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[
     return figure
 
 
-def unwrapped(w: Array, L: Complex, crossing: float) -> Array:
+def unwrapped_phase(w: Array, L: Complex, crossing: float) -> Array:
     """Return the phase of L (N,) in degrees over w (N,), in (-360, 0] at a `crossing` rad/s.
 
     It is continuous but for poles and zeros on the axis: a step near 180 degrees is a pole, which lowers the phase, so

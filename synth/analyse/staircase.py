@@ -95,12 +95,12 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """Orthonormal bases: `controllable` (n, k) of the controllable subspace, `complement` (n, n - k) of its complement.
+    """Orthonormal bases: `basis` (n, k) of the controllable subspace, `complement` (n, n - k) of its complement.
 
     A coordinate axis that lies in one of them is a column of its basis; such columns come first.
     """
 
-    controllable: Array
+    basis: Array
     complement: Array
     gap: Gap
 
@@ -146,15 +146,18 @@ def kalman(model: Scaled, cut: float = COUPLING) -> Kalman:
     right angles or far from it.
     """
     controllable, observable = controllable_split(model.A, model.B, cut), controllable_split(model.A.T, model.C.T, cut)
-    _, cosines, V = np.linalg.svd(observable.controllable.T @ controllable.controllable)
+    _, cosines, V = np.linalg.svd(observable.basis.T @ controllable.basis)
     k = int((cosines > OVERLAP).sum())
     rest = _complement(V[:k].T)
     inside = _complement(rest)
-    A = controllable.controllable.T @ model.A @ controllable.controllable
+    A = controllable.basis.T @ model.A @ controllable.basis
     uncontrollable, unobservable = modes(model.A.T, controllable.complement), modes(A, rest)
     gap = min(controllable.gap, observable.gap, _gap(cosines, OVERLAP), key=lambda g: g.ratio)
     return Kalman(
-        controllable.controllable @ inside, uncontrollable, (unobservable[0], controllable.controllable @ unobservable[1]), gap
+        controllable.basis @ inside,
+        uncontrollable,
+        (unobservable[0], controllable.basis @ unobservable[1]),
+        gap,
     )
 
 

@@ -83,8 +83,8 @@ class Poles:
 class Zeros:
     """The finite transmission zeros of a model, the slowest first, and the normal `rank` of its response (p, m).
 
-    `uncontrollable` are the uncontrollable modes and `unobservable` the unobservable ones; they cancel in the response and are not
-    transmission zeros. Directions are defined if the rank is the lesser of p and m.
+    The modes `uncontrollable` and `unobservable` cancel in the response and are not transmission zeros. Directions
+    are defined if the rank is the lesser of p and m.
     """
 
     roots: tuple[Root, ...]
@@ -107,7 +107,9 @@ class Zeros:
                 f"The response has rank {self.rank} at every s though it has {self.shape[0]} outputs and "
                 f"{self.shape[1]} inputs: some combination of inputs moves no output; no directions are defined."
             )
-        lines += [f"Uncontrollable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.uncontrollable]
+        lines += [
+            f"Uncontrollable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.uncontrollable
+        ]
         lines += [f"Unobservable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unobservable]
         title = f"Transmission zeros in {self.time}: {len(self.roots)}"
         return show.Sheet(title, tuple(lines), _tables("zero", self.roots))

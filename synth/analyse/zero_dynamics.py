@@ -29,7 +29,7 @@ from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.relative_degree import RelativeDegree
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array, StateSpace, System
 
 Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
@@ -101,7 +101,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     Raises SignalError if the point belongs to another plant; ModelError if it is not an equilibrium, if its held inputs
     differ from those of `degree`, or if the decoupling matrix is singular there.
     """
-    model = linearisation.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
+    model = linearisation.linearise(plant, point).select(degree.outputs, signal_names(degree.model.inputs))
     _require_matching(plant, degree, point)
     if weight is not None:
         weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))

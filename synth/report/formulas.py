@@ -20,14 +20,14 @@ from typing import Any
 from synth.errors import DesignError
 
 
-def near(value: float, relative: float, *others: float) -> bool:
+def is_close(value: float, relative: float, *others: float) -> bool:
     """Return whether a value differs from each of the others by less than the fraction `relative`."""
     return all(abs(value / other - 1) < relative for other in others)
 
 
 _OF_MATH = ("asin", "cos", "degrees", "exp", "floor", "log", "log10", "pi", "sin", "sqrt")
 FUNCTIONS: Mapping[str, Any] = {
-    **{f.__name__: f for f in (abs, all, any, dict, len, max, min, near, round)},
+    **{f.__name__: f for f in (abs, all, any, dict, len, max, min, is_close, round)},
     **{name: getattr(math, name) for name in _OF_MATH},
 }
 _PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")

@@ -62,7 +62,9 @@ class Failure:
         if self.samples_to_latch is None:
             return 0.0
         step = float(self.run.time[1] - self.run.time[0])
-        return float(np.abs(np.diff(self._commands()[:, self.sample + self.samples_to_latch - 1 :], axis=1)).max()) / step
+        return (
+            float(np.abs(np.diff(self._commands()[:, self.sample + self.samples_to_latch - 1 :], axis=1)).max()) / step
+        )
 
     def final_command(self) -> float:
         """Return the largest command at the end, 0 without a latch."""

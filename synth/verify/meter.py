@@ -102,7 +102,7 @@ def measure(
         tuple(measured),
         tuple(coverages),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
-        baselines.not_measured(),
+        baselines.unmeasured_generators(),
     )
 
 
@@ -125,7 +125,7 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     return Run(measured, layout.outputs(), machine.program.size(), path)
 
 
-def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
+def count_instructions(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
     """Count the executed instructions of each step (N,), without those that are predicated false."""
     machine = boot(candidate, build, link(candidate, build))
     arguments = candidate.lay_out(machine, sequence).arguments
@@ -159,7 +159,7 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
         build=build.name,
         steps=len(sequence),
         issued=cost.summarise(machine_cost.instructions),
-        executed=cost.summarise(count_executed(candidate, sequence, build)),
+        executed=cost.summarise(count_instructions(candidate, sequence, build)),
         cycles=(cost.summarise(machine_cost.cycles.low), cost.summarise(machine_cost.cycles.high)),
         functions=mean,
         memory=memory,

@@ -1,13 +1,13 @@
 """Stimuli as independent steps (x_k, u_k): each step stores its state and can be omitted.
 
-recorded    x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
-drawn       x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
-anew        existing steps with some entries of x resampled
-faulty      every input bad, alone and all at once, for 1 sample up to the latch, and latched until the outputs settle
-edges       every input alone at an end of its range, at the next number beyond, or at a special number such as -0
-shaken      existing steps with x and u perturbed
-rare        the steps with the least frequent flags
-at_ends     the steps in which an output or x_{k+1} reaches, or nearly reaches, an end of its range
+record          x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
+random_steps    x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
+resampled       existing steps with some entries of x resampled
+fault_steps     every input bad, alone and all at once, for 1 sample up to the latch, and latched until outputs settle
+edge_steps      every input alone at an end of its range, at the next number beyond, or at a special number such as -0
+perturbed       existing steps with x and u perturbed
+rarest          the steps with the least frequent flags
+at_range_ends   the steps in which an output or x_{k+1} reaches, or nearly reaches, an end of its range
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -57,7 +57,9 @@ def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns,
 def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
     start = {s.name: s.initial for s in witness_set.block.states}
-    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.oracles.items()}
+    others = {
+        name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.oracles.items()
+    }
     return [
         agree.compare(
             what, (name, stepped[k]), ("c64", agree.replay(witness_set.c64, inputs)), floor, witness_set.block

@@ -101,7 +101,11 @@ def test_arrays_and_python_control_systems_are_accepted() -> None:
 def test_direct_feedthrough_counts_as_degree_0() -> None:
     """y = x + 2 u, x' = -x + u: held at 0, u = -x / 2 and x' = -1.5 x."""
     dynamics = zero_dynamics.of_linear(([[-1.0]], [[1.0]], [[1.0]], [[2.0]]), (0,))
-    assert values(dynamics) == [pytest.approx(-1.5)] and dynamics.zeros[0] == pytest.approx(-1.5) and dynamics.is_consistent
+    assert (
+        values(dynamics) == [pytest.approx(-1.5)]
+        and dynamics.zeros[0] == pytest.approx(-1.5)
+        and dynamics.is_consistent
+    )
 
 
 def test_a_sign_error_in_the_restriction_does_not_pass_the_pencil(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -65,7 +65,9 @@ def basins(of: EstimatorConfigs) -> dict[str, Made]:
     rows: list[tuple[page.Cell, ...]] = []
     for name, each in by_name.items():
         for after, shares in ((1, each.first), (SAMPLES, each.last)):
-            rows += [(name, after, 1e3 * d, *(100 * row).tolist()) for d, row in zip(each.displacement, shares, strict=True)]
+            rows += [
+                (name, after, 1e3 * d, *(100 * row).tolist()) for d, row in zip(each.displacement, shares, strict=True)
+            ]
     yaws = next(iter(by_name.values())).yaw
     columns = ("of", "samples", "off by up to, mm", *(f"turned by up to {np.degrees(t):.3g}°" for t in yaws))
     return {

@@ -6,7 +6,7 @@
     none         no failure, for comparison
 
 An invalid sample, an excluded sensor or a fault bit flags a failure: at once where the residual exceeds its limit,
-which is a residual fault. Where a failure hardly changes the voltages, or they are consistent with a position nearby,
+which is a residual fault. Where a failure changes the voltages little, or they are consistent with a position nearby,
 nothing is flagged. The error is then bounded by `Tuning.residual_limit` over the least slope. A sensor that is stuck
 while the body is at rest is not detected, and does no harm before the body moves.
 """

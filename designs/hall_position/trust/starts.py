@@ -29,8 +29,7 @@ DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a position; distances 
 
 @dataclass(frozen=True, eq=False)
 class Basin:
-    """Shares (n, m) of starts that converge, by upper bounds of their offsets `displacement` (n,) in m and `yaw` (m,) in rad.
-
+    """Shares (n, m) of starts that converge, by upper bounds of their `displacement` (n,) in m and `yaw` (m,) in rad.
     `first` in the first sample, `last` in the last one, NaN in bins without a start. Of all `samples` of all bodies
     `wrong` were valid elsewhere.
     """
@@ -59,7 +58,9 @@ def basin(config: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, s
     converged = [np.histogram2d(off[right], yaw_error[right], edges)[0] for right in scores.is_correct[[0, -1]]]
     with np.errstate(invalid="ignore"):
         first, last = (readonly(good / every) for good in converged)
-    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.is_wrong.sum()))
+    return Basin(
+        readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.is_wrong.sum())
+    )
 
 
 def capture_radius(config: EstimatorConfig, points: int, seed: int = 0) -> Numbers:

@@ -37,9 +37,9 @@ class Estimate:
     """Parameters (k,) with their covariance (k, k) and measures of the quality of the fit.
 
     `rms` is the residual of each output, `r_squared` relates it to the output's variance (NaN where that is zero).
-    `residual_freedom` is N p - k; `degrees_of_freedom` (k,) those of each interval, fewer where the noise of several outputs is
-    estimated. `condition` is that of Phi with columns of length 1, `level` the probability of the intervals.
-    """
+    `residual_freedom` is N p - k; `degrees_of_freedom` (k,) are those of each interval, fewer where the noise of
+    several outputs is estimated. `condition` is that of Phi with columns of length 1, `level` the probability of the
+    intervals."""
 
     parameters: tuple[str, ...]
     values: Array
@@ -103,7 +103,6 @@ class Estimate:
         line = f"{self.residual_freedom} degrees of freedom, condition number {self.condition:.3g}."
         if (self.degrees_of_freedom < (1 - 1e-6) * self.residual_freedom).any():
             least = int(self.degrees_of_freedom.argmin())
-            line += (
-                f" '{self.parameters[least]}' has {self.degrees_of_freedom[least]:.3g}, as the outputs' noise is estimated."
-            )
+            freedom = f"{self.degrees_of_freedom[least]:.3g}"
+            line += f" '{self.parameters[least]}' has {freedom}, as the outputs' noise is estimated."
         return show.Sheet("Estimated parameters", (line, str(self.largest)), tables)

@@ -99,7 +99,8 @@ class ReducedObserver:
             rows = (f"d/dt {x}_x3" for x in self.estimated_states)
         recursion = np.hstack([self.F, self.G, self.H])
         x3 = show.matrix("", recursion, tuple(rows), (*columns, *self.measured_signals, *model.inputs))
-        title = f"Reduced-order observer of {', '.join(self.estimated_states)} from {', '.join(self.measured_signals)}, {model.time}"
+        estimated, measured = ", ".join(self.estimated_states), ", ".join(self.measured_signals)
+        title = f"Reduced-order observer of {estimated} from {measured}, {model.time}"
         return show.Sheet(title, lines, (L, x3))
 
 

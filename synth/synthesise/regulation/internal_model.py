@@ -152,7 +152,7 @@ def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
     """Return the model in continuous time, or sampled with zero-order hold and the modes exp(s T).
 
     Raises SignalError as `of` and for a frequency at or above Nyquist; TimingError for a model that is already sampled
-    in another time; ModelError as `precise.correctly_rounded`.
+    in another time; ModelError as `precise.round_correctly`.
     """
     model = of(exosystem)
     if model.time == time or isinstance(time, Continuous):
@@ -162,7 +162,7 @@ def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
     n, T = len(model.Phi), time.period_s
     _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
 
-    matrices = precise.correctly_rounded(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
+    matrices = precise.round_correctly(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
     return InternalModel(readonly(matrices[:, :n]), readonly(matrices[:, n:]), model.modes, time)
 
 
@@ -237,7 +237,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
         padded = [*c, *[flint.arb(0)] * n]
         return flint.arb_mat([[*(T[i, j] for j in range(n)), added[i], padded[i]] for i in range(n)])
 
-    matrices = precise.correctly_rounded(compute, f"the internal model over {period_s:g} s")
+    matrices = precise.round_correctly(compute, f"the internal model over {period_s:g} s")
     return Leapfrog(readonly(matrices[: len(w), n + 1]), readonly(matrices[:, :n]), readonly(matrices[:, n : n + 1]))
 
 
@@ -245,7 +245,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
 def augmented(plant: System, exosystem: Exosystem) -> StateSpace:
     """Return a plant with an internal model driven by each of its outputs; all states are outputs.
 
-    The states are the plant's, then `InternalModel.names`. A sampled plant gets the sampled internal model.
+    The states are the plant's, then `InternalModel.state_names`. A sampled plant gets the sampled internal model.
 
     Raises as `in_time`; ModelError as `regulator_equations.require_solvable`.
     """

@@ -37,8 +37,8 @@ def lqr(
 ) -> servo.Servo:
     """Return the optimal state feedback of a plant in its own time.
 
-    Q (n + p k, n + p k) weights the plant's states and `InternalModel.names`, R (m, m) the controls, N is the cross
-    weight. Inputs that are no controls are disturbances. With `exact`, K is the same on every machine.
+    Q (n + p k, n + p k) weights the plant's states and `InternalModel.state_names`, R (m, m) the controls, N is the
+    cross weight. Inputs that are no controls are disturbances. With `exact`, K is the same on every machine.
 
     Raises SignalError for unknown names; else as `internal_model.augmented` and `riccati.solve`.
     """

@@ -170,7 +170,12 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig
 def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:
         f = failures.fail(lead, channel, "nan")
-        assert f.failure.samples_to_detection == 0 and f.failure.samples_to_latch == 4 and not f.others and f.contradicted is None
+        assert (
+            f.failure.samples_to_detection == 0
+            and f.failure.samples_to_latch == 4
+            and not f.others
+            and f.contradicted is None
+        )
     late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
     assert late.failure.samples_to_detection is None and late.failure.samples_to_latch is None
     assert late.failure.final_command() == 0 == late.failure.max_slew_rate() == late.isolation_delay

@@ -72,7 +72,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(monkeypatch: pytest.Monke
     def biased(*args: object) -> Estimate:
         estimate = right(*args)
         return replace(
-            estimate, covariance=estimate.covariance * estimate.residual_freedom / (estimate.residual_freedom + len(estimate.parameters))
+            estimate,
+            covariance=estimate.covariance
+            * estimate.residual_freedom
+            / (estimate.residual_freedom + len(estimate.parameters)),
         )
 
     monkeypatch.setattr(least_squares, "estimate", biased)
@@ -135,7 +138,7 @@ def test_what_the_data_do_not_determine_is_named() -> None:
         ({"Phi": np.ones((3, 2)) * 1j}, r"the regressors are no real numbers \(they are complex\)"),
         ({"y": np.ma.array([1.0, 2.0, 2.5], mask=[0, 1, 0])}, r"`y` of .* is a masked array"),
         ({"parameters": ()}, r"no parameters are named"),
-        ({"parameters": ("k", "k")}, r"'k' stands twice among the parameters"),
+        ({"parameters": ("k", "k")}, r"'k' is listed twice among the parameters"),
         ({"parameters": "kc"}, r"`parameters` of .* is 'kc': give a list of names"),
         ({"Phi": np.zeros((0, 2)), "y": []}, r"0 equations are too few"),
         ({"y": [1e-200, 2e-200, 2.5e-200]}, r"the output 'y' has the size 2\.5e-200: choose units"),

@@ -79,7 +79,7 @@ def test_the_textbook_update_loses_that_start() -> None:
 
 @settings(derandomize=True, max_examples=15, deadline=None)
 @given(st.integers(0, 10**6))
-def test_the_belief_is_least_squares_on_all_data(seed: int) -> None:
+def test_the_estimate_is_least_squares_on_all_data(seed: int) -> None:
     """The mean and covariance of the last state given all samples, from one large Gaussian."""
     rng = np.random.default_rng(seed)
     n, m, p, steps = rng.integers(1, 4), rng.integers(1, 3), rng.integers(1, 3), 5
@@ -172,7 +172,7 @@ def test_a_perfect_measurement_of_what_is_not_known_is_taken_and_of_what_is_know
         square_root_kalman.update(known, m, [0, 0, 0], {"gap": 3e-4})
 
 
-def test_a_belief_prints_names_units_and_deviations() -> None:
+def test_an_estimate_prints_names_units_and_deviations() -> None:
     text = repr(square_root_kalman.initial(model(), [4e-6, 1.0], {"x": 1e-3, "v": 0.0}))
     assert "x [m]" in text
     assert "0.002" in text
