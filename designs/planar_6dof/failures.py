@@ -57,7 +57,7 @@ class Failed:
     @property
     def others(self) -> tuple[str, ...]:
         """The sound Hall channels that are named before the latch."""
-        return tuple(name for name in self.failure.misidentified if name in HALL)
+        return tuple(name for name in self.failure.misidentified_sensors if name in HALL)
 
     @property
     def isolation_delay(self) -> float:

@@ -120,15 +120,19 @@ def step(system: System | TimeResponse, duration_s: float | None = None, interva
 def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[str, str]) -> Figure:
     """Return signals (N,) over `time` (N,) in s, one panel each; `units` names their units where they are known.
 
-    Raises SignalError for no signal or more than 12 of them.
+    Raises SignalError for no signal or more than 12 of them, and for values that are not (N,) real numbers.
     """
     if not 1 <= len(signals) <= MOST_PANELS:
         raise SignalError(f"there are {len(signals)} signals to plot: name 1 to {MOST_PANELS} of them")
-    t = np.asarray(time, dtype=np.float64)
+    t = arguments.real("times", time)
+    columns = {name: arguments.real(f"values of {name}", values) for name, values in signals.items()}
+    for what, values in {"time": t, **columns}.items():
+        if values.ndim != 1 or values.shape != t.shape:
+            raise SignalError(f"'{what}' has shape {values.shape}: give one value for each of {t.size} times")
     with style_context():
-        figure, column = _panels(len(signals), height=0.7 + 1.4 * len(signals))
-        for axes, (name, values) in zip(np.atleast_1d(column), signals.items(), strict=True):
-            axes.plot(t, np.asarray(values, dtype=np.float64), color=COLOURS[0])
+        figure, panels = _panels(len(signals), height=0.7 + 1.4 * len(signals))
+        for axes, (name, values) in zip(np.atleast_1d(panels), columns.items(), strict=True):
+            axes.plot(t, values, color=COLOURS[0])
             axes.set_ylabel(show.with_unit(name, units.get(name, "")))
             _plain(axes)
         axes.set_xlabel("time [s]")

@@ -41,7 +41,7 @@ class Failure:
         return self.first(self.words & self.bits[self.sensor])
 
     @property
-    def misidentified(self) -> tuple[str, ...]:
+    def misidentified_sensors(self) -> tuple[str, ...]:
         """The sensors that the fault word identifies before the latch although they work."""
         word = int(np.bitwise_or.reduce(self.words))
         return tuple(name for name, bits in self.bits.items() if word & bits and name != self.sensor)

@@ -23,7 +23,7 @@ def test_a_nan_sensor_is_identified_and_latches() -> None:
     assert (
         f.samples_to_detection == 0
         and f.samples_to_latch == bad - 1
-        and f.misidentified == ()
+        and f.misidentified_sensors == ()
         and len(f.words) == f.sample + bad
     )
     assert f.run.time[f.sample] >= AT > f.run.time[f.sample - 1]

@@ -4,9 +4,9 @@ k_j is the order of the largest Jordan block of s_j. Further copies of a mode ad
 amplitude proportional to t, has the multiplicity 2.
 
 The eigenvalues of a block of order k scatter by the k-th root of the precision; their mean scatters far less.
-Eigenvalues close together are therefore taken as one mode, with their mean s_j, if S - s_j I is nilpotent on their invariant subspace.
-The widest neighbourhood for which this holds for all modes is taken, and k_j is the least power that is zero. S is
-scaled first and split into its strongly connected components.
+Eigenvalues close together are therefore taken as one mode, with their mean s_j, if S - s_j I is nilpotent on their
+invariant subspace. The widest neighbourhood for which this holds for all modes is taken, and k_j is the least power
+that is zero. S is scaled first and split into its strongly connected components.
 """
 
 import math
