@@ -36,7 +36,7 @@ def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]
 
 @dataclass(frozen=True, eq=False)
 class Scores:
-    """Scores of estimates of N bodies: validity (.., N), and error `error` from the truth (.., N).
+    """Scores of estimates of N bodies: `valid` (.., N), and the distance `error` (.., N) from the truth.
 
     `deviations` (.., n, N) are the errors of n unknowns in units of the reported standard deviations.
     """
@@ -63,4 +63,4 @@ class Scores:
 
 def stack(samples: Sequence[Scores]) -> Scores:
     """Stack the scores of K samples into one, (K, .., N)."""
-    return Scores(*(np.array([getattr(each, name) for each in samples]) for name in ("valid", "off", "deviations")))
+    return Scores(*(np.array([getattr(each, name) for each in samples]) for name in ("valid", "error", "deviations")))
