@@ -194,7 +194,7 @@ def examples() -> Mapping[str, Call]:
         "inverse_lqr.gain_weights": {"K": common["gain"].K, "system": stage},
         "kalman.discrete": white,
         "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
-        "lookup_table.square": {"reach": 1.0, "spacing": 0.5},
+        "lookup_table.square": {"half_width": 1.0, "spacing": 0.5},
         "lead_lag.Compensator": {"gain": 1.0, "zeros": (-1.0,), "poles": (-10.0,), "time": Continuous()},
         "lead_lag.from_constants": {"gain": 1.0, "numerator_s": [0.1], "denominator_s": [0.01], "integrators": 0},
         "least_squares.solve": {

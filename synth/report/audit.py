@@ -214,7 +214,7 @@ def parse_rows(text: str) -> dict[str, Published]:
 
 
 def read_rows(folder: Path) -> dict[str, Published]:
-    """Read the published.toml of a folder, as `parse_published`."""
+    """Read the published.toml of a folder, as `parse_rows`."""
     return parse_rows((folder / "published.toml").read_text(encoding="utf-8"))
 
 
