@@ -53,7 +53,8 @@ def square(half_width: float, spacing: float) -> Grid:
 
     Raises ModelError for arguments that are not positive numbers, and as `Grid`.
     """
-    half_width, spacing = numeric.positive("the half width", half_width), numeric.positive("the grid's spacing", spacing)
+    half_width = numeric.positive("the half width", half_width)
+    spacing = numeric.positive("the grid's spacing", spacing)
     n = int(np.ceil(half_width / spacing - 1e-9))
     return Grid((-n * spacing, -n * spacing), spacing, (2 * n + 1, 2 * n + 1))
 
