@@ -76,7 +76,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
         if failed and not as_json:
             tables.print_checks(f"{name}: failed checks", failed)
         _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
-        documents.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in failed]})
+        documents.append({"design": name, "checks": len(built.checks), "failed": [c.document() for c in failed]})
     return _finish(as_json, documents, results, any(document["failed"] for document in documents))
 
 
@@ -227,7 +227,7 @@ def _experiment(e: Experiment) -> Mapping[str, Any]:
 
 
 def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
-    return [asdict(c) | {"passed": c.passed} for c in checks]
+    return [c.document() | {"passed": c.passed} for c in checks]
 
 
 def _require_emulator() -> None:

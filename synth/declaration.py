@@ -136,7 +136,7 @@ class Interface:
         """Return ``<name>_demand``, the unlimited output of a law, up to +-`bound` in its unit."""
         return replace(self._signal(name), name=f"{name}_demand", low=-bound, high=bound)
 
-    def computed(self, name: str) -> Signal:
+    def computed_output(self, name: str) -> Signal:
         """Return ``<name>_computed``: the output of a law that limits its demand itself."""
         return replace(self._signal(name), name=f"{name}_computed")
 

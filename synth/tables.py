@@ -18,7 +18,7 @@ def print_checks(
     """Print checks, then measured values without a limit, then notes and descriptions of the failed checks."""
     table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
     for c in checks:
-        table.add_row(c.name, f"{c.found:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
+        table.add_row(c.name, f"{c.value:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
     for name, value in (figures or {}).items():
         table.add_row(name, f"{value:.6g}", "", "", "")
     console = Console()

@@ -43,7 +43,7 @@ COMMAND = ("-c", "from synth.cli import main; main()")
 def test_the_examples_of_a_page_run_and_print_what_it_shows(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`python -m docs.pages PAGE` rewrites what the examples of a page print."""
+    """`python -m docs.pages PAGE` rewrites the output of the examples of a page."""
     monkeypatch.setenv("MPLBACKEND", "svg")
     _, pairs = pages.run(read(page), tmp_path)
     for shown, printed in pairs:

@@ -225,12 +225,12 @@ def _zero_current(rig: Rig) -> Experiment:
 def _run(name: str, title: str, make: Make, springs: Mapping[str, float] | None = None, **options: Any) -> Run:
     """Return the experiment `make(rig, **options)` with true guide springs `springs` times the assumed ones."""
 
-    def run_named(rig: Rig, name: str) -> Experiment:
+    def run(rig: Rig, name: str) -> Experiment:
         true = {spring: rig.plant.parameter(spring).value * factor for spring, factor in (springs or {}).items()}
         experiment = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
         return replace(experiment, name=name, title=title)
 
-    return Run(name, run_named)
+    return Run(name, run)
 
 
 def _gap(a: int, b: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:

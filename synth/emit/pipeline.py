@@ -7,7 +7,7 @@
     replace.replace_functions      surrogates: minimax polynomials for functions of one variable
     limits.without_idle            dead limits by range analysis
     fold.with_constant_products    products of named constants
-    limits.without_certified       dead limits by a certificate
+    limits.without_certified_limits dead limits by a certificate
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
@@ -64,7 +64,7 @@ def _run_passes(
         program, polynomials = surrogates.replace_functions(program, bounds, scalar, error)
     program = limits.without_idle(program, bounds, scalar)
     program = fold.with_constant_products(program)
-    program = limits.without_certified(program, polynomials, scalar)
+    program = limits.without_certified_limits(program, polynomials, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     narrowed = safe.require_safe(program, proved, block, scalar)

@@ -103,7 +103,7 @@ class Trajectory:
         """
         from synth.analyse import plots  # loads matplotlib
 
-        chosen = arguments.names("columns", names) or tuple(self.outputs)[:12]
+        chosen = arguments.as_name_list("columns", names) or tuple(self.outputs)[:12]
         return plots.over_time(self.time, {name: self[name] for name in chosen}, self.units)
 
     def __getitem__(self, name: str) -> NDArray[Any]:

@@ -50,14 +50,14 @@ class Locals:
     shared: dict[int, int]
     starts: dict[int, int | None]
     direct_loads: set[int]
-    names: Names
+    identifiers: Names
 
 
 def assign(block: Block, program: Program, statements: Sequence[Statement], kinds: Sequence[str]) -> Locals:
     """Return the locals of scheduled statements."""
     reads: Counter[int] = Counter()
     _count(program, statements, reads)
-    starts = {c: start for b in _branches(statements) for c, start in b.declared}
+    starts = {c: start for b in _branches(statements) for c, start in b.choices}
     shared = _shared_variables(program, statements, kinds, starts)
     taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
@@ -104,7 +104,7 @@ def _shared_variables(
     users, ends = p.users(), set(p.ends())
     for branch in _branches(statements):
         inside = set(_definitions((*branch.then, *branch.other)))
-        for c, start in branch.declared:
+        for c, start in branch.choices:
             if start in starts and kinds[start] == kinds[c] and _leads_only_to(users, ends, start, c, inside):
                 shared[c] = shared.get(start, start)
     return shared
@@ -153,7 +153,7 @@ def _definitions(block: Sequence[Statement]) -> Iterator[int]:
         if isinstance(s, Let):
             yield s.node
         elif isinstance(s, Branch):
-            yield from (c for c, _ in s.declared)
+            yield from (c for c, _ in s.choices)
             yield from _definitions((*s.then, *s.other))
 
 
@@ -168,7 +168,7 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
         elif isinstance(s, Branch):
             _count(p, s.other, reads)
             _count(p, s.then, reads)
-            reads.update([s.condition, *(start for _, start in s.declared if start is not None)])
+            reads.update([s.condition, *(start for _, start in s.choices if start is not None)])
 
 
 def _printed_operands(node: Node) -> Sequence[int]:

@@ -108,11 +108,11 @@ class _Printer:
             self._put(f"/*@ admit {low} <= {name} <= {high}; */", depth)
 
     def _branch(self, s: Branch, depth: int) -> None:
-        for c, start in s.declared:
+        for c, start in s.choices:
             if c in self.locals.shared:
                 self.c.text[c] = self.c.text[self.locals.shared[c]]
                 continue
-            name = self.locals.name.get(c) or self.locals.names.next()
+            name = self.locals.name.get(c) or self.locals.identifiers.next()
             value = "" if start is None else f" = {self.c.as_kind(start, self.kinds[c]).c}"
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
@@ -144,7 +144,7 @@ class _Printer:
         self.printed.append(Line("    " * depth + text, self.tag))
 
     def _new_name(self, node: Node) -> str:
-        return self.locals.names.free(node.name) if node.op in LOADS else self.locals.names.next()
+        return self.locals.identifiers.free(node.name) if node.op in LOADS else self.locals.identifiers.next()
 
 
 def prose(text: str) -> str:
