@@ -65,7 +65,7 @@ class OpenLoop:
     @property
     def label(self) -> str:
         """The signal, the operating point and the changed parameters, as text."""
-        return f"at {self.signal}, {self.point}{_changed(self.case)}"
+        return f"at {self.signal}, {self.point}{_case_text(self.case)}"
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
@@ -84,18 +84,18 @@ class Unsolved:
     @property
     def label(self) -> str:
         """The operating point and the changed parameters, as text."""
-        return f"at {self.point}{_changed(self.case)}"
+        return f"at {self.point}{_case_text(self.case)}"
 
 
 @dataclass(frozen=True, eq=False)
 class Survey:
     """The loops at all operating points and cases, and those points and cases that have no equilibrium."""
 
-    opened: Sequence[OpenLoop]
+    loops: Sequence[OpenLoop]
     unsolved: Sequence[Unsolved]
 
 
-def _changed(case: Case) -> str:
+def _case_text(case: Case) -> str:
     return "".join(f", {name} = {value:.5g}" for name, value in case.items())
 
 
@@ -277,13 +277,13 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Se
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
     if unsolved:
-        return [_check_unsolved(unsolved, name, least) for name, least in require.items()]
+        return [_failed_check(unsolved, name, least) for name, least in require.items()]
     if not loops:
         raise SignalError("there is no loop to check: open at least one")
     return [_check(loops, name, least) for name, least in require.items()]
 
 
-def _check_unsolved(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
+def _failed_check(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
     kind, first = REQUIREMENTS[name], unsolved[0]
     unit = "" if kind.unit == "1" else f" {kind.unit}"
     others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""

@@ -90,9 +90,9 @@ def test_a_point_without_an_equilibrium_leaves_no_margin(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(equilibrium, "solve", fail_at_the_side)
     survey = robustness.survey(loops())
-    assert {o.point for o in survey.opened} == {"low"} and [u.point for u in survey.unsolved] == ["side"]
-    (check,) = robustness.checks(survey.opened, {"phase_margin": 30.0}, survey.unsolved)
-    assert not check.passed and check.found == 30.0
+    assert {o.point for o in survey.loops} == {"low"} and [u.point for u in survey.unsolved] == ["side"]
+    (check,) = robustness.checks(survey.loops, {"phase_margin": 30.0}, survey.unsolved)
+    assert not check.passed and check.value == 30.0
     assert "no equilibrium at side: 'x' still changes; 30 degrees is required" in check.about
 
 
