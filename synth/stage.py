@@ -19,6 +19,7 @@ import numpy as np
 from synth import standard_tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import safety
+from synth.campaign import FaultCampaign, FaultLimit
 from synth.composition import compose
 from synth.declaration import (
     Actuator,
@@ -47,6 +48,8 @@ from synth.workspace import Bench, Design
 __all__ = [
     "Actuator",
     "Companion",
+    "FaultCampaign",
+    "FaultLimit",
     "Interface",
     "Law",
     "Sensor",

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.blocks import safety
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
@@ -44,6 +45,13 @@ def _compile(stage: Stage, scalar: str) -> host.Controller:
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under its controller in a scalar type."""
     return Rig(stage, stage.plant, compiled_controller(stage, scalar))
+
+
+def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
+    """Return the stage's plant under a controller that never latches, the negative control of a fault campaign."""
+    block = safety.without_latch(stage.controller.block)
+    controller = build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar))
+    return Rig(stage, stage.plant, controller)
 
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:

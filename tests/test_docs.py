@@ -109,6 +109,13 @@ def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, name:
     synth(folder, *COMMAND, "build")
 
 
+def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) -> None:
+    folder, _ = new.create(tmp_path, "my_stage")
+    pages.apply(read("howto/judge-faults-on-the-machine.md"), folder)
+    printed = synth(folder, *COMMAND, "faults", "my_stage")
+    assert "z frozen" in printed and "limits of faults" in printed and "FAILED" not in printed
+
+
 def test_a_broken_example_is_noticed(tmp_path: Path) -> None:
     with pytest.raises(NameError):
         pages.run("text\n\n```python\nx = missing\n```\n", tmp_path)

@@ -5,6 +5,8 @@
     c_k = step(state, m_k, references_k)
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
+`faulty` states what faults of sensors, actuators and calls change in these equations.
+
 Forcing is held over each substep at its value in the middle of the substep. A hard stop is inelastic: after each
 substep the position is limited to the stop, and the velocity into the stop is set to 0. A locked coordinate keeps its
 position and velocity.
@@ -23,7 +25,7 @@ from synth.errors import SignalError, WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
-from synth.simulate import plant_code
+from synth.simulate import faulty, plant_code
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
@@ -36,8 +38,8 @@ _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
     *("sensors", "sensor_source", "sensor_offset", "sensor_gain", "sensor_bias", "sensor_resolution"),
-    *("sensor_low", "sensor_high", "noise", "overridden"),
-    *("commands", "command_offset", "mixing", "forcing", "waiting"),
+    *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
+    *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
 )
 
@@ -69,6 +71,7 @@ def simulate(
         | _controller_arrays(controller, scenario, len(time))
         | _sensor_arrays(plant, controller, scenario, len(time))
         | _actuator_arrays(plant, controller, scenario, time)
+        | faulty.arrays(plant, scenario, len(time))
     )
     counts = {
         "samples": len(time),
