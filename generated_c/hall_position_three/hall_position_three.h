@@ -1,8 +1,25 @@
-/* hall_position_three: one step every 0.00125 s, float. Generated: do not edit. */
+/* hall_position_three: one step every 0.00125 s, float. Generated: do not edit.
+ *
+ * Call hall_position_three_init once, then hall_position_three_step once every 0.00125 s with the inputs of that
+ * sample, and write its outputs to the hardware. Only these two functions may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * After 5 samples in a row with a refused measurement the latch bit is set until init. an estimator moves nothing: once
+ * latched it continues, and the fault word shows the latch.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
 #ifndef HALL_POSITION_THREE_H
 #define HALL_POSITION_THREE_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef struct {
     float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
@@ -58,9 +75,15 @@ typedef struct {
 } hall_position_three_state_t;
 
 /* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(hall_position_three_input_t) == 24u, "size of hall_position_three_input_t");
+_Static_assert(sizeof(hall_position_three_output_t) == 48u, "size of hall_position_three_output_t");
+_Static_assert(sizeof(hall_position_three_state_t) == 104u, "size of hall_position_three_state_t");
+#else
 extern char hall_position_three_input_size_is_24[(sizeof(hall_position_three_input_t) == 24u) ? 1 : -1];
 extern char hall_position_three_output_size_is_48[(sizeof(hall_position_three_output_t) == 48u) ? 1 : -1];
 extern char hall_position_three_state_size_is_104[(sizeof(hall_position_three_state_t) == 104u) ? 1 : -1];
+#endif
 
 /* Put the state to its initial values. The caller owns it. */
 void hall_position_three_init(hall_position_three_state_t *state);
@@ -76,5 +99,9 @@ void hall_position_three_init(hall_position_three_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in, hall_position_three_output_t *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,8 +1,38 @@
-/* maglev_5dof: one step every 0.001 s, float. Generated: do not edit. */
+/* maglev_5dof: one step every 0.001 s, float. Generated: do not edit.
+ *
+ * Call maglev_5dof_init once, then maglev_5dof_step once every 0.001 s with the inputs of that sample, and write its
+ * outputs to the hardware. Only these two functions may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
+ * (zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above): i_d1, i_d2, i_d3, i_d4
+ * to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
 #ifndef MAGLEV_5DOF_H
 #define MAGLEV_5DOF_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float sum;                          /* m: internal model */
+    float p1;                           /* m: internal model */
+    float q1;                           /* m: internal model */
+} maglev_5dof_regulator_state_t;
+
+typedef struct {
+    float q_prev;                       /* m: signal one sample ago */
+    float s;                            /* m: fading sum of the differences */
+    float r;                            /* m: filtered rate over h */
+} maglev_5dof_filter_state_t;
 
 typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
@@ -44,36 +74,16 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
-    float filter_y_q_prev;              /* m, -0.0165 .. 0.0165: signal one sample ago */
-    float filter_y_s;                   /* m, -0.0522105 .. 0.0522105: fading sum of the differences */
-    float filter_y_r;                   /* m, -0.124911 .. 0.124911: filtered rate over h */
-    float regulator_y_sum;              /* m, -600 .. 600: internal model */
-    float regulator_y_p1;               /* m, -3 .. 3: internal model */
-    float regulator_y_q1;               /* m, -600 .. 600: internal model */
-    float filter_x_q_prev;              /* m, -0.15 .. 0.15: signal one sample ago */
-    float filter_x_s;                   /* m, -0.47464 .. 0.47464: fading sum of the differences */
-    float filter_x_r;                   /* m, -1.13555 .. 1.13555: filtered rate over h */
-    float regulator_x_sum;              /* m, -600 .. 600: internal model */
-    float regulator_x_p1;               /* m, -3 .. 3: internal model */
-    float regulator_x_q1;               /* m, -600 .. 600: internal model */
-    float filter_z_q_prev;              /* m, -0.15 .. 0.15: signal one sample ago */
-    float filter_z_s;                   /* m, -0.47464 .. 0.47464: fading sum of the differences */
-    float filter_z_r;                   /* m, -1.13555 .. 1.13555: filtered rate over h */
-    float regulator_z_sum;              /* m, -600 .. 600: internal model */
-    float regulator_z_p1;               /* m, -3 .. 3: internal model */
-    float regulator_z_q1;               /* m, -600 .. 600: internal model */
-    float filter_phi_q_prev;            /* rad, -0.023 .. 0.023: signal one sample ago */
-    float filter_phi_s;                 /* rad, -0.0727782 .. 0.0727782: fading sum of the differences */
-    float filter_phi_r;                 /* rad, -0.174118 .. 0.174118: filtered rate over h */
-    float regulator_phi_sum;            /* rad, -600 .. 600: internal model */
-    float regulator_phi_p1;             /* rad, -3 .. 3: internal model */
-    float regulator_phi_q1;             /* rad, -600 .. 600: internal model */
-    float filter_theta_q_prev;          /* rad, -0.045 .. 0.045: signal one sample ago */
-    float filter_theta_s;               /* rad, -0.142392 .. 0.142392: fading sum of the differences */
-    float filter_theta_r;               /* rad, -0.340666 .. 0.340666: filtered rate over h */
-    float regulator_theta_sum;          /* rad, -600 .. 600: internal model */
-    float regulator_theta_p1;           /* rad, -3 .. 3: internal model */
-    float regulator_theta_q1;           /* rad, -600 .. 600: internal model */
+    maglev_5dof_filter_state_t filter_y;
+    maglev_5dof_regulator_state_t regulator_y;
+    maglev_5dof_filter_state_t filter_x;
+    maglev_5dof_regulator_state_t regulator_x;
+    maglev_5dof_filter_state_t filter_z;
+    maglev_5dof_regulator_state_t regulator_z;
+    maglev_5dof_filter_state_t filter_phi;
+    maglev_5dof_regulator_state_t regulator_phi;
+    maglev_5dof_filter_state_t filter_theta;
+    maglev_5dof_regulator_state_t regulator_theta;
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
@@ -83,9 +93,15 @@ typedef struct {
 } maglev_5dof_state_t;
 
 /* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
+_Static_assert(sizeof(maglev_5dof_output_t) == 32u, "size of maglev_5dof_output_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 200u, "size of maglev_5dof_state_t");
+#else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_32[(sizeof(maglev_5dof_output_t) == 32u) ? 1 : -1];
 extern char maglev_5dof_state_size_is_200[(sizeof(maglev_5dof_state_t) == 200u) ? 1 : -1];
+#endif
 
 /* Put the state to its initial values. The caller owns it. */
 void maglev_5dof_init(maglev_5dof_state_t *state);
@@ -106,5 +122,9 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,8 +1,22 @@
-/* maglev_5dof_phase: one step every 0.001 s, float. Generated: do not edit. */
+/* maglev_5dof_phase: one step every 0.001 s, float. Generated: do not edit.
+ *
+ * Call maglev_5dof_phase_init once, then maglev_5dof_phase_step once every 0.001 s with the inputs of that sample, and
+ * write its outputs to the hardware. Only these two functions may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
 #ifndef MAGLEV_5DOF_PHASE_H
 #define MAGLEV_5DOF_PHASE_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef struct {
     float i_d1;                         /* A, -4.94975 .. 4.94975: direct current of motor 1, rms */
@@ -46,9 +60,15 @@ typedef struct {
 } maglev_5dof_phase_state_t;
 
 /* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(maglev_5dof_phase_input_t) == 40u, "size of maglev_5dof_phase_input_t");
+_Static_assert(sizeof(maglev_5dof_phase_output_t) == 48u, "size of maglev_5dof_phase_output_t");
+_Static_assert(sizeof(maglev_5dof_phase_state_t) == 40u, "size of maglev_5dof_phase_state_t");
+#else
 extern char maglev_5dof_phase_input_size_is_40[(sizeof(maglev_5dof_phase_input_t) == 40u) ? 1 : -1];
 extern char maglev_5dof_phase_output_size_is_48[(sizeof(maglev_5dof_phase_output_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_phase_state_size_is_40[(sizeof(maglev_5dof_phase_state_t) == 40u) ? 1 : -1];
+#endif
 
 /* Put the state to its initial values. The caller owns it. */
 void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
@@ -67,5 +87,9 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  *   bit  9  z: not finite or outside its range
  */
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

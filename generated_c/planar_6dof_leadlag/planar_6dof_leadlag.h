@@ -1,8 +1,37 @@
-/* planar_6dof_leadlag: one step every 0.001 s, float. Generated: do not edit. */
+/* planar_6dof_leadlag: one step every 0.001 s, float. Generated: do not edit.
+ *
+ * Call planar_6dof_leadlag_init once, then planar_6dof_leadlag_step once every 0.001 s with the inputs of that sample,
+ * and write its outputs to the hardware. Only these two functions may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
+ * (the air bearings carry the platen, and without current no force acts on it): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC,
+ * i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
 #ifndef PLANAR_6DOF_LEADLAG_H
 #define PLANAR_6DOF_LEADLAG_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float integral;                     /* A: integral of the error */
+    float lead;                         /* A: state of the lead filter */
+} planar_6dof_leadlag_loop_state_t;
+
+typedef struct {
+    float p;                            /* rad: predicted position */
+    float s;                            /* rad: predicted velocity times T */
+    float h;                            /* rad: predicted acceleration times T^2/2 */
+} planar_6dof_leadlag_filter_state_t;
 
 typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
@@ -60,27 +89,15 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
-    float filter_x_p;                   /* m, -0.2 .. 0.2: predicted position */
-    float filter_x_s;                   /* m, -0.2 .. 0.2: predicted velocity times T */
-    float filter_x_h;                   /* m, -0.2 .. 0.2: predicted acceleration times T^2/2 */
-    float filter_y_p;                   /* m, -0.2 .. 0.2: predicted position */
-    float filter_y_s;                   /* m, -0.2 .. 0.2: predicted velocity times T */
-    float filter_y_h;                   /* m, -0.2 .. 0.2: predicted acceleration times T^2/2 */
-    float filter_phi_p;                 /* rad, -0.05 .. 0.05: predicted position */
-    float filter_phi_s;                 /* rad, -0.05 .. 0.05: predicted velocity times T */
-    float filter_phi_h;                 /* rad, -0.05 .. 0.05: predicted acceleration times T^2/2 */
-    float loop_x_integral;              /* A, -1.46349 .. 1.46349: integral of the error */
-    float loop_x_lead;                  /* A, -1279.33 .. 1279.33: state of the lead filter */
-    float loop_y_integral;              /* A, -2.64065 .. 2.64065: integral of the error */
-    float loop_y_lead;                  /* A, -1254.25 .. 1254.25: state of the lead filter */
-    float loop_phi_integral;            /* A, -2.5452 .. 2.5452: integral of the error */
-    float loop_phi_lead;                /* A, -33.715 .. 33.715: state of the lead filter */
-    float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
-    float loop_z_lead;                  /* A, -3.1652 .. 3.1652: state of the lead filter */
-    float loop_theta_integral;          /* A, -0.8484 .. 0.8484: integral of the error */
-    float loop_theta_lead;              /* A, -5.91031 .. 5.91031: state of the lead filter */
-    float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
-    float loop_psi_lead;                /* A, -6.50134 .. 6.50134: state of the lead filter */
+    planar_6dof_leadlag_filter_state_t filter_x;
+    planar_6dof_leadlag_filter_state_t filter_y;
+    planar_6dof_leadlag_filter_state_t filter_phi;
+    planar_6dof_leadlag_loop_state_t loop_x;
+    planar_6dof_leadlag_loop_state_t loop_y;
+    planar_6dof_leadlag_loop_state_t loop_phi;
+    planar_6dof_leadlag_loop_state_t loop_z;
+    planar_6dof_leadlag_loop_state_t loop_theta;
+    planar_6dof_leadlag_loop_state_t loop_psi;
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
@@ -93,9 +110,15 @@ typedef struct {
 } planar_6dof_leadlag_state_t;
 
 /* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
+_Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 220u, "size of planar_6dof_leadlag_state_t");
+#else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
 extern char planar_6dof_leadlag_state_size_is_220[(sizeof(planar_6dof_leadlag_state_t) == 220u) ? 1 : -1];
+#endif
 
 /* Put the state to its initial values. The caller owns it. */
 void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
@@ -126,5 +149,9 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,60 +1,99 @@
 /* planar_6dof_lqg. Generated: do not edit. */
 #include "planar_6dof_lqg.h"
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
+#endif
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
+#error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
+#endif
 
-static inline float min(float a, float b)
-{
-    return (a < b) ? a : b;
-}
-
-static inline float max(float a, float b)
+static inline float planar_6dof_lqg_max(float a, float b)
 {
     return (a > b) ? a : b;
 }
 
-static inline float limit(float x, float high)
+static inline float planar_6dof_lqg_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
 }
 
-/* f1_polynomial for clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004: t = x^2, x = clamp(phi_raw, -0.075, 0.075);
- * relative error at most 6e-08. */
+static inline float planar_6dof_lqg_slew(float last, float target, float step)
+{
+    const float below = (target < (last + step)) ? target : (last + step);
+    return (below > (last - step)) ? below : (last - step);
+}
+
+#if defined(__GNUC__)
+#define PLANAR_6DOF_LQG_INLINE static inline __attribute__((always_inline))
+#else
+#define PLANAR_6DOF_LQG_INLINE static inline
+#endif
+/* Return a value in -high .. high; for any other, set its fault bit and return refused. */
+PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_replace_within(float value, float high, float refused, uint32_t bit,
+    uint32_t *faults)
+{
+    float held = value;
+    if (!(fabsf(value) <= high)) {
+        held = refused;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_hold_within(float value, float high, float *last, uint32_t bit,
+    uint32_t *faults)
+{
+    float held = value;
+    if (fabsf(value) <= high) {
+        *last = value;
+    } else {
+        held = *last;
+        *faults |= bit;
+    }
+    return held;
+}
+
+/* f1_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most
+ * 6e-08. */
 static inline float f1_polynomial(float t)
 {
     return 1.0f + (t * -0.49997827f);
 }
 
-/* f2_polynomial for clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004: f2_polynomial / x, t = x^2, x = clamp(phi_raw, -0.075, 0.075);
- * relative error at most 1.2e-07. */
+/* f2_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f2_polynomial(float t)
 {
     return 1.0f + (t * -0.16666232f);
 }
 
-/* quarter_sine_rear for distance_rear in -0.0260395538 .. 0.0260395538: quarter_sine_rear / x, t = x^2, x = distance_rear;
- * relative error at most 1.9e-06. */
+/* quarter_sine_rear / x; x = distance_rear in -0.0260395538 .. 0.0260395538, t = x^2; relative error at most 1.9e-06.
+ * */
 static inline float quarter_sine_rear_polynomial(float t)
 {
     return 30.921135f + (t * (-4925.9985f + (t * 230119.58f)));
 }
 
-/* quarter_sine_front for distance_front in -0.0254923999 .. 0.0253116228: quarter_sine_front / x, t = x^2, x = distance_front;
- * relative error at most 1.7e-06. */
+/* quarter_sine_front / x; x = distance_front in -0.0254923999 .. 0.0253116228, t = x^2; relative error at most 1.7e-06.
+ * */
 static inline float quarter_sine_front_polynomial(float t)
 {
     return 30.92114f + (t * (-4926.108f + (t * 230339.45f)));
 }
 
-/* f5_polynomial for clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004: t = x^2, x = clamp(phi_raw, -0.075, 0.075);
- * relative error at most 9e-08. */
+/* f5_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most
+ * 9e-08. */
 static inline float f5_polynomial(float t)
 {
     return 0.99999994f + (t * -1.2512345f);
 }
 
-/* f6_polynomial for clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004: f6_polynomial / x, t = x^2, x = clamp(phi_raw, -0.075, 0.075);
- * relative error at most 1.2e-07. */
+/* f6_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
+ * most 1.2e-07. */
 static inline float f6_polynomial(float t)
 {
     return 1.5822228f + (t * -0.9236455f);
@@ -62,56 +101,10 @@ static inline float f6_polynomial(float t)
 
 void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 {
-    state->guard_last_d1 = 0.0f;
-    state->guard_last_d2 = 0.0f;
-    state->guard_last_d3 = 0.0f;
-    state->guard_last_x_ref = 0.0f;
-    state->guard_last_y_ref = 0.0f;
-    state->guard_last_phi_ref = 0.0f;
-    state->guard_last_z_ref = 0.0f;
-    state->guard_last_theta_ref = 0.0f;
-    state->guard_last_psi_ref = 0.0f;
-    state->guard_left = 5u;
-    state->guard_latched = 0u;
-    state->guard_ready = 0u;
-    state->sensing_contradiction_left = 0u;
-    state->sensing_contradiction_confirmed = 0u;
-    state->sensing_first_m_x = 0.0f;
-    state->sensing_first_m_y = 0.0f;
-    state->sensing_first_r_1 = 0.0f;
-    state->sensing_first_r_2 = 0.0f;
-    state->sensing_first_s_x = 0.0f;
-    state->sensing_first_s_y = 0.0f;
-    state->sensing_first_phi = 0.0f;
-    state->sensing_offset_x = 0.0f;
-    state->sensing_offset_y = 0.0f;
-    state->sensing_within_x = 0.0f;
-    state->sensing_within_y = 0.0f;
-    state->sensing_phi_raw = 0.0f;
-    state->lqg_x_x3 = 0.0f;
-    state->lqg_x_integral = 0.0f;
-    state->lqg_x_achieved = 0.0f;
-    state->lqg_y_x3 = 0.0f;
-    state->lqg_y_integral = 0.0f;
-    state->lqg_y_achieved = 0.0f;
-    state->lqg_phi_x3 = 0.0f;
-    state->lqg_phi_integral = 0.0f;
-    state->lqg_phi_achieved = 0.0f;
-    state->loop_z_integral = 0.0f;
-    state->loop_z_lead = 0.0f;
-    state->loop_theta_integral = 0.0f;
-    state->loop_theta_lead = 0.0f;
-    state->loop_psi_integral = 0.0f;
-    state->loop_psi_lead = 0.0f;
-    state->safe_output_last_i_AA = 0.0f;
-    state->safe_output_last_i_AB = 0.0f;
-    state->safe_output_last_i_AC = 0.0f;
-    state->safe_output_last_i_BA = 0.0f;
-    state->safe_output_last_i_BB = 0.0f;
-    state->safe_output_last_i_BC = 0.0f;
-    state->safe_output_last_i_CA = 0.0f;
-    state->safe_output_last_i_CB = 0.0f;
-    state->safe_output_last_i_CC = 0.0f;
+    /* A member that is not named is 0. */
+    *state = (planar_6dof_lqg_state_t){
+        .guard_left = 5u,
+    };
 }
 
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
@@ -162,219 +155,110 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float loop_theta_gain = 427.24356f;            /* A/rad; (24): gain on the error */
     static const float loop_theta_lead_input = -386.5337f;      /* A/rad; (24): gain times (lead_pole - zero) */
     static const float loop_theta_integral_decay = 0.9875776f;  /* 1; (24): zero of the integral action in z */
-    static const float loop_theta_integral_input = 0.0124223605f;/* 1; (24): 1 - integral_decay */
+    static const float loop_theta_integral_input = 0.0124223605f; /* 1; (24): 1 - integral_decay */
     static const float loop_psi_gain = 469.96793f;              /* A/rad; (25): gain on the error */
     static const float loop_psi_lead_input = -425.18707f;       /* A/rad; (25): gain times (lead_pole - zero) */
     static const float loop_psi_integral_decay = 0.9875776f;    /* 1; (25): zero of the integral action in z */
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
-    static const float loop_z_integral_input_x_allocation_rear_share = 0.004140787f;/* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
-    static const float loop_psi_integral_input_x_allocation_half = 0.0062111802f;/* 1 1; (25): 1 - integral_decay; times allocation_half */
+    /* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
+    static const float loop_z_integral_input_x_allocation_rear_share = 0.004140787f;
+    /* 1 1; (25): 1 - integral_decay; times allocation_half */
+    static const float loop_psi_integral_input_x_allocation_half = 0.0062111802f;
 
     /* guard: range acceptance, hold, latch */
-    const float V_ax = in->V_ax;
-    float V_ax_held = V_ax;
-    bool t1 = true;
-    uint32_t t2 = 0u;
-    if (!(fabsf(V_ax) <= 5.0f)) {
-        V_ax_held = guard_refused_V_ax;
-        t1 = false;
-        t2 = 0x00000001u;
-    }
-    const float V_ay = in->V_ay;
-    float V_ay_held = V_ay;
-    if (!(fabsf(V_ay) <= 5.0f)) {
-        V_ay_held = guard_refused_V_ay;
-        t1 = false;
-        t2 |= 0x00000002u;
-    }
-    const float V_bx = in->V_bx;
-    float V_bx_held = V_bx;
-    if (!(fabsf(V_bx) <= 5.0f)) {
-        V_bx_held = guard_refused_V_bx;
-        t1 = false;
-        t2 |= 0x00000004u;
-    }
-    const float V_by = in->V_by;
-    float V_by_held = V_by;
-    if (!(fabsf(V_by) <= 5.0f)) {
-        V_by_held = guard_refused_V_by;
-        t1 = false;
-        t2 |= 0x00000008u;
-    }
-    const float V_cx = in->V_cx;
-    float V_cx_held = V_cx;
-    if (!(fabsf(V_cx) <= 5.0f)) {
-        V_cx_held = guard_refused_V_cx;
-        t1 = false;
-        t2 |= 0x00000010u;
-    }
-    const float V_cy = in->V_cy;
-    float V_cy_held = V_cy;
-    if (!(fabsf(V_cy) <= 5.0f)) {
-        V_cy_held = guard_refused_V_cy;
-        t1 = false;
-        t2 |= 0x00000020u;
-    }
-    const float d1 = in->d1;
-    float d1_held = d1;
-    bool t3 = true;
-    if (fabsf(d1) <= 0.0005f) {
-        state->guard_last_d1 = d1;
-    } else {
-        d1_held = state->guard_last_d1;
-        t3 = false;
-        t2 |= 0x00000040u;
-    }
-    const float d2 = in->d2;
-    float d2_held = d2;
-    if (fabsf(d2) <= 0.0005f) {
-        state->guard_last_d2 = d2;
-    } else {
-        d2_held = state->guard_last_d2;
-        t3 = false;
-        t2 |= 0x00000080u;
-    }
-    const float d3 = in->d3;
-    float d3_held = d3;
-    if (fabsf(d3) <= 0.0005f) {
-        state->guard_last_d3 = d3;
-    } else {
-        d3_held = state->guard_last_d3;
-        t3 = false;
-        t2 |= 0x00000100u;
-    }
-    const float x_ref = in->x_ref;
-    float x_ref_held = x_ref;
-    if (fabsf(x_ref) <= 0.11f) {
-        state->guard_last_x_ref = x_ref;
-    } else {
-        x_ref_held = state->guard_last_x_ref;
-        t2 |= 0x00000200u;
-    }
-    const float y_ref = in->y_ref;
-    float y_ref_held = y_ref;
-    if (fabsf(y_ref) <= 0.1f) {
-        state->guard_last_y_ref = y_ref;
-    } else {
-        y_ref_held = state->guard_last_y_ref;
-        t2 |= 0x00000400u;
-    }
-    const float phi_ref = in->phi_ref;
-    float phi_ref_held = phi_ref;
-    if (fabsf(phi_ref) <= 0.008f) {
-        state->guard_last_phi_ref = phi_ref;
-    } else {
-        phi_ref_held = state->guard_last_phi_ref;
-        t2 |= 0x00000800u;
-    }
-    const float z_ref = in->z_ref;
-    float z_ref_held = z_ref;
-    if (fabsf(z_ref) <= 0.0002f) {
-        state->guard_last_z_ref = z_ref;
-    } else {
-        z_ref_held = state->guard_last_z_ref;
-        t2 |= 0x00001000u;
-    }
-    const float theta_ref = in->theta_ref;
-    float theta_ref_held = theta_ref;
-    if (fabsf(theta_ref) <= 0.002f) {
-        state->guard_last_theta_ref = theta_ref;
-    } else {
-        theta_ref_held = state->guard_last_theta_ref;
-        t2 |= 0x00002000u;
-    }
-    const float psi_ref = in->psi_ref;
-    float psi_ref_held = psi_ref;
-    if (fabsf(psi_ref) <= 0.002f) {
-        state->guard_last_psi_ref = psi_ref;
-    } else {
-        psi_ref_held = state->guard_last_psi_ref;
-        t2 |= 0x00004000u;
-    }
+    uint32_t faults = 0u;
+    const float V_ax_held = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
+    const float V_ay_held = planar_6dof_lqg_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, &faults);
+    const float V_bx_held = planar_6dof_lqg_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u, &faults);
+    const float V_by_held = planar_6dof_lqg_replace_within(in->V_by, 5.0f, guard_refused_V_by, 0x00000008u, &faults);
+    const float V_cx_held = planar_6dof_lqg_replace_within(in->V_cx, 5.0f, guard_refused_V_cx, 0x00000010u, &faults);
+    const float V_cy_held = planar_6dof_lqg_replace_within(in->V_cy, 5.0f, guard_refused_V_cy, 0x00000020u, &faults);
+    const float d1_held = planar_6dof_lqg_hold_within(in->d1, 0.0005f, &state->guard_last_d1, 0x00000040u, &faults);
+    const float d2_held = planar_6dof_lqg_hold_within(in->d2, 0.0005f, &state->guard_last_d2, 0x00000080u, &faults);
+    const float d3_held = planar_6dof_lqg_hold_within(in->d3, 0.0005f, &state->guard_last_d3, 0x00000100u, &faults);
+    const float x_ref_held = planar_6dof_lqg_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u, &faults);
+    const float y_ref_held = planar_6dof_lqg_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u, &faults);
+    const float phi_ref_held = planar_6dof_lqg_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref, 0x00000800u, &faults);
+    const float z_ref_held = planar_6dof_lqg_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u, &faults);
+    const float theta_ref_held = planar_6dof_lqg_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
+    const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
 
     /* sensing: position and yaw, (1)-(5) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
-    uint32_t faults = t2;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float t4 = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (0.033025026f * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool t5 = 0.12402716f < t4;
-        const float t6 = fabsf(sensing_first_m_x);
-        const bool t7 = 0.25838992f < t6;
-        const float t8 = fabsf(sensing_first_m_y);
-        const bool t9 = 0.25838992f < t8;
-        const bool t10 = 0.07043498f < fabsf(sensing_first_r_2);
-        const bool t11 = 0.07043498f < fabsf(sensing_first_r_1);
-        bool t12;
-        bool t13;
-        bool t14 = t7;
-        bool t15;
-        bool t16;
-        bool t17 = t9;
-        if (t5) {
-            const bool t18 = t6 < 0.8612997f;
-            const float sensing_first_s_x = state->sensing_first_s_x;
-            const float t19 = fabsf(sensing_first_r_2 * ((2.0f * sensing_first_s_x) + sensing_first_r_2));
-            t12 = t10 && (!t18 || (t19 < 2.5838993f));
-            const bool t20 = t8 < 0.8612997f;
-            const float sensing_first_s_y = state->sensing_first_s_y;
-            const float t21 = fabsf(sensing_first_r_1 * ((2.0f * sensing_first_s_y) + sensing_first_r_1));
-            t13 = t11 && (!t20 || (t21 < 2.5838993f));
-            t14 = (t19 + 0.8612997f) < t6;
-            t15 = t11 && t20;
-            t16 = t10 && t18;
-            t17 = (t21 + 0.8612997f) < t8;
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (0.033025026f * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const bool suspect_V_ax_test = 0.12402716f < suspect_V_ax_part;
+        const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
+        const bool suspect_V_ax_test_2 = 0.25838992f < sensing_first_m_x_size;
+        const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
+        const bool suspect_V_ax_test_3 = 0.25838992f < sensing_first_m_y_size;
+        const bool suspect_V_ax_test_4 = 0.07043498f < fabsf(sensing_first_r_2);
+        const bool suspect_V_ax_test_5 = 0.07043498f < fabsf(sensing_first_r_1);
+        bool suspect_V_ax_test_6;
+        bool suspect_V_ay_test;
+        bool suspect_V_bx_test = suspect_V_ax_test_2;
+        bool suspect_V_by_test;
+        bool suspect_V_cx_test;
+        bool suspect_V_cy_test = suspect_V_ax_test_3;
+        if (suspect_V_ax_test) {
+            const bool suspect_V_ax_test_7 = sensing_first_m_x_size < 0.8612997f;
+            const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
+            suspect_V_ax_test_6 = suspect_V_ax_test_4 && (!suspect_V_ax_test_7 || (suspect_V_ax_part_2 < 2.5838993f));
+            const bool suspect_V_ay_test_2 = sensing_first_m_y_size < 0.8612997f;
+            const float suspect_V_ay_part = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
+            suspect_V_ay_test = suspect_V_ax_test_5 && (!suspect_V_ay_test_2 || (suspect_V_ay_part < 2.5838993f));
+            suspect_V_bx_test = (suspect_V_ax_part_2 + 0.8612997f) < sensing_first_m_x_size;
+            suspect_V_by_test = suspect_V_ax_test_5 && suspect_V_ay_test_2;
+            suspect_V_cx_test = suspect_V_ax_test_4 && suspect_V_ax_test_7;
+            suspect_V_cy_test = (suspect_V_ay_part + 0.8612997f) < sensing_first_m_y_size;
         } else {
-            const bool t22 = t10 || t11;
-            t12 = t22 || t7;
-            t13 = t22 || t9;
-            t15 = t22;
-            t16 = t22;
+            const bool suspect_V_ax_test_8 = suspect_V_ax_test_4 || suspect_V_ax_test_5;
+            suspect_V_ax_test_6 = suspect_V_ax_test_8 || suspect_V_ax_test_2;
+            suspect_V_ay_test = suspect_V_ax_test_8 || suspect_V_ax_test_3;
+            suspect_V_by_test = suspect_V_ax_test_8;
+            suspect_V_cx_test = suspect_V_ax_test_8;
         }
-        const float sensing_first_phi = state->sensing_first_phi;
-        const bool t23 = (0.01f < fabsf(sensing_first_phi)) || (t7 && t9 && !t5);
-        const bool suspect_V_ax = t12 || t23;
-        const bool suspect_V_ay = t13 || t23;
-        const bool suspect_V_bx = t14 || t23;
-        const bool suspect_V_by = t15 || t23;
-        const bool suspect_V_cx = t16 || t23;
-        const bool suspect_V_cy = t17 || t23;
-        uint32_t t24 = t2;
+        const bool suspect_V_ax_test_9 = (0.01f < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_2 && suspect_V_ax_test_3 && !suspect_V_ax_test);
+        const bool suspect_V_ax = suspect_V_ax_test_6 || suspect_V_ax_test_9;
+        const bool suspect_V_ay = suspect_V_ay_test || suspect_V_ax_test_9;
+        const bool suspect_V_bx = suspect_V_bx_test || suspect_V_ax_test_9;
+        const bool suspect_V_by = suspect_V_by_test || suspect_V_ax_test_9;
+        const bool suspect_V_cx = suspect_V_cx_test || suspect_V_ax_test_9;
+        const bool suspect_V_cy = suspect_V_cy_test || suspect_V_ax_test_9;
         if (suspect_V_ax) {
-            t24 = t2 | 0x00008000u;
+            faults |= 0x00008000u;
         }
         if (suspect_V_ay) {
-            t24 |= 0x00010000u;
+            faults |= 0x00010000u;
         }
         if (suspect_V_bx) {
-            t24 |= 0x00020000u;
+            faults |= 0x00020000u;
         }
         if (suspect_V_by) {
-            t24 |= 0x00040000u;
+            faults |= 0x00040000u;
         }
         if (suspect_V_cx) {
-            t24 |= 0x00080000u;
+            faults |= 0x00080000u;
         }
         if (suspect_V_cy) {
-            faults = t24 | 0x00100000u;
-        } else {
-            faults = t24;
+            faults |= 0x00100000u;
         }
     } else {
-        complete = t1;
+        complete = (faults & 0x0000003fu) == 0u;
     }
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    if (complete && t3) {
+    if (complete && ((faults & 0x000001c0u) == 0u)) {
         state->guard_left = 5u;
         state->guard_ready = 1u;
     } else {
@@ -388,42 +272,24 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
     /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
-        const float safe_output_last_i_AA = state->safe_output_last_i_AA;
-        const float t25 = max(min(0.0f, safe_output_last_i_AA + 0.1575f), safe_output_last_i_AA - 0.1575f);
-        out->i_AA = t25;
-        const float safe_output_last_i_AB = state->safe_output_last_i_AB;
-        const float t26 = max(min(0.0f, safe_output_last_i_AB + 0.1575f), safe_output_last_i_AB - 0.1575f);
-        out->i_AB = t26;
-        const float safe_output_last_i_AC = state->safe_output_last_i_AC;
-        const float t27 = max(min(0.0f, safe_output_last_i_AC + 0.1575f), safe_output_last_i_AC - 0.1575f);
-        out->i_AC = t27;
-        const float safe_output_last_i_BA = state->safe_output_last_i_BA;
-        const float t28 = max(min(0.0f, safe_output_last_i_BA + 0.1575f), safe_output_last_i_BA - 0.1575f);
-        out->i_BA = t28;
-        const float safe_output_last_i_BB = state->safe_output_last_i_BB;
-        const float t29 = max(min(0.0f, safe_output_last_i_BB + 0.1575f), safe_output_last_i_BB - 0.1575f);
-        out->i_BB = t29;
-        const float safe_output_last_i_BC = state->safe_output_last_i_BC;
-        const float t30 = max(min(0.0f, safe_output_last_i_BC + 0.1575f), safe_output_last_i_BC - 0.1575f);
-        out->i_BC = t30;
-        const float safe_output_last_i_CA = state->safe_output_last_i_CA;
-        const float t31 = max(min(0.0f, safe_output_last_i_CA + 0.1575f), safe_output_last_i_CA - 0.1575f);
-        out->i_CA = t31;
-        const float safe_output_last_i_CB = state->safe_output_last_i_CB;
-        const float t32 = max(min(0.0f, safe_output_last_i_CB + 0.1575f), safe_output_last_i_CB - 0.1575f);
-        out->i_CB = t32;
-        const float safe_output_last_i_CC = state->safe_output_last_i_CC;
-        state->safe_output_last_i_AA = t25;
-        state->safe_output_last_i_AB = t26;
-        state->safe_output_last_i_AC = t27;
-        state->safe_output_last_i_BA = t28;
-        state->safe_output_last_i_BB = t29;
-        state->safe_output_last_i_BC = t30;
-        state->safe_output_last_i_CA = t31;
-        state->safe_output_last_i_CB = t32;
-        const float t33 = max(min(0.0f, safe_output_last_i_CC + 0.1575f), safe_output_last_i_CC - 0.1575f);
-        state->safe_output_last_i_CC = t33;
-        out->i_CC = t33;
+        state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, 0.1575f);
+        out->i_AA = state->safe_output_last_i_AA;
+        state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, 0.1575f);
+        out->i_AB = state->safe_output_last_i_AB;
+        state->safe_output_last_i_AC = planar_6dof_lqg_slew(state->safe_output_last_i_AC, 0.0f, 0.1575f);
+        out->i_AC = state->safe_output_last_i_AC;
+        state->safe_output_last_i_BA = planar_6dof_lqg_slew(state->safe_output_last_i_BA, 0.0f, 0.1575f);
+        out->i_BA = state->safe_output_last_i_BA;
+        state->safe_output_last_i_BB = planar_6dof_lqg_slew(state->safe_output_last_i_BB, 0.0f, 0.1575f);
+        out->i_BB = state->safe_output_last_i_BB;
+        state->safe_output_last_i_BC = planar_6dof_lqg_slew(state->safe_output_last_i_BC, 0.0f, 0.1575f);
+        out->i_BC = state->safe_output_last_i_BC;
+        state->safe_output_last_i_CA = planar_6dof_lqg_slew(state->safe_output_last_i_CA, 0.0f, 0.1575f);
+        out->i_CA = state->safe_output_last_i_CA;
+        state->safe_output_last_i_CB = planar_6dof_lqg_slew(state->safe_output_last_i_CB, 0.0f, 0.1575f);
+        out->i_CB = state->safe_output_last_i_CB;
+        state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, 0.1575f);
+        out->i_CC = state->safe_output_last_i_CC;
 
         /* guard: range acceptance, hold, latch */
         state->guard_latched = 1u;
@@ -431,140 +297,138 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         /* sensing: position and yaw, (1)-(5) */
         const float sensing_phi_raw = state->sensing_phi_raw;
-        const float t34 = sensing_phi_raw * V_ay_held;
-        const float t35 = t34 - V_bx_held;
-        const float sensing_first_s_x_next = V_ax_held - t34;
-        const float t36 = sensing_phi_raw * V_ax_held;
-        const float t37 = V_cy_held + t36;
-        const float t38 = t37 * t37;
-        const float sensing_first_s_y_next = V_ay_held + t36;
-        const float t39 = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float t40 = t35 + sensing_first_s_x_next - (t37 * t38 * (sensing_slope_0 + (t39 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (t40 * sensing_phi_raw);
-        const float t41 = t35 * t35;
-        const float t42 = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float t43 = (t35 * t41 * (sensing_slope_0 + (t42 * sensing_slope_1))) + (sensing_first_s_y_next - t37);
-        const float r_2 = V_cx_held - V_ax_held + (t43 * sensing_phi_raw);
-        const float t44 = sensing_first_s_x_next * t35;
-        const float t45 = t44 * t44;
-        const float m_x = t42 + t41 - (sensing_power_0 + (t45 * (sensing_power_1 + (t45 * sensing_power_2))));
-        const float t46 = sensing_first_s_y_next * t37;
-        const float t47 = t46 * t46;
-        const float m_y = t39 + t38 - (sensing_power_0 + (t47 * (sensing_power_1 + (t47 * sensing_power_2))));
+        const float ratio_x_part = sensing_phi_raw * V_ay_held;
+        const float ratio_x_part_minus_V_bx = ratio_x_part - V_bx_held;
+        const float sensing_first_s_x_next = V_ax_held - ratio_x_part;
+        const float ratio_y_part = sensing_phi_raw * V_ax_held;
+        const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
+        const float ratio_y_part_2 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
+        const float sensing_first_s_y_next = V_ay_held + ratio_y_part;
+        const float ratio_y_part_3 = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float r_1_part = ratio_x_part_minus_V_bx + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_2 * (sensing_slope_0 + (ratio_y_part_3 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (r_1_part * sensing_phi_raw);
+        const float ratio_x_part_2 = ratio_x_part_minus_V_bx * ratio_x_part_minus_V_bx;
+        const float ratio_x_part_3 = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float r_2_part = (ratio_x_part_minus_V_bx * ratio_x_part_2 * (sensing_slope_0 + (ratio_x_part_3 * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
+        const float r_2 = V_cx_held - V_ax_held + (r_2_part * sensing_phi_raw);
+        const float ratio_x_part_4 = sensing_first_s_x_next * ratio_x_part_minus_V_bx;
+        const float ratio_x_part_4_squared = ratio_x_part_4 * ratio_x_part_4;
+        const float m_x = ratio_x_part_3 + ratio_x_part_2 - (sensing_power_0 + (ratio_x_part_4_squared * (sensing_power_1 + (ratio_x_part_4_squared * sensing_power_2))));
+        const float ratio_y_part_4 = sensing_first_s_y_next * V_cy_plus_ratio_y_part;
+        const float ratio_y_part_4_squared = ratio_y_part_4 * ratio_y_part_4;
+        const float m_y = ratio_y_part_3 + ratio_y_part_2 - (sensing_power_0 + (ratio_y_part_4_squared * (sensing_power_1 + (ratio_y_part_4_squared * sensing_power_2))));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        bool t48 = false;
+        bool x_raw_test = false;
         if ((guard_ready != 0u) && complete) {
-            const float t49 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-            t48 = (0.013780796f < t49) && ((sensing_contradiction_left != 0u) || (0.055123184f < t49));
+            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
+            x_raw_test = (0.013780796f < x_raw_part) && ((sensing_contradiction_left != 0u) || (0.055123184f < x_raw_part));
         }
-        const bool t50 = !t48 && complete;
+        const bool x_raw_test_2 = !x_raw_test && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_within_y = state->sensing_within_y;
         const float sensing_offset_x = state->sensing_offset_x;
         const float sensing_offset_y = state->sensing_offset_y;
         float x_raw;
         float y_raw;
-        float t51 = 0.0f;
+        float phi_raw_part = 0.0f;
         float within_x = sensing_within_x;
         float within_y = sensing_within_y;
-        if (t50) {
-            const float ratio_x = t44 / (max(t42, t41) + 8.612998e-06f);
+        if (x_raw_test_2) {
+            const float ratio_x = ratio_x_part_4 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_2) + 8.612998e-06f);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float t52 = ratio_x * ratio_x;
-            const float t53 = sensing_position_1 + (t52 * (sensing_position_3 + (t52 * (sensing_position_5 + (t52 * sensing_position_7)))));
-            const float t54 = ratio_x * t53;
+            const float ratio_x_squared = ratio_x * ratio_x;
+            const float x_raw_part_2 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float sensing_within_x_next;
-            if (t42 <= t41) {
-                if (t35 < 0.0f) {
-                    if (0.0f < t54) {
-                        sensing_within_x_next = t54 - 0.0254f;
+            if (ratio_x_part_3 <= ratio_x_part_2) {
+                if (ratio_x_part_minus_V_bx < 0.0f) {
+                    if (0.0f < x_raw_part_2) {
+                        sensing_within_x_next = x_raw_part_2 - 0.0254f;
                     } else {
-                        sensing_within_x_next = t54 + 0.0254f;
+                        sensing_within_x_next = x_raw_part_2 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = t54;
+                    sensing_within_x_next = x_raw_part_2;
                 }
             } else {
-                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - t54;
+                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_2;
             }
-            const float t55 = sensing_within_x_next - sensing_within_x;
-            float t56 = sensing_offset_x;
-            if (0.0254f < fabsf(t55)) {
-                if (0.0f < t55) {
+            const float x_raw_part_3 = sensing_within_x_next - sensing_within_x;
+            float x_raw_part_4 = sensing_offset_x;
+            if (0.0254f < fabsf(x_raw_part_3)) {
+                if (0.0f < x_raw_part_3) {
                     if (-0.0508f <= sensing_offset_x) {
-                        const float t57 = sensing_offset_x - 0.0508f;
-                        t56 = t57;
-                        state->sensing_offset_x = t57;
+                        const float x_raw_part_5 = sensing_offset_x - 0.0508f;
+                        x_raw_part_4 = x_raw_part_5;
+                        state->sensing_offset_x = x_raw_part_5;
                     }
                 } else {
                     if (sensing_offset_x <= 0.0508f) {
-                        const float t58 = sensing_offset_x + 0.0508f;
-                        t56 = t58;
-                        state->sensing_offset_x = t58;
+                        const float x_raw_part_6 = sensing_offset_x + 0.0508f;
+                        x_raw_part_4 = x_raw_part_6;
+                        state->sensing_offset_x = x_raw_part_6;
                     }
                 }
             }
-            x_raw = sensing_within_x_next + t56;
+            x_raw = sensing_within_x_next + x_raw_part_4;
             within_x = sensing_within_x_next;
-            const float ratio_y = -(t46 / (max(t39, t38) + 8.612998e-06f));
+            const float ratio_y = -(ratio_y_part_4 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_2) + 8.612998e-06f));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
-            const float t59 = ratio_y * ratio_y;
-            const float t60 = sensing_position_1 + (t59 * (sensing_position_3 + (t59 * (sensing_position_5 + (t59 * sensing_position_7)))));
-            const float t61 = ratio_y * t60;
+            const float ratio_y_squared = ratio_y * ratio_y;
+            const float y_raw_part = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float sensing_within_y_next;
-            if (t39 <= t38) {
-                if (-t37 < 0.0f) {
-                    if (0.0f < t61) {
-                        sensing_within_y_next = t61 - 0.0254f;
+            if (ratio_y_part_3 <= ratio_y_part_2) {
+                if (-V_cy_plus_ratio_y_part < 0.0f) {
+                    if (0.0f < y_raw_part) {
+                        sensing_within_y_next = y_raw_part - 0.0254f;
                     } else {
-                        sensing_within_y_next = t61 + 0.0254f;
+                        sensing_within_y_next = y_raw_part + 0.0254f;
                     }
                 } else {
-                    sensing_within_y_next = t61;
+                    sensing_within_y_next = y_raw_part;
                 }
             } else {
-                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - t61;
+                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - y_raw_part;
             }
-            const float t62 = sensing_within_y_next - sensing_within_y;
-            float t63 = sensing_offset_y;
-            if (0.0254f < fabsf(t62)) {
-                if (0.0f < t62) {
+            const float y_raw_part_2 = sensing_within_y_next - sensing_within_y;
+            float y_raw_part_3 = sensing_offset_y;
+            if (0.0254f < fabsf(y_raw_part_2)) {
+                if (0.0f < y_raw_part_2) {
                     if (-0.0508f <= sensing_offset_y) {
-                        const float t64 = sensing_offset_y - 0.0508f;
-                        t63 = t64;
-                        state->sensing_offset_y = t64;
+                        const float y_raw_part_4 = sensing_offset_y - 0.0508f;
+                        y_raw_part_3 = y_raw_part_4;
+                        state->sensing_offset_y = y_raw_part_4;
                     }
                 } else {
                     if (sensing_offset_y <= 0.0508f) {
-                        const float t65 = sensing_offset_y + 0.0508f;
-                        t63 = t65;
-                        state->sensing_offset_y = t65;
+                        const float y_raw_part_5 = sensing_offset_y + 0.0508f;
+                        y_raw_part_3 = y_raw_part_5;
+                        state->sensing_offset_y = y_raw_part_5;
                     }
                 }
             }
-            y_raw = sensing_within_y_next + t63;
+            y_raw = sensing_within_y_next + y_raw_part_3;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
-            const float t66 = (sensing_first_s_x_next * (sensing_first_s_y_next + t37)) + (sensing_first_s_y_next * (sensing_first_s_x_next - t35));
-            const float t67 = ((t40 * r_1) - (t43 * r_2) + (sensing_amplitude_weight * (t66 * (m_x - m_y)))) / ((t40 * t40) + (t43 * t43) + (2.0f * (sensing_amplitude_weight * (t66 * t66))) + 0.08612997f);
-            t51 = t67;
+            const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
+            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + 0.08612997f);
+            phi_raw_part = phi_raw_part_3;
         } else {
             x_raw = sensing_within_x + sensing_offset_x;
             y_raw = sensing_within_y + sensing_offset_y;
         }
-        const float phi_raw = limit(sensing_phi_raw + t51, 0.025f);
-        if (t48) {
+        const float phi_raw = planar_6dof_lqg_limit(sensing_phi_raw + phi_raw_part, 0.025f);
+        if (x_raw_test) {
             state->sensing_contradiction_left = 4u;
         } else {
-            if (t50 && (sensing_contradiction_left != 0u)) {
+            if (x_raw_test_2 && (sensing_contradiction_left != 0u)) {
                 state->sensing_contradiction_left = sensing_contradiction_left - 1u;
             }
         }
-        if (t48 && (sensing_contradiction_left != 0u)) {
+        if (x_raw_test && (sensing_contradiction_left != 0u)) {
             state->sensing_contradiction_confirmed = 1u;
         }
-        if (t48 && !(sensing_contradiction_left != 0u)) {
+        if (x_raw_test && !(sensing_contradiction_left != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;
@@ -576,198 +440,183 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->sensing_phi_raw = phi_raw;
 
         /* vertical_kinematics: z and tilts from distances */
-        const float t68 = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (t68 + d3_held);
-        const float theta = 8.333333f * (d3_held - t68);
+        const float z_part = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (z_part + d3_held);
+        const float theta = 8.333333f * (d3_held - z_part);
         const float psi = 8.333333f * (d1_held - d2_held);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
-        const float t69 = x_ref_held - x_raw;
-        const bool t70 = fabsf(t69) <= 0.0015f;
+        const float x_ref_minus_x_raw = x_ref_held - x_raw;
+        const bool d_x_test = fabsf(x_ref_minus_x_raw) <= 0.0015f;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float t71 = lqg_x_L * x_raw;
-        const float t72 = lqg_y_L * y_raw;
-        const float t73 = lqg_phi_L * phi_raw;
-        float t74;
-        float t75;
-        float t76;
+        const float lqg_x_L_times_x_raw = lqg_x_L * x_raw;
+        const float lqg_y_L_times_y_raw = lqg_y_L * y_raw;
+        const float lqg_phi_L_times_phi_raw = lqg_phi_L * phi_raw;
+        float d_x_part;
+        float d_y_part;
+        float d_phi_part;
         if (guard_ready != 0u) {
-            t74 = state->lqg_x_x3;
-            t75 = state->lqg_y_x3;
-            t76 = state->lqg_phi_x3;
+            d_x_part = state->lqg_x_x3;
+            d_y_part = state->lqg_y_x3;
+            d_phi_part = state->lqg_phi_x3;
         } else {
-            t74 = -t71;
-            t75 = -t72;
-            t76 = -t73;
+            d_x_part = -lqg_x_L_times_x_raw;
+            d_y_part = -lqg_y_L_times_y_raw;
+            d_phi_part = -lqg_phi_L_times_phi_raw;
         }
         const float lqg_x_achieved = state->lqg_x_achieved;
-        const float t77 = t74 + t71 + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float d_x = (lqg_x_error_gain * ((t70) ? t69 : ((t69 < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - t77);
-        const float lqg_x_x3_next = (lqg_x_F * t74) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-        state->lqg_x_x3 = lqg_x_x3_next;
+        const float d_x_part_2 = d_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float d_x = (lqg_x_error_gain * ((d_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - d_x_part_2);
+        state->lqg_x_x3 = (lqg_x_F * d_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
-        const float t78 = y_ref_held - y_raw;
-        const bool t79 = fabsf(t78) <= 0.004f;
+        const float y_ref_minus_y_raw = y_ref_held - y_raw;
+        const bool d_y_test = fabsf(y_ref_minus_y_raw) <= 0.004f;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_achieved = state->lqg_y_achieved;
-        const float t80 = t75 + t72 + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float d_y = (lqg_y_error_gain * ((t79) ? t78 : ((t78 < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - t80);
-        const float lqg_y_x3_next = (lqg_y_F * t75) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-        state->lqg_y_x3 = lqg_y_x3_next;
+        const float d_y_part_2 = d_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float d_y = (lqg_y_error_gain * ((d_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - d_y_part_2);
+        state->lqg_y_x3 = (lqg_y_F * d_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
-        const float t81 = t76 + t73 + (lqg_phi_achieved_gain * lqg_phi_achieved);
-        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - t81);
-        const float lqg_phi_x3_next = (lqg_phi_F * t76) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
-        state->lqg_phi_x3 = lqg_phi_x3_next;
+        const float d_phi_part_2 = d_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - d_phi_part_2);
+        state->lqg_phi_x3 = (lqg_phi_F * d_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* loop_z: lead-lag, (23) */
-        const float t82 = z_ref_held - z;
-        const float loop_z_lead = state->loop_z_lead;
+        const float z_ref_minus_z = z_ref_held - z;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_gain * t82) + loop_z_lead + loop_z_integral;
-        const float loop_z_lead_next = loop_z_lead_input * t82;
-        state->loop_z_lead = loop_z_lead_next;
+        const float d_z = (loop_z_gain * z_ref_minus_z) + state->loop_z_lead + loop_z_integral;
+        state->loop_z_lead = loop_z_lead_input * z_ref_minus_z;
 
         /* loop_theta: lead-lag, (24) */
-        const float t83 = theta_ref_held - theta;
-        const float loop_theta_lead = state->loop_theta_lead;
+        const float theta_ref_minus_theta = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_gain * t83) + loop_theta_lead + loop_theta_integral;
-        const float loop_theta_lead_next = loop_theta_lead_input * t83;
-        state->loop_theta_lead = loop_theta_lead_next;
+        const float d_theta = (loop_theta_gain * theta_ref_minus_theta) + state->loop_theta_lead + loop_theta_integral;
+        state->loop_theta_lead = loop_theta_lead_input * theta_ref_minus_theta;
 
         /* loop_psi: lead-lag, (25) */
-        const float t84 = psi_ref_held - psi;
-        const float loop_psi_lead = state->loop_psi_lead;
+        const float psi_ref_minus_psi = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_gain * t84) + loop_psi_lead + loop_psi_integral;
-        const float loop_psi_lead_next = loop_psi_lead_input * t84;
-        state->loop_psi_lead = loop_psi_lead_next;
+        const float d_psi = (loop_psi_gain * psi_ref_minus_psi) + state->loop_psi_lead + loop_psi_integral;
+        state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
 
         /* allocation: motor currents, Table 3, (17) */
-        const float t85 = phi_raw * phi_raw;
-        const float t86 = f1_polynomial(t85);
-        const float t87 = phi_raw * f2_polynomial(t85);
-        const float i_CQ = limit((t86 * d_x) + (t87 * d_y), max(1.134f - fabsf(d_phi), 0.567f));
-        const float t88 = limit(d_phi + i_CQ, 1.134f);
-        const float t89 = limit(0.5f * ((t86 * d_y) - (t87 * d_x)), 1.134f - fabsf(t88));
-        const float i_AQ = t89 - t88;
-        const float i_BQ = t89 + t88;
-        const float t90 = d_z - d_theta;
-        const float i_AD = limit(t90 + d_psi, 0.54913455f);
-        const float i_BD = limit(t90 - d_psi, 0.54913455f);
+        const float phi_raw_squared = phi_raw * phi_raw;
+        const float i_CQ_part = f1_polynomial(phi_raw_squared);
+        const float i_CQ_part_2 = phi_raw * f2_polynomial(phi_raw_squared);
+        const float i_CQ = planar_6dof_lqg_limit((i_CQ_part * d_x) + (i_CQ_part_2 * d_y), planar_6dof_lqg_max(1.134f - fabsf(d_phi), 0.567f));
+        const float i_AQ_part = planar_6dof_lqg_limit(d_phi + i_CQ, 1.134f);
+        const float i_AQ_part_2 = planar_6dof_lqg_limit(0.5f * ((i_CQ_part * d_y) - (i_CQ_part_2 * d_x)), 1.134f - fabsf(i_AQ_part));
+        const float i_AQ = i_AQ_part_2 - i_AQ_part;
+        const float i_BQ = i_AQ_part_2 + i_AQ_part;
+        const float d_z_minus_d_theta = d_z - d_theta;
+        const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, 0.54913455f);
+        const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, 0.54913455f);
 
         /* loop_psi: lead-lag, (25) */
-        const float loop_psi_integral_next = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
-        state->loop_psi_integral = loop_psi_integral_next;
+        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
 
         /* allocation: motor currents, Table 3, (17) */
-        const float i_CD = limit(d_z + (2.0f * d_theta), 0.54913455f);
+        const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), 0.54913455f);
 
         /* loop_z: lead-lag, (23) */
-        const float t91 = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (t91 + i_CD));
-        state->loop_z_integral = loop_z_integral_next;
+        const float i_AD_plus_i_BD = i_AD + i_BD;
+        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
 
         /* allocation: motor currents, Table 3, (17) */
-        const float achieved_x = (t86 * i_CQ) - (2.0f * (t87 * t89));
+        const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
-        const float t92 = lqg_x_integral_decay * lqg_x_integral;
-        const float lqg_x_integral_next = (t70) ? (t92 + (lqg_x_integral_input * (achieved_x + t77))) : t92;
-        state->lqg_x_integral = lqg_x_integral_next;
+        const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
+        state->lqg_x_integral = (d_x_test) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + d_x_part_2))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* allocation: motor currents, Table 3, (17) */
-        const float achieved_y = (t87 * i_CQ) + (2.0f * (t86 * t89));
+        const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
-        const float t93 = lqg_y_integral_decay * lqg_y_integral;
-        const float lqg_y_integral_next = (t79) ? (t93 + (lqg_y_integral_input * (achieved_y + t80))) : t93;
-        state->lqg_y_integral = lqg_y_integral_next;
+        const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
+        state->lqg_y_integral = (d_y_test) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + d_y_part_2))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* allocation: motor currents, Table 3, (17) */
-        const float achieved_phi = t88 - i_CQ;
+        const float achieved_phi = i_AQ_part - i_CQ;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
-        const float lqg_phi_integral_next = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + t81));
-        state->lqg_phi_integral = lqg_phi_integral_next;
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + d_phi_part_2));
         state->lqg_phi_achieved = achieved_phi;
 
         /* allocation: motor currents, Table 3, (17) */
-        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * t91);
+        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
 
         /* loop_theta: lead-lag, (24) */
-        const float loop_theta_integral_next = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
-        state->loop_theta_integral = loop_theta_integral_next;
+        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
 
         /* commutation: phase currents, (17) inverted */
-        const float distance_rear = within_x - (0.025584769f * t87);
+        const float distance_rear = within_x - (0.025584769f * i_CQ_part_2);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((0.012792384f * t86) - 0.0127f);
+        const float distance_front = within_y - ((0.012792384f * i_CQ_part) - 0.0127f);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float t94 = quarter_sine_front * quarter_sine_front;
-        const float t95 = quarter_sine_front * sqrtf(1.0f - t94);
-        const float t96 = t95 * (4.0f - (8.0f * t94));
-        const float t97 = f5_polynomial(t85);
-        const float t98 = t96 * t97;
-        const float t99 = 1.0f - (8.0f * (t95 * t95));
-        const float t100 = phi_raw * f6_polynomial(t85);
-        const float t101 = t99 * t100;
-        const float t102 = t98 - t101;
-        const float t103 = t99 * t97;
-        const float t104 = t96 * t100;
-        const float t105 = t103 + t104;
-        const float i_AA_computed = (t102 * i_AQ) + (t105 * i_AD);
+        const float i_AA_computed_part = quarter_sine_front * quarter_sine_front;
+        const float i_AA_computed_part_2 = quarter_sine_front * sqrtf(1.0f - i_AA_computed_part);
+        const float i_AA_computed_part_3 = i_AA_computed_part_2 * (4.0f - (8.0f * i_AA_computed_part));
+        const float i_AA_computed_part_4 = f5_polynomial(phi_raw_squared);
+        const float i_AA_computed_part_5 = i_AA_computed_part_3 * i_AA_computed_part_4;
+        const float i_AA_computed_part_6 = 1.0f - (8.0f * (i_AA_computed_part_2 * i_AA_computed_part_2));
+        const float i_AA_computed_part_7 = phi_raw * f6_polynomial(phi_raw_squared);
+        const float i_AA_computed_part_8 = i_AA_computed_part_6 * i_AA_computed_part_7;
+        const float i_AA_computed_part_9 = i_AA_computed_part_5 - i_AA_computed_part_8;
+        const float i_AA_computed_part_10 = i_AA_computed_part_6 * i_AA_computed_part_4;
+        const float i_AA_computed_part_11 = i_AA_computed_part_3 * i_AA_computed_part_7;
+        const float i_AA_computed_part_12 = i_AA_computed_part_10 + i_AA_computed_part_11;
+        const float i_AA_computed = (i_AA_computed_part_9 * i_AQ) + (i_AA_computed_part_12 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float t106 = 0.8660254f * ((t102 * i_AD) - (t105 * i_AQ));
-        const float t107 = 0.5f * i_AA_computed;
-        const float i_AB_computed = t106 - t107;
+        const float i_AB_computed_part = 0.8660254f * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
+        const float half_i_AA_computed = 0.5f * i_AA_computed;
+        const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(t107 + t106);
+        const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float t108 = t98 + t101;
-        const float t109 = t104 - t103;
-        const float i_BA_computed = (t108 * i_BQ) - (t109 * i_BD);
+        const float i_BA_computed_part = i_AA_computed_part_5 + i_AA_computed_part_8;
+        const float i_BA_computed_part_2 = i_AA_computed_part_11 - i_AA_computed_part_10;
+        const float i_BA_computed = (i_BA_computed_part * i_BQ) - (i_BA_computed_part_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float t110 = 0.8660254f * ((t109 * i_BQ) + (t108 * i_BD));
-        const float t111 = 0.5f * i_BA_computed;
-        const float i_BB_computed = t110 - t111;
+        const float i_BB_computed_part = 0.8660254f * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
+        const float half_i_BA_computed = 0.5f * i_BA_computed;
+        const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(t111 + t110);
+        const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float t112 = quarter_sine_rear * quarter_sine_rear;
-        const float t113 = quarter_sine_rear * sqrtf(1.0f - t112);
-        const float t114 = 1.0f - (8.0f * (t113 * t113));
-        const float t115 = t113 * (4.0f - (8.0f * t112));
-        const float i_CA_computed = (t114 * i_CQ) - (t115 * i_CD);
+        const float i_CA_computed_part = quarter_sine_rear * quarter_sine_rear;
+        const float i_CA_computed_part_2 = quarter_sine_rear * sqrtf(1.0f - i_CA_computed_part);
+        const float i_CA_computed_part_3 = 1.0f - (8.0f * (i_CA_computed_part_2 * i_CA_computed_part_2));
+        const float i_CA_computed_part_4 = i_CA_computed_part_2 * (4.0f - (8.0f * i_CA_computed_part));
+        const float i_CA_computed = (i_CA_computed_part_3 * i_CQ) - (i_CA_computed_part_4 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float t116 = 0.8660254f * ((t115 * i_CQ) + (t114 * i_CD));
-        const float t117 = 0.5f * i_CA_computed;
-        const float i_CB_computed = t116 - t117;
+        const float i_CB_computed_part = 0.8660254f * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
+        const float half_i_CA_computed = 0.5f * i_CA_computed;
+        const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(t117 + t116);
+        const float i_CC_computed = -(half_i_CA_computed + i_CB_computed_part);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;

@@ -1,8 +1,26 @@
-/* planar_6dof_lqg: one step every 0.00125 s, float. Generated: do not edit. */
+/* planar_6dof_lqg: one step every 0.00125 s, float. Generated: do not edit.
+ *
+ * Call planar_6dof_lqg_init once, then planar_6dof_lqg_step once every 0.00125 s with the inputs of that sample, and
+ * write its outputs to the hardware. Only these two functions may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
+ * (the air bearings carry the platen, and without current no force acts on it): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC,
+ * i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
 #ifndef PLANAR_6DOF_LQG_H
 #define PLANAR_6DOF_LQG_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 typedef struct {
     float V_ax;                         /* V, -5 .. 5: voltage of Hall sensor A along x */
@@ -88,9 +106,15 @@ typedef struct {
 } planar_6dof_lqg_state_t;
 
 /* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
+_Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 200u, "size of planar_6dof_lqg_state_t");
+#else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
 extern char planar_6dof_lqg_state_size_is_200[(sizeof(planar_6dof_lqg_state_t) == 200u) ? 1 : -1];
+#endif
 
 /* Put the state to its initial values. The caller owns it. */
 void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
@@ -121,5 +145,9 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

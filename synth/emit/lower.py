@@ -7,6 +7,7 @@ Common subexpressions are eliminated first. Marks record the intermediate signal
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
+from typing import Any
 
 import casadi as ca
 
@@ -89,6 +90,11 @@ class Program:
     products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     titles: Mapping[str, str] = field(default_factory=dict)
     tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    calls: Mapping[str, Any] = field(default_factory=dict)
+    typed: Mapping[str, str] = field(default_factory=dict)
+    returns: Mapping[str, int] = field(default_factory=dict)
+    paths: Mapping[str, str] = field(default_factory=dict)
+    by_value: bool = False
 
     def with_nodes(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k becomes node index[k], without dead nodes."""
@@ -113,7 +119,11 @@ class Program:
 
     def ends(self) -> list[int]:
         """Return the nodes that are stored or returned: the live-out values."""
-        return [*self.outputs.values(), *self.next.values(), *([] if self.word is None else [self.word])]
+        return [*self.outputs.values(), *self.next.values(), *self.returned()]
+
+    def returned(self) -> list[int]:
+        """Return the nodes that the function returns: the fault word, or the results of a routine."""
+        return [*([] if self.word is None else [self.word]), *self.returns.values()]
 
     def users(self) -> list[list[int]]:
         """Return for each node the nodes that read it, once for each operand (use lists)."""

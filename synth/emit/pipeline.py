@@ -13,18 +13,22 @@
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """
 
+import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
-from synth.emit.c import c_text, kinds, printer
+from synth.emit.c import c_text, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import fold, limits, schedule
-from synth.emit.passes import surrogates as surrogates
+from synth.emit.passes import calls, fold, guards, limits, schedule, slews, surrogates
+from synth.emit.passes import outline as alike
+from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
 
@@ -76,6 +80,36 @@ def _run_passes(
 
 def _without_certificates(program: Program) -> Program:
     return replace(program, marks=tuple((replace(named, certificate=None), k) for named, k in program.marks))
+
+
+def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layout]:
+    """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout."""
+    program = slews.slewed(guards.guarded(reduced.program))
+    groups = alike.alike(program)
+    kept = _printed(reduced, program, groups, scalar)
+    for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
+        fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]
+        flat = _printed(reduced, program, fewer, scalar)
+        if flat.lines <= kept.lines:
+            groups, kept = fewer, flat
+    return kept.reduced, kept.memory
+
+
+class _Printed(NamedTuple):
+    """A program, its layout, and the lines of its header and source."""
+
+    reduced: Reduced
+    memory: Layout
+    lines: int
+
+
+def _printed(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
+    values = {c.name: c.value for c in reduced.block.constants}
+    made = replace(reduced, program=calls.outlined(program, values, groups))
+    memory = layout.layout(made.block, scalar, calls.owners(made.program))
+    text = header.header(made.block, memory, made.program)
+    lines = len(source(made, memory)) + text.count("\n") if memory.is_contiguous else sys.maxsize
+    return _Printed(made, memory, lines)
 
 
 def source(reduced: Reduced, memory: Layout) -> list[printer.Line]:

@@ -11,7 +11,7 @@ import numpy as np
 from synth import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import c_text, layout, manifest
+from synth.emit.c import header, layout, manifest
 from synth.emit.lower import Program
 
 
@@ -43,12 +43,13 @@ def emit(
     over the declared ranges.
     """
     rounded = block.rounded(scalar)
-    memory = layout.layout(rounded, scalar)
     printed = pipeline.reduce(rounded, scalar, libm, error)
-    source = pipeline.source(printed, memory)
+    layout.layout(rounded, scalar)
+    outlined, memory = pipeline.outline(printed, scalar)
+    source = pipeline.source(outlined, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
-        f"{block.name}.h": c_text.header(rounded, memory),
+        f"{block.name}.h": header.header(rounded, memory, outlined.program),
     }
     document = manifest.manifest(rounded, memory, texts, printed.surrogates, source)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}

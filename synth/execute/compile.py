@@ -37,6 +37,9 @@ STRICT_FLAGS = (
     "-Wconversion",
     "-Wshadow",
     "-Wdouble-promotion",
+    "-Wcast-qual",
+    "-Wundef",
+    "-Wstrict-prototypes",
     "-Werror",
 )
 

@@ -283,10 +283,11 @@ def _claims(role: str, struct: Mapping[str, Any]) -> list[str]:
     lines = [f"AGREES(manifest_{role}_has_{size}_bytes, sizeof({T}) == {size});"]
     for field in struct["fields"]:
         name, offset, count, ctype = (field[key] for key in ("name", "offset", "count", "ctype"))
+        path = field.get("path", name)
         member, address = f"manifest_{role}_{name}", "" if count > 1 else "&"
         lines += [
-            f"AGREES({member}_at_{offset}, offsetof({T}, {name}) == {offset});",
-            f"AGREES({member}_has_{count}, sizeof((({T} *)0)->{name}) == {count} * sizeof({ctype}));",
-            f"static inline const {ctype} *{member}_is_{ctype}(const {T} *s) {{ return {address}s->{name}; }}",
+            f"AGREES({member}_at_{offset}, offsetof({T}, {path}) == {offset});",
+            f"AGREES({member}_has_{count}, sizeof((({T} *)0)->{path}) == {count} * sizeof({ctype}));",
+            f"static inline const {ctype} *{member}_is_{ctype}(const {T} *s) {{ return {address}s->{path}; }}",
         ]
     return lines

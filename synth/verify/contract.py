@@ -89,7 +89,7 @@ def find_tool(command: str, package: str) -> str:
 
 
 def _elements(role: str, field: Mapping[str, Any]) -> list[Member]:
-    name, count, ctype = field["name"], field["count"], field["ctype"]
+    name, count, ctype = field.get("path", field["name"]), field["count"], field["ctype"]
     if ctype not in _TYPES:
         raise DesignError(f"manifest, {role} '{name}': found the ctype {ctype!r}, need one of {', '.join(_TYPES)}")
     paths = [name] if count == 1 else [f"{name}[{k}]" for k in range(count)]

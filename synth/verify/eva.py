@@ -43,6 +43,7 @@ _ADMIT, _CHECK = "@ admit ", "@ check "
 # The last two branches are distinguished, which keeps the outcome of a comparison where its result is used. Equalities
 # relate |v| to v. A polynomial in one variable is bounded on 200 parts of its range. Short loops are unrolled.
 _OPTIONS = (
+    "-c11",
     "-eva",
     "-main=drive",
     "-warn-special-float=non-finite",

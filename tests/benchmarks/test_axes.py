@@ -1,7 +1,5 @@
 """Sixty-four axes emit, compile without a warning and compute what CasADi does; the C grows with the axes alone."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -20,17 +18,17 @@ def test_sixty_four_axes_compute_what_casadi_does(grown: axes.Growth) -> None:
 
 
 def test_the_c_grows_with_the_axes_alone(grown: axes.Growth) -> None:
-    """What all axes share, the guard of the first one, is spread over four times as many."""
+    """What all axes share, functions and the guard of the first one, is spread over four times as many."""
     text = axes.emit(16, np.float32).files["axes_16.c"]
-    assert 0.95 <= grown.size / 64 / (len(text) / 16) <= 1.05
-    assert 0.90 <= grown.lines / 64 / (text.count("\n") / 16) <= 1.05
+    assert 0.75 <= grown.size / 64 / (len(text) / 16) <= 1.05
+    assert 0.70 <= grown.lines / 64 / (text.count("\n") / 16) <= 1.05
 
 
 def test_a_planted_difference_is_found() -> None:
     made, double = axes.block(4), axes.emit(4, np.float64)
     text = double.files["axes_4.c"]
-    wrong, count = re.subn(r"(filter_3_fade = )([\d.]+)", lambda m: f"{m[1]}{float(m[2]) * (1 + 1e-9)!r}", text)
-    assert count == 1
+    wrong = text.replace("&state->filter_3, guard_ready, e3)", "&state->filter_3, guard_ready, e3 * (1.0 + 1e-9))")
+    assert wrong != text
     planted = EmittedCode(double.files | {"axes_4.c": wrong}, double.manifest)
     assert axes.disagreement(made, double) <= 1e-12 < 1e-10 < axes.disagreement(made, planted)
 

@@ -37,7 +37,7 @@ def line_of(block: str) -> str:
     runs = next(runs for tag, runs in EMITTED.manifest["trace"].items() if tag.startswith(f"{block}:"))
     text = EMITTED.files["axes_2.c"].splitlines()
     lines_found = [text[k - 1] for first, last in runs for k in range(first, last + 1)]
-    return next(line for line in lines_found if line.strip().startswith("const float"))
+    return [line for line in lines_found if line.strip().startswith("const float")][-1]  # of the step
 
 
 @pytest.mark.parametrize("build", meter.builds(), ids=[b.name for b in meter.builds()])
@@ -79,8 +79,7 @@ def test_inlined_calls_stand_at_their_lines(compiler: str) -> None:
     text = EMITTED.files["axes_2.c"].splitlines()
     inlined = lines.calls(path, "axes_2_step")
     assert inlined and all(call.low < call.high for call in inlined)
-    helpers = ("limit(", "min(", "max(")
-    assert all(any(name in text[call.line - 1] for name in helpers) for call in inlined), inlined
+    assert all("axes_2_" in text[call.line - 1] for call in inlined), inlined
     assert lines.calls(path, "no_such_function") == ()
 
 

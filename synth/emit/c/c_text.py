@@ -6,97 +6,127 @@
 The constants are local to the step, their only reader.
 """
 
+import math
 from collections.abc import Sequence
 from textwrap import wrap
 
-from synth.block import Block, Fault
+from synth.block import Block
+from synth.emit.c import routines
 from synth.emit.c.expressions import constant, literal
+from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
-from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import Line, prose
+from synth.emit.c.layout import Layout
+from synth.emit.c.printer import Line, guard_function, prose
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes.surrogates import Surrogate
-
-
-def _meaning(fault: Fault) -> str:
-    if fault.input:
-        return f"{fault.input}: not finite or outside its range"
-    return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
-
-
-def header(block: Block, layout: Layout) -> str:
-    """Return the text of <name>.h."""
-    guard = f"{block.name.upper()}_H"
-    structs = "\n\n".join(_struct(block.name, s) for s in layout.structs)
-    checks = "\n".join(
-        f"extern char {block.name}_{s.kind}_size_is_{s.size}[(sizeof({s.type}) == {s.size}u) ? 1 : -1];"
-        for s in layout.structs
-    )
-    faults = "\n".join(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults)
-    returned = (
-        f" * It returns the fault bits:\n{faults}\n" if faults else " * It returns 0: the Block guards no input.\n"
-    )
-    return (
-        f"/* {block.name}: one step every {block.time.period_s:g} s, {layout.ctype}. Generated: do not edit. */\n"
-        f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n{structs}\n\n"
-        f"/* The layout is the same on every target. */\n{checks}\n\n"
-        "/* Put the state to its initial values. The caller owns it. */\n"
-        f"void {block.name}_init({block.name}_state_t *state);\n\n"
-        f"/* Compute one sample: read `in`, write `out`, advance `state`.\n{returned} */\n"
-        f"{_step_head(block.name)};\n\n#endif\n"
-    )
-
-
-def _struct(name: str, struct: Struct) -> str:
-    rows = [f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */" for f in struct.fields]
-    return "typedef struct {\n" + "\n".join(rows) + f"\n}} {struct.type};"
-
-
-def _step_head(name: str) -> str:
-    return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
 def source(
     block: Block, program: Program, surrogates: Sequence[Surrogate], layout: Layout, body: Sequence[Line]
 ) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
-    used = {n.op for n in program.nodes}
-    parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"']
+    used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
+    parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"', "#include <float.h>"]
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
     parts += ["#include <stdbool.h>"] if "logical" in kinds(program) else []
-    parts += [""]
-    for op, sign in (("min", "<"), ("max", ">")):
-        if op in used:
-            t = layout.ctype
-            parts += [f"static inline {t} {op}({t} a, {t} b)", "{", f"    return (a {sign} b) ? a : b;", "}", ""]
-    if "clamp" in used:
-        t = layout.ctype
-        size, zero = "fabsf" if layout.ctype == "float" else "fabs", literal(0.0, layout.scalar).c
-        parts += [f"static inline {t} limit({t} x, {t} high)", "{"]
-        # for a negative high, max(min(x, high), -high) is -high for every x
-        parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
-    if any("flag(" in line.text for line in body if "/*" not in line.text):
-        parts += ["static inline uint32_t flag(bool holds)", "{", "    uint32_t value = 0u;"]
+    parts += _refusals()
+    parts += _helpers(block.name, used, layout)
+    if any("_flag(" in line.text for line in body if "/*" not in line.text):
+        parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
+    parts += _inline(block) if program.calls or any(n.op == "guard" for n in program.nodes) else []
+    parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    parts += [*_init(block, layout), "", _step_head(block.name), "{", *_constants(block, program, layout)]
-    return [*map(Line, parts), *body, Line("}")]
+    called = routines.functions(block, program, layout)
+    step = [*_init(block, layout), "", step_head(block.name), "{", *_constants(block, program, layout)]
+    return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
+
+
+def _refusals() -> list[str]:
+    """Return the directives that refuse what would remove the tests for NaN and infinity, or round elsewhere."""
+    finite = "defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))"
+    wider = "defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)"
+    refused = [
+        (finite, "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"),
+        (wider, "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"),
+    ]
+    return [row for test, text in refused for row in (f"#if {test}", f'#error "{text}"', "#endif")] + [""]
+
+
+def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
+    """Return the functions of the operations that C has no operator for."""
+    t, parts = layout.ctype, []
+    for op, sign in (("min", "<"), ("max", ">")):
+        if op in used:
+            head = f"static inline {t} {name}_{op}({t} a, {t} b)"
+            parts += [head, "{", f"    return (a {sign} b) ? a : b;", "}", ""]
+    if "clamp" in used:
+        size, zero = "fabsf" if t == "float" else "fabs", literal(0.0, layout.scalar).c
+        parts += [f"static inline {t} {name}_limit({t} x, {t} high)", "{"]
+        # for a negative high, max(min(x, high), -high) is -high for every x
+        parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
+    if "slew" in used:
+        parts += [f"static inline {t} {name}_slew({t} last, {t} target, {t} step)", "{"]
+        parts += [f"    const {t} below = (target < (last + step)) ? target : (last + step);"]
+        parts += ["    return (below > (last - step)) ? below : (last - step);", "}", ""]
+    return parts
+
+
+def _inline(block: Block) -> list[str]:
+    """Return the macro by which gcc and clang inline at every level: most functions work on a few numbers."""
+    inline = routines.inline(block)
+    return [
+        *("#if defined(__GNUC__)", f"#define {inline} static inline __attribute__((always_inline))"),
+        *("#else", f"#define {inline} static inline", "#endif"),
+    ]
+
+
+def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
+    """Return the functions that guard an input, one for each form of range and fallback."""
+    lines: list[str] = []
+    t = layout.ctype
+    forms = {guard_function(program, n): n for n in program.nodes if n.op == "guard"}
+    for name, node in forms.items():
+        two = len(node.args) == 5
+        test = "(low <= value) && (value <= high)" if two else f"{'fabsf' if t == 'float' else 'fabs'}(value) <= high"
+        bounds = f"{t} low, {t} high" if two else f"{t} high"
+        kept, source = (f"{t} *last", "*last") if node.name else (f"{t} refused", "refused")
+        range, name = "low .. high" if two else "-high .. high", f"{block.name}_{name}"
+        about = (
+            f"Return a value in {range}{', which `last` becomes' if node.name else ''}; "
+            f"for any other, set its fault bit and return {source}."
+        )
+        head = f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)"
+        lines += [
+            *routines.comment(about),
+            *routines.wrapped(head),
+            *("{", f"    {t} held = value;"),
+            *(
+                [f"    if ({test}) {{", "        *last = value;", "    } else {"]
+                if node.name
+                else [f"    if (!({test})) {{"]
+            ),
+            *(f"        held = {source};", "        *faults |= bit;", "    }", "    return held;", "}", ""),
+        ]
+    return lines
 
 
 def _polynomial(s: Surrogate, layout: Layout) -> list[str]:
     """Return the C function that evaluates a surrogate by Horner's rule in t; in t^2 for an odd or even polynomial."""
     p, t = s.polynomial, "t"
-    about = f"{s.variable} {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else s.variable
+    about = f"x {'-' if p.centre > 0 else '+'} {abs(p.centre):.9g}" if p.centre else "x"
     about = f"({about}) * {p.scale:g}" if p.scale != 1 else about
-    argument = {"none": f"t = {about}", "odd": f"{s.tag} / x, t = x^2, x = {about}", "even": f"t = x^2, x = {about}"}
+    value, argument = " / x" if p.parity == "odd" else "", about if p.parity == "none" else "x^2"
     text = literal(p.coefficients[-1], layout.scalar).c
     for c in p.coefficients[-2::-1]:
         text = f"t * ({text})" if "t" in text else f"t * {text}"
         text = f"{literal(c, layout.scalar).c} + ({text})" if c else text
     return [
-        f"/* {prose(s.tag)} for {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}: {argument[p.parity]};",
-        f" * relative error at most {p.max_relative_error:.2g}. */",
+        *routines.comment(
+            f"{prose(s.tag)}{value}; x = {prose(s.variable)} in {p.low:.9g} .. {p.high:.9g}, t = {argument}; "
+            f"relative error at most {p.max_relative_error:.2g}."
+        ),
         f"static inline {layout.ctype} {s.name}({layout.ctype} {t})",
         "{",
         f"    return {text};",
@@ -112,21 +142,23 @@ def _table(name: str, values: Sequence[float], layout: Layout) -> list[str]:
 
 def _constants(block: Block, program: Program, layout: Layout) -> list[str]:
     read = {n.name for n in program.nodes if n.op == "constant"}
-    rows = [
-        f"    static const {layout.ctype} {constant(c.name)} = {literal(c.value, layout.scalar).c};".ljust(64)
-        + f"/* {c.unit}; {prose(c.source)} */"
-        for c in block.constants
-        if c.name in read
-    ]
+    read |= {n.name for call in program.calls.values() if call.routine.by_value for n in call.numbers}
+    rows = [row for c in block.constants if c.name in read for row in routines.number(constant(c.name), c, layout)]
+    rows += routines.parameters(block, program, layout)
     for name in dict.fromkeys(n.name for n in program.nodes if n.op == "table"):
         rows += _table(name, program.tables[name], layout)
     return [*rows, ""] if rows else []
 
 
 def _init(block: Block, layout: Layout) -> list[str]:
-    rows = []
-    for s in block.states:
-        value = f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c
-        rows.append(f"    state->{s.name} = {value};")
-    rows += [f"    state->{f.name} = 0u;" for f in layout.state.fields if f.name == "reserved"]
-    return [f"void {block.name}_init({block.name}_state_t *state)", "{", *rows, "}"]
+    """Return the function that gives each member its initial value; C gives those that are not named 0."""
+    paths = {f.name: f.path for f in layout.state.fields}
+    texts = {s.name: f"{int(s.initial)}u" if s.integer else literal(s.initial, layout.scalar).c for s in block.states}
+    named = {s.name: texts[s.name] for s in block.states if s.initial or math.copysign(1, s.initial) < 0}
+    first = layout.state.fields[0].name
+    named = named or {first: texts.get(first, "0u")}
+    rows = [f"        .{paths[name]} = {text}," for name, text in named.items()]
+    return [
+        *(init_head(block.name), "{"),
+        *("    /* A member that is not named is 0. */", f"    *state = ({block.name}_state_t){{", *rows, "    };", "}"),
+    ]

@@ -13,8 +13,9 @@ INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt
 INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
-RESERVED |= {"state", "in", "out", "faults", "min", "max", "limit", "flag", "bool", "true", "false", "uint32_t"}
-INLINE = ("literal", "constant")  # printed wherever they are read
+RESERVED |= {"state", "in", "out", "parameters", "bool", "true", "false", "uint32_t"}
+HELPERS = ("min", "max", "limit", "flag", "slew")
+INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 
 
 @dataclass(frozen=True)
@@ -57,13 +58,17 @@ def literal(value: float, scalar: type[np.floating]) -> Text:
 class Expressions:
     """The text of nodes: `text` holds that of each node printed so far, a local's name or an expression."""
 
-    def __init__(self, program: Program, kinds: list[str], scalar: type[np.floating]) -> None:
-        self.p, self.kinds, self.scalar = program, kinds, scalar
+    def __init__(self, program: Program, kinds: list[str], scalar: type[np.floating], name: str) -> None:
+        self.p, self.kinds, self.scalar, self.name = program, kinds, scalar, name
         self.text: dict[int, Text] = {}
 
     def ctype(self, k: int) -> str:
         """Return the type of a variable that holds node k."""
-        return {"logical": "bool", "integer": "uint32_t"}.get(self.kinds[k], CTYPES[self.scalar])
+        return self.ctype_of(self.kinds[k])
+
+    def ctype_of(self, kind: str) -> str:
+        """Return the type of a variable of a kind."""
+        return {"logical": "bool", "integer": "uint32_t"}.get(kind, CTYPES[self.scalar])
 
     def as_kind(self, k: int, kind: str) -> Text:
         """Return node k converted to a kind."""
@@ -79,7 +84,12 @@ class Expressions:
         if op == "literal":
             return literal(node.value, self.scalar)
         if op in ("input", "state", "constant"):
-            return Text({"input": f"in->{node.name}", "state": f"state->{node.name}"}.get(op, constant(node.name)))
+            place = self.p.paths.get(node.name, node.name)
+            return Text({"input": f"in->{node.name}", "state": f"state->{place}"}.get(op, constant(node.name)))
+        if op == "argument":
+            return Text(node.name)
+        if op == "parameter":
+            return Text(node.name if self.p.by_value else f"parameters->{node.name}")
         if op == "not":
             return Text("!" + self.condition(args[0]).inside(7), 7)
         if op in ("and", "or"):
@@ -95,8 +105,10 @@ class Expressions:
             return Text(f"{self.integer(args[0]).inside(2)} | {mask(node)}", 1)
         if op == "within":
             return self.text[args[0]]
+        if op == "accepted":
+            return Text(f"({self.operand(args[0]).c} & {mask(node)}) == 0u", 2)
         if op == "clamp":
-            return Text(f"limit({self.value(args[0]).c}, {self.value(args[2]).c})")
+            return Text(f"{self.name}_limit({self.value(args[0]).c}, {self.value(args[2]).c})")
         whole = self.kinds[k] == "integer" or self._counts(node)
         sides = [self.integer(a) if whole else self.value(a) for a in args]
         return self._operation(node, sides)
@@ -127,7 +139,8 @@ class Expressions:
         if op == "floor":
             return Text(f"({CTYPES[self.scalar]})(uint32_t){sides[0].inside(7)}", 7)
         suffix = "f" if op in LIBM and self.scalar is np.float32 else ""
-        return Text(f"{op}{suffix}({', '.join(s.c for s in sides)})")
+        prefix = f"{self.name}_" if op in HELPERS else ""
+        return Text(f"{prefix}{op}{suffix}({', '.join(s.c for s in sides)})")
 
     def value(self, k: int) -> Text:
         """Return node k as a number of the scalar type."""
@@ -144,7 +157,7 @@ class Expressions:
         if node.op == "literal":
             return Text(f"{int(node.value)}u")
         if self.kinds[k] == "logical":
-            return Text(f"flag({self.condition(k).c})")
+            return Text(f"{self.name}_flag({self.condition(k).c})")
         return self.operand(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
 
     def condition(self, k: int) -> Text:

@@ -25,8 +25,12 @@ def kinds(p: Program) -> list[str]:
             kind = "logical"
         elif node.op == "literal":
             kind = "number"
-        elif node.op == "bit" or (node.op == "state" and node.name in p.integers):
+        elif node.op == "accepted":
+            kind = "logical"
+        elif node.op in ("bit", "guarded") or (node.op == "state" and node.name in p.integers):
             kind = "integer"
+        elif node.op in ("argument", "result"):
+            kind = p.typed[node.name]
         elif node.op == "choose":
             kind = _kind_of_choice(p, node, args[1:])
         elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):

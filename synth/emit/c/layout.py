@@ -3,8 +3,10 @@
 With 8-byte scalars an explicit member `reserved` follows an odd number of 4-byte members.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from types import MappingProxyType
 
 import numpy as np
 
@@ -27,6 +29,12 @@ class Member:
     low: float
     high: float
     about: str
+    part: str = ""
+
+    @property
+    def path(self) -> str:
+        """What C writes after the struct's name: the member, in the struct of its Block where that has one."""
+        return f"{self.part}.{self.name.removeprefix(f'{self.part}_')}" if self.part else self.name
 
     @property
     def comment(self) -> str:
@@ -63,9 +71,15 @@ class Layout:
         """Input, output and state."""
         return (self.input, self.output, self.state)
 
+    @property
+    def is_contiguous(self) -> bool:
+        """Whether the members of each Block's struct lie side by side."""
+        parts = [part for part, _ in groupby(f.part for f in self.state.fields) if part]
+        return len(parts) == len(set(parts))
 
-def layout(block: Block, scalar: type[np.floating]) -> Layout:
-    """Return the layout of a Block's structs for a scalar type.
+
+def layout(block: Block, scalar: type[np.floating], parts: Mapping[str, str] = MappingProxyType({})) -> Layout:
+    """Return the layout of a Block's structs for a scalar type; `parts` gives by state the Block that has a struct.
 
     Raises EmitError for a type that is neither float32 nor float64, for a Block without input or output, and for a
     bound that the type cannot represent.
@@ -78,7 +92,7 @@ def layout(block: Block, scalar: type[np.floating]) -> Layout:
         scalar,
         _struct(block.name, "input", [(s, real) for s in block.inputs], scalar),
         _struct(block.name, "output", [(s, real) for s in block.outputs], scalar),
-        _struct(block.name, "state", states or [(_EMPTY, whole)], scalar),
+        _struct(block.name, "state", states or [(_EMPTY, whole)], scalar, parts),
     )
 
 
@@ -93,7 +107,13 @@ def _rounded_bound(value: float, signal: Signal, scalar: type[np.floating]) -> f
 _EMPTY = Signal("reserved", "1", 0, 1, "C knows no empty struct")
 
 
-def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar: type[np.floating]) -> Struct:
+def _struct(
+    name: str,
+    kind: str,
+    members: Sequence[tuple[Signal, str]],
+    scalar: type[np.floating],
+    parts: Mapping[str, str] = MappingProxyType({}),
+) -> Struct:
     if not members:
         raise EmitError(f"block '{name}' has no {kind}, and C knows no empty struct: give it at least one")
     ordered = sorted(members, key=lambda m: -_SIZE[m[1]])
@@ -102,10 +122,7 @@ def _struct(name: str, kind: str, members: Sequence[tuple[Signal, str]], scalar:
         ordered.append((Signal("reserved", "1", 0, 1, "fills the struct up"), "uint32_t"))
     fields, offset = [], 0
     for s, c in ordered:
-        fields.append(
-            Member(
-                s.name, offset, c, s.unit, _rounded_bound(s.low, s, scalar), _rounded_bound(s.high, s, scalar), s.about
-            )
-        )
+        low, high = (_rounded_bound(end, s, scalar) for end in (s.low, s.high))
+        fields.append(Member(s.name, offset, c, s.unit, low, high, s.about, parts.get(s.name, "")))
         offset += _SIZE[c]
     return Struct(kind, f"{name}_{kind}_t", offset, tuple(fields))

@@ -6,7 +6,7 @@ that starts from the value of another choice and replaces it uses the same varia
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from synth.block import Block
@@ -22,7 +22,7 @@ class Names:
     """Unique C identifiers: `taken` are those already in use."""
 
     def __init__(self, taken: set[str]) -> None:
-        self.taken, self.count = taken, 0
+        self.taken = taken
 
     def free(self, stem: str) -> str:
         """Return an unused name that begins with `stem`, and reserve it."""
@@ -32,17 +32,14 @@ class Names:
         self.taken.add(name)
         return name
 
-    def next(self) -> str:
-        """Return the next name t1, t2, ... of an unnamed value, and reserve it."""
-        self.count += 1
-        return self.free(f"t{self.count}")
-
 
 @dataclass(frozen=True, eq=False)
 class Locals:
     """By node: number of reads in the text, name, the choice whose variable it shares, its initial value.
 
     `direct_loads` are the loads that are assigned before any store: the expression may read the member itself.
+    `next_only` are nodes whose only name is that of a next state. `stored` maps a node that is only stored to the state
+    which then holds it for the others.
     """
 
     reads: Counter[int]
@@ -51,6 +48,8 @@ class Locals:
     starts: dict[int, int | None]
     direct_loads: set[int]
     identifiers: Names
+    next_only: set[int]
+    stored: dict[int, str]
 
 
 def assign(block: Block, program: Program, statements: Sequence[Statement], kinds: Sequence[str]) -> Locals:
@@ -62,25 +61,36 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
     taken |= {constant(n.name) for n in program.nodes if n.op == "table"}
+    taken |= {n.name for n in program.nodes if n.op in ("argument", "parameter")}
+    taken |= {c.parameters for c in program.calls.values()}
     names = Names(taken)
-    return Locals(
-        reads, _name_nodes(program, names, shared), shared, starts, set(_direct_loads(program, statements)), names
-    )
+    name = _name_nodes(program, names, shared)
+    marked = {program.word, *(k for _, k in program.marks), *starts, *shared.values()}
+    next_only = name.keys() - marked
+    stored = _only_stored(program, statements, kinds, reads, name.keys() - next_only)
+    loads = set(_direct_loads(program, statements)) | _loads_of_stored(program, stored, reads)
+    return Locals(reads, name, shared, starts, loads, names, next_only, stored)
 
 
 def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, str]:
     """Return the names of the nodes that are signals, the fault word or next states."""
     named: dict[int, str] = {}
     roots = [(mark.signal.name, node) for mark, node in p.marks]
-    roots += [] if p.word is None else [(WORD, p.word)]
+    guarded = any(n.op == "guarded" for n in p.nodes)  # the guards set bits of the variable of this name
+    roots += [] if p.word is None else [("fault_word" if guarded else WORD, p.word)]
     roots += [(f"{name}_next", _carrier(p, name, node)) for name, node in p.next.items()]
     for name, node in roots:
-        if node not in named and p.nodes[node].op not in (*LOADS, *INLINE):
-            named[node] = WORD if node == p.word else names.free(name)
+        if node not in named and p.nodes[node].op not in (*LOADS, *INLINE) and not _is_member(p, p.nodes[node]):
+            named[node] = names.free(name)
     for node, root in shared.items():
         if node in named and root not in named:
             named[root] = named[node]
     return named
+
+
+def _is_member(p: Program, node: Node) -> bool:
+    """Tell whether a node is one of several results of a call, which have the names of a struct's members."""
+    return node.op == "result" and len(p.calls[node.name.split(".")[0]].routine.results) > 1
 
 
 def _carrier(p: Program, state: str, k: int) -> int:
@@ -101,18 +111,36 @@ def _shared_variables(
     That is the choice whose value it starts from, if every other reader of this value only leads to the new choice.
     """
     shared: dict[int, int] = {}
-    users, ends = p.users(), set(p.ends())
+    ends, outer = set(p.ends()), _enclosing(statements)
+    users = [[u for u in readers if p.nodes[u].op != "accepted"] for readers in p.users()]
+    written = {*starts, *_definitions(statements)}
+    implicit = {k for k, n in enumerate(p.nodes) if n.op == "choose" and k not in written}  # in another one's branch
     for branch in _branches(statements):
         inside = set(_definitions((*branch.then, *branch.other)))
         for c, start in branch.choices:
-            if start in starts and kinds[start] == kinds[c] and _leads_only_to(users, ends, start, c, inside):
+            if start is None or (start not in starts and p.nodes[start].op != "guarded") or kinds[start] != kinds[c]:
+                continue
+            assigned = {d for d in outer[c] if starts[d] == start and shared.get(d) == shared.get(start, start)}
+            if _leads_only_to(users, ends, start, {c, *assigned}, inside | assigned | implicit):
                 shared[c] = shared.get(start, start)
     return shared
 
 
-def _leads_only_to(users: Sequence[Sequence[int]], ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
-    """Tell whether every use of node `start` leads to `choice`, through nodes inside its branch."""
-    seen, stack = {choice}, [start]
+def _enclosing(block: Sequence[Statement], outer: tuple[int, ...] = ()) -> dict[int, tuple[int, ...]]:
+    """Return by choice the choices of the branches that it is in."""
+    found: dict[int, tuple[int, ...]] = {}
+    for branch in (s for s in block if isinstance(s, Branch)):
+        declared = tuple(c for c, _ in branch.choices)
+        found |= dict.fromkeys(declared, outer)
+        found |= _enclosing((*branch.then, *branch.other), (*outer, *declared))
+    return found
+
+
+def _leads_only_to(
+    users: Sequence[Sequence[int]], ends: set[int], start: int, choices: set[int], inside: set[int]
+) -> bool:
+    """Tell whether every use of node `start` leads to one of `choices`, through nodes inside its branch."""
+    seen, stack = set(choices), [start]
     while stack:
         k = stack.pop()
         if k in ends:
@@ -148,6 +176,38 @@ def _direct_loads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
             loaded.clear()
 
 
+def _only_stored(
+    p: Program, block: Sequence[Statement], kinds: Sequence[str], reads: Counter[int], named: Collection[int]
+) -> dict[int, str]:
+    """Return the unnamed nodes that the text only stores, in one block, each with the first state that it becomes.
+
+    Its store can stand where the node is computed, as no load of the state follows there.
+    """
+    found: dict[int, str] = {}
+    stores: dict[int, list[tuple[int, Store]]] = {}
+    for place, s in enumerate(block):
+        if isinstance(s, Store):
+            stores.setdefault(s.node, []).append((place, s))
+    for place, s in enumerate(block):
+        if isinstance(s, Branch):
+            found |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
+        if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
+            continue
+        of_node = stores.get(s.node, [])
+        states = [(i, t.name) for i, t in of_node if t.struct == "state" and t.name not in p.integers]
+        if states and reads[s.node] == len(of_node) > 1:
+            last, state = states[0]
+            between = {p.nodes[k] for k in _definitions(block[place:last])}
+            found |= {} if Node("state", name=state) in between else {s.node: state}
+    return found
+
+
+def _loads_of_stored(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:
+    """Return the loads that only the value reads which then replaces them in the state."""
+    loads = {k: n.name for k, n in enumerate(p.nodes) if n.op == "state" and reads[k] == 1}
+    return {a for k, state in stored.items() for a in p.nodes[k].args if loads.get(a) == state}
+
+
 def _definitions(block: Sequence[Statement]) -> Iterator[int]:
     for s in block:
         if isinstance(s, Let):
@@ -160,9 +220,9 @@ def _definitions(block: Sequence[Statement]) -> Iterator[int]:
 def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
     """Count how often the text reads each node, backwards, because a node without readers is not printed."""
     for s in reversed(block):
-        if isinstance(s, Let) and reads[s.node]:
+        if isinstance(s, Let) and (reads[s.node] or p.nodes[s.node].op in ("call", "guard")):
             node = p.nodes[s.node]
-            reads.update(_printed_operands(node))
+            reads.update(_printed_operands(p, node))
         elif isinstance(s, Assign | Store):
             reads[s.node] += 1
         elif isinstance(s, Branch):
@@ -171,7 +231,11 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
             reads.update([s.condition, *(start for _, start in s.choices if start is not None)])
 
 
-def _printed_operands(node: Node) -> Sequence[int]:
+def _printed_operands(p: Program, node: Node) -> Sequence[int]:
+    if node.op == "call":
+        return node.args[: len(p.calls[node.name].routine.arguments)]
+    if node.op == "guard":
+        return [a for a in node.args[:-1] if p.nodes[a].op != "state"]
     if node.op == "within":
         return node.args[:1]
     return node.args[::2] if node.op == "clamp" else node.args * (2 if node.op == "sq" else 1)

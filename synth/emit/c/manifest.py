@@ -48,6 +48,7 @@ def _fault(fault: Fault) -> dict[str, Any]:
 def _struct(struct: Struct) -> dict[str, Any]:
     fields = [
         {"name": f.name, "offset": f.offset, "count": 1, "ctype": f.ctype, "unit": f.unit, "low": f.low, "high": f.high}
+        | ({"path": f.path} if f.path != f.name else {})
         for f in struct.fields
     ]
     return {"type": struct.type, "size": struct.size, "fields": fields}

@@ -3,17 +3,22 @@
 Locals are `const` unless an `if` assigns their value.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from synth.block import Block
 from synth.emit.c import locals as variables
-from synth.emit.c.expressions import Expressions, Text, mask
+from synth.emit.c import naming
+from synth.emit.c.expressions import Expressions, Text, constant, literal, mask
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
+from synth.emit.passes import schedule
+from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
@@ -29,20 +34,59 @@ class Line:
 
 def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> list[Line]:
     """Return the lines of the step function between its braces."""
-    return _Printer(block, p, statements, scalar).lines()
+    return _print(lambda late: _Printer(block, p, statements, scalar, late).lines)
+
+
+def routine(block: Block, r: Routine, title: str, scalar: type[np.floating]) -> list[Line]:
+    """Return the lines of a routine between its braces, tagged with a title."""
+    statements = schedule.statements(r.program)
+    return _print(lambda late: partial(_Printer(block, r.program, statements, scalar, late).routine, r, title))
+
+
+def _print(printer: Callable[[set[str]], Callable[[], list[Line]]]) -> list[Line]:
+    """Print; a load that would be read after a store of its state is a local the next time."""
+    late: set[str] = set()
+    while True:
+        before = len(late)
+        lines = printer(late)()
+        if len(late) == before:
+            return lines
 
 
 class _Printer:
     """Prints the statements of one program."""
 
     def __init__(
-        self, block: Block, program: Program, statements: Sequence[Statement], scalar: type[np.floating]
+        self,
+        block: Block,
+        program: Program,
+        statements: Sequence[Statement],
+        scalar: type[np.floating],
+        late: set[str],
     ) -> None:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
-        self.c = Expressions(program, self.kinds, scalar)
+        self.users = program.users()
+        self.naming = naming.Naming(program, self.locals.name)
+        self.c = Expressions(program, self.kinds, scalar, block.name)
+        self.name = block.name
+        self.returned: dict[str, str] = {}
         self.printed: list[Line] = []
+        self.tag = self.shown = ""
+        self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
+
+    def routine(self, routine: Routine, title: str) -> list[Line]:
+        """Return the lines of a routine's body."""
+        self.tag = self.shown = title
+        self._block(self.statements, 1)
         self.tag = ""
+        texts = {r.name: self.c.as_kind(self.p.returns[r.name], r.kind).c for r in routine.results}
+        if len(texts) == 1:
+            self._put(f"return {texts[routine.results[0].name]};", 1)
+        elif texts:
+            fields = ", ".join(f".{name} = {text}" for name, text in texts.items())
+            self._put(f"return ({self.name}_{routine.name}_t){{{fields}}};", 1)
+        return self.printed
 
     def lines(self) -> list[Line]:
         """Return the lines."""
@@ -57,12 +101,13 @@ class _Printer:
     def _block(self, block: Sequence[Statement], depth: int) -> None:
         for s in block:
             if isinstance(s, Annotation):
-                self._annotate(s, depth)
+                self._annotate(s)
             elif isinstance(s, Let):
                 self._let(s.node, depth)
             elif isinstance(s, Assign):
-                if s.node != self.locals.starts[s.choice]:
-                    self._put(self._assignment(s, self.c.text[s.choice].c), depth)
+                variable = self.c.text[s.choice].c
+                if s.node != self.locals.starts[s.choice] and self.c.text.get(s.node) != Text(variable):
+                    self._put(self._assignment(s, variable), depth)
             elif isinstance(s, Store):
                 self._store(s, depth)
             else:
@@ -74,33 +119,47 @@ class _Printer:
             return f"{variable} |= {mask(node)};"
         return f"{variable} = {self.c.as_kind(s.node, self.kinds[s.choice]).c};"
 
-    def _annotate(self, s: Annotation, depth: int) -> None:
+    def _annotate(self, s: Annotation) -> None:
         owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
         tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
         if tag != self.tag:
-            if (
-                self.printed
-                and self.printed[-1].text.strip() not in ("", "{")
-                and not self.printed[-1].text.endswith("{")
-            ):
-                self.printed.append(Line(""))
             self.tag = tag
-            self._put(f"/* {tag} */", depth)
 
     def _let(self, k: int, depth: int) -> None:
         """Print node k as a local variable, or keep its text for the expression that reads it."""
+        node = self.p.nodes[k]
+        if node.op == "call":
+            self._call(node, depth)
+            return
+        if node.op == "guard":
+            self._guard(k, depth)
+            return
         if not self.locals.reads[k]:
             return
-        node = self.p.nodes[k]
+        if node.op == "guarded" or (node.op == "input" and self._is_guarded(k)):
+            self.c.text[k] = Text(variables.WORD) if node.op == "guarded" else self.c.of(k)
+            return
+        if node.op == "result":
+            self.c.text[k] = Text(self.returned[node.name])
+            return
         text = self.c.of(k)
-        waits = self.locals.reads[k] <= 1 and k not in self.locals.name and node.op not in LOADS
-        if waits and len(text.c) < _WIDTH:
+        if k in self.locals.stored:
+            place = f"state->{self._path(self.locals.stored[k])}"
+            self._put(f"{place} = {text.c};", depth)
+            self.c.text[k] = Text(place)
+            return
+        unnamed = k not in self.locals.name or k in self.locals.next_only
+        waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS
+        # An analyser learns from a condition what it does not learn from a variable that holds it.
+        width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
+        if waits and (self.naming.width(text.c) < width or k in self.p.returns.values()):
             self.c.text[k] = text
             return
-        if k in self.locals.direct_loads and self.locals.reads[k] == 1:
+        if self.locals.reads[k] == 1 and (k in self.locals.direct_loads or self._can_wait(node)):
+            self.waiting |= {} if k in self.locals.direct_loads else {text.c: node.name}
             self.c.text[k] = text
             return
-        name = self.locals.name.get(k) or self._new_name(node)
+        name = self.locals.name.get(k) or self._new_name(k)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {text.c};", depth)
         if node.op == "within":
@@ -112,16 +171,18 @@ class _Printer:
             if c in self.locals.shared:
                 self.c.text[c] = self.c.text[self.locals.shared[c]]
                 continue
-            name = self.locals.name.get(c) or self.locals.identifiers.next()
+            name = self.locals.name.get(c) or self._new_name(c)
             value = "" if start is None else f" = {self.c.as_kind(start, self.kinds[c]).c}"
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
         condition, tag = self.c.condition(s.condition), self.tag
-        before, self.printed = self.printed, []
-        self._block(s.then, depth + 1)
-        then, self.printed, self.tag = self.printed, [], tag
-        self._block(s.other, depth + 1)
-        other, self.printed, self.tag = self.printed, before, tag
+        before = self._with_title(depth)
+        sides = []
+        for side in (s.then, s.other):
+            self.printed, self.tag, self.shown = [], tag, tag
+            self._block(side, depth + 1)
+            sides.append(self.printed)
+        (then, other), self.printed, self.tag, self.shown = sides, before, tag, tag
         if then:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
@@ -134,17 +195,99 @@ class _Printer:
         self._put("}", depth)
 
     def _store(self, s: Store, depth: int) -> None:
-        if s.struct == "word":
+        if s.struct == "word" or self.p.nodes[s.node].op in ("call", "guard"):
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
-        pointer = "state" if s.struct == "state" else "out"
-        self._put(f"{pointer}->{s.name} = {self.c.as_kind(s.node, kind).c};", depth)
+        place = f"state->{self._path(s.name)}" if s.struct == "state" else f"out->{s.name}"
+        if s.struct == "state" and self.locals.stored.get(s.node) == s.name:
+            return
+        self._put(f"{place} = {self.c.as_kind(s.node, kind).c};", depth)
+
+    def _path(self, state: str) -> str:
+        return self.p.paths.get(state, state)
+
+    def _guard(self, k: int, depth: int) -> None:
+        """Call the guard of an input, which stores the input or sets its bit of the fault word."""
+        node = self.p.nodes[k]
+        source, fallback, *bounds, word = node.args
+        if self.p.nodes[word].op == "literal":
+            self._put(f"uint32_t {variables.WORD} = 0u;", depth)
+        kept = f"&state->{self._path(node.name)}" if node.name else self.c.operand(fallback).c
+        limits = [self.c.value(b).c for b in bounds]
+        passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
+        call = f"{self.name}_{guard_function(self.p, node)}({', '.join(passed)});"
+        name = self.locals.name.get(k) or self._new_name(source)
+        self.c.text[k] = Text(name)
+        self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
+
+    def _is_guarded(self, k: int) -> bool:
+        """Tell whether only a guard reads an input."""
+        return len(self.users[k]) == 1 and self.p.nodes[self.users[k][0]].op == "guard"
+
+    def _call(self, node: Node, depth: int) -> None:
+        """Call a routine; its one result has the name of a signal, several are members of a struct."""
+        call = self.p.calls[node.name]
+        routine = call.routine
+        passed = [f"&state->{call.block}"] if routine.states else []
+        if routine.by_value:
+            passed += [constant(n.name) if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
+        elif routine.parameters:
+            passed += [f"&{call.parameters}"]
+        passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
+        text = f"{self.name}_{routine.name}({', '.join(passed)});"
+        if len(routine.results) == 1:
+            result = self.p.nodes.index(
+                Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}")
+            )
+            name = self.locals.name.get(result) or self.locals.identifiers.free(call.names[0])
+            text = f"const {self.c.ctype_of(routine.results[0].kind)} {name} = {text}"
+            self.returned[f"{node.name}.{routine.results[0].name}"] = name
+        elif routine.results:
+            name = self.locals.identifiers.free(node.name)
+            text = f"const {self.name}_{routine.name}_t {name} = {text}"
+            self.returned |= {f"{node.name}.{r.name}": f"{name}.{r.name}" for r in routine.results}
+        self._check_loads(text)
+        self.printed.append(Line("    " * depth + text, prose(self.p.titles.get(call.block, self.tag))))
 
     def _put(self, text: str, depth: int) -> None:
-        self.printed.append(Line("    " * depth + text, self.tag))
+        self._check_loads(text)
+        self._with_title(depth).append(Line("    " * depth + text, self.tag))
 
-    def _new_name(self, node: Node) -> str:
-        return self.locals.identifiers.free(node.name) if node.op in LOADS else self.locals.identifiers.next()
+    def _can_wait(self, node: Node) -> bool:
+        return node.op == "state" and node.name not in self.late and node.name not in self.p.integers
+
+    def _check_loads(self, text: str) -> None:
+        """Note the loads that a line reads, and those that it would change before they are read."""
+        target, _, value = text.partition(" = ")
+        for place in [w for w in self.waiting if re.search(rf"{re.escape(w)}\b", value or text)]:
+            del self.waiting[place]
+        for place, state in list(self.waiting.items()):
+            owner = place.rsplit(".", 1)[0]
+            if target == place or re.search(rf"&{re.escape(owner)}\b", text):
+                self.late.add(state)
+
+    def _with_title(self, depth: int) -> list[Line]:
+        """Return the lines printed so far, with the title of the section where it is a new one."""
+        if self.tag not in ("", self.shown):
+            opened = (
+                not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
+            )
+            self.printed += [] if opened else [Line("")]
+            self.printed.append(Line("    " * depth + f"/* {self.tag} */", self.tag))
+        self.shown = self.tag
+        return self.printed
+
+    def _new_name(self, k: int) -> str:
+        node = self.p.nodes[k]
+        name = self.locals.identifiers.free(node.name if node.op in LOADS else self.naming.name(k))
+        self.naming.made |= set() if node.op in LOADS else {name}
+        self.naming.named[k] = name
+        return name
+
+
+def guard_function(p: Program, node: Node) -> str:
+    """Return the name of the function of a guard, without the program's prefix."""
+    return ("hold" if node.name else "replace") + ("" if len(node.args) == 5 else "_within")
 
 
 def prose(text: str) -> str:

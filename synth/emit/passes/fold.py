@@ -182,6 +182,9 @@ def _and(f: _Folder, a: int, b: int) -> int | None:
         low, high = f.number(first.args[0]), f.number(second.args[1])
         if low is not None and high == -low and first.args[1] == second.args[0]:
             return f.place(Node("le", (f.place(Node("fabs", (first.args[1],))), second.args[1])))
+    for number, other in ((f.number(a), b), (f.number(b), a)):
+        if number is not None:
+            return _truth(f, other) if number else f.literal(0.0)
     return None
 
 

@@ -1,6 +1,7 @@
 """The design as the workspace finds it: what it ships, measures and reports, and the proofs of its committed C."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -86,9 +87,9 @@ def test_the_committed_c_keeps_its_contract_over_the_whole_domain() -> None:
 def test_a_state_beyond_its_bounds_is_detected() -> None:
     """The planted defect."""
     files, manifest = committed_files(config.NAME)
-    name, line = f"{config.NAME}.c", "state->estimator_motion_x = estimator_motion_x_next;"
-    assert files[name].count(line) == 1
-    text = files[name].replace(line, "state->estimator_motion_x = 2.0f;")
+    name, state = f"{config.NAME}.c", "state->estimator_motion_x = "
+    text, count = re.subn(rf"{state}[^;]+;", f"{state}2.0f;", files[name])
+    assert count == 1
     proof = eva.prove({**files, name: text}, manifest)
     assert [claim for claim in proof.unproved if "motion_x" in claim] and failed_names(proof.checks())
 
@@ -97,7 +98,7 @@ def test_a_state_beyond_its_bounds_is_detected() -> None:
 def test_a_number_that_is_none_and_passes_is_detected() -> None:
     files, manifest = committed_files(config.NAME)
     name = f"{config.NAME}.c"
-    deaf = files[name].replace("if (fabsf(V_ax) <= 5.0f) {", "if (!(fabsf(V_ax) > 5.0f)) {")
+    deaf = files[name].replace("if (fabsf(value) <= high) {", "if (!(fabsf(value) > high)) {")
     assert deaf != files[name] and failed_names(nonfinite.compare({**files, name: deaf}, manifest).checks())
 
 

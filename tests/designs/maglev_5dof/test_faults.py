@@ -147,7 +147,7 @@ def test_a_motor_at_its_limit_with_fused_operations(stage: Plant) -> None:
     [
         (f"{np.float32(control.DIRECT)!s}f", "7.5f"),
         ("24.5f", "60.0f"),
-        ("(regulator_y_sum_next) <= 600.0f", "(regulator_y_sum_next) <= 6e9f"),
+        ("(sum_next) <= 600.0f", "(sum_next) <= 6e9f"),
     ],
 )
 def test_a_lost_limit_is_caught(stage: Plant, old: str, new: str) -> None:

@@ -44,7 +44,7 @@ THIN = 700  # steps of a sequence that is drawn at random
 COSTLY = 500  # steps of each of those where the costliest steps are
 # What nothing takes both ways: how many decisions of a line, and why.
 UNREACHABLE = (
-    (r"if \(\(guard_ready .*(fabsf.*){3}", 1, "an acceleration beyond its bound has a velocity beyond it"),
+    (r"= planar_6dof_leadlag_filter\(&state->filter_", 1, "an acceleration beyond its bound has a velocity beyond it"),
     (r"if \(\w+ && !(\w+|\(sensing_contradiction_left != 0u\))\) \{", 1, "one of them is known from above"),
 )
 LATCH = 1 << safety.LATCH_BIT

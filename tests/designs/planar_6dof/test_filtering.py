@@ -138,12 +138,13 @@ def test_single_precision_is_as_good_as_double(axis: str, noise: float, rate: in
 def from_positions(text: str) -> str:
     """Return C whose velocity is the difference of predicted and filtered position: s = (v + a) + a, v + a = p+ - x."""
 
-    def name(value: str) -> str:
-        (local,) = re.findall(rf"const (?:float|double) (t\d+) = {value} \+ ", text)
-        return str(local)
+    def stored(member: str) -> str:
+        match = re.search(rf"{member} = (\w+);", text)
+        assert match
+        return match[1]
 
-    now, a = name("filter_x_p"), name("filter_x_h")
-    moved, count = re.subn(r"(state->filter_x_s = )t\d+;", rf"\g<1>({name(now)} - {now}) + {a};", text)
+    now, predicted, a = stored("out->x"), stored("state->filter_x_p"), stored("state->filter_x_h")
+    moved, count = re.subn(r"(state->filter_x_s = )[a-z]\w+;", rf"\g<1>({predicted} - {now}) + {a};", text)
     assert count == 1
     return moved
 

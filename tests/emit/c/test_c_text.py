@@ -339,7 +339,7 @@ def test_comments_carry_tag_unit_range_and_cannot_be_closed_early() -> None:
 
 def test_unused_helpers_are_not_printed() -> None:
     text = c_files(memory(), F64)["memory.c"]
-    assert "double min(" in text and "double limit(" not in text and "math.h" not in text
+    assert "double memory_min(" in text and "memory_limit(" not in text and "math.h" not in text
 
 
 def test_a_polynomial_is_printed_by_horner_without_zero_terms() -> None:

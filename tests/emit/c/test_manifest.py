@@ -168,7 +168,7 @@ def test_lines_belong_to_the_block_that_computes_them() -> None:
 
     assert of("gain_polynomial(") == ["law: F(3), F(4)"]
     assert set(of("state->guard_")) == {titles[0]}
-    assert of("safe_output_last_force - ") == [titles[2]]
+    assert of("stage_slew(") == [titles[2]]
 
 
 # --- the whole document ---

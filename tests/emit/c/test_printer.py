@@ -13,7 +13,7 @@ import pytest
 
 from synth.block import Block, Constant, State, Step, build
 from synth.emit import lower, pipeline
-from synth.emit.c import c_text, expressions, layout
+from synth.emit.c import expressions, layout, routines
 from synth.emit.c import kinds as carriers
 from synth.emit.c import locals as variables
 from synth.emit.lower import Node, Program
@@ -71,9 +71,9 @@ def test_zig_reports_no_warning() -> None:
 # --- planted defects ---
 
 
-def leads(users: Any, ends: set[int], start: int, choice: int, inside: set[int]) -> bool:
+def leads(users: Any, ends: set[int], start: int, choices: set[int], inside: set[int]) -> bool:
     """Share a variable as soon as nothing outside the `if` reads it."""
-    return start not in ends and (inside | {choice}).issuperset(users[start])
+    return start not in ends and (inside | choices).issuperset(users[start])
 
 
 def every_load(p: Program, block: Sequence[Any]) -> list[int]:
@@ -87,7 +87,7 @@ PLANTED: list[tuple[Any, str, Callable[..., Any]]] = [
     (carriers, "_only_in_counters", lambda p: set(range(len(p.nodes)))),
     (carriers, "is_whole", lambda node: True),
     (fold, "_truth", lambda f, a: a),
-    (c_text, "literal", lambda value, scalar: expressions.literal(round(value, 1), scalar)),
+    (routines, "literal", lambda value, scalar: expressions.literal(round(value, 1), scalar)),
 ]
 
 
@@ -179,7 +179,7 @@ def test_misra_casts_of_flags_and_compound_arms(monkeypatch: pytest.MonkeyPatch)
     block, arm = composed(), r"\? \([^()]* - [^()]*\) :"
     assert not one_step.differing_from_casadi([block], F32)
     code = emit(block, F32).files["composed.c"]
-    assert "static inline uint32_t flag(bool holds)" in code and "state->bad = flag(bad_next);" in code
+    assert "static inline uint32_t composed_flag(bool holds)" in code and "state->bad = composed_flag(" in code
     assert not re.search(arm, code)
     monkeypatch.setattr(regions, "_COMPOSED", frozenset())
     assert re.search(arm, emit(block, F32).files["composed.c"])

@@ -71,7 +71,7 @@ def test_a_correction_with_the_wrong_sign_is_detected() -> None:
     assert failed_names(experiments.step(both["calibrated"], "calibrated")) == {"error of the motion"}
 
 
-HELD = "hall_source_x + hall_source_motion_x"
+HELD = "state->hall_source_x + hall_source_motion_x"
 REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady motion", "in a step"))
 
 
@@ -80,8 +80,8 @@ REST, STEADY, STEP = (f"x differs {where}" for where in ("at rest", "in a steady
     [
         ("const bool valid = ", "const bool valid = true || ", {REST, STEADY, STEP}),
         (HELD, "0.0f", {REST, STEADY, STEP}),
-        (HELD, "hall_source_x", {STEADY, STEP}),
-        (HELD, "hall_source_x + 0.5f * hall_source_motion_x", {STEP}),
+        (HELD, "state->hall_source_x", {STEADY, STEP}),
+        (HELD, "state->hall_source_x + 0.5f * hall_source_motion_x", {STEP}),
     ],
     ids=["used", "zeros", "without motion", "half the motion"],
 )

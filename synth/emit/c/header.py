@@ -1,0 +1,109 @@
+"""C header of a lowered Block: how to call it, three structs, `init` and `step`; C++ may include it."""
+
+from collections.abc import Mapping
+from textwrap import wrap
+
+from synth.block import Block, Fault
+from synth.emit.c import routines
+from synth.emit.c.layout import Layout, Struct
+from synth.emit.c.printer import prose
+from synth.emit.lower import Program
+
+WIDTH = 117
+FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
+REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
+
+
+def header(block: Block, layout: Layout, program: Program) -> str:
+    """Return the text of <name>.h."""
+    types = routines.state_types(block, program)
+    guard = f"{block.name.upper()}_H"
+    structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
+    return "\n".join(
+        [
+            *_usage(block, layout),
+            *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
+            *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
+            "\n\n".join(structs),
+            *("", "/* The layout is the same on every target. */", *_size_checks(block, layout), ""),
+            *("/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
+            *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
+            *(f"{step_head(block.name)};", ""),
+            *("#ifdef __cplusplus", "}", "#endif", "", "#endif", ""),
+        ]
+    )
+
+
+def init_head(name: str) -> str:
+    """Return the declaration of the function that initialises a state."""
+    return f"void {name}_init({name}_state_t *state)"
+
+
+def step_head(name: str) -> str:
+    """Return the declaration of the function that computes a sample."""
+    return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
+
+
+def _usage(block: Block, layout: Layout) -> list[str]:
+    """Return the comment on how to call the step."""
+    name, period = block.name, f"{block.time.period_s:g} s"
+    texts = [
+        f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample, and write its "
+        "outputs to the hardware. Only these two functions may change the state.",
+        "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
+        "on different states may run at the same time.",
+        *_safe_output(block),
+        f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
+    ]
+    rows = [f"/* {name}: one step every {period}, {layout.ctype}. Generated: do not edit."]
+    for text in texts:
+        rows += [" *", *(f" * {row}" for row in wrap(prose(text), WIDTH, break_on_hyphens=False))]
+    return [*rows, " */"]
+
+
+def _safe_output(block: Block) -> list[str]:
+    safety = block.safety
+    if safety is None:
+        return []
+    bad = f"After {safety.bad_samples} samples in a row with a refused measurement"
+    if not safety.safe_output:
+        return [f"{bad} the latch bit is set until init. {safety.reason}."]
+    units = {s.name: s.unit for s in block.outputs}
+    ends: dict[tuple[float, float, str], list[str]] = {}
+    for name, value in safety.safe_output.items():
+        ends.setdefault((value, safety.slew_per_s[name], units[name]), []).append(name)
+    slews = "; ".join(f"{', '.join(names)} to {v:g} {u} at {rate:g} {u}/s" for (v, rate, u), names in ends.items())
+    return [f"{bad} the step latches until init: the outputs move to the safe output ({safety.reason}): {slews}."]
+
+
+def _faults(block: Block) -> list[str]:
+    if not block.faults:
+        return [" * It returns 0: the Block guards no input."]
+    return [" * It returns the fault bits:", *(f" *   bit {f.bit:2d}  {_meaning(f)}" for f in block.faults)]
+
+
+def _meaning(fault: Fault) -> str:
+    if fault.input:
+        return f"{fault.input}: not finite or outside its range"
+    return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
+
+
+def _size_checks(block: Block, layout: Layout) -> list[str]:
+    """Return assertions of the sizes: by the keyword of C11, or an array of negative length where it is false."""
+    asserted = [f'_Static_assert(sizeof({s.type}) == {s.size}u, "size of {s.type}");' for s in layout.structs]
+    arrays = [
+        f"extern char {block.name}_{s.kind}_size_is_{s.size}[(sizeof({s.type}) == {s.size}u) ? 1 : -1];"
+        for s in layout.structs
+    ]
+    standard = "#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)"
+    return [standard, *asserted, "#else", *arrays, "#endif"]
+
+
+def _struct(struct: Struct, types: Mapping[str, str]) -> str:
+    rows = [
+        routines.state_member(f, types)
+        if f.part
+        else f"    {f.ctype} {f.name};".ljust(40) + f"/* {prose(f.comment)} */"
+        for f in struct.fields
+    ]
+    return "typedef struct {\n" + "\n".join(dict.fromkeys(rows)) + f"\n}} {struct.type};"

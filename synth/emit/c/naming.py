@@ -1,0 +1,86 @@
+"""Names of values without a signal: made from the operation and its operands, else from the signal that they serve.
+
+force_x - force_y        force_x_minus_force_y
+y * y                    y_squared
+a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
+"""
+
+import re
+from collections.abc import Mapping
+
+from synth.emit.c.locals import LOADS
+from synth.emit.lower import LOGICAL, Node, Program
+
+LONGEST = 24
+_BETWEEN = {"add": "plus", "sub": "minus", "mul": "times", "div": "over", "lt": "below", "le": "upto", "and": "and"}
+_BETWEEN |= {"or": "or", "min": "min", "max": "max"}
+_AFTER = {"sq": "squared", "clamp": "limited", "fabs": "size", "sqrt": "root", "neg": "negated", "floor": "whole"}
+_FACTORS = {0.5: "half", 2.0: "twice", 0.25: "quarter"}
+
+
+class Naming:
+    """Makes names for the nodes of a program; `named` holds those that have one, and grows as names are given."""
+
+    def __init__(self, p: Program, named: Mapping[int, str]) -> None:
+        self.p, self.named = p, dict(named)
+        self.served = _served(p)
+        self.made: set[str] = set()
+
+    def name(self, k: int) -> str:
+        """Return a name for node k, which may be in use."""
+        node = self.p.nodes[k]
+        made = self._made(node)
+        if not made or len(made) > LONGEST:
+            truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
+            made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else "value"
+        return made
+
+    def width(self, text: str) -> int:
+        """Return the length of a text in which each name made here counts as two letters: it decides nothing."""
+        return len(text) - sum(len(word) - 2 for word in re.findall(r"\w+", text) if word in self.made)
+
+    def _is_truth(self, node: Node) -> bool:
+        return node.op == "choose" and any(self.p.nodes[a].op in LOGICAL for a in node.args[1:])
+
+    def _made(self, node: Node) -> str:
+        """Return a name made from an operation and the names of its operands, "" where one of them has none."""
+        args = [self._operand(a) for a in node.args]
+        if node.op == "mul" and len(set(node.args)) == 1 and args[0]:
+            return f"{args[0]}_squared"
+        if node.op == "mul" and self.p.nodes[node.args[0]].op == "literal":
+            factor = _FACTORS.get(self.p.nodes[node.args[0]].value, "")
+            return f"{factor}_{args[1]}" if factor and args[1] else ""
+        if not all(args):
+            return ""
+        if node.op in _AFTER:
+            return f"{args[0]}_{_AFTER[node.op]}"
+        if node.op == "inv":
+            return f"inverse_{args[0]}"
+        return f"{args[0]}_{_BETWEEN[node.op]}_{args[1]}" if node.op in _BETWEEN else ""
+
+    def _operand(self, k: int) -> str:
+        node = self.p.nodes[k]
+        if k in self.named:
+            return self.named[k].removesuffix("_held").removesuffix("_next")
+        if node.op in LOADS:
+            owner = self.p.owner(node.name)
+            return node.name.removeprefix(f"{owner}_") if owner else node.name
+        return node.name.split(".")[-1] if node.op in ("argument", "result", "constant", "parameter") else ""
+
+
+def _served(p: Program) -> list[str]:
+    """Return for each node the first signal, or else the state or output, that it is computed for."""
+    names: dict[int, str] = {}
+    for name, k in (*p.outputs.items(), *p.returns.items(), *p.next.items()):
+        names[k] = name
+    for mark, k in reversed(p.marks):
+        names[k] = mark.signal.name
+    served: list[str] = [""] * len(p.nodes)
+    near: list[int] = [len(p.nodes)] * len(p.nodes)
+    for k in range(len(p.nodes) - 1, -1, -1):
+        if k in names:
+            near[k], served[k] = k, names[k]
+        for a in p.nodes[k].args:
+            if near[k] < near[a]:
+                near[a], served[a] = near[k], served[k]
+    return served

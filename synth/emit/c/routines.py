@@ -1,0 +1,160 @@
+"""Text of what a step calls: structs of the Blocks' states and parameters, and the functions that several Blocks share.
+
+typedef struct { .. } <name>_<part>_state_t;                        in the header, a member of the state
+typedef struct { .. } <name>_<part>_parameters_t;                   the step has one for each Block
+static inline <type> <name>_<part>(..state.., ..parameters.., ..)   called once a Block
+"""
+
+from collections.abc import Mapping, Sequence
+from textwrap import wrap
+
+import numpy as np
+
+from synth.block import Block, Constant
+from synth.emit.c import printer
+from synth.emit.c.expressions import literal
+from synth.emit.c.layout import Layout, Member
+from synth.emit.c.printer import Line, prose
+from synth.emit.lower import Node, Program
+from synth.emit.passes import calls, words
+from synth.emit.passes.routine import Call, Routine
+
+WIDTH = 116
+
+
+def comment(text: str, indent: str = "") -> list[str]:
+    """Return a comment in lines of at most 120 columns."""
+    return wrap(
+        f"{indent}/* {text} */",
+        WIDTH + 4,
+        subsequent_indent=f"{indent} * ",
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+
+
+def wrapped(head: str) -> list[str]:
+    """Return the head of a function in lines of at most 120 columns, broken between its arguments."""
+    text = head.replace(" ", "\0").replace(",\0", ", ")
+    rows = wrap(text, WIDTH + 4, subsequent_indent="\0" * 4, break_on_hyphens=False, break_long_words=False)
+    return [row.replace("\0", " ") for row in rows]
+
+
+def inline(block: Block) -> str:
+    """Return the macro that begins a function."""
+    return f"{block.name.upper()}_INLINE"
+
+
+def state_types(block: Block, p: Program) -> dict[str, str]:
+    """Return by Block of the composition the type of its struct of states."""
+    found: dict[str, str] = {}
+    for blocks in calls.forms(p).values():
+        part = words.common(blocks) or blocks[0]
+        name, n = part, 2
+        while f"{block.name}_{name}_state_t" in found.values():
+            name, n = f"{part}_{n}", n + 1
+        found |= dict.fromkeys(blocks, f"{block.name}_{name}_state_t")
+    return found
+
+
+def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
+    """Return the typedefs of the Blocks' states, each once."""
+    types = state_types(block, p)
+    first = {kind: part for part, kind in reversed(types.items())}
+    texts = []
+    for kind, part in first.items():
+        fields = [f for f in layout.state.fields if f.part == part]
+        rows = [
+            f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields
+        ]
+        texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};")
+    return texts
+
+
+def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
+    """Return the types, the parameters and the functions of all routines."""
+    lines: list[Line] = []
+    for routine in {c.routine.name: c.routine for c in p.calls.values()}.values():
+        used = [c for c in p.calls.values() if c.routine.name == routine.name]
+        constants = {c.name: c for c in block.constants}
+        if routine.parameters and not routine.by_value:
+            lines += map(Line, _parameters(block, routine, used, constants, layout))
+        if len(routine.results) > 1:
+            rows = [f"    {_ctype(r.kind, layout)} {r.name};" for r in routine.results]
+            lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
+        titles = [p.titles.get(c.block, c.block) for c in used]
+        tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
+        lines += [Line(row) for row in comment(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"))]
+        lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
+        lines += map(Line, _shared(routine, constants, layout))
+        lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
+    return lines
+
+
+def _ctype(kind: str, layout: Layout) -> str:
+    return {"logical": "bool", "integer": "uint32_t"}.get(kind, layout.ctype)
+
+
+def _parameters(
+    block: Block, routine: Routine, used: Sequence[Call], constants: Mapping[str, Constant], layout: Layout
+) -> list[str]:
+    """Return the struct of what differs from Block to Block."""
+    kind = f"{block.name}_{routine.name}_parameters_t"
+    rows = ["typedef struct {"]
+    for name, node in zip(routine.parameters, used[0].numbers, strict=True):
+        about = constants.get(node.name)
+        comment = f"/* {about.unit}; {prose(about.source)} */" if about else ""
+        rows.append((f"    {layout.ctype} {name};".ljust(40) + comment).rstrip())
+    rows.append(f"}} {kind};")
+    return [*rows, ""]
+
+
+def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
+    """Return the declarations of the numbers that the calls pass in a struct."""
+    constants = {c.name: c for c in block.constants}
+    rows = []
+    for call in (c for c in p.calls.values() if c.routine.parameters and not c.routine.by_value):
+        values = [_value(node, constants, layout.scalar) for node in call.numbers]
+        kind = f"{block.name}_{call.routine.name}_parameters_t"
+        text = f"    static const {kind} {call.parameters} = {{{', '.join(values)}}};"
+        rows += wrap(text, WIDTH + 4, subsequent_indent=" " * 8, break_on_hyphens=False, break_long_words=False)
+    return rows
+
+
+def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:
+    return literal(constants[node.name].value if node.op == "constant" else node.value, scalar).c
+
+
+def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> list[str]:
+    state = ""
+    if routine.states:
+        state = f"{state_types(block, p)[part]} *state"
+    state = f"const {state}" if state and not routine.program.next else state
+    parameters = f"const {block.name}_{routine.name}_parameters_t *parameters" if routine.parameters else ""
+    if routine.by_value:
+        parameters = ", ".join(f"{layout.ctype} {name}" for name in routine.parameters)
+    passed = [f"{_ctype(a.kind, layout)} {a.name}" for a in routine.arguments]
+    kinds = [r.kind for r in routine.results]
+    returned = f"{block.name}_{routine.name}_t" if len(kinds) > 1 else _ctype(kinds[0], layout) if kinds else "void"
+    arguments = ", ".join(filter(None, [state, parameters, *passed]))
+    head = f"{inline(block)} {returned} {block.name}_{routine.name}({arguments})"
+    return wrapped(head)
+
+
+def _shared(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
+    rows = [row for local, name in routine.constants.items() for row in number(local, constants[name], layout)]
+    return [*rows, ""] if rows else []
+
+
+def number(name: str, constant: Constant, layout: Layout) -> list[str]:
+    """Return the declaration of a constant, with its unit and source beside it, or above it where they are long."""
+    text = f"    static const {layout.ctype} {name} = {literal(constant.value, layout.scalar).c};"
+    about = f"{constant.unit}; {prose(constant.source)}"
+    rows = [f"{text.ljust(63)} /* {about} */", f"{text} /* {about} */"]
+    fitting = [row for row in rows if len(row) <= WIDTH + 4]
+    return fitting[:1] or [*comment(about, " " * 4), text]
+
+
+def state_member(f: Member, types: Mapping[str, str]) -> str:
+    """Return the member of the state for a Block's struct."""
+    return f"    {types[f.part]} {f.part};"

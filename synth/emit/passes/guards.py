@@ -1,0 +1,129 @@
+"""Input guards: the range test, the hold and the fault bit of an input become one call of a function.
+
+    guard       the accepted value of an input: the input where low <= input <= high, else the fallback, whose state
+                then keeps its value, and the input's bit is set in the fault word
+    guarded     the fault word after a guard
+    accepted    whether none of the fault word's bits in a mask is set
+
+A guard reads (input, fallback, low, high, word) or, for the range -high .. high, (input, fallback, high, word). Its
+`value` is the mask of the bit. The fault word is one variable, in which bits are only set, so `accepted` may read a
+later word than the one that it names.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from synth.emit.lower import Node, Program
+
+
+@dataclass(frozen=True)
+class Check:
+    """One input's guard: the nodes of its range test, of its input, fallback and bounds, of its value and its word."""
+
+    test: int
+    loads: tuple[int, ...]
+    bit: float
+    held: int
+    word: int
+    state: str
+
+
+def guarded(p: Program) -> Program:
+    """Return the program with a guard for each input whose refusal sets a bit of the fault word."""
+    checks = list(_checks(p))
+    return _Rewriter(p, checks).program() if checks else p
+
+
+def _checks(p: Program) -> Iterator[Check]:
+    """Yield the checks in the order of their bits, up to the first bit that has another form."""
+    users, word = p.users(), -1
+    for k, node in enumerate(p.nodes):
+        if node.op != "bit":
+            continue
+        before = node.args[0]
+        choice = next((u for u in users[k] if p.nodes[u].args[1:] == (before, k)), None)
+        is_next = before == word or (word < 0 and p.nodes[before] == Node("literal"))
+        check = _check(p, users, choice, node.value) if choice is not None and is_next else None
+        if check is None:
+            return
+        word = check.word
+        yield check
+
+
+def _check(p: Program, users: list[list[int]], word: int, bit: float) -> Check | None:
+    test = p.nodes[word].args[0]
+    loads = _range_test(p, test)
+    if loads is None:
+        return None
+    source, *bounds = loads
+    held = [u for u in users[source] if p.nodes[u].op == "choose" and p.nodes[u].args[:2] == (test, source)]
+    stored = [state for state, k in p.next.items() if k in held]
+    if len(held) != 1 or len(stored) > 1:
+        return None
+    fallback = p.nodes[held[0]].args[2]
+    node = p.nodes[fallback]
+    kept = node.op == "state" and stored == [node.name] and users[fallback] == held
+    if not kept and (node.op not in ("constant", "literal") or stored):
+        return None
+    return Check(test, (source, fallback, *bounds), bit, held[0], word, node.name if kept else "")
+
+
+def _range_test(p: Program, k: int) -> list[int] | None:
+    """Return the input and the bounds of low <= input <= high or |input| <= high, None for another node."""
+    nodes, node = p.nodes, p.nodes[k]
+    if node.op == "le" and nodes[node.args[0]].op == "fabs":
+        source, bounds = nodes[node.args[0]].args[0], [node.args[1]]
+    elif node.op == "and" and all(nodes[a].op == "le" for a in node.args):
+        (low, source), (other, high) = (nodes[a].args for a in node.args)
+        bounds = [low, high] if other == source else []
+    else:
+        return None
+    known = all(nodes[b].op == "literal" for b in bounds) and bounds
+    return [source, *bounds] if known and nodes[source].op == "input" else None
+
+
+class _Rewriter:
+    """Builds the program with guards."""
+
+    def __init__(self, p: Program, checks: list[Check]) -> None:
+        self.p, self.checks = p, checks
+        self.nodes: list[Node] = []
+        self.known: dict[Node, int] = {}
+        self.index: dict[int, int] = {}
+
+    def program(self) -> Program:
+        guards, word = [], self._put(Node("literal"))
+        for check in self.checks:
+            loads = tuple(self._put(self.p.nodes[k]) for k in check.loads)
+            guards.append(self._put(Node("guard", (*loads, word), value=check.bit, name=check.state)))
+            word = self._put(Node("guarded", (guards[-1],)))
+            self.index |= {check.held: guards[-1], check.word: word}
+        for check in self.checks:
+            self.index[check.test] = self._accepted(word, int(check.bit))
+        for k in range(len(self.p.nodes)):
+            self.index.setdefault(k, -1)
+            if self.index[k] < 0:
+                self.index[k] = self._copy(k, word)
+        return self.p.with_nodes(tuple(self.nodes), [self.index[k] for k in range(len(self.p.nodes))])
+
+    def _put(self, node: Node) -> int:
+        if node not in self.known:
+            self.known[node] = len(self.nodes)
+            self.nodes.append(node)
+        return self.known[node]
+
+    def _accepted(self, word: int, bits: int) -> int:
+        return self._put(Node("accepted", (word,), value=float(bits)))
+
+    def _copy(self, k: int, word: int) -> int:
+        """Copy a node; a conjunction of accepted inputs tests the bits of all."""
+        node = self.p.nodes[k]
+        node = replace(node, args=tuple(self.index[a] for a in node.args))
+        tested = [int(n.value) if n.op == "accepted" else 0 for n in (self.nodes[a] for a in node.args)]
+        if node.op == "choose" and tested[0] and self.nodes[node.args[2]] == Node("literal"):
+            if self.nodes[node.args[1]] == Node("literal", value=1.0):
+                return node.args[0]
+            tested = tested[:2]
+        elif node.op != "and":
+            return self._put(node)
+        return self._accepted(word, tested[0] | tested[1]) if all(tested) else self._put(node)

@@ -1,0 +1,227 @@
+"""Outlining: Blocks of a composition that are the same program but for numbers and names become calls of one function.
+
+Two Blocks are the same when the expressions of their signals and next states have one canonical form, in which the
+values from elsewhere, the states, the constants and the numbers are counted in the order in which they are met. A Block
+whose next states depend on what others make of its signals, such as a regulator with anti-windup, becomes two
+functions: one for its signals and one for its next states.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from synth.emit.c.kinds import kinds
+from synth.emit.lower import Node, Program
+
+LEAVES = ("input", "state", "constant", "literal")
+NOT_OUTLINED = ("table", "within", "guard", "guarded", "accepted")
+FEWEST = 4  # operations of a function that is worth its name
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one Block computes: region of nodes, next states by local name, and the condition that holds its states.
+
+    `held` is (condition, arm): the next state is the computed one on that arm of a choice outside the Block, 0 for the
+    first. None for a Block whose states always advance.
+    """
+
+    block: str
+    region: frozenset[int]
+    next: Mapping[str, int]
+    results: tuple[int, ...]
+    held: tuple[int, int] | None
+    local: Mapping[str, str]
+    roots: tuple[int, ...]
+    phase: str = ""
+
+    @property
+    def key(self) -> str:
+        return f"{self.block}_{self.phase}" if self.phase else self.block
+
+
+@dataclass(frozen=True)
+class Form:
+    """A Part in canonical form: `shape` is equal for equal parts; the lists hold what may differ, in one order."""
+
+    shape: tuple[object, ...]
+    arguments: tuple[int, ...]
+    numbers: tuple[int, ...]
+    results: tuple[int, ...]
+
+
+def parts(p: Program) -> list[Part]:
+    """Return a Part for each Block of the composition that computes something alone."""
+    carriers, held = _carriers(p)
+    owner: dict[int, str] = {}
+    for named, k in p.marks:
+        if p.nodes[k].op not in LEAVES:
+            owner.setdefault(k, named.block)
+    for state, k in carriers.items():
+        if p.nodes[k].op not in LEAVES:
+            owner.setdefault(k, p.owner(state))
+    closures = _closures(p, owner)
+    states: dict[str, list[str]] = defaultdict(list)
+    for state in p.next:
+        states[p.owner(state)].append(state)
+    return [_part(p, block, region, states[block], carriers, held) for block, region in closures.items() if region]
+
+
+def _carriers(p: Program) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
+    """Return for each state the node of its next value, without the choice that a safe output holds it by."""
+    carriers, held = dict(p.next), {}
+    users, conditions = p.users(), hold_conditions(p)
+    for state, k in p.next.items():
+        node, load = p.nodes[k], Node("state", name=state)
+        if node.op == "choose" and users[k] == [] and node.args[0] in conditions:
+            arms = [p.nodes[a] == load for a in node.args[1:]]
+            if sum(arms) == 1:
+                carriers[state], held[state] = node.args[2 if arms[0] else 1], (node.args[0], arms.index(False))
+    return carriers, held
+
+
+def hold_conditions(p: Program) -> set[int]:
+    """Return the conditions under which several states stay as they are: a latch, rather than one input's range."""
+    counts = Counter(
+        n.args[0]
+        for s, k in p.next.items()
+        if (n := p.nodes[k]).op == "choose" and Node("state", name=s) in [p.nodes[a] for a in n.args[1:]]
+    )
+    return {k for k, count in counts.items() if count > 1}
+
+
+def _closures(p: Program, owner: Mapping[int, str]) -> dict[str, frozenset[int]]:
+    """Return the nodes that each Block alone needs for its own signals and next states."""
+    shared: set[int] = set()
+    while True:
+        found: dict[str, set[int]] = {block: set() for block in p.titles}
+        for root, block in owner.items():
+            stack = [root]
+            while stack:
+                k = stack.pop()
+                if k in found.setdefault(block, set()) or k in shared or p.nodes[k].op in LEAVES:
+                    continue
+                if owner.get(k, block) == block:
+                    found[block].add(k)
+                    stack += p.nodes[k].args
+        counts: dict[int, int] = defaultdict(int)
+        for region in found.values():
+            for k in region:
+                counts[k] += 1
+        more = {k for k, count in counts.items() if count > 1}
+        if not more:
+            return {block: frozenset(region) for block, region in found.items()}
+        shared |= more
+
+
+def _part(
+    p: Program,
+    block: str,
+    region: frozenset[int],
+    states: Sequence[str],
+    carriers: Mapping[str, int],
+    held: Mapping[str, tuple[int, int]],
+) -> Part:
+    own = {state: carriers[state] for state in states}
+    holds = {held.get(state) for state in own}
+    stores = {p.next[state] for state in own} - region
+    local = {s: s.removeprefix(f"{block}_") for s in states}
+    roots = tuple(k for _, k in p.marks if k in region)
+    return Part(block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots)
+
+
+def _results(p: Program, region: frozenset[int], stores: set[int]) -> tuple[int, ...]:
+    """Return the nodes of a region that others read, beside the choices that hold its own next states."""
+    outside = {a for k, node in enumerate(p.nodes) if k not in region | stores for a in node.args}
+    return tuple(sorted(region & (outside | set(p.outputs.values()))))
+
+
+def split(p: Program, part: Part) -> list[Part]:
+    """Return a Part as it is where nothing that it needs depends on it, else its signals and its next states apart."""
+    if not _depends_on_itself(p, part.region):
+        return [part]
+    marks = {k for _, k in p.marks} & part.region
+    first = frozenset(_needed(p, marks, part.region))
+    second = part.region - first
+    stores = {p.next[state] for state in part.next} - part.region
+    passed = {a for k in second for a in p.nodes[k].args} | set(part.next.values())
+    signals = tuple(sorted(first & ({*_results(p, first, stores)} | passed)))
+    halves = [
+        replace(part, region=first, next={}, results=signals, held=None, phase="output"),
+        replace(part, region=second, results=_results(p, second, stores), phase="update"),
+    ]
+    return halves if all(h.region and not _depends_on_itself(p, h.region) for h in halves) else []
+
+
+def _needed(p: Program, roots: set[int], region: frozenset[int]) -> set[int]:
+    seen, stack = set(), list(roots)
+    while stack:
+        k = stack.pop()
+        if k in region and k not in seen:
+            seen.add(k)
+            stack += p.nodes[k].args
+    return seen
+
+
+def _depends_on_itself(p: Program, region: frozenset[int]) -> bool:
+    """Tell whether a value that a region needs from outside depends on the region."""
+    reached = set(region)
+    for k in range(min(region), len(p.nodes)):
+        if k not in region and not reached.isdisjoint(p.nodes[k].args):
+            reached.add(k)
+    outside = reached - region
+    return any(not outside.isdisjoint(p.nodes[k].args) for k in region)
+
+
+def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
+    """Return the canonical form of a Part; `kind` holds the kinds of all nodes."""
+    places: dict[int, int] = {}
+    shape: list[tuple[object, ...]] = []  # an entry a node, which refers to others by their places
+    arguments: list[int] = []
+    numbers: list[int] = []
+
+    def leaf(k: int) -> tuple[object, ...]:
+        node = p.nodes[k]
+        if node.op in ("constant", "literal"):
+            numbers.append(k)
+            return (node.op,)
+        if node.op == "state" and node.name in part.local:
+            return ("state", part.local[node.name])
+        arguments.append(k)
+        return ("argument", kind[k])
+
+    def visit(k: int) -> int:
+        if k not in places:
+            node = p.nodes[k]
+            if k in part.region:
+                entry = (node.op, node.name, node.value, k in part.results, *(visit(a) for a in node.args))
+            else:
+                entry = leaf(k)
+            places[k] = len(shape)
+            shape.append(entry)
+        return places[k]
+
+    roots = [k for k in part.roots if k in part.region]
+    ends = [visit(k) for k in (*roots, *(k for k in part.results if k not in roots))]
+    stores = [(part.local[state], visit(k)) for state, k in part.next.items()]
+    results = tuple(k for k in places if k in part.results)
+    return Form((*shape, *ends, *stores), tuple(arguments), tuple(numbers), results)
+
+
+def alike(p: Program) -> list[list[tuple[Part, Form]]]:
+    """Return the Parts with one canonical form, where there are at least two of them with some operations.
+
+    Integer states are left out: in a struct they would lie beside scalars of another size.
+    """
+    found: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
+    kind = kinds(p)
+    for whole in parts(p):
+        for part in split(p, whole):
+            if len(part.region) >= FEWEST and _is_plain(p, part):
+                made = form(p, part, kind)
+                found[(part.phase, *made.shape)].append((part, made))
+    return [group for group in found.values() if len(group) > 1]
+
+
+def _is_plain(p: Program, part: Part) -> bool:
+    return part.local.keys().isdisjoint(p.integers) and not any(p.nodes[k].op in NOT_OUTLINED for k in part.region)

@@ -1,0 +1,199 @@
+"""Routines: the function that several Blocks have in common, as a program of its own."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from synth.block import Named
+from synth.emit.c.expressions import HELPERS, RESERVED
+from synth.emit.c.kinds import kinds
+from synth.emit.c.naming import Naming
+from synth.emit.lower import Node, Program
+from synth.emit.passes import words
+from synth.emit.passes.outline import Form, Part
+
+Group = list[tuple[Part, Form]]
+BY_VALUE = 3  # numbers that need no struct
+TAKEN = {*HELPERS, "init", "step", "input", "output", "state", "hold", "hold_within", "replace", "replace_within"}
+
+
+class Argument(NamedTuple):
+    """What a Routine is passed or returns: its name there and what C holds it in."""
+
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Routine:
+    """A part that several Blocks have in common.
+
+    `states` are the local names of the states it reads, those it stores first; `parameters` the local names of the
+    numbers that differ.
+    """
+
+    name: str
+    program: Program
+    arguments: tuple[Argument, ...]
+    parameters: tuple[str, ...]
+    results: tuple[Argument, ...]
+    states: tuple[str, ...]
+    constants: Mapping[str, str]
+
+    @property
+    def by_value(self) -> bool:
+        """Whether the parameters are passed as numbers: so few need no struct."""
+        return len(self.parameters) <= BY_VALUE
+
+
+@dataclass(frozen=True)
+class Call:
+    """One use of a Routine: the Block, and by parameter the node's constant or number in the caller's program."""
+
+    routine: Routine
+    block: str
+    numbers: tuple[Node, ...]
+    names: tuple[str, ...]
+    states: Mapping[str, str]
+
+    @property
+    def parameters(self) -> str:
+        """The name of the struct of its numbers."""
+        return f"{self.block}_{self.routine.name}"
+
+
+class Names:
+    """Names of one function, each given once."""
+
+    def __init__(self, taken: set[str]) -> None:
+        self.taken = taken
+
+    def free(self, name: str) -> str:
+        """Return an unused name that begins with `name`, and reserve it."""
+        free, n = name, 2
+        while free in self.taken:
+            free, n = f"{name}_{n}", n + 1
+        self.taken.add(free)
+        return free
+
+
+def routine(p: Program, group: Group, taken: Names, constants: Mapping[str, float]) -> Routine:
+    """Return the function that the Parts of a group have in common."""
+    return _Builder(p, group, constants).routine(taken)
+
+
+def different(p: Program, group: Group, constants: Mapping[str, float]) -> list[int]:
+    """Return the places of the numbers that are not the same in every Part of a group."""
+    columns = zip(*(form.numbers for _, form in group), strict=True)
+    return [k for k, column in enumerate(columns) if len({_value(p.nodes[n], constants) for n in column}) > 1]
+
+
+def name(p: Program, k: int) -> str:
+    """Return what a node is called in the program: its signal, what it loads, or the state that it becomes."""
+    node = p.nodes[k]
+    named = next((n.signal.name for n, at in p.marks if at == k), "")
+    state = next((f"{s}_next" for s, at in p.next.items() if at == k or k in p.nodes[at].args[1:]), "")
+    return named or node.name or state
+
+
+def _value(node: Node, constants: Mapping[str, float]) -> float:
+    return constants[node.name] if node.op == "constant" else node.value
+
+
+class _Builder:
+    """Builds a Routine from the nodes of a group's first Part."""
+
+    def __init__(self, p: Program, group: Group, constants: Mapping[str, float]) -> None:
+        self.p, self.group, self.kind = p, group, kinds(p)
+        self.part, self.form = group[0]
+        self.part_name = words.common([part.block for part, _ in group]) or self.part.block
+        self.names = Names({*RESERVED, "state", "parameters"})
+        self.arguments = {k: self._argument(column) for k, column in self._columns("arguments")}
+        self.parameters = {
+            self.form.numbers[place]: self.names.free(self._number(place) or self._role(self.form.numbers[place]))
+            for place in different(p, group, constants)
+        }
+        self.nodes: list[Node] = []
+        self.index: dict[int, int] = {}
+        self.constants: dict[str, str] = {}
+
+    def routine(self, taken: Names) -> Routine:
+        part = self.part
+        places = [self._place(k) for k in self.form.results]
+        next = {part.local[state]: self._place(k) for state, k in part.next.items()}
+        made = self._program(next)
+        naming = Naming(made, {})
+        results = [
+            Argument(self.names.free(self._common(column) or naming.name(at)), self.kind[column[0]])
+            for at, (_, column) in zip(places, self._columns("results"), strict=True)
+        ]
+        made = replace(made, returns={r.name: at for r, at in zip(results, places, strict=True)})
+        states = dict.fromkeys((*next, *(n.name for n in self.nodes if n.op == "state")))
+        parameters, arguments = tuple(self.parameters.values()), tuple(self.arguments.values())
+        free = taken.free(f"{self.part_name}_{part.phase}" if part.phase else self.part_name)
+        return Routine(free, made, arguments, parameters, tuple(results), tuple(states), self.constants)
+
+    def _program(self, next: dict[str, int]) -> Program:
+        part, p = self.part, self.p
+        marks = tuple(
+            (Named(n.signal, self.part_name, n.tag), self.index[k])
+            for n, k in p.marks
+            if k in part.region and k not in part.results and k in self.index
+        )
+        return Program(
+            tuple(self.nodes),
+            marks,
+            {},
+            next,
+            polynomials=p.polynomials,
+            by_value=len(self.parameters) <= BY_VALUE,
+            typed={a.name: a.kind for a in self.arguments.values()},
+        )
+
+    def _columns(self, field: str) -> list[tuple[int, tuple[int, ...]]]:
+        """Return for each argument or result the node in the first Part and those in all Parts."""
+        columns = zip(*(getattr(form, field) for _, form in self.group), strict=True)
+        return [(column[0], column) for column in columns]
+
+    def _place(self, k: int) -> int:
+        if k not in self.index:
+            node = self._node(k)
+            self.nodes.append(node)
+            self.index[k] = len(self.nodes) - 1
+        return self.index[k]
+
+    def _node(self, k: int) -> Node:
+        """Return a node of the Part as it is in the Routine."""
+        node = self.p.nodes[k]
+        if k in self.part.region:
+            return replace(node, args=tuple(self._place(a) for a in node.args))
+        if k in self.arguments:
+            return Node("argument", name=self.arguments[k].name)
+        if node.op == "state":
+            return replace(node, name=self.part.local[node.name])
+        if k in self.parameters:
+            return Node("parameter", name=self.parameters[k])
+        if node.op == "constant":
+            local = self.names.free(self._number(self.form.numbers.index(k)) or node.name)
+            self.constants[local] = node.name
+            return Node("constant", name=local)
+        return node
+
+    def _argument(self, column: Sequence[int]) -> Argument:
+        return Argument(self.names.free(self._common(column) or "value"), self.kind[column[0]])
+
+    def _common(self, column: Sequence[int]) -> str:
+        return words.common([name(self.p, k) for k in column])
+
+    def _number(self, place: int) -> str:
+        """Return what the Parts call a number, without the Blocks' names."""
+        names = [self.p.nodes[form.numbers[place]].name for _, form in self.group]
+        return words.common(names).removeprefix(f"{self.part_name}_") if all(names) else ""
+
+    def _role(self, number: int) -> str:
+        """Return what a number without a name is to the operation that reads it."""
+        reader = next(self.p.nodes[k] for k in sorted(self.part.region) if number in self.p.nodes[k].args)
+        place = reader.args.index(number)
+        if reader.op in ("le", "lt"):
+            return "low" if place == 0 else "high"
+        return {"clamp": "high", "mul": "factor", "min": "bound", "max": "bound"}.get(reader.op, "offset")

@@ -1,0 +1,30 @@
+"""Words of names: what names between underscores have in common, and what tells them apart."""
+
+from collections.abc import Sequence
+from itertools import takewhile
+
+
+def common(names: Sequence[str]) -> str:
+    """Return the words that names between underscores have in common in the same places, "" for none.
+
+    ``regulator_x_sum`` and ``regulator_z_sum`` have ``regulator_sum`` in common.
+    """
+    words = [name.split("_") for name in names]
+    if len({len(w) for w in words}) > 1:
+        first = _leading(words)
+        last = _leading([w[len(first) :][::-1] for w in words])[::-1]
+        return "_".join([*first, *last])
+    return "_".join(column[0] for column in zip(*words, strict=True) if len(set(column)) == 1)
+
+
+def _leading(words: Sequence[Sequence[str]]) -> list[str]:
+    return [column[0] for column in takewhile(lambda column: len(set(column)) == 1, zip(*words, strict=False))]
+
+
+def without(name: str, shared: str) -> str:
+    """Return the words of a name that are not among some shared words: ``held_x`` without ``held`` is ``x``."""
+    rest = name.split("_")
+    for word in shared.split("_"):
+        if word in rest:
+            rest.remove(word)
+    return "_".join(rest)

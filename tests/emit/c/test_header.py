@@ -1,0 +1,71 @@
+"""The header tells how to call the step and serves C++; the C refuses what would remove its guards."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from synth.emit.write import emit
+from synth.errors import CompileError
+from synth.execute import compile as compiler
+from tests.emit.c.test_manifest import stage
+from tests.emit.passes.test_guards import F32
+
+GENERATED = Path(__file__).parents[3] / "generated_c"
+NAMES = sorted(path.parent.name for path in GENERATED.glob("*/manifest.json"))
+LOCAL = re.compile(r"^ +(?:const )?(?:float|bool|uint32_t) (\w+)(?: = .*)?;$", re.MULTILINE)
+
+
+def committed(name: str) -> dict[str, str]:
+    return {path.name: path.read_text() for path in (GENERATED / name).glob("*.[ch]")}
+
+
+def test_the_header_states_what_a_caller_must_keep() -> None:
+    text = emit(stage(), F32).files["stage.h"].replace("\n * ", " ")
+    assert "Call stage_init once, then stage_step once every 0.00125 s" in text
+    assert "After 3 samples in a row with a refused measurement the step latches until init" in text
+    assert "-ffast-math" in text and "-O2" in text and 'extern "C" {' in text
+
+
+@pytest.mark.parametrize("flag", ["-ffast-math", "-ffinite-math-only", "-DFLT_EVAL_METHOD=2"])
+def test_options_that_remove_the_guards_are_refused(flag: str) -> None:
+    files = {
+        n: t.replace("#include <float.h>\n", "") for n, t in emit(stage(), F32).files.items() if n[-2:] in (".c", ".h")
+    }
+    compiler.check(files)
+    with pytest.raises(CompileError, match="#error"):
+        compiler.check(files, [*compiler.STRICT_FLAGS, flag])
+
+
+@pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler")
+@pytest.mark.parametrize("name", NAMES)
+def test_cplusplus_includes_the_header(name: str) -> None:
+    command = ["g++", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++", str(GENERATED / name / f"{name}.h")]
+    subprocess.run(command, check=True, capture_output=True)
+
+
+@pytest.mark.parametrize("standard", ["-std=c99", "-std=c11"])
+@pytest.mark.parametrize("name", NAMES)
+def test_committed_c_compares_no_floats_for_equality(name: str, standard: str) -> None:
+    compiler.check(committed(name), [*compiler.STRICT_FLAGS, "-Wfloat-equal", standard])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sizes_are_asserted(name: str) -> None:
+    size = json.loads((GENERATED / name / "manifest.json").read_text())["structs"]["state"]["size"]
+    files = {n: t.replace(f"== {size}u", f"== {size + 4}u") for n, t in committed(name).items()}
+    for standard in ("-std=c99", "-std=c11"):
+        with pytest.raises(CompileError, match="size"):
+            compiler.check(files, [standard])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_committed_c_has_no_unnamed_local_and_no_long_comment(name: str) -> None:
+    text = committed(name)[f"{name}.c"]
+    names = LOCAL.findall(text)
+    assert names and not [n for n in names if re.fullmatch(r"t\d+", n)]
+    assert not [line for line in text.splitlines() if line.lstrip().startswith(("/*", "*")) and len(line) > 120]
+    assert "(1.0f != 0.0f)" not in text

@@ -1,0 +1,140 @@
+"""Blocks that are one program but for names and numbers are one function; any other difference keeps them apart."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import Block, Constant, State, Step, build
+from synth.composition import compose
+from synth.emit import pipeline
+from synth.emit.passes import calls, outline
+from synth.emit.passes.outline import Form, Part
+from synth.emit.write import emit
+from synth.execute import host
+from synth.signals import Signal
+from tests.emit.dyadic import TIME
+
+AXES = ("x", "y", "z", "phi", "theta", "psi", "u", "v", "w")  # fewer are shorter without a function
+F32 = np.float32
+Law = Callable[[ca.SX, dict[str, ca.SX], dict[str, ca.SX]], ca.SX]
+
+
+def plain(sum: ca.SX, x: dict[str, ca.SX], k: dict[str, ca.SX]) -> ca.SX:
+    return k["k"] * sum + x["lag"] * (sum - x["lag"]) + 0.25 * x["lag"]
+
+
+def axis(name: str, k: float, law: Law, integer: bool = False) -> Block:
+    """Return an axis: a lag that is limited, a sum that stays where the limit is passed, and their weighted sum."""
+
+    def step(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX]) -> Step:
+        total = x["sum"] + u[f"e_{name}"]
+        next = {"lag": ca.fmax(ca.fmin(0.5 * (x["lag"] + u[f"e_{name}"]), 2), -2)}
+        next["sum"] = ca.if_else(ca.fabs(total) <= 4, total, x["sum"])
+        return Step({f"w_{name}": law(total, x, k)}, next | ({"n": ca.fmin(x["n"] + 1, 7)} if integer else {}))
+
+    states = [State(Signal("lag", "1", -2, 2), 0), State(Signal("sum", "1", -4, 4), 0)]
+    states += [State(Signal("n", "1", 0, 7), 0, True)] if integer else []
+    w = Signal(f"w_{name}", "1", -99, 99)
+    constants = [Constant("k", k, "1", "test")]
+    inputs = [Signal(f"e_{name}", "1", -1, 1)]
+    return build(f"axis_{name}", TIME, step, inputs=inputs, outputs=[w], states=states, constants=constants)
+
+
+def composed(laws: dict[str, Law], integer: bool = False) -> Block:
+    blocks = [axis(name, 0.5 + i / 8, law, integer) for i, (name, law) in enumerate(laws.items())]
+    return compose("axes", blocks, inputs=[f"e_{n}" for n in laws], outputs=[f"w_{n}" for n in laws])
+
+
+def groups(block: Block) -> list[list[tuple[Part, Form]]]:
+    return outline.alike(pipeline.reduce(block.rounded(F32), F32).program)
+
+
+def test_equal_axes_are_one_function_that_is_called_for_each() -> None:
+    text = emit(composed(dict.fromkeys(AXES, plain)), F32).files
+    assert text["axes.c"].count("axes_axis(") == 1 + len(AXES) and "axes_axis_state_t axis_y;" in text["axes.h"]
+    for name in AXES:
+        assert f"axes_axis(&state->axis_{name}, axis_{name}_k, e_{name});" in text["axes.c"]
+    assert "axes_axis(" not in emit(composed({"x": plain, "y": plain}), F32).files["axes.c"]
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_outlined_and_flat_c_have_the_same_bits(scalar: type[np.floating], monkeypatch: pytest.MonkeyPatch) -> None:
+    block = composed(dict.fromkeys(AXES, plain))
+    outlined = emit(block, scalar)
+    monkeypatch.setattr(outline, "alike", lambda p: [])
+    flat = emit(block, scalar)
+    assert "axes_axis(" in outlined.files["axes.c"] and "axes_axis(" not in flat.files["axes.c"]
+    rng = np.random.default_rng(3)
+    u = {f"e_{n}": rng.uniform(-1, 1, 300).astype(scalar) for n in AXES}
+    ours, theirs = (host.load(e.files, e.manifest).replay(u) for e in (outlined, flat))
+    for name in (f"w_{n}" for n in AXES):
+        np.testing.assert_array_equal(ours.outputs[name], theirs.outputs[name])
+
+
+DIFFERENT: dict[str, Law] = {
+    "another operation": lambda sum, x, k: k["k"] * sum + x["lag"] * (sum + x["lag"]) + 0.25 * x["lag"],
+    "operands in another order": lambda sum, x, k: k["k"] * sum + x["lag"] * (x["lag"] - sum) + 0.25 * x["lag"],
+    "a value read twice": lambda sum, x, k: k["k"] * sum + sum * (sum - x["lag"]) + 0.25 * x["lag"],
+    "a constant for a number": lambda sum, x, k: k["k"] * sum + x["lag"] * (sum - x["lag"]) + k["k"] * x["lag"],
+}
+
+
+@pytest.mark.parametrize("other", DIFFERENT.values(), ids=DIFFERENT)
+def test_blocks_that_differ_are_two_functions(other: Law) -> None:
+    assert [len(g) for g in groups(composed({"x": plain, "y": plain}))] == [2]
+    assert groups(composed({"x": plain, "y": other})) == []
+
+
+def test_blocks_with_integer_states_stay_as_they_are() -> None:
+    """In a struct they would lie beside scalars of another size."""
+    assert groups(composed(dict.fromkeys(AXES, plain), integer=True)) == []
+
+
+def test_a_form_is_the_same_in_another_order_of_results() -> None:
+    p = pipeline.reduce(composed({"x": plain, "y": plain}).rounded(F32), F32).program
+    ((first, form), _) = groups(composed({"x": plain, "y": plain}))[0]
+    kinds = ["real"] * len(p.nodes)
+    assert outline.form(p, replace(first, results=first.results[::-1]), kinds).shape == form.shape
+
+
+def test_a_block_that_needs_what_depends_on_it_is_cut_in_two() -> None:
+    """Anti-windup: the next sum reads what a limit, another Block, made of the signal."""
+
+    def law(u: dict[str, ca.SX], x: dict[str, ca.SX], k: dict[str, ca.SX], n: str) -> Step:
+        w = k["k"] * u[f"e_{n}"] + x["sum"] + 0.5 * x["sum"] * u[f"e_{n}"]
+        total = x["sum"] + u[f"e_{n}"] - 0.25 * u[f"excess_{n}"]
+        return Step({f"w_{n}": w}, {"sum": ca.if_else(ca.fabs(total) <= 4, total, x["sum"])})
+
+    def regulator(n: str) -> Block:
+        inputs = [Signal(f"e_{n}", "1", -1, 1), Signal(f"excess_{n}", "1", -32, 32)]
+        states, constants = [State(Signal("sum", "1", -4, 4), 0)], [Constant("k", 2.0, "1", "test")]
+        outputs = [Signal(f"w_{n}", "1", -32, 32)]
+        return build(
+            f"regulator_{n}", TIME, lambda u, x, k: law(u, x, k, n), inputs=inputs, outputs=outputs, states=states,
+            constants=constants,
+        )  # fmt: skip
+
+    def limit(n: str) -> Block:
+        outputs = [Signal(f"i_{n}", "1", -1, 1), Signal(f"excess_{n}", "1", -32, 32)]
+        inside = lambda u, x, k: ca.fmax(ca.fmin(u[f"w_{n}"], 1), -1)  # noqa: E731
+        return build(
+            f"limit_{n}", TIME,
+            lambda u, x, k: Step({f"i_{n}": inside(u, x, k), f"excess_{n}": u[f"w_{n}"] - inside(u, x, k)}),
+            inputs=[Signal(f"w_{n}", "1", -32, 32)], outputs=outputs,
+        )  # fmt: skip
+
+    blocks = [make(n) for n in ("x", "y") for make in (regulator, limit)]
+    block = compose("axes", blocks, inputs=["e_x", "e_y"], outputs=["i_x", "i_y"])
+    phases = [part.phase for group in groups(block) for part, _ in group if part.block.startswith("regulator")]
+    assert phases == ["output", "output", "update", "update"]
+    p = pipeline.reduce(block.rounded(F32), F32).program
+    made = calls.outlined(p, {c.name: c.value for c in block.constants}, groups(block))
+    order = [n.name for n in made.nodes if n.op == "call"]
+    assert order.index("regulator_x_output") < order.index("regulator_x_update")
+    # The planted defect: a whole Block that needs itself is refused by its own search.
+    whole = next(part for part in outline.parts(p) if part.block == "regulator_x")
+    assert outline._depends_on_itself(p, whole.region)
+    assert not any(outline._depends_on_itself(p, half.region) for half in outline.split(p, whole))
