@@ -9,6 +9,9 @@
     fold.with_constant_products    products of named constants
     limits.without_certified_limits dead limits by a certificate
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
+    guards.guarded                 the guard of an input becomes one call
+    slews.slewed                   a rate limit becomes one call
+    outline.alike, calls.outlined  Blocks that are one program but for names and numbers become calls of one function
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
 """

@@ -128,12 +128,12 @@ def _shared_variables(
 
 def _enclosing(block: Sequence[Statement], outer: tuple[int, ...] = ()) -> dict[int, tuple[int, ...]]:
     """Return by choice the choices of the branches that it is in."""
-    found: dict[int, tuple[int, ...]] = {}
+    enclosing: dict[int, tuple[int, ...]] = {}
     for branch in (s for s in block if isinstance(s, Branch)):
         declared = tuple(c for c, _ in branch.choices)
-        found |= dict.fromkeys(declared, outer)
-        found |= _enclosing((*branch.then, *branch.other), (*outer, *declared))
-    return found
+        enclosing |= dict.fromkeys(declared, outer)
+        enclosing |= _enclosing((*branch.then, *branch.other), (*outer, *declared))
+    return enclosing
 
 
 def _leads_only_to(
@@ -183,14 +183,14 @@ def _only_stored(
 
     Its store can stand where the node is computed, as no load of the state follows there.
     """
-    found: dict[int, str] = {}
+    stored: dict[int, str] = {}
     stores: dict[int, list[tuple[int, Store]]] = {}
     for place, s in enumerate(block):
         if isinstance(s, Store):
             stores.setdefault(s.node, []).append((place, s))
     for place, s in enumerate(block):
         if isinstance(s, Branch):
-            found |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
+            stored |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
         if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
             continue
         of_node = stores.get(s.node, [])
@@ -198,8 +198,8 @@ def _only_stored(
         if states and reads[s.node] == len(of_node) > 1:
             last, state = states[0]
             between = {p.nodes[k] for k in _definitions(block[place:last])}
-            found |= {} if Node("state", name=state) in between else {s.node: state}
-    return found
+            stored |= {} if Node("state", name=state) in between else {s.node: state}
+    return stored
 
 
 def _loads_of_stored(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:

@@ -76,11 +76,11 @@ def _served(p: Program) -> list[str]:
     for mark, k in reversed(p.marks):
         names[k] = mark.signal.name
     served: list[str] = [""] * len(p.nodes)
-    near: list[int] = [len(p.nodes)] * len(p.nodes)
+    nearest: list[int] = [len(p.nodes)] * len(p.nodes)
     for k in range(len(p.nodes) - 1, -1, -1):
         if k in names:
-            near[k], served[k] = k, names[k]
+            nearest[k], served[k] = k, names[k]
         for a in p.nodes[k].args:
-            if near[k] < near[a]:
-                near[a], served[a] = near[k], served[k]
+            if nearest[k] < nearest[a]:
+                nearest[a], served[a] = nearest[k], served[k]
     return served

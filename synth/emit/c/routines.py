@@ -47,14 +47,14 @@ def inline(block: Block) -> str:
 
 def state_types(block: Block, p: Program) -> dict[str, str]:
     """Return by Block of the composition the type of its struct of states."""
-    found: dict[str, str] = {}
+    types: dict[str, str] = {}
     for blocks in calls.forms(p).values():
         part = words.common(blocks) or blocks[0]
         name, n = part, 2
-        while f"{block.name}_{name}_state_t" in found.values():
+        while f"{block.name}_{name}_state_t" in types.values():
             name, n = f"{part}_{n}", n + 1
-        found |= dict.fromkeys(blocks, f"{block.name}_{name}_state_t")
-    return found
+        types |= dict.fromkeys(blocks, f"{block.name}_{name}_state_t")
+    return types
 
 
 def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:

@@ -43,7 +43,7 @@ def _calls(p: Program, group: Group, taken: Names, constants: Mapping[str, float
 
 
 class _Rewriter:
-    """Builds the program with calls, each node and call once what it needs stands."""
+    """Builds the program with calls, each node and call after its operands."""
 
     def __init__(self, p: Program, parts: Mapping[str, tuple[Part, Form]], calls: Mapping[str, Call]) -> None:
         self.p, self.parts, self.calls = p, parts, calls
@@ -140,8 +140,8 @@ def forms(p: Program) -> dict[tuple[str, ...], tuple[str, ...]]:
     states: dict[str, dict[str, None]] = {}
     for call in p.calls.values():
         states.setdefault(call.block, {}).update(dict.fromkeys(call.routine.states))
-    found: dict[tuple[str, ...], list[str]] = {}
+    by_states: dict[tuple[str, ...], list[str]] = {}
     for block, names in states.items():
         if names:
-            found.setdefault(tuple(sorted(names)), []).append(block)
-    return {names: tuple(blocks) for names, blocks in found.items()}
+            by_states.setdefault(tuple(sorted(names)), []).append(block)
+    return {names: tuple(blocks) for names, blocks in by_states.items()}

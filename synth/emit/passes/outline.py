@@ -94,23 +94,23 @@ def _closures(p: Program, owner: Mapping[int, str]) -> dict[str, frozenset[int]]
     """Return the nodes that each Block alone needs for its own signals and next states."""
     shared: set[int] = set()
     while True:
-        found: dict[str, set[int]] = {block: set() for block in p.titles}
+        regions: dict[str, set[int]] = {block: set() for block in p.titles}
         for root, block in owner.items():
             stack = [root]
             while stack:
                 k = stack.pop()
-                if k in found.setdefault(block, set()) or k in shared or p.nodes[k].op in LEAVES:
+                if k in regions.setdefault(block, set()) or k in shared or p.nodes[k].op in LEAVES:
                     continue
                 if owner.get(k, block) == block:
-                    found[block].add(k)
+                    regions[block].add(k)
                     stack += p.nodes[k].args
         counts: dict[int, int] = defaultdict(int)
-        for region in found.values():
+        for region in regions.values():
             for k in region:
                 counts[k] += 1
         more = {k for k, count in counts.items() if count > 1}
         if not more:
-            return {block: frozenset(region) for block, region in found.items()}
+            return {block: frozenset(region) for block, region in regions.items()}
         shared |= more
 
 
@@ -122,22 +122,24 @@ def _part(
     carriers: Mapping[str, int],
     held: Mapping[str, tuple[int, int]],
 ) -> Part:
-    own = {state: carriers[state] for state in states}
-    holds = {held.get(state) for state in own}
-    stores = {p.next[state] for state in own} - region
+    carried = {state: carriers[state] for state in states}
+    holds = {held.get(state) for state in carried}
+    stores = {p.next[state] for state in carried} - region
     local = {s: s.removeprefix(f"{block}_") for s in states}
     roots = tuple(k for _, k in p.marks if k in region)
-    return Part(block, region, own, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots)
+    return Part(
+        block, region, carried, _results(p, region, stores), holds.pop() if len(holds) == 1 else None, local, roots
+    )
 
 
 def _results(p: Program, region: frozenset[int], stores: set[int]) -> tuple[int, ...]:
-    """Return the nodes of a region that others read, beside the choices that hold its own next states."""
+    """Return the nodes of a region that others read, other than the choices that hold its next states."""
     outside = {a for k, node in enumerate(p.nodes) if k not in region | stores for a in node.args}
     return tuple(sorted(region & (outside | set(p.outputs.values()))))
 
 
 def split(p: Program, part: Part) -> list[Part]:
-    """Return a Part as it is where nothing that it needs depends on it, else its signals and its next states apart."""
+    """Return a Part as it is where nothing that it needs depends on it, else its signals and its next states separately."""
     if not _depends_on_itself(p, part.region):
         return [part]
     marks = {k for _, k in p.marks} & part.region
@@ -213,14 +215,14 @@ def alike(p: Program) -> list[list[tuple[Part, Form]]]:
 
     Integer states are left out: in a struct they would lie beside scalars of another size.
     """
-    found: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
+    by_form: dict[tuple[object, ...], list[tuple[Part, Form]]] = defaultdict(list)
     kind = kinds(p)
     for whole in parts(p):
         for part in split(p, whole):
             if len(part.region) >= FEWEST and _is_plain(p, part):
                 made = form(p, part, kind)
-                found[(part.phase, *made.shape)].append((part, made))
-    return [group for group in found.values() if len(group) > 1]
+                by_form[(part.phase, *made.shape)].append((part, made))
+    return [group for group in by_form.values() if len(group) > 1]
 
 
 def _is_plain(p: Program, part: Part) -> bool:
