@@ -9,6 +9,10 @@ MAX_VAGUE = 0  # functions of the whole tree that bind a local called found, giv
 # Each returns a changed copy of its argument, as `sorted` does.
 CHANGED_COPIES = frozenset(
     [
+        "wrapped",
+        "slewed",
+        "guarded",
+        "outlined",
         "abbreviated",
         "augmented",
         "balanced",
@@ -47,6 +51,7 @@ CHANGED_COPIES = frozenset(
 # These end in -ed for another reason.
 QUESTIONS = frozenset(  # they return a truth value
     [
+        "is_guarded",
         "certified",
         "is_checked",
         "is_flagged",

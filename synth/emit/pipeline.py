@@ -89,10 +89,10 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
     """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout."""
     program = slews.slewed(guards.guarded(reduced.program))
     groups = alike.alike(program)
-    kept = _printed(reduced, program, groups, scalar)
+    kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
         fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]
-        flat = _printed(reduced, program, fewer, scalar)
+        flat = _print(reduced, program, fewer, scalar)
         if flat.lines <= kept.lines:
             groups, kept = fewer, flat
     return kept.reduced, kept.memory
@@ -106,7 +106,7 @@ class _Printed(NamedTuple):
     lines: int
 
 
-def _printed(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
+def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
     values = {c.name: c.value for c in reduced.block.constants}
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))

@@ -67,8 +67,8 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     name = _name_nodes(program, names, shared)
     marked = {program.word, *(k for _, k in program.marks), *starts, *shared.values()}
     next_only = name.keys() - marked
-    stored = _only_stored(program, statements, kinds, reads, name.keys() - next_only)
-    loads = set(_direct_loads(program, statements)) | _loads_of_stored(program, stored, reads)
+    stored = _next_states_alone(program, statements, kinds, reads, name.keys() - next_only)
+    loads = set(_direct_loads(program, statements)) | _replaced_loads(program, stored, reads)
     return Locals(reads, name, shared, starts, loads, names, next_only, stored)
 
 
@@ -176,7 +176,7 @@ def _direct_loads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
             loaded.clear()
 
 
-def _only_stored(
+def _next_states_alone(
     p: Program, block: Sequence[Statement], kinds: Sequence[str], reads: Counter[int], named: Collection[int]
 ) -> dict[int, str]:
     """Return the unnamed nodes that the text only stores, in one block, each with the first state that it becomes.
@@ -190,7 +190,9 @@ def _only_stored(
             stores.setdefault(s.node, []).append((place, s))
     for place, s in enumerate(block):
         if isinstance(s, Branch):
-            stored |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
+            stored |= _next_states_alone(p, s.then, kinds, reads, named) | _next_states_alone(
+                p, s.other, kinds, reads, named
+            )
         if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
             continue
         of_node = stores.get(s.node, [])
@@ -202,7 +204,7 @@ def _only_stored(
     return stored
 
 
-def _loads_of_stored(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:
+def _replaced_loads(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:
     """Return the loads that only the value reads which then replaces them in the state."""
     loads = {k: n.name for k, n in enumerate(p.nodes) if n.op == "state" and reads[k] == 1}
     return {a for k, state in stored.items() for a in p.nodes[k].args if loads.get(a) == state}

@@ -239,7 +239,7 @@ class _Printer:
             result = self.p.nodes.index(
                 Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}")
             )
-            name = self.locals.name.get(result) or self.locals.identifiers.free(call.names[0])
+            name = self.locals.name.get(result) or self.locals.identifiers.free(call.result_names[0])
             text = f"const {self.c.ctype_of(routine.results[0].kind)} {name} = {text}"
             self.returned[f"{node.name}.{routine.results[0].name}"] = name
         elif routine.results:
