@@ -92,7 +92,7 @@ def _axis(k: int) -> tuple[Block, ...]:
     def difference(u: Exprs, x: Exprs, c: Exprs) -> Step:
         return Step({error.name: u[q.name] - u[r.name]})
 
-    def limited(u: Exprs, x: Exprs, c: Exprs) -> Step:
+    def limit(u: Exprs, x: Exprs, c: Exprs) -> Step:
         return Step({computed.name: clip(PER_ACCELERATION * u[demand.name], computed)})
 
     return (
@@ -109,7 +109,7 @@ def _axis(k: int) -> tuple[Block, ...]:
             bounds=BOUNDS,
             tag="internal model",
         ),
-        build(f"current_{k}", TIME, limited, inputs=[demand], outputs=[computed], tag="limit"),
+        build(f"current_{k}", TIME, limit, inputs=[demand], outputs=[computed], tag="limit"),
     )
 
 

@@ -51,7 +51,7 @@ def example_step(name: str = "step") -> Block:
     )
 
 
-def example_resting_loop() -> equilibrium.ClosedLoop:
+def example_resting_loop() -> equilibrium.SampledLoop:
     """Return the levitated mass under an integrator of its gap, which rests wherever the mass does."""
 
     def law(u: Any, x: Any, k: Any) -> Step:
@@ -62,7 +62,7 @@ def example_resting_loop() -> equilibrium.ClosedLoop:
     drive, seen = Signal("drive", "A", 0.1, 10.0), Signal("seen", "m", 0.01, 0.03)
     controller = block("hold", TIME, law, inputs=[seen], outputs=[drive], states=[total])
     maglev = plant("maglev", [GAP, RATE], [CURRENT], [GAP], [K], example_physics)
-    return equilibrium.ClosedLoop(maglev, controller, {"seen": "gap"}, {"current": "drive"})
+    return equilibrium.SampledLoop(maglev, controller, {"seen": "gap"}, {"current": "drive"})
 
 
 def example_linear(theta: Any) -> Any:
@@ -84,7 +84,7 @@ def fields(instance: Any) -> Call:
     return {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance)}
 
 
-def example_scaled(matrix: ca.SX, symbols: ca.SX) -> singularity.Scaled:
+def example_scaled_matrix(matrix: ca.SX, symbols: ca.SX) -> singularity.Scaled:
     return singularity.scaled(matrix, symbols, [GAP, RATE], [U, Y], ["a", "b"])
 
 

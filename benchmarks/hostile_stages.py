@@ -42,6 +42,7 @@ def examples() -> Mapping[str, Call]:
         "robustness.one_at_a_time": {"plant": maglev},
         "robustness.equilibrium_at": {"loops": loops, "point": "middle"},
         "robustness.open_loops": {"loops": loops},
+        "robustness.survey": {"loops": loops},
         "robustness.disk_margins": {"loops": loops, "point": "middle"},
         "robustness.checks": {"loops": robustness.open_loops(loops), "require": {"phase_margin": 10.0}},
     }

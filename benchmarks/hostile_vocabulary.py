@@ -31,7 +31,7 @@ def examples() -> Mapping[str, Call]:
     common = usual()
     stage, u = common["system"], ca.SX.sym("u")
     return {
-        "signals.names": {"signals": [GAP, RATE]},
+        "signals.signal_names": {"signals": [GAP, RATE]},
         "signals.Signal": {"name": "gap", "unit": "m", "low": 0.0, "high": 1.0, "about": "the gap"},
         "signals.Parameter": {"name": "k", "value": 1.0, "unit": "N", "tolerance": 0.1, "source": "measured"},
         "timing.common": {"times": [TIME, TIME]},
@@ -77,5 +77,5 @@ def examples() -> Mapping[str, Call]:
         },
         "block.clip": {"expr": u, "bounds": GAP},
         "composition.compose": {"name": "whole", "blocks": [example_step()], "inputs": ["u"], "outputs": ["y"]},
-        "check.Check": {"name": "c", "found": 1.0, "limit": 2.0, "unit": "1", "about": ""},
+        "check.Check": {"name": "c", "value": 1.0, "limit": 2.0, "unit": "1", "about": ""},
     }

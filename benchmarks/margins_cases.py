@@ -138,11 +138,11 @@ def case(kind: str, rng: np.random.Generator) -> Case:
         late, hold = 10 ** rng.uniform(-3, 0.5) / fast, rng.choice([0.0, 1.0]) * 10 ** rng.uniform(-2, 0) / fast
         model = transfer.delayed(chain(zeros, poles, gain), late, hold)
 
-        def delayed(w: Array) -> Complex:
+        def delayed_response(w: Array) -> Complex:
             held = np.sinc(w * hold / (2 * np.pi)) * np.exp(-1j * w * hold / 2)
             return np.asarray(bare(w) * np.exp(-1j * w * late) * held)
 
-        return Case(kind, len(poles), model, delayed, features, low, 300 * max(fast, 1 / late))
+        return Case(kind, len(poles), model, delayed_response, features, low, 300 * max(fast, 1 / late))
     T = 10 ** rng.uniform(-5, -0.5) / fast
     if kind == "sampled state space":
         plant = analysed_loop.sampled(chain(zeros, poles, gain), T, float(rng.choice([0.0, T, 0.4 * T, 2 * T])))

@@ -37,10 +37,10 @@ def measure(emitted: EmittedCode, stimulus: Steps, build: meter.Build) -> dict[s
     entry = _in_function(machine.code, candidate.entry)
     counted = []
     with recorder.attach(machine.engine) as record:
-        arguments = candidate.placed(machine, stimulus).arguments
+        arguments = candidate.lay_out(machine, stimulus).arguments
         for k, row in enumerate(arguments, 1):
             machine.calls(candidate.entry, row[np.newaxis])
-            record.call_ended()
+            record.end_call()
             if record.is_filling or k == len(arguments):
                 path_taken = trace.reconstruct_path(machine.code, record.take())
                 counted.append(_count_by_owner(path_taken, owner, entry, len(names)))

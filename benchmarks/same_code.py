@@ -56,7 +56,7 @@ def _loaded_contents(elf: ELFFile) -> Iterator[tuple[object, ...]]:
                 yield relocation["r_offset"], relocation["r_info_type"], place
 
 
-def committed(revision: str, program: str) -> dict[str, str]:
+def read_revision(revision: str, program: str) -> dict[str, str]:
     """Return the C of a program {file name: text} at a revision, empty where the revision does not have it."""
     names = [f"{program}{suffix}" for suffix in (".c", ".h")]
     shows = {name: _git("show", f"{revision}:{FOLDER}/{program}/{name}") for name in names}
@@ -76,7 +76,7 @@ def main() -> None:
         after = {
             path.name: path.read_text(encoding="utf-8") for path in folder.iterdir() if path.suffix in (".c", ".h")
         }
-        before = committed(revision, folder.name)
+        before = read_revision(revision, folder.name)
         verdict = "not in that revision"
         if before:
             changed = differences(before, after)

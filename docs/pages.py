@@ -47,8 +47,10 @@ def _execute(code: str, session: dict[str, Any]) -> None:
 
 def blocks(text: str, language: str | None = None) -> list[tuple[str, str]]:
     """Return (path, text) of the files, or of the changes of files for `diff`, that a page shows."""
-    found = [(b["language"], b["path"], b["text"]) for b in BLOCK.finditer(text)]
-    return [(path, body) for kind, path, body in found if kind == language or (language is None and kind != "diff")]
+    blocks_of_page = [(b["language"], b["path"], b["text"]) for b in BLOCK.finditer(text)]
+    return [
+        (path, body) for kind, path, body in blocks_of_page if kind == language or (language is None and kind != "diff")
+    ]
 
 
 def apply(text: str, folder: Path) -> None:
@@ -69,11 +71,11 @@ def rewrite(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     printed = iter([printed for _, printed in run(text, page.parent)[1]])
 
-    def renewed(example: re.Match[str]) -> str:
+    def renew(example: re.Match[str]) -> str:
         output = next(printed)
         return f"```python\n{example['code']}```\n" + (f"\n```text\n{output}```\n" if output else "")
 
-    page.write_text(EXAMPLE.sub(renewed, text), encoding="utf-8")
+    page.write_text(EXAMPLE.sub(renew, text), encoding="utf-8")
 
 
 def draw(folder: Path) -> None:

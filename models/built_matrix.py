@@ -126,7 +126,7 @@ def _mean(of: Series) -> Array:
 def tabulate(of: Series, height: float = hall_array.HEIGHT, reach: float = REACH) -> Array:
     """Return CHANNELS (4, n, n) on the grid of the series, X changing slowest."""
     both: list[Complex] = [c for order in (0, 1) for c in finite_matrix.flux_density(of, height, order)[:2]]
-    return readonly(np.array([of.summed(c, reach) for c in both]))
+    return readonly(np.array([of.evaluate(c, reach) for c in both]))
 
 
 @cache

@@ -72,7 +72,7 @@ class Series:
         n = int(np.ceil(reach / self.spacing))
         return np.asarray(self.spacing * np.arange(-n, n + 1), dtype=np.float64)
 
-    def summed(self, coefficients: Complex, reach: float) -> Array:
+    def evaluate(self, coefficients: Complex, reach: float) -> Array:
         """Return the real series with coefficients (N, N/2 + 1) on grid x grid (n, n)."""
         at = np.rint(self.grid(reach) / self.spacing).astype(int)
         return np.asarray(np.fft.irfft2(coefficients)[np.ix_(at, at)] * len(coefficients) ** 2)
@@ -151,5 +151,5 @@ def scan(strong: float, weak: float, height: float, gain: float, count: int) -> 
     """
     reach = 1.5 * VALUES["l"]
     potential = series(blocks(strong, weak), count // 2)
-    flux = potential.summed(flux_density(potential, height)[0], reach)
+    flux = potential.evaluate(flux_density(potential, height)[0], reach)
     return Scan(potential.spacing, count, len(potential.grid(reach)) // 2, readonly(gain * flux))

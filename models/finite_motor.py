@@ -96,7 +96,7 @@ def maps(series: Series, phase: str, order: Order, half_width: float, end_turns:
     """
     scale, parts = _potential_at_gap(series, order), ((True, end_turns), (False, 1 - end_turns))
     wrenches = [[weight * c for c in _wrench(series, phase, order, flat)] for flat, weight in parts if weight]
-    return np.array([series.summed(scale * np.sum(c, axis=0), half_width) for c in zip(*wrenches, strict=True)])
+    return np.array([series.evaluate(scale * np.sum(c, axis=0), half_width) for c in zip(*wrenches, strict=True)])
 
 
 def commutated_wrenches(values: Array, y: Array) -> Array:

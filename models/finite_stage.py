@@ -74,7 +74,7 @@ def _motor(blocks: Blocks, end_turns: float) -> ca.Function:
 def _flux(blocks: Blocks) -> tuple[ca.Function, float]:
     series = finite_matrix.series(blocks, FIELD_HARMONICS)
     value, slope = (finite_matrix.flux_density(series, HEIGHT, order)[0] for order in (0, 1))
-    values = [series.summed(c, SENSOR_RANGE) for c in (value, slope + finite_motor.DECAY * value)]
+    values = [series.evaluate(c, SENSOR_RANGE) for c in (value, slope + finite_motor.DECAY * value)]
     bounds = [FLUX, FLUX / RANGE["lift"]]
     return finite_tables.function("flux", series.grid(SENSOR_RANGE), np.array(values), bounds), _amplitude(
         series, value
@@ -82,7 +82,7 @@ def _flux(blocks: Blocks) -> tuple[ca.Function, float]:
 
 
 def _amplitude(series: Series, flux: finite_matrix.Complex) -> float:
-    pitch = series.summed(flux, VALUES["l"] / 2)[:-1, :-1]
+    pitch = series.evaluate(flux, VALUES["l"] / 2)[:-1, :-1]
     angle = 2 * pi / VALUES["l"] * series.grid(VALUES["l"] / 2)[:-1]
     return float(2 * np.mean(pitch * np.sin(angle)[:, None]))
 

@@ -34,7 +34,7 @@ from models.hall_chain import Chain
 from synth.block import Exprs
 from synth.errors import ModelError
 from synth.plant import Plant, build
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import readonly
 
 Array = NDArray[np.float64]
@@ -88,7 +88,7 @@ class Pose:
     """Position of the body's origin, (3, 1) in m, Z above the matrix, and its axes as columns (3, 3)."""
 
     at: ca.SX
-    turn: ca.SX
+    rotation: ca.SX
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +158,8 @@ def voltages(array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
 
 
 def _pair(sensor: Sensor, array: HallArray, waves: Sequence[Wave], pose: Pose) -> ca.SX:
-    turn = pose.turn @ ca.SX(axes(sensor))
-    at = pose.at + pose.turn @ ca.SX(ca.DM(sensor.position))
+    turn = pose.rotation @ ca.SX(axes(sensor))
+    at = pose.at + pose.rotation @ ca.SX(ca.DM(sensor.position))
     seen = [average_over_volume(wave, turn, array.volume) for wave in waves]
     B = concentrated_field.field(seen, *ca.vertsplit(at))
     b = turn.T @ ca.vertcat(B.x, B.y, B.z)
@@ -184,7 +184,7 @@ def plant(array: HallArray, waves: Sequence[Wave], volts: Sequence[Signal], reac
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[Exprs, Exprs]:
         read = ca.vertsplit(voltages(array, waves, planar_pose(ca.vcat([x[s.name] for s in states]))))
-        return {s.name: u[f"speed_{s.name}"] for s in states}, dict(zip(names(volts), read, strict=True))
+        return {s.name: u[f"speed_{s.name}"] for s in states}, dict(zip(signal_names(volts), read, strict=True))
 
     return build("hall_sensors", states, speeds, volts, [], physics)
 

@@ -63,7 +63,7 @@ def slope(chain: Chain, held: ca.SX, volts: ca.SX) -> ca.SX:
     return 2 * pi * chain.corner * (volts - held)
 
 
-def filtered(model: StateSpace, outputs: Sequence[str], chain: Chain) -> StateSpace:
+def with_filter(model: StateSpace, outputs: Sequence[str], chain: Chain) -> StateSpace:
     """Return a model with the filter added to some of its outputs."""
     w, I = 2 * pi * chain.corner, np.eye(len(outputs))
     late = {name: f"{name}_filtered" for name in outputs}

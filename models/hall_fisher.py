@@ -24,7 +24,7 @@ import numpy as np
 from models.hall_array import Array
 from models.hall_two_waves import PlanarArray
 from synth.analyse.observability import worst_deviation
-from synth.analyse.observability.worst_deviation import Worst
+from synth.analyse.observability.worst_deviation import LargestDeviation
 from synth.errors import ModelError
 from synth.statespace import readonly
 
@@ -117,7 +117,7 @@ def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
     return np.sqrt(np.array([(g**2).sum(axis=0), (k**2).sum(axis=0), (h**2 + m**2).sum(axis=0)]))
 
 
-def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> Worst:
+def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> LargestDeviation:
     """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
     Raises ModelError if that needs more than MOST cells, as where the rank is lost; the message says where.

@@ -17,7 +17,7 @@ from models import hall_sections as sensing
 from synth.block import Block
 from synth.composition import compose
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array, readonly
 from synth.timing import Discrete
 from synth.verify import agree
@@ -52,8 +52,8 @@ def estimation(plant: Plant, time: Discrete, filters: Sequence[Block] = ()) -> B
     Without filters the prediction is the previous sample.
     """
     sensed = sensing.sensing(plant, time, bool(filters))
-    outputs = [*names(sensed.outputs), *(sensing.RAW if filters else ())]
-    return compose("estimation", [sensed, *filters], inputs=names((*sensing.HELD, *FLAGS)), outputs=outputs)
+    outputs = [*signal_names(sensed.outputs), *(sensing.RAW if filters else ())]
+    return compose("estimation", [sensed, *filters], inputs=signal_names((*sensing.HELD, *FLAGS)), outputs=outputs)
 
 
 def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 0.0, points: int = 48) -> ErrorMap:
@@ -119,20 +119,20 @@ def _places(plant: Plant, points: int) -> Array:
 class Watch:
     """Over N starts: sample in which a failure was noticed, or -1, named suspects, and errors (axes, N) until then.
 
-    `moved` (N,) is the distance in m until it was noticed, inf where it was not.
+    `distance` (N,) is the distance in m until it was noticed, inf where it was not.
     """
 
     noticed: NDArray[np.int64]
     named: NDArray[np.bool_]
     error: Array
-    moved: Array
+    distance: Array
 
     def summary(self, name: str) -> dict[str, float]:
         """Return shares in % and worst errors for the failed voltage `name`; named ones are shares of the noticed."""
         noticed, named_right = self.noticed >= 0, self.named[planar_stage.HALL.index(name)]
         alone = named_right & (self.named.sum(axis=0) == 1)
         named, only = (float(flags[noticed].mean()) if noticed.any() else 0.0 for flags in (named_right, alone))
-        worst = {"moved, mm": self.moved, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
+        worst = {"moved, mm": self.distance, "position, mm": self.error[:2], "yaw, mrad": self.error[2]}
         shares = {"unnoticed, %": 100 * float(np.mean(~noticed)), "named, %": 100 * named, "alone, %": 100 * only}
         return shares | {what: 1e3 * float(v.max()) for what, v in worst.items()}
 
@@ -147,7 +147,7 @@ def watch(
     u = {name: v.reshape(samples, n) for name, v in voltages(plant, {"x": pose[:, 0], "y": pose[:, 1]}).items()}
     u[failed] = np.tile(u[failed][:1], (samples, 1)) if sticks else np.zeros((samples, n))
     flags = {flag.name: np.ones(n) for flag in FLAGS}
-    axes = [axis if axis in names(block.outputs) else f"{axis}_raw" for axis in sensing.RAW]
+    axes = [axis if axis in signal_names(block.outputs) else f"{axis}_raw" for axis in sensing.RAW]
     noticed, named, error = np.full(n, -1), np.zeros((len(u), n), bool), np.zeros((len(axes), n))
     for k in range(samples):
         stepped = step(state, {f"{name}_held": v[k] for name, v in u.items()} | flags)

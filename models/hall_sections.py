@@ -133,11 +133,11 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
-        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared(r1, r2, X.m, Y.m, A)
+        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared_residual(r1, r2, X.m, Y.m, A)
         beyond = ca.logic_or(x["contradiction_left"], squared > (RESIDUAL * A) ** 2)
         doubt = ca.if_else(known, ca.logic_and(squared > (CONFIRMATION * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
-        output = {yaw: clip(phi + ca.if_else(sure, _turn(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
+        output = {yaw: clip(phi + ca.if_else(sure, _yaw_correction(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
         first = ca.logic_and(doubt, ca.logic_not(x["contradiction_left"]))
         seen = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
@@ -209,7 +209,7 @@ def _slope(p: _Pair, k: Exprs) -> ca.SX:
     return p.c * p.c**2 * (k["slope_0"] + p.s**2 * k["slope_1"])
 
 
-def _turn(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float) -> ca.SX:
+def _yaw_correction(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float) -> ca.SX:
     """Return the yaw less the predicted one, rad; h3 is half of h_3."""
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
     (h1, h2), (r1, r2) = h, r
@@ -240,7 +240,7 @@ def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
     return ca.if_else(beyond, ca.if_else(off > 0, down, up), offset)
 
 
-def _squared(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:
+def _squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:
     """Return (RESIDUAL A rho)^2."""
     return r1**2 + r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (m_x**2 + m_y**2)
 
@@ -252,7 +252,7 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
     beside = {a: ca.fabs(r[a]) > PART["r"] * RESIDUAL * A for a in "xy"}
     yaw_residual = ca.logic_or(beside["x"], beside["y"])
-    big = _squared(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
+    big = _squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
     flags: dict[str, ca.SX] = {}

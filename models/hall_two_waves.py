@@ -42,13 +42,13 @@ class _Periodic:
         return 2 * pi / self.pitch
 
     @property
-    def reach(self) -> float:
+    def longest_arm(self) -> float:
         """Return the largest |x| + |y| of the arms, rad."""
         return max(abs(x) + abs(y) for x, y, *_ in self.arms)
 
     def yaw_within(self, phase: float) -> float:
-        """Return the yaw T in rad that moves no sensor by more than a phase in rad: reach (T + T^2/2) = phase."""
-        return sqrt(1 + 2 * phase / self.reach) - 1
+        """Return the yaw T in rad that moves no sensor by more than a phase in rad: longest_arm (T + T^2/2) = phase."""
+        return sqrt(1 + 2 * phase / self.longest_arm) - 1
 
     def _check(self, positive: Iterable[str], finite: Iterable[str]) -> None:
         """Convert fields to floats; raise ModelError for one that is not a number, or not above 0 where it must be."""
@@ -123,7 +123,7 @@ class SpatialArray(_Periodic):
         if len({r[:2] for r in self.positions}) < 2:
             raise ModelError(
                 f"all sensors are at x, y = {self.positions[0][:2]} m, above one another: their voltages differ by the "
-                "decay with Z alone, which hardly separates rotations from displacements; give places apart in x and y"
+                "decay with Z alone, which separates rotations poorly from displacements; give places apart in x and y"
             )
         self._check(("alpha", "height", "pitch", "deviation"), ("beta",))
 
@@ -200,6 +200,6 @@ def _one() -> ca.Function:
     q, r, field = (ca.SX.sym(name, n) for name, n in (("q", len(hall_array.SPATIAL)), ("r", 3), ("field", 4)))
     pose, (alpha, beta, height, pitch) = hall_array.spatial_pose(q), ca.vertsplit(field)
     waves = concentrated_field.waves_from_amplitudes({1: alpha, 5: beta}, height, {"l": pitch})
-    B = concentrated_field.field(waves, *ca.vertsplit(pose.at + pose.turn @ r))
-    volts = (pose.turn.T @ ca.vertcat(B.x, B.y, B.z))[:2]
+    B = concentrated_field.field(waves, *ca.vertsplit(pose.at + pose.rotation @ r))
+    volts = (pose.rotation.T @ ca.vertcat(B.x, B.y, B.z))[:2]
     return ca.Function("sensor", [q, r, field], [ca.jacobian(volts, q)])

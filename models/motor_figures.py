@@ -1,4 +1,4 @@
-"""Figures of one planar motor: G and K of (17), the Lorentz force by quadrature, and the angles of the phases.
+"""Values of one planar motor: G and K of (17), the Lorentz force by quadrature, and the angles of the phases.
 
 They are functions of numbers, because the pitch of Table 1 differs from that of the matrix and a comparison needs both.
 
@@ -42,8 +42,8 @@ def lorentz_force(p: Parameters, y: float) -> tuple[float, float]:
     A = np.asarray(ca.DM(halbach.amplitude(1, ca.SX(heights), known))).ravel()
     total = np.zeros(2)
     for phase, i in currents(l, y).items():
-        for sign, way in ((1, 0.0), (-1, 0.5)):
-            at = 2 * pi / l * (y + (lorentz_motor.OFFSETS[phase] + way) * l + along)
+        for sign, shift in ((1, 0.0), (-1, 0.5)):
+            at = 2 * pi / l * (y + (lorentz_motor.OFFSETS[phase] + shift) * l + along)
             total += sign * i * l / 12 * np.array([weights @ np.cos(at), -weights @ np.sin(at)])
     sheet = high / 2 * (weights @ A) * p["Nm"] * p["w"] * float(lorentz_motor.turn_density(known))
     return float(sheet * total[0]), float(sheet * total[1])

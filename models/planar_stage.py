@@ -31,7 +31,7 @@ import numpy as np
 
 from models import halbach, hall_sensor, lorentz_motor
 from synth.plant import Plant, build
-from synth.signals import Parameter, Signal, names
+from synth.signals import Parameter, Signal, signal_names
 from synth.statespace import Array, readonly
 
 Exprs = Mapping[str, ca.SX]
@@ -187,7 +187,7 @@ def wrench(plant: Plant) -> Array:
 def commutation_matrix(plant: Plant, pose: Mapping[str, float]) -> Array:
     """Return E (9, 6) at a pose (m, rad): phase currents of 1 A in each motor, along its motion (3), then up (3)."""
     p = {s.name: ca.SX(s.value) for s in plant.parameters}
-    E, phases = np.zeros((len(INPUTS), 2 * len(MOTORS))), names(INPUTS)
+    E, phases = np.zeros((len(INPUTS), 2 * len(MOTORS))), signal_names(INPUTS)
     for k, (motor, at) in enumerate(centres({axis: ca.SX(v) for axis, v in pose.items()}, p).items()):
         for column, along in ((k, True), (k + len(MOTORS), False)):
             y = at.X if motor == "C" else at.Y

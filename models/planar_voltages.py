@@ -18,7 +18,7 @@ import numpy as np
 
 from models import halbach, planar_stage
 from synth.plant import Plant, build
-from synth.signals import names
+from synth.signals import signal_names
 from synth.simulate.scenario import Trajectory
 from synth.statespace import Array
 
@@ -31,7 +31,7 @@ INERTIA = {"x": "M", "y": "M", "z": "M", "phi": "Izz", "theta": "Ixx", "psi": "I
 def phase_voltages(plant: Plant, run: Trajectory) -> Array:
     """Return the voltages (9, N) in V that the currents of a run need; before the first sample the currents are 0."""
     R, L = (plant.parameter(name).value for name in ("resistance", "inductance"))
-    currents = np.array([run.applied[name] for name in names(planar_stage.INPUTS)])
+    currents = np.array([run.applied[name] for name in signal_names(planar_stage.INPUTS)])
     rate = np.diff(currents, axis=1, prepend=0.0) / (run.time[1] - run.time[0])
     return np.asarray(R * currents + L * rate + back_emf(plant, run))
 
@@ -39,12 +39,12 @@ def phase_voltages(plant: Plant, run: Trajectory) -> Array:
 def back_emf(plant: Plant, run: Trajectory) -> Array:
     """Return the back-EMF (9, N) of a run, V."""
     x, u, p = plant.f.sx_in()
-    at = dict(zip(names(plant.states), ca.vertsplit(x), strict=True))
-    slope = dict(zip(names(plant.states), ca.vertsplit(plant.f(x, u, p)), strict=True))
+    at = dict(zip(signal_names(plant.states), ca.vertsplit(x), strict=True))
+    slope = dict(zip(signal_names(plant.states), ca.vertsplit(plant.f(x, u, p)), strict=True))
     second = {axis: slope[v] for axis, v in planar_stage.RATE.items()}
-    values = dict(zip(names(plant.parameters), ca.vertsplit(p), strict=True))
+    values = dict(zip(signal_names(plant.parameters), ca.vertsplit(p), strict=True))
     of = ca.Function("induced", [x, p], [_back_emf(at, u, values, second)])
-    states = np.array([run.states[name] for name in names(plant.states)])
+    states = np.array([run.states[name] for name in signal_names(plant.states)])
     return np.asarray(of.map(states.shape[1])(states, plant.values.reshape(-1, 1)))
 
 
@@ -80,7 +80,7 @@ def _back_emf(x: Exprs, i: ca.SX, p: Exprs, second: Exprs) -> ca.SX:
 
 def largest_current(run: Trajectory) -> float:
     """Return the largest commanded phase current of a run, A."""
-    return float(max(np.abs(run.applied[name]).max() for name in names(planar_stage.INPUTS)))
+    return float(max(np.abs(run.applied[name]).max() for name in signal_names(planar_stage.INPUTS)))
 
 
 def voltage_figures(plant: Plant, noisy: Trajectory, ideal: Trajectory | None) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from models import lorentz_motor, planar_stage
 from models.motor_figures import constants
-from synth.signals import names
+from synth.signals import signal_names
 
 ALONE = 1e-9  # of the largest acceleration of an axis by one motor: less is rounding
 FORCES = tuple(f"{motor}{axis}" for motor in planar_stage.MOTORS for axis in "yz")
@@ -34,8 +34,8 @@ def accelerations(p: Mapping[str, float], force: str) -> Accelerations:
     i_q, i_d = (ca.SX(float(axis == force[1])) for axis in "yz")
     phases = lorentz_motor.phase_currents(i_q, i_d, centre.X if motor == "C" else centre.Y, known)
     u = {f"i_{motor}{phase}": float(i) for phase, i in phases.items()}
-    slopes = plant.f(np.zeros(len(plant.states)), [u.get(n, 0.0) for n in names(plant.inputs)], plant.values)
-    slope = dict(zip(names(plant.states), np.asarray(slopes).ravel(), strict=True))
+    slopes = plant.f(np.zeros(len(plant.states)), [u.get(n, 0.0) for n in signal_names(plant.inputs)], plant.values)
+    slope = dict(zip(signal_names(plant.states), np.asarray(slopes).ravel(), strict=True))
     return {axis: float(slope[planar_stage.RATE[axis]]) for axis in planar_stage.AXES}
 
 

@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth import kinds
 from synth.errors import ModelError, SignalError, SynthError, TimingError
-from synth.kinds import Kind
+from synth.kinds import ArgumentKind
 
 Array = NDArray[np.float64]
 Target = TypeVar("Target", bound=Callable[..., Any])
@@ -71,7 +71,7 @@ def _with_checks(function: Callable[..., Any], where: str) -> Callable[..., Any]
             if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
                 args = (*args[:i], plain, *args[i + 1 :])
         for name, value in kwargs.items():
-            kind = k.names.get(name, k.others)
+            kind = k.by_name.get(name, k.others)
             if kind is not None and not kind.passes(value):
                 raise _refusal(where, name, value, kind)
             if kind is not None and kind.plain is not None and (plain := kind.plain(value)) is not value:
@@ -95,7 +95,7 @@ def _overflow(where: str, error: Exception) -> ModelError:
     )
 
 
-def _refusal(where: str, name: str, value: object, kind: Kind) -> SynthError:
+def _refusal(where: str, name: str, value: object, kind: ArgumentKind) -> SynthError:
     number = "number" in kind.need and "list" not in kind.need
     unit = next((text for end, text in UNITS.items() if number and name.endswith(end)), "")
     error = TimingError if unit == SECONDS or name in OF_TIME else SignalError
@@ -119,10 +119,10 @@ def describe(value: object) -> str:
 class Kinds:
     """The kinds of a function's arguments: by place, of further ones (``*args``), by name, of others (``**kwargs``)."""
 
-    places: tuple[tuple[str, Kind | None], ...]
-    further: tuple[str, Kind | None]
-    names: Mapping[str, Kind | None]
-    others: Kind | None
+    places: tuple[tuple[str, ArgumentKind | None], ...]
+    further: tuple[str, ArgumentKind | None]
+    by_name: Mapping[str, ArgumentKind | None]
+    others: ArgumentKind | None
 
 
 def _kinds(function: Callable[..., Any]) -> Kinds:
@@ -176,7 +176,7 @@ def matrix_of_shape(name: str, values: ArrayLike, rows: int, columns: int | None
     return array
 
 
-def names(what: str, values: object) -> tuple[str, ...]:
+def as_name_list(what: str, values: object) -> tuple[str, ...]:
     """Return names as a tuple, one text as a tuple of one.
 
     Raises SignalError, calling them `what`, for a value that is not a list of texts, like a matrix of names.
@@ -197,7 +197,7 @@ def distinct(what: str, names: Sequence[str]) -> tuple[str, ...]:
     if not listed:
         raise SignalError(f"no {what} are named: give one or more")
     if twice := [name for k, name in enumerate(listed) if name in listed[:k]]:
-        raise SignalError(f"'{twice[0]}' stands twice among the {what}: name it once")
+        raise SignalError(f"'{twice[0]}' is listed twice among the {what}: name it once")
     return listed
 
 

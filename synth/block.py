@@ -19,7 +19,7 @@ from synth import arguments, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.fault import LATCH_BIT, Fault, Safety
-from synth.signals import Signal, identifier, names
+from synth.signals import Signal, identifier, signal_names
 from synth.timing import Discrete
 
 Exprs = Mapping[str, ca.SX]
@@ -203,7 +203,7 @@ def build(
     expression depends on a symbol of another Block, or when the law needs the value of a symbol, as `if` does.
     """
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
-        names(group)
+        signal_names(group)
     private = [s.name for s in states] + [c.name for c in constants]
     symbol = {n: ca.SX.sym(n) for n in (*(s.name for s in inputs), *private)}
     if len(symbol) < len(inputs) + len(private):

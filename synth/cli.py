@@ -1,4 +1,4 @@
-"""Command line: `synth build | verify | simulate | audit | cost | prove | emit | new`, in the root of a workspace.
+"""Command line: `synth build | verify | simulate | faults | audit | cost | prove | emit | new`, in a workspace's root.
 
 With --json stdout is one document and progress goes to stderr. Exit status: 0 passed, 1 a check failed, 2 wrong usage,
 130 interrupted by Ctrl-C, 143 terminated. A command imports its modules when it runs: the help and the completion of
@@ -155,6 +155,20 @@ def simulate(names: Names = None, as_json: AsJson = False, fresh: Fresh = False)
     from synth import commands
 
     raise typer.Exit(commands.simulate(names or (), as_json, fresh))
+
+
+@app.command(epilog="Example: synth faults my_stage --plants 17")
+def faults(
+    names: Names = None,
+    as_json: AsJson = False,
+    plants: Annotated[int, typer.Option(min=1, help="the nominal plant and wrong ones; 17 for a full campaign")] = 4,
+    every: Annotated[bool, typer.Option("--every", help="a row for every sensor and actuator, not the worst")] = False,
+    fresh: Fresh = False,
+) -> None:
+    """Inject faults of sensors, actuators and calls into the closed loop and measure what they do to the machine."""
+    from synth import commands
+
+    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every))
 
 
 @app.command(epilog="Example: synth audit my_stage")

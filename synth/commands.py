@@ -18,11 +18,11 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from synth import progress, store, tables, tasks, workspace
+from synth import fault_jobs, progress, store, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError
-from synth.jobs import Job, run
+from synth.jobs import Job, Outcome, run
 from synth.new import create
 from synth.progress import Progress
 from synth.simulate.experiment import Experiment
@@ -42,6 +42,12 @@ def _writer(as_json: bool) -> Callable[[str, str], None]:
 
 def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
     """Run jobs in parallel; return for each design the value of the job of its name, or a Failed."""
+    outcomes = _outcomes(jobs, as_json, fresh)
+    return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
+
+
+def _outcomes(jobs: Sequence[Job], as_json: bool, fresh: bool) -> Mapping[str, Outcome]:
+    """Run jobs in parallel, and print why one failed."""
     fresh_run = store.fresh_run() if fresh else nullcontext()
     with fresh_run, progress.display(len(jobs), _writer(as_json)) as display:
         outcomes = run(jobs, display)
@@ -50,7 +56,7 @@ def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool
         if outcome.error:
             console.print(f"[bold red]error:[/] {escape(f'{name}: {outcome.error}')}", highlight=False, soft_wrap=True)
     store.trim()
-    return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
+    return outcomes
 
 
 def _for_each_design(
@@ -76,7 +82,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
         if failed and not as_json:
             tables.print_checks(f"{name}: failed checks", failed)
         _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
-        documents.append({"design": name, "checks": len(built.checks), "failed": [asdict(c) for c in failed]})
+        documents.append({"design": name, "checks": len(built.checks), "failed": [c.document() for c in failed]})
     return _finish(as_json, documents, results, any(document["failed"] for document in documents))
 
 
@@ -193,6 +199,23 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     return _finish(as_json, documents, results, not all(c.passed for v in every for c in v.checks))
 
 
+def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool) -> int:
+    """Inject every fault of the interface of each design into its closed loop, and measure what the machine does."""
+    designs = workspace.designs(Path.cwd(), names)
+    closed = [d for d in designs if (d.stage and d.stage.interface.actuators) or d.name in names]
+    jobs = {d.name: fault_jobs.jobs(d, plants) for d in closed}
+    outcomes = _outcomes([job for each in jobs.values() for job in each], as_json, fresh)
+    results: dict[str, Any] = {}
+    for d in closed:
+        error = next((e for job in jobs[d.name] if (e := outcomes[job.name].error)), "")
+        results[d.name] = Failed(d.name, error) if error else fault_jobs.result(d, plants, outcomes)
+    campaigns = _successful(results)
+    for campaign in campaigns if not as_json else ():
+        tables.print_campaign(campaign, every)
+    failed = not all(check.passed for campaign in campaigns for check in campaign.checks)
+    return _finish(as_json, [campaign.document() for campaign in campaigns], results, failed)
+
+
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
     """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
     results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
@@ -227,7 +250,7 @@ def _experiment(e: Experiment) -> Mapping[str, Any]:
 
 
 def _checks(checks: Sequence[Check]) -> list[Mapping[str, Any]]:
-    return [asdict(c) | {"passed": c.passed} for c in checks]
+    return [c.document() | {"passed": c.passed} for c in checks]
 
 
 def _require_emulator() -> None:

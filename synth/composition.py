@@ -12,7 +12,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import Block, Exprs, Named, Safety
 from synth.errors import WiringError
-from synth.signals import Signal, dimension, names
+from synth.signals import Signal, dimension, signal_names
 from synth.timing import Discrete, common
 
 
@@ -57,8 +57,8 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         name,
         "",
         time,
-        tuple(open_inputs[s] for s in names(open_inputs[s] for s in inputs)),
-        tuple(signals[s] for s in names(signals[s] for s in outputs)),
+        tuple(open_inputs[s] for s in signal_names(open_inputs[s] for s in inputs)),
+        tuple(signals[s] for s in signal_names(signals[s] for s in outputs)),
         states,
         constants,
         kept,

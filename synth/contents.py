@@ -50,7 +50,7 @@ class _Reader:
 
     def content(self, value: Any) -> bytes:
         """Return the content of a value as bytes that no other value has."""
-        kind, body = self._simple(value) or self._composed(value) or self._code(value)
+        kind, body = self._simple(value) or self._compound(value) or self._code(value)
         text = body if isinstance(body, bytes) else b"".join(self.content(part) for part in body)
         return f"{kind}:{len(text)}:".encode() + text
 
@@ -80,7 +80,7 @@ class _Reader:
             return kind, str(value.serialize()).encode()
         return None
 
-    def _composed(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
+    def _compound(self, value: Any) -> tuple[str, bytes | Iterable[Any]] | None:
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             return "dataclass", (type(value), *((f.name, getattr(value, f.name)) for f in dataclasses.fields(value)))
         if isinstance(value, Mapping):

@@ -38,7 +38,7 @@ def from_fractions(system: Any) -> Form:
         A[states, states], B[states, j], C[i, states] = a, b, c
         first = states.stop
     labels = (tuple(system.input_labels), tuple(system.output_labels))
-    return A, B, C, D, _numbered("x", order), *labels, time_of(system.dt)
+    return A, B, C, D, _numbered_names("x", order), *labels, time_of(system.dt)
 
 
 def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, float]:
@@ -81,10 +81,10 @@ def from_arrays(arrays: Sequence[Any]) -> Form:
     if len(matrices) not in (2, 3, 4):
         raise SignalError(f"{len(matrices)} arrays make no linear model: give (A, B), (A, B, C) or (A, B, C, D)")
     A, B, *rest = (arguments.matrix(name, value) for name, value in zip("ABCD", matrices, strict=False))
-    states, inputs = _numbered("x", len(A)), _numbered("u", B.shape[1])
+    states, inputs = _numbered_names("x", len(A)), _numbered_names("u", B.shape[1])
     C = rest[0] if rest else np.eye(len(A))
     D = rest[1] if len(rest) > 1 else np.zeros((len(C), B.shape[1]))
-    return A, B, C, D, states, inputs, _numbered("y", len(C)) if rest else states, time
+    return A, B, C, D, states, inputs, _numbered_names("y", len(C)) if rest else states, time
 
 
 def _time_argument(arrays: Sequence[Any]) -> Time:
@@ -104,5 +104,5 @@ def time_of(dt: Any) -> Time:
     return Discrete(float(value)) if value else Continuous()
 
 
-def _numbered(letter: str, count: int) -> tuple[str, ...]:
+def _numbered_names(letter: str, count: int) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(count))

@@ -15,6 +15,7 @@ import numpy as np
 
 from synth import show
 from synth.block import Block
+from synth.campaign import FaultCampaign
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
@@ -136,7 +137,7 @@ class Interface:
         """Return ``<name>_demand``, the unlimited output of a law, up to +-`bound` in its unit."""
         return replace(self._signal(name), name=f"{name}_demand", low=-bound, high=bound)
 
-    def computed(self, name: str) -> Signal:
+    def computed_output(self, name: str) -> Signal:
         """Return ``<name>_computed``: the output of a law that limits its demand itself."""
         return replace(self._signal(name), name=f"{name}_computed")
 
@@ -251,6 +252,7 @@ class Stage:
     gains             the document of gains.json, else that of the laws
     companions        Blocks that are emitted beside the controller
     substeps          Runge-Kutta steps of a sample in simulation
+    faults            motion, magnitudes and limits of the fault campaign
     """
 
     controller: Controller
@@ -273,6 +275,7 @@ class Stage:
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
     substeps: int = 4
+    faults: FaultCampaign = field(default_factory=FaultCampaign)
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""

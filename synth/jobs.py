@@ -36,11 +36,11 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The value that a job returned, or why it failed; `expected` is False for a crash, which is no SynthError."""
+    """The value that a job returned, or why it failed; `is_crash` marks an error that is not a SynthError."""
 
     value: Any = None
     error: str = ""
-    expected: bool = True
+    is_crash: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ def run(jobs: Sequence[Job], display: Display, processes: int | None = None) -> 
                     outcomes[each.job.name] = outcome
                     running.remove(each)
                     display.end(each.job.name)
-            waiting = _skip_failed(waiting, outcomes, display)
+            waiting = _skip_dependents(waiting, outcomes, display)
             display.tick()
     finally:
         _stop(running)
@@ -93,7 +93,7 @@ def _stop(running: Sequence[_Running]) -> None:
         each.process.join()
 
 
-def _skip_failed(waiting: Sequence[Job], outcomes: dict[str, Outcome], display: Display) -> list[Job]:
+def _skip_dependents(waiting: Sequence[Job], outcomes: dict[str, Outcome], display: Display) -> list[Job]:
     """Return the jobs that can still run; a job that depends on a failed one fails too."""
     left = list(waiting)
     for job in waiting:
@@ -102,7 +102,7 @@ def _skip_failed(waiting: Sequence[Job], outcomes: dict[str, Outcome], display: 
             outcomes[job.name] = Outcome(error=f"not run: {failed[0]} failed")
             left.remove(job)
             display.end(job.name)
-    return left if len(left) == len(waiting) else _skip_failed(left, outcomes, display)
+    return left if len(left) == len(waiting) else _skip_dependents(left, outcomes, display)
 
 
 def _ready(waiting: Sequence[Job], outcomes: Mapping[str, Outcome]) -> Job | None:
@@ -130,7 +130,7 @@ def _work(job: Job, end: Connection) -> None:
     except _Stopped:
         raise
     except BaseException:
-        end.send(Outcome(error=traceback.format_exc(), expected=False))
+        end.send(Outcome(error=traceback.format_exc(), is_crash=True))
 
 
 class _Stopped(SystemExit):
@@ -147,7 +147,7 @@ def _receive(running: _Running, display: Display) -> Outcome | None:
         message = running.end.recv()
     except (EOFError, OSError):
         running.process.join()
-        return Outcome(error=f"its process ended with status {running.process.exitcode}", expected=False)
+        return Outcome(error=f"its process ended with status {running.process.exitcode}", is_crash=True)
     if isinstance(message, str):
         display.report(running.job.name, running.job.about, message)
         return None

@@ -19,7 +19,7 @@ NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
 
 
 @dataclass(frozen=True)
-class Kind:
+class ArgumentKind:
     """The values that pass for an annotation, and the text that asks for such a value."""
 
     passes: Callable[[Any], bool]
@@ -28,7 +28,7 @@ class Kind:
 
 
 @functools.cache
-def of(annotation: Any) -> Kind | None:
+def of(annotation: Any) -> ArgumentKind | None:
     """Return the kind of an annotation, None where every value passes."""
     if annotation in KINDS:
         return KINDS[annotation]
@@ -38,7 +38,7 @@ def of(annotation: Any) -> Kind | None:
     if origin is np.ndarray:
         return ARRAY_LIKE
     if origin is type:
-        return Kind(inspect.isclass, "a type")
+        return ArgumentKind(inspect.isclass, "a type")
     if origin is tuple and inner[-1:] != (...,):
         return _tuple(tuple(map(of, inner)))
     if inspect.isclass(origin) and issubclass(origin, Mapping):
@@ -46,13 +46,13 @@ def of(annotation: Any) -> Kind | None:
     if origin is not None and inspect.isclass(origin) and issubclass(origin, Iterable):
         return _sequence(of(inner[0]), once=origin is Iterable)
     if origin is not None and annotation is not Any and callable(origin):
-        return Kind(callable, "a function")
+        return ArgumentKind(callable, "a function")
     if inspect.isclass(annotation) and not getattr(annotation, "_is_protocol", False) and annotation is not object:
-        return Kind(lambda value: isinstance(value, annotation), f"a {annotation.__name__}")
+        return ArgumentKind(lambda value: isinstance(value, annotation), f"a {annotation.__name__}")
     return None
 
 
-def _union(members: set[Any]) -> Kind | None:
+def _union(members: set[Any]) -> ArgumentKind | None:
     arrays = set(get_args(ArrayLike))
     kinds = [ARRAY_LIKE] if arrays <= members else []
     if kinds and Sequence[str] in members:
@@ -65,14 +65,14 @@ def _union(members: set[Any]) -> Kind | None:
     kinds.sort(key=lambda kind: (kind is NONE, kind.need))
     need = " or ".join(kind.need for kind in kinds)
     numbers = [kind for kind in kinds if kind.plain is not None]
-    return Kind(
+    return ArgumentKind(
         lambda value: any(kind.passes(value) for kind in kinds),
         need,
         numbers[0].plain if numbers == kinds[:1] and ARRAY_LIKE not in kinds else None,
     )
 
 
-def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
+def _tuple(kinds: tuple[ArgumentKind | None, ...]) -> ArgumentKind:
     def passes(values: Any) -> bool:
         return (
             _is_listed(values)
@@ -80,10 +80,12 @@ def _tuple(kinds: tuple[Kind | None, ...]) -> Kind:
             and all(kind is None or kind.passes(value) for kind, value in zip(kinds, values, strict=True))
         )
 
-    return Kind(passes, f"{len(kinds)} of them: {', '.join(kind.need if kind else 'anything' for kind in kinds)}")
+    return ArgumentKind(
+        passes, f"{len(kinds)} of them: {', '.join(kind.need if kind else 'anything' for kind in kinds)}"
+    )
 
 
-def _sequence(kind: Kind | None, once: bool) -> Kind:
+def _sequence(kind: ArgumentKind | None, once: bool) -> ArgumentKind:
     """Return the kind of a list; the entries of an iterator that can be read only `once` are not checked."""
 
     def passes(values: Any) -> bool:
@@ -92,7 +94,9 @@ def _sequence(kind: Kind | None, once: bool) -> Kind:
         return kind is None or all(map(kind.passes, values))
 
     entry = " of names" if kind is TEXT else f", each entry {kind.need}" if kind else ""
-    return Kind(passes, f"a list{entry}", lambda values: list(values) if isinstance(values, np.ndarray) else values)
+    return ArgumentKind(
+        passes, f"a list{entry}", lambda values: list(values) if isinstance(values, np.ndarray) else values
+    )
 
 
 def _is_listed(values: Any) -> bool:
@@ -101,7 +105,7 @@ def _is_listed(values: Any) -> bool:
     return isinstance(values, Sequence) and not isinstance(values, str | bytes)
 
 
-def _mapping(key: Kind | None, value: Kind | None) -> Kind:
+def _mapping(key: ArgumentKind | None, value: ArgumentKind | None) -> ArgumentKind:
     def passes(values: Any) -> bool:
         return (
             isinstance(values, Mapping)
@@ -110,7 +114,7 @@ def _mapping(key: Kind | None, value: Kind | None) -> Kind:
         )
 
     names = " to ".join(kind.need if kind else "anything" for kind in (key, value))
-    return Kind(passes, f"a mapping from {names}")
+    return ArgumentKind(passes, f"a mapping from {names}")
 
 
 def is_number(value: Any) -> bool:
@@ -134,23 +138,25 @@ def _is_array_like(value: Any) -> bool:
     return not isinstance(value, NO_ARRAYS) and not callable(value) and not has_mask(value)
 
 
-ARRAY_LIKE = Kind(_is_array_like, "an array of numbers without a mask")
-NONE = Kind(lambda value: value is None, "None")
-TEXT = Kind(lambda value: isinstance(value, str), "a text")
-KINDS: dict[Any, Kind | None] = {
+ARRAY_LIKE = ArgumentKind(_is_array_like, "an array of numbers without a mask")
+NONE = ArgumentKind(lambda value: value is None, "None")
+TEXT = ArgumentKind(lambda value: isinstance(value, str), "a text")
+KINDS: dict[Any, ArgumentKind | None] = {
     Any: None,
     object: None,
     type(None): NONE,
-    float: Kind(is_number, "a number", _float),
-    complex: Kind(lambda v: is_number(abs(v) if isinstance(v, complex | np.complexfloating) else v), "a number"),
-    int: Kind(
+    float: ArgumentKind(is_number, "a number", _float),
+    complex: ArgumentKind(
+        lambda v: is_number(abs(v) if isinstance(v, complex | np.complexfloating) else v), "a number"
+    ),
+    int: ArgumentKind(
         lambda v: isinstance(v, int | np.integer) and not isinstance(v, bool),
         "a whole number",
         lambda v: v if v is None or isinstance(v, int) else int(v),
     ),
-    bool: Kind(lambda value: isinstance(value, bool | np.bool), "True or False"),
+    bool: ArgumentKind(lambda value: isinstance(value, bool | np.bool), "True or False"),
     str: TEXT,
-    ca.SX: Kind(
+    ca.SX: ArgumentKind(
         lambda v: isinstance(v, ca.SX | ca.DM) or is_number(v),
         "an expression of CasADi (SX)",
         lambda v: v if v is None or isinstance(v, ca.SX) else ca.SX(v),

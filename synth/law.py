@@ -67,12 +67,12 @@ def evaluate(what: str, function: Callable[P, R], *args: P.args, **kwargs: P.kwa
             raise SignalError(
                 f"{what} cannot be called with {len(args)} arguments ({error}): give it one for each"
             ) from error
-        if mend := _mend(str(error)):
-            raise SignalError(f"{what} needs the value of a symbol{_line(error)}: {mend}") from error
+        if remedy := _remedy(str(error)):
+            raise SignalError(f"{what} needs the value of a symbol{_line(error)}: {remedy}") from error
         raise
 
 
-def _mend(message: str) -> str:
+def _remedy(message: str) -> str:
     if "truth value" in message or any(f"{operator}: 'SX'" in message for operator in ("&", "|", "~")):
         return DECISION
     return INDEX if "to_int not defined" in message or "SX" in message else ""

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, law, show
 from synth.errors import SignalError
-from synth.signals import Parameter, Signal, names
+from synth.signals import Parameter, Signal, signal_names
 
 Symbols = Mapping[str, ca.SX]
 Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]]
@@ -49,7 +49,9 @@ class Plant:
         for p in self.parameters:
             if p.name == name:
                 return p
-        raise SignalError(f"plant '{self.name}' has no parameter '{name}': it has {', '.join(names(self.parameters))}")
+        raise SignalError(
+            f"plant '{self.name}' has no parameter '{name}': it has {', '.join(signal_names(self.parameters))}"
+        )
 
     def with_parameters(self, **values: float) -> "Plant":
         """Return the plant with some parameters' values replaced."""
@@ -64,19 +66,19 @@ class Plant:
         Raises SignalError for a name that is neither a state nor an input.
         """
         signals = (*self.states, *self.inputs)
-        if unknown := [name for name in values if name not in names(signals)]:
+        if unknown := [name for name in values if name not in signal_names(signals)]:
             raise SignalError(
-                f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(names(signals))}"
+                f"plant '{self.name}' has no state or input '{unknown[0]}': it has {', '.join(signal_names(signals))}"
             )
         columns = np.broadcast_arrays(*(np.atleast_1d(values.get(s.name, 0.0)) for s in signals))
         x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
-        return dict(zip(names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
+        return dict(zip(signal_names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
 
 
 @arguments.checked
 def symbols(signals: Sequence[Signal | Parameter]) -> dict[str, ca.SX]:
     """Return one scalar SX symbol for each signal, by name."""
-    return {name: ca.SX.sym(name) for name in names(signals)}
+    return {name: ca.SX.sym(name) for name in signal_names(signals)}
 
 
 @arguments.checked
@@ -96,8 +98,8 @@ def build(
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
     named = (law.Named(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
     derivative, output = _pair(name, law.evaluate(f"the physics of plant '{name}'", physics, *named))
-    law.require_names(f"plant '{name}': derivatives", names(states), derivative)
-    law.require_names(f"plant '{name}': outputs", names(outputs), output)
+    law.require_names(f"plant '{name}': derivatives", signal_names(states), derivative)
+    law.require_names(f"plant '{name}': outputs", signal_names(outputs), output)
     args = [ca.vcat(list(s.values())) for s in (x, u, p)]
     f = ca.Function("f", args, [ca.vcat([derivative[s.name] for s in states])], ["x", "u", "p"], ["dx"])
     for exprs in (derivative, output):

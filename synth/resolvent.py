@@ -130,7 +130,7 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
     A, B, C = balanced(A, B, C)
     form = schur(A)
     for part in _chunks(len(v), TOGETHER * ENTRIES // B.size):
-        M[part] += _solve_refined(form, A, B, C, v[part])
+        M[part] += _solve_with_refinement(form, A, B, C, v[part])
     return M
 
 
@@ -141,7 +141,7 @@ def singular(A: Array, v: Complex) -> complex:
     return complex(v[int(np.concatenate(sizes).argmin())])
 
 
-def _solve_refined(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
+def _solve_with_refinement(form: Schur, A: Array, B: Array, C: Array, v: Complex) -> Complex:
     """Return C (v I - A)^-1 B (k, p, m) by the Schur form, refined; where that does not converge, directly."""
     M, places, right = np.empty((len(v), len(C), B.shape[1]), dtype=np.complex128), np.arange(len(v)), form.U.T @ B
     inexact = []

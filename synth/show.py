@@ -125,7 +125,7 @@ def signals(groups: Mapping[str, Sequence[Any]]) -> Table:
 
 def text(sheet: Sheet) -> str:
     """Return a sheet as text with aligned columns; a large table shows its first and last rows and columns."""
-    lines = (line for table in sheet.tables for line in (*filter(None, [table.note]), *_aligned(_abbreviated(table))))
+    lines = (line for table in sheet.tables for line in (*filter(None, [table.note]), *_align(_abbreviated(table))))
     return "\n".join([sheet.title, *_elided(sheet.lines, DOTS, ROWS), *lines])
 
 
@@ -205,7 +205,7 @@ def _abbreviated(table: Table) -> Table:
     return replace(table, columns=columns, rows=rows)
 
 
-def _aligned(table: Table) -> list[str]:
+def _align(table: Table) -> list[str]:
     """Return the lines of a table: numbers to the right, names and sentences to the left."""
     columns = [_column(k, cells) for k, cells in enumerate(zip(table.columns, *table.rows, strict=True))]
     return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]

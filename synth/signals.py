@@ -128,7 +128,7 @@ class Parameter:
 
 
 @arguments.checked
-def names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
+def signal_names(signals: Iterable[Signal | Parameter]) -> tuple[str, ...]:
     """Return the names in order; raise SignalError when one is listed twice."""
     signals = tuple(signals)
     if strangers := [s for s in signals if not isinstance(s, Signal | Parameter)]:

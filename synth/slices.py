@@ -119,7 +119,7 @@ class _Entry:
 
     def start(self) -> list[Place | Statement]:
         """Return the places that begin the slice, and the statements that are lambdas."""
-        parsed = sources.parsed(self.path, self.module)
+        parsed = sources.parse(self.path, self.module)
         if self.top != "<lambda>":
             return [(self.module, self.top if self.top in parsed.statements else WHOLE), (self.module, BARE)]
         lambdas = [
@@ -204,39 +204,39 @@ def _named_places(root: Path, name: str, statement: Statement) -> Iterator[Place
         yield from ((t, BARE) for t in _targets(target))
     for first, *attributes in statement.paths:
         if first in local:
-            yield from _follow(root, local[first], attributes)
+            yield from _resolve_attributes(root, local[first], attributes)
         elif module and first in module.statements:
             yield name, first
         elif module and first in module.imports:
-            yield from _follow(root, module.imports[first], attributes)
+            yield from _resolve_attributes(root, module.imports[first], attributes)
 
 
-def _follow(root: Path, target: str, attributes: Sequence[str]) -> Iterator[Place]:
+def _resolve_attributes(root: Path, target: str, attributes: Sequence[str]) -> Iterator[Place]:
     """Yield what `target.attribute. ...` names, where the target is a module or a name in one."""
     if sources.module(root, target) is None:
         parent, _, last = target.rpartition(".")
         if parent and sources.module(root, parent) is not None:
-            yield from _follow_name(root, parent, last, attributes)
+            yield from _resolve_name(root, parent, last, attributes)
         return
     if not attributes:
         yield target, WHOLE
         return
     deeper = f"{target}.{attributes[0]}"
     if sources.module(root, deeper) is not None:
-        yield from _follow(root, deeper, attributes[1:])
+        yield from _resolve_attributes(root, deeper, attributes[1:])
     else:
-        yield from _follow_name(root, target, attributes[0], attributes[1:])
+        yield from _resolve_name(root, target, attributes[0], attributes[1:])
 
 
-def _follow_name(root: Path, name: str, binding: str, attributes: Sequence[str]) -> Iterator[Place]:
+def _resolve_name(root: Path, name: str, binding: str, attributes: Sequence[str]) -> Iterator[Place]:
     """Yield the statement that binds a name in a module, the one that it is imported from, or the module whole."""
     module = sources.module(root, name)
     if module and binding in module.statements:
         yield name, binding
     elif module and binding in module.imports:
-        yield from _follow(root, module.imports[binding], attributes)
+        yield from _resolve_attributes(root, module.imports[binding], attributes)
     elif module and binding in module.exports:
-        yield from _follow(root, module.exports[binding], attributes)
+        yield from _resolve_attributes(root, module.exports[binding], attributes)
     else:
         yield name, WHOLE
 

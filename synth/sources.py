@@ -56,12 +56,12 @@ def module(root: Path, name: str) -> Module | None:
         return None
     for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
         if file.is_file():
-            return parsed(file, name)
-    return parsed(None, name) if path.is_dir() and path != root else None
+            return parse(file, name)
+    return parse(None, name) if path.is_dir() and path != root else None
 
 
 @cache
-def parsed(path: Path | None, name: str) -> Module:
+def parse(path: Path | None, name: str) -> Module:
     """Read a module, once in a process."""
     if path is None:  # a folder without __init__.py
         return Module(Path(), {}, {}, {})

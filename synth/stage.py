@@ -19,6 +19,7 @@ import numpy as np
 from synth import standard_tasks
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import safety
+from synth.campaign import FaultCampaign, FaultLimit
 from synth.composition import compose
 from synth.declaration import (
     Actuator,
@@ -37,7 +38,7 @@ from synth.errors import SignalError
 from synth.plant import Plant
 from synth.progress import Progress
 from synth.report.audit import Row
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.simulate.experiment import Experiment
 from synth.timing import Discrete
 from synth.verify import standard
@@ -47,6 +48,8 @@ from synth.workspace import Bench, Design
 __all__ = [
     "Actuator",
     "Companion",
+    "FaultCampaign",
+    "FaultLimit",
     "Interface",
     "Law",
     "Sensor",
@@ -97,7 +100,7 @@ def interface(
         *(_signal(s, {**positions, **read}[s.of]) for s in done_set_points),
         *(_signal(a, inputs[a.of]) for a in done_actuators),
     ]
-    named = dict(zip(names(signals), signals, strict=True))
+    named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
         plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples, reason,
         tuple(suspected),
@@ -169,7 +172,7 @@ def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Bloc
         return Step({f"{n}_computed": v for n, v in limited.items()} | excess)
 
     bounds = {n: max(abs(s.low), abs(s.high)) for n, s in ends.items()}
-    outputs = [*(around.computed(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
+    outputs = [*(around.computed_output(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
     return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
 
 
@@ -192,10 +195,10 @@ def controller(
     The first use raises WiringError as `composition.compose`, SignalError as `safety.guard` and `safety.safe_output`.
     """
 
-    def composed() -> Composition:
+    def compose_laws() -> Composition:
         return _composition(name, time, around, laws() if callable(laws) else laws, outputs)
 
-    return Controller(name, time, around, composed)
+    return Controller(name, time, around, compose_laws)
 
 
 def _composition(
@@ -219,7 +222,7 @@ def _composition(
     )
     driven_outputs = list(actuators) or [s.name for block in blocks for s in block.outputs]
     block = compose(
-        name, parts, inputs=names(around.inputs), outputs=driven_outputs if outputs is None else list(outputs)
+        name, parts, inputs=signal_names(around.inputs), outputs=driven_outputs if outputs is None else list(outputs)
     )
     return Composition(resolved, parts, safety.frozen(block) if around.actuators else block)
 

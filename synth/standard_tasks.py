@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.blocks import safety
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
@@ -46,25 +47,32 @@ def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     return Rig(stage, stage.plant, compiled_controller(stage, scalar))
 
 
+def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
+    """Return the stage's plant under a controller that never latches, the negative control of a fault campaign."""
+    block = safety.without_latch(stage.controller.block)
+    controller = build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar))
+    return Rig(stage, stage.plant, controller)
+
+
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error, block = stage.surrogate_error.get(scalar), stage.controller.block
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
     inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
-    answers = controller.replay(inputs)
-    folders = {stage.name: _with_vectors(files, inputs, answers)}
+    replay = controller.replay(inputs)
+    folders = {stage.name: _with_vectors(files, inputs, replay)}
     for companion in stage.companions:
         document = {"design": companion.gains(scalar)} if companion.gains else None
-        beside = write.emit(companion.block, scalar, document, error=error)
-        recorded = dict(companion.inputs(inputs, answers.outputs))
-        answered = host.load(beside.files, beside.manifest).replay(recorded)
-        folders[companion.block.name] = _with_vectors(beside, recorded, answered)
+        companion_files = write.emit(companion.block, scalar, document, error=error)
+        recorded = dict(companion.inputs(inputs, replay.outputs))
+        companion_outputs = host.load(companion_files.files, companion_files.manifest).replay(recorded)
+        folders[companion.block.name] = _with_vectors(companion_files, recorded, companion_outputs)
     return folders
 
 
-def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], answers: host.Replay) -> EmittedCode:
-    text = vectors.document(inputs, answers.outputs, answers.faults)
+def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:
+    text = vectors.document(inputs, replay.outputs, replay.faults)
     return replace(files, files={**files.files, "vectors.json": text})
 
 
@@ -97,16 +105,16 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
 
 
 def bench(
-    stage: Stage, own: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
+    stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
 ) -> Bench:
-    """Return the stimuli of the machine code; `own` returns steps that are special to this stage."""
+    """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
         return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
         loop = Rig(stage, stage.plant, controller)
-        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, own(controller))
+        return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
     return Bench(lambda: stage.controller.block, replay, sequences, floor)
 

@@ -70,7 +70,7 @@ class StateSpace:
             object.__setattr__(self, letter, value)
         for kind, labels in {"state": self.states, "input": self.inputs, "output": self.outputs}.items():
             if len(set(labels)) < len(labels):
-                raise SignalError(f"a name stands twice among the {kind}s {', '.join(labels)}: give each its own")
+                raise SignalError(f"a name is listed twice among the {kind}s {', '.join(labels)}: give each its own")
         for unit in self.units.values():
             dimension(unit)
         known = {name: self.units[name] for name in (*self.states, *self.inputs, *self.outputs) if name in self.units}

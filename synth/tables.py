@@ -9,6 +9,8 @@ from rich.table import Table
 
 from synth.check import Check
 from synth.report.audit import Row
+from synth.simulate import fault_rows
+from synth.simulate.fault_rows import Campaign
 from synth.verify import cost as costs
 
 
@@ -18,13 +20,27 @@ def print_checks(
     """Print checks, then measured values without a limit, then notes and descriptions of the failed checks."""
     table = Table("what", "found", "limit", "unit", "", title=title, title_justify="left")
     for c in checks:
-        table.add_row(c.name, f"{c.found:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
+        table.add_row(c.name, f"{c.value:.6g}", f"{c.limit:.6g}", c.unit, "ok" if c.passed else "[bold red]FAILED[/]")
     for name, value in (figures or {}).items():
         table.add_row(name, f"{value:.6g}", "", "", "")
     console = Console()
     console.print(table)
     for line in (*notes, *(f"{c.name}: {c.about}" for c in checks if c.about and not c.passed)):
         console.print(line, highlight=False, markup=False)
+
+
+def print_campaign(campaign: Campaign, every: bool = False) -> None:
+    """Print the worst target of each kind of fault, or `every` one, then the checks of declared limits."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    title = f"{campaign.design}: faults on the machine, worst of {campaign.plants} plants"
+    columns = ("fault", "duration", "condition", "excursion", "impact", "noticed", "latched", "named", "no effect")
+    table = Table(*columns, title=title, title_justify="left")
+    for row in campaign.rows if every else fault_rows.worst_targets(campaign):
+        table.add_row(*map(escape, fault_rows.cells(campaign, row)))
+    console.print(table)
+    console.print("\n".join(fault_rows.notes(campaign)), highlight=False, markup=False)
+    if campaign.checks:
+        print_checks(f"{campaign.design}: limits of faults", campaign.checks)
 
 
 def print_cost(cost: costs.Cost) -> None:

@@ -144,7 +144,7 @@ def build(design: Design) -> Task[Built]:
         evidence, experiments = verify.result(_silent), simulate.result(_silent)
         parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
         say("report")
-        checks = (*evidence.checks, *(_titled(c, e.title) for e in experiments for c in e.checks))
+        checks = (*evidence.checks, *(_with_title(c, e.title) for e in experiments for c in e.checks))
         return Built(design.report(*parts), evidence.document(), checks)
 
     try:
@@ -154,7 +154,7 @@ def build(design: Design) -> Task[Built]:
     return Task("report", compute, (design.report, *keys))
 
 
-def _titled(check: Check, title: str) -> Check:
+def _with_title(check: Check, title: str) -> Check:
     """Return a check of an experiment with the experiment's title in front of its description."""
     return replace(check, about=": ".join(filter(None, (title, check.about))))
 

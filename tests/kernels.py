@@ -43,10 +43,10 @@ TESTS = (
 
 def in_use() -> dict[str, str]:
     """Return the name of the OpenBLAS kernel that NumPy runs with, and SciPy; 'unknown' without OpenBLAS."""
-    return {module.__name__: next(_names(Path(module.__file__).parent), "unknown") for module in (np, scipy)}
+    return {module.__name__: next(_module_names(Path(module.__file__).parent), "unknown") for module in (np, scipy)}
 
 
-def _names(package: Path) -> Iterator[str]:
+def _module_names(package: Path) -> Iterator[str]:
     for path in sorted(package.parent.glob(f"{package.name}.libs/libscipy_openblas*")):
         library = ctypes.CDLL(str(path))
         for suffix in ("64_", ""):

@@ -37,10 +37,12 @@ VOCABULARY = (
     "fault",
     "block",
     "composition",
+    "campaign",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "jobs", "tasks", "tables", "standard_tasks", "stage", "testing", "new", "commands", "cli")
+LAYERS += ("workspace", "jobs", "tasks", "tables", "standard_tasks", "stage", "testing", "new", "fault_jobs")
+LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
 RANK |= {("models",): len(LAYERS) + 1, ("designs",): len(LAYERS) + 2}

@@ -16,21 +16,21 @@ from synth.errors import ModelError, SignalError, TimingError
 
 @pytest.mark.parametrize("values", [["gap", "tilt"], ("gap", "tilt"), np.array(["gap", "tilt"]), {"gap": 1, "tilt": 2}])
 def test_any_list_of_texts_is_read(values: object) -> None:
-    names = arguments.names("outputs", values)
+    names = arguments.as_name_list("outputs", values)
     assert names == ("gap", "tilt")
     assert all(type(name) is str for name in names)
 
 
 def test_one_text_is_one_name_and_none_are_none() -> None:
-    assert arguments.names("outputs", "gap") == ("gap",)
-    assert arguments.names("outputs", []) == ()
-    assert arguments.names("outputs", iter(["gap"])) == ("gap",)
+    assert arguments.as_name_list("outputs", "gap") == ("gap",)
+    assert arguments.as_name_list("outputs", []) == ()
+    assert arguments.as_name_list("outputs", iter(["gap"])) == ("gap",)
 
 
 @pytest.mark.parametrize("values", [None, 3, [3], [None], [["gap"]], np.array([["gap", "tilt"]])])
 def test_what_is_no_list_of_names_is_refused(values: object) -> None:
     with pytest.raises(SignalError, match=r"the outputs are .*: give names of signals, in one list"):
-        arguments.names("outputs", values)
+        arguments.as_name_list("outputs", values)
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ COMMAND = ("-c", "from synth.cli import main; main()")
 def test_the_examples_of_a_page_run_and_print_what_it_shows(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`python -m docs.pages PAGE` rewrites what the examples of a page print."""
+    """`python -m docs.pages PAGE` rewrites the output of the examples of a page."""
     monkeypatch.setenv("MPLBACKEND", "svg")
     _, pairs = pages.run(read(page), tmp_path)
     for shown, printed in pairs:
@@ -107,6 +107,13 @@ def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, name:
     folder, _ = new.create(tmp_path, name)
     pages.apply(read(f"howto/{page}.md"), folder)
     synth(folder, *COMMAND, "build")
+
+
+def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) -> None:
+    folder, _ = new.create(tmp_path, "my_stage")
+    pages.apply(read("howto/judge-faults-on-the-machine.md"), folder)
+    printed = synth(folder, *COMMAND, "faults", "my_stage")
+    assert "z frozen" in printed and "limits of faults" in printed and "FAILED" not in printed
 
 
 def test_a_broken_example_is_noticed(tmp_path: Path) -> None:

@@ -10,10 +10,10 @@ FOLDERS = ("synth", "models", "designs")
 
 def numbers(text: str) -> set[tuple[str, int]]:
     """Return (paper, number) of each tag, a run F(14)-(17) as its members."""
-    found = set()
+    equations = set()
     for paper, first, last in TAG.findall(text):
-        found |= {(paper, k) for k in range(int(first), int(last or first) + 1)}
-    return found
+        equations |= {(paper, k) for k in range(int(first), int(last or first) + 1)}
+    return equations
 
 
 def test_each_tag_of_the_tree_is_on_the_page() -> None:

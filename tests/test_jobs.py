@@ -33,20 +33,20 @@ def dies(say: Progress) -> None:
 
 @pytest.mark.parametrize("processes", [1, 2])
 @pytest.mark.parametrize(
-    ("job", "error", "expected"),
+    ("job", "error", "is_crash"),
     [
-        (refuses, "the stage has no plant", True),
-        (crashes, "ZeroDivisionError: a defect", False),
-        (dies, "its process ended with status 3", False),
+        (refuses, "the stage has no plant", False),
+        (crashes, "ZeroDivisionError: a defect", True),
+        (dies, "its process ended with status 3", True),
     ],
 )
 def test_what_comes_after_a_failed_job_is_not_run_and_the_run_ends(
-    job: Callable[[Progress], Any], error: str, expected: bool, processes: int
+    job: Callable[[Progress], Any], error: str, is_crash: bool, processes: int
 ) -> None:
     """The failed job is the last that runs: nothing is left to wait for."""
     jobs = [Job("emit", "a", job), Job("verify", "a", gives(1), ("emit",)), Job("report", "a", gives(2), ("verify",))]
     outcomes = run(jobs, Lines(lambda about, line: None), processes)
-    assert error in outcomes["emit"].error and outcomes["emit"].expected is expected
+    assert error in outcomes["emit"].error and outcomes["emit"].is_crash is is_crash
     assert outcomes["verify"].error == "not run: emit failed"
     assert outcomes["report"].error in ("not run: emit failed", "not run: verify failed")
 

@@ -84,6 +84,6 @@ def test_a_mistake_in_the_law_itself_stays_raw() -> None:
         (lambda x, u, p: {"y": x["y"]}, "the physics of plant 'tank' returns .*: return two mappings"),
     ],
 )
-def test_physics_are_judged_as_laws_are(physics: Any, message: str) -> None:
+def test_physics_are_checked_as_laws_are(physics: Any, message: str) -> None:
     with pytest.raises(SignalError, match=message):
         plant.build("tank", [Y], [U], [Y], [], physics)

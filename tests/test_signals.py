@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.errors import SignalError
-from synth.signals import Parameter, Signal, dimension, identifier, names
+from synth.signals import Parameter, Signal, dimension, identifier, signal_names
 
 BASE = ("A", "K", "kg", "m", "rad", "s")
 
@@ -75,6 +75,6 @@ def test_a_parameter_is_finite_with_a_tolerance(value: float, tolerance: float) 
 
 def test_names_stand_once_and_in_order() -> None:
     a, b = Signal("a", "1", 0, 1), Signal("b", "m", 0, 1)
-    assert names([b, a]) == ("b", "a")
+    assert signal_names([b, a]) == ("b", "a")
     with pytest.raises(SignalError, match="'a' is declared 2 times"):
-        names([a, b, a])
+        signal_names([a, b, a])

@@ -4,10 +4,71 @@ import pytest
 
 from tests import words
 
-MAX_VAGUE = 50  # functions of the whole tree that bind a local called found, given, wanted, own or told
+MAX_VAGUE = 0  # functions of the whole tree that bind a local called found, given, wanted, own or told
 
 # Each returns a changed copy of its argument, as `sorted` does.
-CHANGED_COPIES: frozenset[str] = frozenset()
+CHANGED_COPIES = frozenset(
+    [
+        "wrapped",
+        "slewed",
+        "guarded",
+        "outlined",
+        "abbreviated",
+        "augmented",
+        "balanced",
+        "bracketed",
+        "deflated",
+        "delayed",
+        "displaced",
+        "elided",
+        "equilibrated",
+        "escaped",
+        "folded",
+        "matched",
+        "mirrored",
+        "numbered",
+        "paired",
+        "parenthesised",
+        "perturbed",
+        "prefixed",
+        "prewarped",
+        "renamed",
+        "resampled",
+        "rounded",
+        "sampled",
+        "scaled",
+        "simplified",
+        "substituted",
+        "thinned",
+        "truncated",
+        "unranged",
+        "unrounded",
+        "unwarped",
+        "weighted",
+    ]
+)
+
+# These end in -ed for another reason.
+QUESTIONS = frozenset(  # they return a truth value
+    [
+        "is_guarded",
+        "certified",
+        "is_checked",
+        "is_flagged",
+        "is_followed",
+        "is_listed",
+        "is_loaded",
+        "is_pipelined",
+        "is_resolved",
+        "is_saturated",
+        "is_unfolded",
+        "may_be_mirrored",
+        "may_stay_unrounded",
+        "passed",
+    ]
+)
+DECORATORS = frozenset({"cached", "checked"})  # as `functools.cached_property`: they describe the decorated function
+NOUNS = frozenset({"coasting_speed", "r_squared"})  # no participles
 
 
 def python() -> dict[str, str]:
@@ -43,7 +104,7 @@ def test_participles_are_changed_copies() -> None:
     defined = {
         name for path, text in python().items() if not path.startswith("tests/") for name in words.participles(text)
     }
-    assert {name.strip("_") for name in defined} == CHANGED_COPIES
+    assert {name.strip("_") for name in defined} == CHANGED_COPIES | QUESTIONS | DECORATORS | NOUNS
 
 
 @pytest.mark.parametrize(

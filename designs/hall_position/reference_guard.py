@@ -20,7 +20,7 @@ def channels(of: Setup) -> list[str]:
     return [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(of.positions)] for axis in "xy"]
 
 
-def hold_refused(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
+def hold_voltages(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
     """Return the held voltages and which were refused, (N, sensors, 2) both."""
     now = np.stack([np.asarray(inputs[n], dtype=np.float64) for n in channels(of)], axis=1)
     last = np.stack([np.asarray(states[f"guard_last_{n}"], dtype=np.float64) for n in channels(of)], axis=1)
@@ -37,7 +37,7 @@ def estimator_states(states: Columns) -> dict[str, Array]:
 
 def step(of: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return next states, outputs and fault words (N,), states by their names in the C."""
-    held, refused = hold_refused(of, states, inputs)
+    held, refused = hold_voltages(of, states, inputs)
     outputs, after = reference.step(of, estimator_states(states), held, refused)
     flat, names = refused.reshape(len(refused), -1), channels(of)
     bad, left = np.any(flat, axis=1), np.asarray(states["guard_left"], dtype=np.int64)

@@ -94,10 +94,10 @@ def compare_witnesses(of: Subject, by: Witnesses, sizes: Mapping[str, int], prog
     for kind, draw in kinds.items():
         progress(f"{of.name}: {kind} steps")
         steps = condition_steps(of, f"{of.name}, {kind} steps", *draw())
-        c64 = by.of["c64"](steps.states, steps.inputs)
+        c64 = by.by_name["c64"](steps.states, steps.inputs)
         yield (), [ill_conditioned_share(steps)]
         for name in suite.OTHERS:
-            yield compare_double(of, steps, (name, by.of[name](steps.states, steps.inputs)), c64)
+            yield compare_double(of, steps, (name, by.by_name[name](steps.states, steps.inputs)), c64)
         if kind == "motions":
             yield compare_single(of, by, steps)
     progress(f"{of.name}: each its own way")
@@ -114,7 +114,7 @@ def steps_along(of: Subject, controller: host.Controller, inputs: Columns) -> tu
 
 def condition_steps(of: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
     """Return steps with the magnification of their rounding errors and the margins of their costs."""
-    held, refused = reference_guard.hold_refused(of.setup, states, inputs)
+    held, refused = reference_guard.hold_voltages(of.setup, states, inputs)
     step = of.setup, reference_guard.estimator_states(states), held, refused
     near = np.where(near_decision_boundary(of, *step[1:]), 1 / CHANGE, 0.0)
     severity = np.maximum(reference_rounding.magnification(*step), near)
@@ -210,7 +210,7 @@ def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
     start = {s.name: s.initial for s in of.block.states}
     double, reference_outputs, single = (
         agree.run(witness, start, inputs).outputs
-        for witness in (by.of["c64"], by.of["reference"], agree.emitted_c(by.c32))
+        for witness in (by.by_name["c64"], by.by_name["reference"], agree.emitted_c(by.c32))
     )
     checks = []
     for name, outputs, limit, share in (

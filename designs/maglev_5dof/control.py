@@ -23,7 +23,7 @@ from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import derivative_filter, regulator, safety
 from synth.composition import compose
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.stage import Actuator, Sensor, SetPoint
 from synth.statespace import StateSpace, readonly
 from synth.synthesise.feedback import lqr
@@ -216,7 +216,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
         return Step(output, named=named_signals)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
-    outputs = [*(INTERFACE.computed(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
+    outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
 
 
@@ -260,7 +260,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
 
 def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
-    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, corrected, anti_windup), names(OUTPUTS))
+    return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, corrected, anti_windup), signal_names(OUTPUTS))
 
 
 def phase_currents(plant: Plant) -> Block:
@@ -294,4 +294,6 @@ def phase_currents(plant: Plant) -> Block:
         safety.guard(TIME, guarded, BAD_SAMPLES),
         build("commutation", TIME, law, inputs=held, outputs=outputs, tag="phase currents, inverse Park"),
     ]
-    return compose(f"{NAME}_phase", blocks, inputs=names(g.signal for g in guarded), outputs=names(outputs))
+    return compose(
+        f"{NAME}_phase", blocks, inputs=signal_names(g.signal for g in guarded), outputs=signal_names(outputs)
+    )

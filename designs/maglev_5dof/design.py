@@ -29,6 +29,7 @@ DESIGN = stage.design(
     stops={name: control.BOX[name] for name in ("y", "phi", "theta")},
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
+    faults=experiments.FAULTS,
     recording=verification.vectors,
     gains=gains.document,
     companions=[Companion(control.phase_currents(PLANT), verification.commutation_inputs)],

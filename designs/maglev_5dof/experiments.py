@@ -16,6 +16,7 @@ import numpy as np
 from designs.maglev_5dof import control
 from designs.maglev_5dof.control import OMEGA0, RESOLUTION
 from models import maglev_stage
+from synth.campaign import FaultCampaign
 from synth.check import Check
 from synth.execute import build, host
 from synth.simulate import metrics
@@ -40,6 +41,7 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
     "z": Sine(0.03, OMEGA0),
     "theta": Sine(0.01, OMEGA0),
 }
+FAULTS = FaultCampaign({f"{n}_ref": course for n, course in COURSES.items()}, period_s=2 * pi / OMEGA0, watch_s=2.0)
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
@@ -225,12 +227,12 @@ def _zero_current(rig: Rig) -> Experiment:
 def _run(name: str, title: str, make: Make, springs: Mapping[str, float] | None = None, **options: Any) -> Run:
     """Return the experiment `make(rig, **options)` with true guide springs `springs` times the assumed ones."""
 
-    def run_named(rig: Rig, name: str) -> Experiment:
+    def run(rig: Rig, name: str) -> Experiment:
         true = {spring: rig.plant.parameter(spring).value * factor for spring, factor in (springs or {}).items()}
         experiment = make(replace(rig, plant=rig.plant.with_parameters(**true)), **options)
         return replace(experiment, name=name, title=title)
 
-    return Run(name, run_named)
+    return Run(name, run)
 
 
 def _gap(a: int, b: int, make: Make, prefix: str = "", title: str = "", **options: Any) -> Run:

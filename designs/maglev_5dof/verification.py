@@ -45,7 +45,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     progress("random steps")
     samples = random_steps(by.block, RANDOM_STEPS)
     compared = suite.compare("random steps", by, *samples, FLOOR)
-    share = float(np.mean(is_saturated(by.of["c64"](*samples).outputs)))
+    share = float(np.mean(is_saturated(by.by_name["c64"](*samples).outputs)))
     double, single = suite.in_both_precisions(by, *samples)
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare("random steps", *pair, FLOOR, by.block, np.float32)

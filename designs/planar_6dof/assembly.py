@@ -42,6 +42,6 @@ def design(
         recording=artefacts.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
         audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
-        bench=partial(standard_tasks.bench, own=bench.stimuli, floor=bench.FLOOR),
+        bench=partial(standard_tasks.bench, further_steps=bench.stimuli, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
     )

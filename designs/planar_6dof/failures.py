@@ -57,7 +57,7 @@ class Failed:
     @property
     def others(self) -> tuple[str, ...]:
         """The sound Hall channels that are named before the latch."""
-        return tuple(name for name in self.failure.others if name in HALL)
+        return tuple(name for name in self.failure.misidentified_sensors if name in HALL)
 
     @property
     def isolation_delay(self) -> float:
@@ -67,14 +67,14 @@ class Failed:
         """
         if self.contradicted is None:
             return 0.0
-        answers = [self.failure.named, None if self.others else self.failure.latched]
+        answers = [self.failure.samples_to_detection, None if self.others else self.failure.samples_to_latch]
         return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
 
     @property
     def coasting_speed(self) -> float:
         """Speed of the coasting platen at the end, m/s; 0 without a latch."""
         run = self.failure.run
-        return 0.0 if self.failure.latched is None else float(np.hypot(run["vx"][-1], run["vy"][-1]))
+        return 0.0 if self.failure.samples_to_latch is None else float(np.hypot(run["vx"][-1], run["vy"][-1]))
 
 
 def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place = REST) -> Failed:
@@ -116,8 +116,8 @@ def _figures(runs: Sequence[Failed]) -> dict[str, float]:
         f = each.failure
         figures |= {
             f"samples until {f.sensor} is contradicted": _or_never(each.contradicted),
-            f"samples until {f.sensor} is named": _or_never(f.named),
-            f"samples until the latch, {f.sensor}": _or_never(f.latched),
+            f"samples until {f.sensor} is named": _or_never(f.samples_to_detection),
+            f"samples until the latch, {f.sensor}": _or_never(f.samples_to_latch),
             f"sound channels named, {f.sensor}": len(each.others),
             f"largest excursion before the latch, {f.sensor}, um": 1e6 * f.excursion,
             f"coasts at, {f.sensor}, mm/s": 1e3 * each.coasting_speed,
@@ -136,20 +136,20 @@ def checks(runs: Sequence[Failed], kind: str, moving: bool) -> list[Check]:
     rows = [
         Check("samples with a fault before the failure", float(early), 0.0, "1"),
         _slew_check(runs),
-        Check("current left at the end after a latch", max(f.left() for f in each), 0.0, "A"),
+        Check("current left at the end after a latch", max(f.final_command() for f in each), 0.0, "A"),
     ]
     if kind == "nan":
-        late = max(_or_never(f.latched) for f in each)
+        late = max(_or_never(f.samples_to_latch) for f in each)
         return [*rows, Check("samples until the latch", late, interface.BAD_SAMPLES - 1.0, "1", "every channel")]
     rows.append(_isolation_check(runs))
     if kind == "zero" or moving:
-        undetected = float(sum(f.latched is None for f in each))
+        undetected = float(sum(f.samples_to_latch is None for f in each))
         rows.append(Check("channels whose failure is not noticed", undetected, 0.0, "1", "in 1 s"))
     return rows
 
 
 def _slew_check(runs: Sequence[Failed]) -> Check:
-    fastest = max(f.failure.slew() for f in runs)
+    fastest = max(f.failure.max_slew_rate() for f in runs)
     return Check("change of a current from the latch on", fastest, SLEW, "A/s", "declared: 126")
 
 
@@ -180,9 +180,9 @@ def survey(loop: Rig, name: str, kind: str, speeds: Sequence[float] = SPEEDS) ->
         for v in speeds
     ]
     detected = [f for f in runs if f.contradicted is not None]
-    isolated = [f for f in detected if f.failure.named is not None]
-    latched_otherwise = [f.failure for f in runs if f.contradicted is None and f.failure.latched is not None]
-    undetected = [f.failure.excursion for f in runs if f.failure.latched is None]
+    isolated = [f for f in detected if f.failure.samples_to_detection is not None]
+    latched_otherwise = [f.failure for f in runs if f.contradicted is None and f.failure.samples_to_latch is not None]
+    undetected = [f.failure.excursion for f in runs if f.failure.samples_to_latch is None]
     figures = {
         "runs": float(len(runs)),
         "with a residual out of its bound, %": 100 * len(detected) / len(runs),

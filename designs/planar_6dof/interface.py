@@ -19,7 +19,7 @@ from synth import stage
 from synth.block import Block
 from synth.declaration import Actuator, Composition, Controller, Sensor, SetPoint
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.timing import Discrete
 
 NOISE, NOISE_PRINTED = 13e-6, 5e-5  # m: a third of the peaks of +-4e-5 m in Fig. 5(a); the value of section 3.2
@@ -50,7 +50,7 @@ INTERFACE = stage.interface(
         ),
     ],
     set_points=[SetPoint(f"{a}_ref", a, s.low, s.high, about=s.about) for a, s in vertical.REFERENCES.items()],
-    actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in names(planar_stage.INPUTS)],
+    actuators=[Actuator(name, safe=0.0, slew_per_s=SLEW) for name in signal_names(planar_stage.INPUTS)],
     bad_samples=BAD_SAMPLES,
     reason="the air bearings carry the platen, and without current no force acts on it",
     suspected=planar_stage.HALL,

@@ -30,7 +30,7 @@ from models.planar_stage import commutation_matrix
 from synth.analyse import linearisation, loop, operating_points, stability_margins
 from synth.block import Block
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array, StateSpace
 from synth.timing import Discrete
 from synth.verify import agree
@@ -39,8 +39,8 @@ Place = Mapping[str, float]  # m and rad, by axis
 
 MIDDLE: Place = dict.fromkeys(AXES, 0.0)  # of the travel
 SETTLING_SAMPLES = 50  # samples after which the filters are in steady state
-PHASES, SENSED = names(planar_stage.INPUTS), interface.SENSORS
-MOTORS = names(allocation.CURRENTS)
+PHASES, SENSED = signal_names(planar_stage.INPUTS), interface.SENSORS
+MOTORS = signal_names(allocation.CURRENTS)
 HORIZONTAL = MOTORS[:3]
 
 
@@ -86,7 +86,7 @@ def rest_point(plant: Plant, block: Block, place: Place) -> tuple[dict[str, floa
     """Return states and inputs of the controller with the platen at rest at its set-points, as measured."""
     outputs, view = plant.output_values(place), simulated.position_block(block.time)
     measured = {name: float(outputs[name][0]) for name in SENSED}
-    positions = _hold_inputs(view, dict.fromkeys(names(view.inputs), 0.0) | measured, SETTLING_SAMPLES).outputs
+    positions = _hold_inputs(view, dict.fromkeys(signal_names(view.inputs), 0.0) | measured, SETTLING_SAMPLES).outputs
     inputs = measured | {f"{a}_ref": float(positions[a][-1]) if a in positions else place.get(a, 0.0) for a in AXES}
     return {name: float(v[0]) for name, v in _hold_inputs(block, inputs, 2).states.items()}, inputs
 

@@ -58,8 +58,8 @@ WINDOW_S = (1.0, 3.0)  # s of the standstill that are drawn
 class Contents:
     """Contents that a design adds to its report: controller, a line on its law, printed equations, and loops.
 
-    `whole` are sections on multivariable loops. `beside` maps experiments to rows of the audit; `filtered` tells
-    whether the law uses filtered positions, `spectrum` whether the paper shows a spectrum; `values` are those named in
+    `whole` are sections on multivariable loops. `beside` maps experiments to rows of the audit. `filters_positions` is
+    whether the law filters the positions, `spectrum` whether the paper shows a spectrum. `values` are those named in
     its report.md; `cost` returns tables that follow the cost.
     """
 
@@ -69,7 +69,7 @@ class Contents:
     loops: Sequence[loops.OpenLoop]
     beside: Beside
     whole: Sequence[Section] = ()
-    filtered: bool = True
+    filters_positions: bool = True
     spectrum: bool = False
     values: Mapping[str, Value] = field(default_factory=dict)
     cost: Callable[[Sequence[Experiment]], tuple[page.Block, ...]] = lambda _: ()
@@ -88,7 +88,7 @@ def report(
     design, data = contents(plant), tomllib.loads(Path(__file__).with_name("report.toml").read_text(encoding="utf-8"))
     block, time = design.block.rounded(np.float32), design.block.time
     computed = {
-        **_stage(plant, block, design.filtered),
+        **_stage(plant, block, design.filters_positions),
         **_at_rest(runs, time, design),
         **_run_figures(runs, time, design),
     }
@@ -148,7 +148,7 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
 
 def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Made]:
     """Return the figure of the filter at a standstill; nothing for a law without filters."""
-    if not design.filtered:
+    if not design.filters_positions:
         return {}
     rest = [e.trajectory for e in runs if e.name == REST]
     if not rest:
@@ -169,7 +169,7 @@ def _run_figures(runs: Sequence[Experiment], time: Discrete, design: Contents) -
             paths = ([np.asarray(source[n]) for n in "xy"] for source in (e.references, e.trajectory))
             figures[f"{OF_RUN}{e.name}"] = drawings.circle(*paths)
         if design.spectrum and e.name == SPECTRUM:
-            figures[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, time, design.filtered)
+            figures[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, time, design.filters_positions)
     return figures
 
 
@@ -188,7 +188,7 @@ def experiments(
     texts = {e.name: readable(quoted.get(e.name.removesuffix(FINITE), "")) for e in runs}
     blocks = {name.removeprefix(OF_RUN): each for name, each in values.items() if name.startswith(OF_RUN)}
     figures = {name: (each,) for name, each in blocks.items() if isinstance(each, page.Figure)}
-    return standard.experiments([_readable(e) for e in runs], replace(SHOWN, beside=texts, drawn=figures))
+    return standard.experiments([_readable(e) for e in runs], replace(SHOWN, beside=texts, blocks=figures))
 
 
 def _readable(e: Experiment) -> Experiment:

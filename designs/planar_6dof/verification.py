@@ -53,7 +53,7 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     progress("random steps")
     samples = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
-    random = {name: witness(*samples) for name, witness in by.of.items()}
+    random = {name: witness(*samples) for name, witness in by.by_name.items()}
     single, decision_checks = standard.compare_precisions(by, *samples, FLOOR, COUNTS)
     pairs = [
         *compare_witnesses("random steps", subject, random),
@@ -61,7 +61,7 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
     ]
     progress("edge steps")
     edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
-    pairs += compare_witnesses("edge steps", subject, {name: witness(*edges) for name, witness in by.of.items()})
+    pairs += compare_witnesses("edge steps", subject, {name: witness(*edges) for name, witness in by.by_name.items()})
     progress("replays of closed loops")
     loop = loops.of(subject.block, by.c64)
     for what, run in record_runs(loop, subject.step, replay_s).items():
@@ -86,7 +86,7 @@ def compare_witnesses(what: str, subject: Subject, by: Mapping[str, agree.StepRe
 def replay(by: Witnesses, run: Trajectory) -> dict[str, agree.StepResults]:
     """Replay a recorded run from `init` with all witnesses."""
     start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.run(by.of[name], start, run.measured) for name in suite.OTHERS}
+    others = {name: agree.run(by.by_name[name], start, run.measured) for name in suite.OTHERS}
     return others | {"c64": agree.replay(by.c64, run.measured)}
 
 

@@ -34,7 +34,7 @@ BESIDE = {
 
 def contents(plant: Plant) -> page.Contents:
     """Return the contents of this design; report.md names the printed crossovers, in Hz."""
-    printed = {f"crossover_{row}": rows.printed()[row]["crossover"].text for row in ("Y-7", "Y-8")}
+    printed = {f"crossover_{row}": rows.published_rows()[row]["crossover"].text for row in ("Y-7", "Y-8")}
     block, open_loops = control.controller(plant), all_loops(plant)
     return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, values=printed)
 

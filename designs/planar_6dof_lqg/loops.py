@@ -38,14 +38,14 @@ def all_loops(plant: Plant) -> list[OpenLoop]:
     for axis in AXES:
         other, label = (law_of_printed_weights(plant), REWEIGHTED) if axis in HORIZONTAL else (printed, "as printed")
         open_loops += shared.of_block(plant, whole(plant, shared.with_axis_of(shipped, other, axis)), [axis], label)
-    return open_loops + shared.of_parts(as_printed(plant), HORIZONTAL, PRINTED)
+    return open_loops + shared.of_parts(parts_as_in_the_paper(plant), HORIZONTAL, PRINTED)
 
 
 def horizontals(plant: Plant) -> dict[str, dict[str, StateSpace]]:
     """Return the loop of x, y and phi of each kind."""
     laws = {SHIPPED: lqg.law(plant), REWEIGHTED: law_of_printed_weights(plant)}
     both = {label: shared.parts(plant, whole(plant, law)) for label, law in laws.items()}
-    return {label: shared.horizontal(each) for label, each in (both | {PRINTED: as_printed(plant)}).items()}
+    return {label: shared.horizontal(each) for label, each in (both | {PRINTED: parts_as_in_the_paper(plant)}).items()}
 
 
 def whole(plant: Plant, law: Sequence[Block]) -> Block:
@@ -68,7 +68,7 @@ def _axis_of_printed_weights(axis: Axis) -> Axis:
     return replace(axis, k1=k1 * axis.k1, k2=k2 * axis.k2, k3=k3 * axis.k3)
 
 
-def as_printed(plant: Plant) -> LoopParts:
+def parts_as_in_the_paper(plant: Plant) -> LoopParts:
     """Return the horizontal stage under (33) with K of (49), which neglects the yaw torque of motor C."""
     stage = shared.parts(plant, whole(plant, lqg.law(plant))).plant
     return LoopParts(stage.select(HORIZONTAL, CURRENTS), core.compensator().model)
@@ -76,7 +76,7 @@ def as_printed(plant: Plant) -> LoopParts:
 
 def gain_of_42() -> Array:
     """Return H (3, 6) of (42), on x, y, phi, z1, z2, z3."""
-    diagonal, other, integral = (rows.printed()["Y-12"][name].value for name in ("own", "other", "integral"))
+    diagonal, other, integral = (rows.published_rows()["Y-12"][name].value for name in ("own", "other", "integral"))
     return readonly(np.hstack([other + (diagonal - other) * np.eye(3), integral * np.eye(3)]))
 
 

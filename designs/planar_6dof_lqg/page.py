@@ -29,7 +29,7 @@ LOW, HIGH, POINTS = 0.3, 0.999, 300  # Hz, of the Nyquist frequency, points of s
 
 def contents(plant: Plant) -> page.Contents:
     """Return the contents of this design."""
-    block, open_loops, whole = lqg.controller(plant), loops.all_loops(plant), (_whole(plant),)
+    block, open_loops, whole = lqg.controller(plant), loops.all_loops(plant), (_horizontal_loop(plant),)
     values, cost = _values(plant), core.cost_table
     return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, whole, False, True, values, cost)
 
@@ -41,10 +41,10 @@ def _values(plant: Plant) -> dict[str, Value]:
     return {**errors, "weaker": 1 - allocation.force_constant(plant) / stated}
 
 
-def _whole(plant: Plant) -> Section:
+def _horizontal_loop(plant: Plant) -> Section:
     open_loops = loops.horizontals(plant)
     refusal = (
-        f"The gain H of (42) is no choice. The library refuses it: {loops.rejection_message().replace('-1', '−1')}."
+        f"The gain H of (42) cannot be used. The library refuses it: {loops.rejection_message().replace('-1', '−1')}."
     )
     disks = {label: {cut: disk.of_loop(L) for cut, L in each.items()} for label, each in open_loops.items()}
     svg = figures.svg(multivariable.disks(disks[loops.SHIPPED]), "disks")

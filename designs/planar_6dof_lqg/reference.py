@@ -61,7 +61,7 @@ def axes() -> dict[str, Axis]:
 def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
     """Return K (3,) of s = -K (q, z, q') for the integral of x' diag(weights) x + R s^2 with s held over a period."""
     with mpmath.workdps(60):
-        A, B, Q, N, M = sampled(b, weights, R)
+        A, B, Q, N, M = sample(b, weights, R)
         E = mpmath.inverse(M)
         F, G, H = A - B * E * N.T, B * E * B.T, Q - N * E * N.T
         one = mpmath.eye(3)
@@ -72,7 +72,7 @@ def gain(b: float, weights: tuple[float, float, float], R: float) -> Array:
         return np.array([float(K[0, j]) for j in range(3)])
 
 
-def sampled(b: float, weights: tuple[float, float, float], R: float) -> tuple[mpmath.matrix, ...]:
+def sample(b: float, weights: tuple[float, float, float], R: float) -> tuple[mpmath.matrix, ...]:
     """Return A, B and the weights Q, N, R of one period. Van Loan 1978."""
     F, W, T = mpmath.zeros(4), mpmath.diag([*weights, R]), mpmath.mpf(PERIOD.numerator) / PERIOD.denominator
     F[0, 2] = F[1, 0] = 1

@@ -50,7 +50,7 @@ def of_rational(system: System, low: float | None, high: float | None) -> Assess
     )
 
 
-def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Assessment:
+def of_delayed_loop(loop: Delayed, low: float | None, high: float | None) -> Assessment:
     """Return the assessment of a loop with an exact delay and hold."""
     model = rational.of_system(loop.model)
     L = None if model.N.is_zero() else delayed_crossings.zero_pole_gain(loop, model).value
@@ -64,7 +64,7 @@ def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Assessme
         return Perturbation(of_loop, of_loop * float(value))
 
     return Assessment(
-        delayed_crossings.of_delayed(loop, model, low, high),
+        delayed_crossings.of_delayed_loop(loop, model, low, high),
         count_unstable(1.0) == 0,
         low is None and high is None,
         count_unstable,
@@ -72,7 +72,7 @@ def of_delayed(loop: Delayed, low: float | None, high: float | None) -> Assessme
     )
 
 
-def of_traced(loop: StateSpace | Delayed, low: float | None, high: float | None) -> Assessment:
+def of_many_states(loop: StateSpace | Delayed, low: float | None, high: float | None) -> Assessment:
     """Return the assessment of a loop of many states, traced in double precision."""
     model = loop.model if isinstance(loop, Delayed) else loop
 

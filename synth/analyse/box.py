@@ -32,7 +32,7 @@ class Box:
         """Return the expressions with the values of the constants substituted."""
         return ca.substitute(exprs, self.constants, ca.SX(ca.DM(self.values.tolist())))
 
-    def evaluated(self, exprs: ca.SX, points: Array) -> Array:
+    def evaluate(self, exprs: ca.SX, points: Array) -> Array:
         """Return the values (k, l, points) of `exprs` (k, l) at columns of `points` (d, points).
 
         Raises ModelError where one is not finite.

@@ -57,7 +57,7 @@ def of_rational(loop: Rational, low: float, high: float) -> Crossings:
 
     Raises ModelError if `rational.MOST_BITS` bits do not resolve a value.
     """
-    N, D = loop.reduced
+    N, D = loop.lowest_terms
     at_ends = ends(loop)
     gain, phase = (
         tuple(c for c in crossings if low <= c.frequency <= high)
@@ -69,7 +69,7 @@ def of_rational(loop: Rational, low: float, high: float) -> Crossings:
 
 def ends(loop: Rational) -> dict[float, float]:
     """Return L at w = 0 and at Nyquist or infinity, unless it has a pole there."""
-    N, D = loop.reduced
+    N, D = loop.lowest_terms
     order = max(N.degree(), D.degree())
     last = np.inf if isinstance(loop.time, Continuous) else np.pi / loop.time.period_s
     pairs = {0.0: (N[0], D[0]), last: (N[order], D[order])}
@@ -84,7 +84,7 @@ def _gain_crossings(loop: Rational, N: Polynomial, D: Polynomial) -> tuple[Cross
 
 def is_all_pass(loop: Rational) -> bool:
     """Tell whether |L| = 1 at all frequencies."""
-    N, D = loop.reduced
+    N, D = loop.lowest_terms
     return bool(squared_magnitude(N) == squared_magnitude(D))
 
 
@@ -112,7 +112,7 @@ def _without_common_zeros(P: Polynomial, factor: Polynomial) -> Polynomial:
 
 def _least_distance(loop: Rational, ends: Mapping[float, float], low: float, high: float) -> tuple[float, float]:
     """Return the least |1 + L| and its frequency."""
-    N, D = loop.reduced
+    N, D = loop.lowest_terms
     candidates = [(abs(1 + v), w) for w, v in ends.items()]
     if D.degree() <= SMALL:
         P, Q = squared_magnitude(N + D), squared_magnitude(D)
@@ -148,7 +148,8 @@ def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial
                 return tuple(Crossing(w, complex(v)) for w, v in zip(frequencies, values, strict=True))
         bits *= 4
     raise ModelError(
-        f"{rational.MOST_BITS} bits do not resolve a crossing of the loop: leave out modes that the loop hardly shows"
+        f"{rational.MOST_BITS} bits do not resolve a crossing of the loop: "
+        "leave out modes with a negligible residue in the loop"
     )
 
 

@@ -27,7 +27,7 @@ MOST_INTERVALS = 500_000
 QUIET = 1e-5  # of |L| at infinity: the search ends where |L| stays this close above it
 
 
-def of_delayed(loop: Delayed, model: Rational, low: float | None, high: float | None) -> Crossings:
+def of_delayed_loop(loop: Delayed, model: Rational, low: float | None, high: float | None) -> Crossings:
     """Return the crossings of a loop, whose rational factor is `model`, between two frequencies in rad/s.
 
     By default, `low` lies where the loop has reached its asymptote, and `high` lies above all crossings that can decide

@@ -59,7 +59,7 @@ def gramian(F: ArrayLike, W: ArrayLike, period_s: float, exact: bool = False) ->
     semidefinite; `exact` computes both in ball arithmetic and rounds each entry once.
 
     Raises SignalError for shapes that do not fit, entries that are not finite or an asymmetric W; TimingError when the
-    period is not positive; ModelError when a mode overflows double precision, or as `precise.correctly_rounded`.
+    period is not positive; ModelError when a mode overflows double precision, or as `precise.round_correctly`.
     """
     F, W = _square("F", F), _square("W", W)
     if F.shape != W.shape:
@@ -77,7 +77,7 @@ def zero_order_hold(system: System, period_s: float) -> StateSpace:
     """Return the zero-order-hold equivalent of the model, with the same names and units.
 
     Raises TimingError when the model is sampled already or the period is not positive; ModelError as
-    `precise.correctly_rounded`.
+    `precise.round_correctly`.
     """
     model = of(system)
     if not isinstance(model.time, Continuous):
@@ -93,7 +93,7 @@ def first_order_hold(A: ArrayLike, B: ArrayLike, period_s: float) -> FirstOrderH
     """Return the exact response over one period to an input that is linear between samples; A (n, n), B (n, m).
 
     Raises SignalError for shapes that do not fit or entries that are not finite; TimingError when the period is not
-    positive; ModelError as `precise.correctly_rounded`.
+    positive; ModelError as `precise.round_correctly`.
     """
     A, B, T = _square("A", A), arguments.matrix("B", B), _period(period_s).period_s
     if len(B) != len(A) or not np.isfinite(B).all():
@@ -192,7 +192,7 @@ def _van_loan(F: Array, W: Array, period_s: float) -> tuple[Array, Array]:
         G = flint.arb_mat([[E[i, n + j] for j in range(n)] for i in range(n)])
         return M.transpose() * G
 
-    integral = precise.correctly_rounded(compute, f"the integral over {period_s:g} s")
+    integral = precise.round_correctly(compute, f"the integral over {period_s:g} s")
     return _exponential(F, period_s), (integral + integral.T) / 2
 
 
@@ -218,4 +218,4 @@ def _exponential(M: Array, period_s: float, columns_over_T: int = 0) -> Array:
             scale[j, j] = 1 / T
         return (precise.matrix(M) * T).exp() * scale
 
-    return precise.correctly_rounded(compute, f"the exponential over {period_s:g} s")
+    return precise.round_correctly(compute, f"the exponential over {period_s:g} s")

@@ -20,13 +20,13 @@ import numpy as np
 
 from synth import arguments
 from synth.analyse import equilibrium_equations, linearisation, loop
-from synth.analyse.equilibrium_equations import ClosedLoop
+from synth.analyse.equilibrium_equations import SampledLoop
 from synth.analyse.operating_points import OperatingPoint
 from synth.errors import ModelError, NoEquilibriumError, SignalError
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import StateSpace
 
-__all__ = ["ClosedLoop", "Equilibrium", "open_loop", "solve"]
+__all__ = ["Equilibrium", "SampledLoop", "open_loop", "solve"]
 
 TOLERANCE = 1e-9  # of half the width of a signal's range; for a change, in one period
 
@@ -40,7 +40,7 @@ class Equilibrium:
     range.
     """
 
-    closed: ClosedLoop
+    closed: SampledLoop
     point: OperatingPoint
     state: Mapping[str, float]
     inputs: Mapping[str, float]
@@ -72,7 +72,7 @@ def open_loop(rest: Equilibrium, signal: str | Sequence[str]) -> StateSpace:
 
 
 @arguments.checked
-def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> Equilibrium:
+def solve(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> Equilibrium:
     """Return the equilibrium of the loop at constant `references`; `near` is a trim of the plant close to it.
 
     Disturbances are those of `near`. Without integral action the equilibrium differs slightly from the trim.
@@ -93,7 +93,7 @@ def solve(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPo
     raise _no_rest(closed, equations, least)
 
 
-def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> None:
+def _check(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> None:
     missing = [n for n in closed.references if n not in references]
     unknown = [n for n in references if n not in closed.references]
     if missing or unknown:
@@ -105,11 +105,13 @@ def _check(closed: ClosedLoop, references: Mapping[str, float], near: OperatingP
 
 
 def _equilibrium(
-    closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint, trial: equilibrium_equations.Trial
+    closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint, trial: equilibrium_equations.Trial
 ) -> Equilibrium:
     plant, block = closed.plant, closed.controller
-    y = dict(zip(names(plant.outputs), np.asarray(plant.h(trial.x, trial.u, near.p)).ravel(), strict=True))
-    inputs = {n: float(y[closed.sensors[n]]) if n in closed.sensors else references[n] for n in names(block.inputs)}
+    y = dict(zip(signal_names(plant.outputs), np.asarray(plant.h(trial.x, trial.u, near.p)).ravel(), strict=True))
+    inputs = {
+        n: float(y[closed.sensors[n]]) if n in closed.sensors else references[n] for n in signal_names(block.inputs)
+    }
     state = dict(zip((s.name for s in block.states), map(float, trial.state), strict=True))
     derivative = float(np.abs(np.asarray(plant.f(trial.x, trial.u, near.p))).max(initial=0.0))
     signals = (*plant.states, *plant.inputs)
@@ -137,7 +139,7 @@ def _require_no_fault(rest: Equilibrium) -> None:
 
 
 def _no_rest(
-    closed: ClosedLoop, equations: equilibrium_equations.Equations, trial: equilibrium_equations.Trial | None
+    closed: SampledLoop, equations: equilibrium_equations.Equations, trial: equilibrium_equations.Trial | None
 ) -> NoEquilibriumError:
     what = f"the loop of plant '{closed.plant.name}' under '{closed.controller.name}'"
     if trial is None or not np.isfinite(trial.residual).all() or len(trial.residual) < len(equations.unknowns):

@@ -18,7 +18,7 @@ from synth.analyse.operating_points import OperatingPoint
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array
 
 ITERATIONS = 60
@@ -32,7 +32,7 @@ Wires = Mapping[str, str | Mapping[str, float]]
 
 @arguments.checked
 @dataclass(frozen=True, eq=False)
-class ClosedLoop:
+class SampledLoop:
     """A plant under a controller.
 
     `sensors[controller input] = plant output`; `actuators[plant input] = controller output`, or a sum of them,
@@ -52,10 +52,10 @@ class ClosedLoop:
 
     def __post_init__(self) -> None:
         ends = (
-            ("sensors", self.sensors, names(self.controller.inputs)),
-            ("sensors", self.sensors.values(), names(self.plant.outputs)),
-            ("actuators", self.actuators, names(self.plant.inputs)),
-            ("actuators", [c for row in self.mixing.values() for c in row], names(self.controller.outputs)),
+            ("sensors", self.sensors, signal_names(self.controller.inputs)),
+            ("sensors", self.sensors.values(), signal_names(self.plant.outputs)),
+            ("actuators", self.actuators, signal_names(self.plant.inputs)),
+            ("actuators", [c for row in self.mixing.values() for c in row], signal_names(self.controller.outputs)),
         )
         for what, listed, known in ends:
             for name in listed:
@@ -65,7 +65,7 @@ class ClosedLoop:
     @property
     def references(self) -> tuple[str, ...]:
         """The controller's inputs that no sensor drives."""
-        return tuple(n for n in names(self.controller.inputs) if n not in self.sensors)
+        return tuple(n for n in signal_names(self.controller.inputs) if n not in self.sensors)
 
     @property
     def mixing(self) -> dict[str, dict[str, float]]:
@@ -116,14 +116,16 @@ class Equations:
         return self.trial(x, u, state)
 
 
-def of_loop(closed: ClosedLoop, references: Mapping[str, float], near: OperatingPoint) -> Equations:
+def of_loop(closed: SampledLoop, references: Mapping[str, float], near: OperatingPoint) -> Equations:
     plant, block, T = closed.plant, closed.controller, closed.controller.time.period_s
     x, u, c = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs)), ca.SX.sym("c", len(block.states))
-    outputs = dict(zip(names(plant.outputs), ca.vertsplit(plant.h(x, u, near.p)), strict=True))
-    measured = [outputs[closed.sensors[n]] if n in closed.sensors else references[n] for n in names(block.inputs)]
+    outputs = dict(zip(signal_names(plant.outputs), ca.vertsplit(plant.h(x, u, near.p)), strict=True))
+    measured = [
+        outputs[closed.sensors[n]] if n in closed.sensors else references[n] for n in signal_names(block.inputs)
+    ]
     next_state, y = block.function()(c, ca.vcat(measured))
-    commands = dict(zip(names(block.outputs), ca.vertsplit(y), strict=True))
-    actuated = [i for i, n in enumerate(names(plant.inputs)) if n in closed.actuators]
+    commands = dict(zip(signal_names(block.outputs), ca.vertsplit(y), strict=True))
+    actuated = [i for i, n in enumerate(signal_names(plant.inputs)) if n in closed.actuators]
     rows = [closed.mixing[plant.inputs[i].name] for i in actuated]
     commanded = ca.SX(u)
     for i, row in zip(actuated, rows, strict=True):
@@ -160,7 +162,7 @@ def _runge_kutta(plant: Plant, x: ca.SX, u: ca.SX, p: Array, T: float) -> ca.SX:
     return x
 
 
-def starting_points(equations: Equations, closed: ClosedLoop, near: OperatingPoint) -> Iterator[Trial]:
+def starting_points(equations: Equations, closed: SampledLoop, near: OperatingPoint) -> Iterator[Trial]:
     """Yield the simulated loop after some samples, with a command delay of one sample, as long as it is finite."""
     x, u, state = near.x.copy(), near.u.copy(), closed.controller.initial
     for before, until in pairwise((0, *START_SAMPLES)):

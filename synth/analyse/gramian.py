@@ -198,8 +198,8 @@ def _gramians(model: StateSpace, T: Array, span: _Span) -> Gramians:
         readonly(inverse.T @ Wo @ inverse),
         readonly(hankel),
         tuple(structure.direction(v, model.states) for v in directions),
-        _shares(by_input, model.inputs),
-        _shares(by_output, model.outputs),
+        _fractions(by_input, model.inputs),
+        _fractions(by_output, model.outputs),
         max(residuals),
         span.text,
     )
@@ -217,7 +217,7 @@ def _root(W: Array) -> Array:
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def _shares(parts: Array, names: Sequence[str]) -> dict[str, float]:
+def _fractions(parts: Array, names: Sequence[str]) -> dict[str, float]:
     total = float(parts.sum())
     return {name: float(v) / total if total else 0.0 for name, v in zip(names, parts, strict=True)}
 

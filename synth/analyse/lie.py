@@ -20,7 +20,7 @@ from synth.analyse import rounding
 from synth.analyse.box import Box
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
     rows = _output_rows(plant, outputs)
     inputs = _free_inputs(plant, held)
     x, u = (ca.vertcat(*(ca.SX.sym(s.name) for s in part)) for part in (plant.states, inputs))
-    free = dict(zip(names(inputs), ca.vertsplit(u), strict=True))
+    free = dict(zip(signal_names(inputs), ca.vertsplit(u), strict=True))
     all_inputs = ca.vertcat(*(free[s.name] if s.name in free else ca.SX(held[s.name]) for s in plant.inputs))
     p = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(s.name) for s in plant.parameters))
     stacked = ca.vertcat(plant.f(x, all_inputs, p), plant.h(x, all_inputs, p)[rows])
@@ -85,7 +85,7 @@ def affine(plant: Plant, outputs: Sequence[str] | None = None, held: Mapping[str
 
 
 def _output_rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
-    known = names(plant.outputs)
+    known = signal_names(plant.outputs)
     chosen = known if outputs is None else tuple(outputs)
     if unknown := [n for n in chosen if n not in known]:
         raise SignalError(f"plant '{plant.name}' has no output '{unknown[0]}': it has {', '.join(known)}")
@@ -95,7 +95,7 @@ def _output_rows(plant: Plant, outputs: Sequence[str] | None) -> list[int]:
 
 
 def _free_inputs(plant: Plant, held: Mapping[str, float]) -> tuple[Signal, ...]:
-    known = names(plant.inputs)
+    known = signal_names(plant.inputs)
     if unknown := [n for n in held if n not in known]:
         raise SignalError(f"plant '{plant.name}' has no input '{unknown[0]}' to hold: it has {', '.join(known)}")
     if bad := [n for n, v in held.items() if not np.isfinite(v)]:

@@ -12,7 +12,7 @@ from synth import arguments
 from synth.analyse.operating_points import OperatingPoint
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import StateSpace
 from synth.timing import Continuous
 
@@ -30,13 +30,13 @@ def linearise(plant: Plant, point: OperatingPoint) -> StateSpace:
     at_point = ca.Function("jacobians", [x, u, p], jacobians)(point.x, point.u, point.p)
     A, B, C, D = (np.asarray(ca.DM(matrix)) for matrix in at_point)
     units = {s.name: s.unit for s in (*plant.states, *plant.inputs, *plant.outputs)}
-    return StateSpace(A, B, C, D, point.states, point.inputs, names(plant.outputs), Continuous(), units)
+    return StateSpace(A, B, C, D, point.states, point.inputs, signal_names(plant.outputs), Continuous(), units)
 
 
 @arguments.checked
 def require_point(plant: Plant, point: OperatingPoint) -> None:
     """Raise SignalError when `point` belongs to another plant."""
-    if (point.states, point.inputs) != (names(plant.states), names(plant.inputs)):
+    if (point.states, point.inputs) != (signal_names(plant.states), signal_names(plant.inputs)):
         raise SignalError(
             f"the operating point has states {', '.join(point.states)} and inputs {', '.join(point.inputs)}, "
             f"which are not those of plant '{plant.name}': trim this plant"

@@ -30,7 +30,7 @@ from synth import arguments
 from synth.analyse import discretise, precise, realisation
 from synth.block import Block
 from synth.errors import ModelError, SignalError, TimingError
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, period
 
@@ -46,9 +46,9 @@ def cut(blocks: Sequence[Block], signal: str) -> tuple[Block, ...]:
     Raises SignalError when no Block drives it.
     """
     out = f"{signal}_out"
-    if not any(signal in names(b.outputs) for b in blocks):
+    if not any(signal in signal_names(b.outputs) for b in blocks):
         raise SignalError(f"no Block drives '{signal}': open the loop at a signal that one drives")
-    return tuple(b.renamed({signal: out}) if signal in names(b.outputs) else b for b in blocks)
+    return tuple(b.renamed({signal: out}) if signal in signal_names(b.outputs) else b for b in blocks)
 
 
 @arguments.checked
@@ -57,9 +57,9 @@ def linearise_block(block: Block, state: Mapping[str, float], inputs: Mapping[st
 
     Raises SignalError for a missing value or an unknown name.
     """
-    known = (*(s.name for s in block.states), *names(block.inputs))
+    known = (*(s.name for s in block.states), *signal_names(block.inputs))
     unknown = [n for n in (*state, *inputs) if n not in known]
-    missing = [n for n in names(block.inputs) if n not in inputs]
+    missing = [n for n in signal_names(block.inputs) if n not in inputs]
     if unknown or missing:
         raise SignalError(f"block '{block.name}': not known {unknown or 'none'}, missing {missing or 'none'}")
     f = block.function()
@@ -67,10 +67,10 @@ def linearise_block(block: Block, state: Mapping[str, float], inputs: Mapping[st
     next, y = f.call([x, u])
     jacobians = [ca.densify(ca.jacobian(e, a)) for e in (next, y) for a in (x, u)]
     x0 = [state.get(s.name, s.initial) for s in block.states]
-    u0 = [inputs[n] for n in names(block.inputs)]
+    u0 = [inputs[n] for n in signal_names(block.inputs)]
     A, B, C, D = (np.asarray(ca.DM(m)) for m in ca.Function("jacobians", [x, u], jacobians)(x0, u0))
     states = tuple(s.name for s in block.states)
-    return StateSpace(A, B, C, D, states, names(block.inputs), names(block.outputs), block.time)
+    return StateSpace(A, B, C, D, states, signal_names(block.inputs), signal_names(block.outputs), block.time)
 
 
 @arguments.checked
@@ -82,7 +82,7 @@ def sampled(plant: System, period_s: float, delay_s: float = 0.0) -> StateSpace:
 
     Raises TimingError for a plant that is sampled already, a period that is not positive, or a delay that is negative,
     not finite or needs more than 500 states; ModelError for a mode that overflows double precision within a period,
-    and as `precise.correctly_rounded`.
+    and as `precise.round_correctly`.
     """
     time = Discrete(period_s)
     return _sample_with_delay(of(plant), time, _number(delay_s) / time.period_s)
@@ -136,7 +136,7 @@ def _held_response(plant: StateSpace, T: float, fraction: float) -> Array:
         first = flint.arb(T) * flint.arb(fraction)
         return (precise.matrix(after) * (flint.arb(T) - first)).exp() * (precise.matrix(before) * first).exp()
 
-    E = precise.correctly_rounded(compute, f"the exponential over {T:g} s")[:n]
+    E = precise.round_correctly(compute, f"the exponential over {T:g} s")[:n]
     if not np.isfinite(E).all():
         raise ModelError(
             f"a mode of the plant overflows double precision within {T:g} s: take a shorter period or leave that "
@@ -173,7 +173,7 @@ def open_loop(
     P = _sample_with_delay(of(plant), Discrete(period(K.time)), _number(delay))
     if (P.D != 0).any():
         raise SignalError("the sampled plant has direct feedthrough: give the loop at least one sample of delay")
-    signals = arguments.names("signals to open the loop at", signal)
+    signals = arguments.as_name_list("signals to open the loop at", signal)
     S = _wires(K.inputs, P.outputs, sensors)
     U = _wires(P.inputs, K.outputs, actuators)
     wires = _break(signals, P, K, S, U, sensors, actuators, coordinates or {})

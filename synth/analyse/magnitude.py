@@ -23,7 +23,7 @@ from scipy.optimize import brentq, minimize
 from synth import arguments, law
 from synth.analyse import box as boxes
 from synth.errors import ModelError, SignalError
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
 Exprs = Mapping[str, ca.SX]
@@ -81,7 +81,7 @@ def magnitudes(
     if points.ndim != 1 or not np.isfinite(points).all():
         raise SignalError(f"the points of '{along}' have shape {points.shape} or are not finite: give finite numbers")
     _require_box(box)
-    boxed = names(box)
+    boxed = signal_names(box)
     free = law.column("the symbols", symbols, boxed)
     known = {along: symbols.get(along), **{n: symbols.get(n) for n in held}}
     if unknown := [n for n, s in known.items() if s is None]:
@@ -108,7 +108,7 @@ def conditioning(matrix: ca.SX, symbols: Exprs, box: Sequence[Signal]) -> Condit
     if matrix.size1() != matrix.size2():
         raise ModelError(f"a matrix of shape {matrix.shape} has no determinant: give as many inputs as outputs")
     _require_box(box)
-    boxed = names(box)
+    boxed = signal_names(box)
     free = law.column("the symbols", symbols, boxed)
     det_value, det_at = _least_determinant(_compile(ca.det(matrix), free, box), box)
     evaluate = _function(ca.vec(matrix), free)

@@ -20,7 +20,7 @@ from synth import arguments
 from synth.analyse import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
 Linear = Callable[[Array], tuple[Array, Array]]
@@ -89,7 +89,9 @@ def trim(plant: Plant, fixed: Mapping[str, float], free: Collection[str]) -> Ope
     x, u = np.array([value[s.name] for s in plant.states]), np.array([value[s.name] for s in plant.inputs])
     residual = float(np.abs(np.asarray(plant.f(x, u, plant.values))).max(initial=0.0))
     outside = tuple(n for n, s in signals.items() if (n in fixed or n in free) and not s.low <= value[n] <= s.high)
-    return OperatingPoint(x, u, plant.values, residual, names(plant.states), names(plant.inputs), outside, ties)
+    return OperatingPoint(
+        x, u, plant.values, residual, signal_names(plant.states), signal_names(plant.inputs), outside, ties
+    )
 
 
 def _check_names(plant: Plant, known: Collection[str], fixed: Collection[str], free: Collection[str]) -> None:

@@ -81,7 +81,7 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
     marked = margins or loop_margins.of_loop(loop)
     period = model.time.period_s if not isinstance(model, Delayed) and isinstance(model.time, Discrete) else None
     w, L = _response(model, marked, low, high)
-    degrees = unwrapped(w, L, max((c.frequency for c in marked.gain_crossings), default=w[-1]))
+    degrees = unwrapped_phase(w, L, max((c.frequency for c in marked.gain_crossings), default=w[-1]))
     with style_context():
         figure, (gain, phase) = _panels(2, height=5.4)
         _draw_gain(gain, w, L, marked)
@@ -120,15 +120,19 @@ def step(system: System | TimeResponse, duration_s: float | None = None, interva
 def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[str, str]) -> Figure:
     """Return signals (N,) over `time` (N,) in s, one panel each; `units` names their units where they are known.
 
-    Raises SignalError for no signal or more than 12 of them.
+    Raises SignalError for no signal or more than 12 of them, and for values that are not (N,) real numbers.
     """
     if not 1 <= len(signals) <= MOST_PANELS:
         raise SignalError(f"there are {len(signals)} signals to plot: name 1 to {MOST_PANELS} of them")
-    t = np.asarray(time, dtype=np.float64)
+    t = arguments.real("times", time)
+    columns = {name: arguments.real(f"values of {name}", values) for name, values in signals.items()}
+    for what, values in {"time": t, **columns}.items():
+        if values.ndim != 1 or values.shape != t.shape:
+            raise SignalError(f"'{what}' has shape {values.shape}: give one value for each of {t.size} times")
     with style_context():
-        figure, column = _panels(len(signals), height=0.7 + 1.4 * len(signals))
-        for axes, (name, values) in zip(np.atleast_1d(column), signals.items(), strict=True):
-            axes.plot(t, np.asarray(values, dtype=np.float64), color=COLOURS[0])
+        figure, panels = _panels(len(signals), height=0.7 + 1.4 * len(signals))
+        for axes, (name, values) in zip(np.atleast_1d(panels), columns.items(), strict=True):
+            axes.plot(t, values, color=COLOURS[0])
             axes.set_ylabel(show.with_unit(name, units.get(name, "")))
             _plain(axes)
         axes.set_xlabel("time [s]")
@@ -136,7 +140,7 @@ def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[
     return figure
 
 
-def unwrapped(w: Array, L: Complex, crossing: float) -> Array:
+def unwrapped_phase(w: Array, L: Complex, crossing: float) -> Array:
     """Return the phase of L (N,) in degrees over w (N,), in (-360, 0] at a `crossing` rad/s.
 
     It is continuous but for poles and zeros on the axis: a step near 180 degrees is a pole, which lowers the phase, so

@@ -44,7 +44,7 @@ def rounded(balls: flint.arb_mat) -> Array:
     return values
 
 
-def correctly_rounded(compute: Callable[[], flint.arb_mat], what: str) -> Array:
+def round_correctly(compute: Callable[[], flint.arb_mat], what: str) -> Array:
     """Return `compute()` (n, m), called `what`, rounded; the precision rises until each ball is far below half an ulp.
 
     Raises ModelError when 16 times the usual bits do not suffice.

@@ -57,14 +57,14 @@ class Rational:
         return self.N.gcd(self.D)
 
     @cached_property
-    def reduced(self) -> tuple[Polynomial, Polynomial]:
+    def lowest_terms(self) -> tuple[Polynomial, Polynomial]:
         """N and D without their common divisor."""
         return self.N // self.common, self.D // self.common
 
     @cached_property
     def closed_loop_poles(self) -> Complex:
         """The closed-loop poles (n,) in s, including those that cancel in L; inf for a pole at z = -1."""
-        N, D = self.reduced
+        N, D = self.lowest_terms
         finite = np.concatenate([zeros(N + D), zeros(self.common)])
         lost = max(self.N.degree(), self.D.degree()) - len(finite)
         return np.concatenate([finite, np.full(lost, complex(np.inf))])
@@ -174,7 +174,7 @@ def count_unstable(loop: Rational, factor: complex) -> int:
 
     In a sampled loop each degree below the order is a zero at z = -1, on the boundary.
     """
-    N, D = loop.reduced
+    N, D = loop.lowest_terms
     order = max(N.degree(), D.degree())
     a, b = Fraction(factor.real), Fraction(factor.imag)
     shift = max(a.denominator, b.denominator)

@@ -121,7 +121,7 @@ def minimal(system: System) -> Minimal:
 def _project(model: StateSpace, scaled: staircase.Scaled, kept: Array) -> tuple[StateSpace, tuple[str, ...]]:
     """Return the model on an orthonormal basis `kept` (n, k) of scaled states, and the names that are new."""
     Z = kept[:, np.argsort([_single_state(z) for z in kept.T], kind="stable")]
-    names, added = _names(model, Z)
+    names, added = _state_names(model, Z)
     size = np.array([1.0 if name in added else scaled.x[_single_state(z)] for name, z in zip(names, Z.T, strict=True)])
     into, out = size[:, None] * Z.T / scaled.x, scaled.x[:, None] * Z / size
     return replace(model, A=into @ model.A @ out, B=into @ model.B, C=model.C @ out, states=names), added
@@ -133,7 +133,7 @@ def _single_state(column: Array) -> int:
     return int(states[0]) if len(states) == 1 else len(column)
 
 
-def _names(model: StateSpace, Z: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _state_names(model: StateSpace, Z: Array) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the names of the columns of Z and, of these, the new ones."""
     taken = {*model.states, *model.inputs, *model.outputs}
     fresh = (name for k in range(1, len(taken) + len(Z) + 1) if (name := f"part{k}") not in taken)

@@ -23,7 +23,7 @@ from synth.analyse import box, lie, rounding, singularity
 from synth.analyse.lie import Affine
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array
 
 RANK = 1e-9  # of the largest singular value: below it, rows of scaled size count as dependent
@@ -52,7 +52,7 @@ class RelativeDegree:
     rows: Rows
 
     @cached_property
-    def worst_rows(self) -> Mapping[str, singularity.Worst]:
+    def worst_rows(self) -> Mapping[str, singularity.WorstCondition]:
         """The point of the domain where each row of D is closest to vanishing, by output.
 
         Raises ModelError if D is not finite.
@@ -60,7 +60,7 @@ class RelativeDegree:
         return {name: singularity.worst(self._scaled([i])) for i, name in enumerate(self.outputs)}
 
     @cached_property
-    def worst(self) -> singularity.Worst | None:
+    def worst(self) -> singularity.WorstCondition | None:
         """The point of the domain where D is closest to losing rank p; None if the rank is below p everywhere.
 
         Raises ModelError if D is not finite.
@@ -70,7 +70,7 @@ class RelativeDegree:
     @property
     def outputs(self) -> tuple[str, ...]:
         """The outputs' names."""
-        return names(self.model.outputs)
+        return signal_names(self.model.outputs)
 
     @property
     def scaled(self) -> singularity.Scaled:
@@ -90,13 +90,13 @@ class RelativeDegree:
         Raises ModelError if D or a is not finite.
         """
         points = np.hstack([box.scatter(self.model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
-        terms = np.abs(self.model.box.evaluated(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
+        terms = np.abs(self.model.box.evaluate(ca.densify(ca.horzcat(self.decoupling, self.drift)), points))
         effect = np.einsum("pmk,m->pk", terms[:, :-1], box.half_widths(self.model.inputs)).max(axis=1)
         drift = terms[:, -1].max(axis=1)
         ratios = [float(r / a) if a else np.inf for r, a in zip(effect, drift, strict=True)]
         return dict(zip(self.outputs, ratios, strict=True))
 
-    def require_defined(self) -> None:
+    def require_constant_rank(self) -> None:
         """Raise ModelError, with point and cause, unless D has rank p on the whole domain."""
         if self.worst is None:
             raise ModelError(f"the relative degree of plant '{self.model.name}' is not defined: {self._dependence()}")
@@ -115,7 +115,7 @@ class RelativeDegree:
     def _dependence(self) -> str:
         p, m = self.decoupling.shape
         if p > m:
-            inputs = ", ".join(names(self.model.inputs))
+            inputs = ", ".join(signal_names(self.model.inputs))
             return f"{p} outputs ({', '.join(self.outputs)}) meet {m} inputs ({inputs}): choose as many outputs"
         dependences = [f"that of '{name}' on {_quote(others)}" for name, others in self.rows.dependent.items()]
         return (
@@ -123,7 +123,7 @@ class RelativeDegree:
             "Extend the plant by integrators (dynamic_extension.extend), or choose other outputs"
         )
 
-    def _regularity(self, worst: singularity.Worst) -> str:
+    def _regularity(self, worst: singularity.WorstCondition) -> str:
         if worst.singular:
             return f"singular at {worst.where}"
         return f"nonsingular in the domain, condition up to {worst.condition:.4g} at {worst.where}"
@@ -181,13 +181,14 @@ def _chain(model: Affine, i: int) -> tuple[ca.SX, ca.SX, ca.SX]:
     if not row.nnz():
         raise ModelError(
             f"the relative degree of '{model.outputs[i].name}' in plant '{model.name}' is not defined: none of its "
-            f"{len(chain)} derivatives contains an input ({', '.join(names(model.inputs))}): choose another output"
+            f"{len(chain)} derivatives contains an input ({', '.join(signal_names(model.inputs))}): "
+            "choose another output"
         )
     return ca.vertcat(ca.SX(0, 1), *chain), row, rounding.without_zeros(e, model.box)
 
 
 def _rows(D: ca.SX, model: Affine) -> Rows:
-    outputs = names(model.outputs)
+    outputs = signal_names(model.outputs)
     values, noise = _sample_decoupling(D, model)
     kept: list[int] = []
     dependent: dict[str, tuple[str, ...]] = {}
@@ -203,7 +204,7 @@ def _sample_decoupling(D: ca.SX, model: Affine) -> tuple[Array, Array]:
     """Return D (k, p, m) at scattered points, with rows and columns scaled, and the bounds of its rounding errors."""
     points = np.hstack([box.scatter(model.states, rounding.POINTS, seed) for seed in rounding.SEEDS])
     terms = ca.horzcat(ca.densify(D), rounding.error_bound(D))
-    evaluated = model.box.evaluated(terms, points).transpose(2, 0, 1)
+    evaluated = model.box.evaluate(terms, points).transpose(2, 0, 1)
     m = len(model.inputs)
     evaluated = evaluated * np.tile(box.half_widths(model.inputs), 2)
     size = np.linalg.norm(evaluated[:, :, :m], axis=2, keepdims=True)

@@ -17,13 +17,13 @@ import numpy as np
 from synth import arguments
 from synth.analyse import disk, equilibrium, operating_points, stability_margins
 from synth.analyse.equilibrium import Equilibrium
-from synth.analyse.equilibrium_equations import ClosedLoop, Wires
+from synth.analyse.equilibrium_equations import SampledLoop, Wires
 from synth.analyse.stability_margins import Margins
 from synth.check import Check
 from synth.declaration import Controller, Interface
 from synth.errors import ModelError, NoEquilibriumError, SignalError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import StateSpace
 
 NOMINAL: Mapping[str, float] = {}
@@ -65,7 +65,7 @@ class OpenLoop:
     @property
     def label(self) -> str:
         """The signal, the operating point and the changed parameters, as text."""
-        return f"at {self.signal}, {self.point}{_changed(self.case)}"
+        return f"at {self.signal}, {self.point}{_case_text(self.case)}"
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
@@ -84,18 +84,18 @@ class Unsolved:
     @property
     def label(self) -> str:
         """The operating point and the changed parameters, as text."""
-        return f"at {self.point}{_changed(self.case)}"
+        return f"at {self.point}{_case_text(self.case)}"
 
 
 @dataclass(frozen=True, eq=False)
 class Survey:
     """The loops at all operating points and cases, and those points and cases that have no equilibrium."""
 
-    opened: Sequence[OpenLoop]
+    loops: Sequence[OpenLoop]
     unsolved: Sequence[Unsolved]
 
 
-def _changed(case: Case) -> str:
+def _case_text(case: Case) -> str:
     return "".join(f", {name} = {value:.5g}" for name, value in case.items())
 
 
@@ -107,7 +107,7 @@ class Loops:
     set NOMINAL changes none.
     """
 
-    closed: ClosedLoop
+    closed: SampledLoop
     interface: Interface
     points: Mapping[str, Mapping[str, float]]
     cases: Sequence[Case] = field(default=(NOMINAL,))
@@ -146,7 +146,7 @@ def of_controller(
     `actuators` are the wires from the controller's outputs to the plant's inputs, by default those of the interface;
     `coordinates` {name: {sensor: weight}} are sums of sensors at which the loops open instead.
 
-    Raises SignalError for no operating point, or as `equilibrium_equations.ClosedLoop`.
+    Raises SignalError for no operating point, or as `equilibrium_equations.SampledLoop`.
     """
     if not points or not cases:
         raise SignalError(
@@ -155,7 +155,7 @@ def of_controller(
     interface = controller.interface
     wires = {a.of: a.name for a in interface.actuators} if actuators is None else actuators
     sensors = {s.name: s.of for s in interface.sensors}
-    closed = ClosedLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
+    closed = SampledLoop(plant, controller.block.rounded(scalar), sensors, wires, interface.delay, coordinates or {})
     return Loops(closed, interface, dict(points), tuple(cases))
 
 
@@ -202,7 +202,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     near = operating_points.trim(plant, dict(loops.points[point]), list(loops.actuators))
     outputs = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
     values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(
-        zip(names(plant.outputs), outputs, strict=True)
+        zip(signal_names(plant.outputs), outputs, strict=True)
     )
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
@@ -277,13 +277,13 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Se
     if unknown := [name for name in require if name not in REQUIREMENTS]:
         raise SignalError(f"'{unknown[0]}' is not a known margin: choose one of {', '.join(REQUIREMENTS)}")
     if unsolved:
-        return [_check_unsolved(unsolved, name, least) for name, least in require.items()]
+        return [_failed_check(unsolved, name, least) for name, least in require.items()]
     if not loops:
         raise SignalError("there is no loop to check: open at least one")
     return [_check(loops, name, least) for name, least in require.items()]
 
 
-def _check_unsolved(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
+def _failed_check(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
     kind, first = REQUIREMENTS[name], unsolved[0]
     unit = "" if kind.unit == "1" else f" {kind.unit}"
     others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""

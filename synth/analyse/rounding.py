@@ -56,7 +56,7 @@ def vanish(exprs: ca.SX, within: Box) -> NDArray[np.bool_]:
     if len(rows):
         points = np.hstack([box.scatter(within.signals, POINTS, seed) for seed in SEEDS])
         nonzeros = ca.vec(exprs).nz[:]
-        value, error = within.evaluated(ca.horzcat(nonzeros, error_bound(nonzeros)), points).transpose(1, 0, 2)
+        value, error = within.evaluate(ca.horzcat(nonzeros, error_bound(nonzeros)), points).transpose(1, 0, 2)
         zero[rows, columns] = (np.abs(value) <= LIMIT * error).all(axis=1)
     return zero
 

@@ -47,8 +47,8 @@ class Response:
         """Return M (k, p, m) at frequencies (k,) of s, which may include inf."""
         w, U = np.where(np.isinf(frequencies), 0.0, frequencies), self.form.U
         Z = self.form.solve(1j * w, (U.T @ self.B)[:, :, None])
-        moving = np.tensordot(self.C @ U, Z, 1).transpose(2, 0, 1)
-        return np.asarray(self.D + np.where(np.isinf(frequencies)[:, None, None], 0.0, moving))
+        strictly_proper = np.tensordot(self.C @ U, Z, 1).transpose(2, 0, 1)
+        return np.asarray(self.D + np.where(np.isinf(frequencies)[:, None, None], 0.0, strictly_proper))
 
     def unwarped(self, frequencies: Array) -> Array:
         """Return w in rad/s for frequencies of s."""
@@ -64,11 +64,11 @@ class Response:
             return np.zeros(D.shape, dtype=np.complex128)
         s = 1j * np.longdouble(frequency) if np.isfinite(frequency) else np.clongdouble(0)
         point = s if continuous else (1 + s) / (1 - s) if np.isfinite(frequency) else np.clongdouble(-1)
-        resolvent = point * np.eye(len(A)) - A
-        inverse = np.linalg.inv(resolvent.astype(np.complex128))
+        pencil = point * np.eye(len(A)) - A
+        inverse = np.linalg.inv(pencil.astype(np.complex128))
         X = np.zeros(B.shape, dtype=np.clongdouble)
         for _ in range(4):
-            X = X + inverse @ (B - resolvent @ X).astype(np.complex128)
+            X = X + inverse @ (B - pencil @ X).astype(np.complex128)
         return np.asarray(self.at(np.array([frequency]))[0] - (C @ X + D), dtype=np.complex128)
 
 

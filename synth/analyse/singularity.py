@@ -25,7 +25,7 @@ from scipy.optimize import brentq, minimize
 from synth import arguments, show
 from synth.analyse import box, rounding
 from synth.errors import ModelError, SignalError
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array, readonly
 
 GRID = 9  # points along each of up to DENSE signals
@@ -65,7 +65,7 @@ class Scaled:
 
 
 @dataclass(frozen=True)
-class Worst:
+class WorstCondition:
     """The largest condition of a matrix over a box, infinite if it is singular, and the point by name and as text.
 
     `at` holds the signals that enter the matrix. If the value of one signal alone makes the matrix singular, `where`
@@ -94,14 +94,14 @@ class ConditionMap:
     condition: Array
 
     @property
-    def worst(self) -> Worst:
+    def worst(self) -> WorstCondition:
         """The worst cell; the cell closest to the centre of the map wins a tie."""
         k, l = np.indices(self.condition.shape)
         off = np.abs(k - (k.max() / 2)) + np.abs(l - (l.max() / 2))
         k0, l0 = np.unravel_index(np.lexsort((off.ravel(), -self.condition.ravel()))[0], self.condition.shape)
         point = np.array([self.points[0][k0], self.points[1][l0]])
         at = {self.down.name: float(point[0]), self.across.name: float(point[1]), **self.held}
-        return Worst(float(self.condition[k0, l0]), at, box.where((self.down, self.across), point))
+        return WorstCondition(float(self.condition[k0, l0]), at, box.where((self.down, self.across), point))
 
     def sheet(self) -> show.Sheet:
         """Return the worst cell and the map, `down` by rows and `across` by columns."""
@@ -146,7 +146,7 @@ def scaled(
 
 
 @arguments.checked
-def worst(matrix: Scaled) -> Worst:
+def worst(matrix: Scaled) -> WorstCondition:
     """Return the point of its box where the matrix is singular or closest to singular."""
     points = _points(matrix.box)
     distance = (points - box.centre(matrix.box)[:, None]) / box.half_widths(matrix.box)[:, None]
@@ -175,7 +175,7 @@ def condition_map(
 
     Raises SignalError for a signal that does not enter the matrix.
     """
-    known, held = names(matrix.box), dict(held or {})
+    known, held = signal_names(matrix.box), dict(held or {})
     for name in (down, across, *held):
         if name not in known:
             raise SignalError(f"the {what} does not depend on '{name}': it depends on {', '.join(known) or 'nothing'}")
@@ -237,12 +237,12 @@ def _refine(matrix: Scaled, start: Array) -> tuple[float, Array]:
     return float(matrix.condition(at[:, None])[0]), at
 
 
-def _worst_at(matrix: Scaled, condition: float, at: Array) -> Worst:
-    named = dict(zip(names(matrix.box), map(float, at), strict=True))
+def _worst_at(matrix: Scaled, condition: float, at: Array) -> WorstCondition:
+    named = dict(zip(signal_names(matrix.box), map(float, at), strict=True))
     enough = _decisive_signal(matrix, at) if np.isinf(condition) and len(at) > 1 else None
     if enough is not None:
-        return Worst(condition, named, box.where(matrix.box[enough : enough + 1], at[[enough]]))
-    return Worst(condition, named, box.where(matrix.box, at) or "every point")
+        return WorstCondition(condition, named, box.where(matrix.box[enough : enough + 1], at[[enough]]))
+    return WorstCondition(condition, named, box.where(matrix.box, at) or "every point")
 
 
 def _decisive_signal(matrix: Scaled, at: Array) -> int | None:

@@ -161,9 +161,9 @@ def of_loop(loop: Loop, low: float | None = None, high: float | None = None) -> 
     model = transfer.of_loop(loop)
     states = (model.model if isinstance(model, Delayed) else model).states
     if len(states) > EXACT_STATES:
-        return _from_assessment(assessment.of_traced(model, low, high))
+        return _from_assessment(assessment.of_many_states(model, low, high))
     if isinstance(model, Delayed) and (model.delay_s or model.hold_s):
-        return _from_assessment(assessment.of_delayed(model, low, high))
+        return _from_assessment(assessment.of_delayed_loop(model, low, high))
     return _from_assessment(assessment.of_rational(model.model if isinstance(model, Delayed) else loop, low, high))
 
 

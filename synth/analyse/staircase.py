@@ -95,13 +95,13 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """Orthonormal bases: `inside` (n, k) of the controllable subspace, `outside` (n, n - k) of its complement.
+    """Orthonormal bases: `basis` (n, k) of the controllable subspace, `complement` (n, n - k) of its complement.
 
     A coordinate axis that lies in one of them is a column of its basis; such columns come first.
     """
 
-    inside: Array
-    outside: Array
+    basis: Array
+    complement: Array
     gap: Gap
 
 
@@ -146,15 +146,18 @@ def kalman(model: Scaled, cut: float = COUPLING) -> Kalman:
     right angles or far from it.
     """
     controllable, observable = controllable_split(model.A, model.B, cut), controllable_split(model.A.T, model.C.T, cut)
-    _, cosines, V = np.linalg.svd(observable.inside.T @ controllable.inside)
+    _, cosines, V = np.linalg.svd(observable.basis.T @ controllable.basis)
     k = int((cosines > OVERLAP).sum())
     rest = _complement(V[:k].T)
     inside = _complement(rest)
-    A = controllable.inside.T @ model.A @ controllable.inside
-    uncontrollable, unobservable = modes(model.A.T, controllable.outside), modes(A, rest)
+    A = controllable.basis.T @ model.A @ controllable.basis
+    uncontrollable, unobservable = modes(model.A.T, controllable.complement), modes(A, rest)
     gap = min(controllable.gap, observable.gap, _gap(cosines, OVERLAP), key=lambda g: g.ratio)
     return Kalman(
-        controllable.inside @ inside, uncontrollable, (unobservable[0], controllable.inside @ unobservable[1]), gap
+        controllable.basis @ inside,
+        uncontrollable,
+        (unobservable[0], controllable.basis @ unobservable[1]),
+        gap,
     )
 
 
@@ -176,7 +179,7 @@ def uncontrollable_modes(model: Scaled) -> tuple[Complex, Complex]:
     The staircase cannot resolve modes that differ by rounding of the fastest mode; it then gives combinations that are
     not eigenvectors. Eigenvectors of A itself with w^H B = 0 replace them.
     """
-    values, w = modes(model.A.T, controllable_split(model.A, model.B).outside)
+    values, w = modes(model.A.T, controllable_split(model.A, model.B).complement)
     w = w / np.linalg.norm(w, axis=0)
     allowed = RESIDUAL * (np.linalg.norm(model.A, axis=0)[:, None] + np.abs(values))
     accurate = (np.abs(model.A.T @ w - values * w) <= allowed).all(axis=0)

@@ -83,15 +83,15 @@ class Poles:
 class Zeros:
     """The finite transmission zeros of a model, the slowest first, and the normal `rank` of its response (p, m).
 
-    `unmoved` are the uncontrollable modes and `unseen` the unobservable ones; they cancel in the response and are not
-    transmission zeros. Directions are defined if the rank is the lesser of p and m.
+    The modes `uncontrollable` and `unobservable` cancel in the response and are not transmission zeros. Directions
+    are defined if the rank is the lesser of p and m.
     """
 
     roots: tuple[Root, ...]
     rank: int
     shape: tuple[int, int]
-    unmoved: tuple[Mode, ...]
-    unseen: tuple[Mode, ...]
+    uncontrollable: tuple[Mode, ...]
+    unobservable: tuple[Mode, ...]
     time: Time
 
     @property
@@ -107,8 +107,10 @@ class Zeros:
                 f"The response has rank {self.rank} at every s though it has {self.shape[0]} outputs and "
                 f"{self.shape[1]} inputs: some combination of inputs moves no output; no directions are defined."
             )
-        lines += [f"Uncontrollable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unmoved]
-        lines += [f"Unobservable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unseen]
+        lines += [
+            f"Uncontrollable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.uncontrollable
+        ]
+        lines += [f"Unobservable mode {_number(m.value)} in {direction_text(m.direction)}." for m in self.unobservable]
         title = f"Transmission zeros in {self.time}: {len(self.roots)}"
         return show.Sheet(title, tuple(lines), _tables("zero", self.roots))
 

@@ -21,7 +21,7 @@ from synth.analyse import stability_margins
 from synth.analyse.transfer import Loop
 from synth.errors import ModelError, SignalError, SynthError
 from synth.signals import Parameter
-from synth.signals import names as names_of
+from synth.signals import signal_names as names_of
 from synth.statespace import Array
 
 MOST_PARAMETERS = 10  # with a tolerance: 2^10 vertices at each operating point
@@ -76,7 +76,7 @@ class Point:
 
 
 @show.result
-class Worst:
+class WorstCase:
     """The worst `value` of a figure, attained at the operating point `at` with the parameters' values `where`."""
 
     figure: Criterion
@@ -120,7 +120,7 @@ def search(
     parameters: Sequence[Parameter],
     figure: Criterion,
     points: Mapping[str, Mapping[str, float]] | None = None,
-) -> Worst:
+) -> WorstCase:
     """Return the worst of a figure over the parameters' tolerances at each operating point.
 
     `loop` gets the values of the parameters and of the operating point, by name; `points` maps the name of an operating
@@ -145,7 +145,7 @@ def search(
 
     worst_points = [_search_point(name, at(values), parameters, free, figure) for name, values in points.items()]
     worst = (max if figure.largest else min)(worst_points, key=lambda p: p.worst)
-    return Worst(figure, worst.worst, worst.name, worst.where, tuple(worst_points), tuple(parameters), count)
+    return WorstCase(figure, worst.worst, worst.name, worst.where, tuple(worst_points), tuple(parameters), count)
 
 
 def _require(parameters: Sequence[Parameter], points: Mapping[str, Mapping[str, float]]) -> None:

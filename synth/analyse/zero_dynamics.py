@@ -29,7 +29,7 @@ from synth.analyse.operating_points import OperatingPoint
 from synth.analyse.relative_degree import RelativeDegree
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array, StateSpace, System
 
 Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
@@ -69,7 +69,7 @@ class ZeroDynamics:
         return len(self.modes)
 
     @property
-    def agreed(self) -> bool:
+    def is_consistent(self) -> bool:
         """Whether the two methods give the same zeros."""
         return self.distance <= TOLERANCE
 
@@ -82,7 +82,7 @@ class ZeroDynamics:
             "not minimum phase": "a mode grows while the outputs stay at zero: choose other outputs",
             "not hyperbolic": "a mode on the imaginary axis: the linear model does not decide",
         }
-        word = "agree" if self.agreed else "DISAGREE"
+        word = "agree" if self.is_consistent else "DISAGREE"
         lines = (
             meaning[self.verdict],
             f"restricted dynamics and pencil {word}: relative difference {self.distance:.1e}",
@@ -101,7 +101,7 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     Raises SignalError if the point belongs to another plant; ModelError if it is not an equilibrium, if its held inputs
     differ from those of `degree`, or if the decoupling matrix is singular there.
     """
-    model = linearisation.linearise(plant, point).select(degree.outputs, names(degree.model.inputs))
+    model = linearisation.linearise(plant, point).select(degree.outputs, signal_names(degree.model.inputs))
     _require_matching(plant, degree, point)
     if weight is not None:
         weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))

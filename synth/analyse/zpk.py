@@ -125,7 +125,7 @@ def of_rational(loop: Rational, delay_s: float = 0.0, hold_s: float = 0.0) -> Ze
 
     `delay_s` is its total delay, including half of its hold of `hold_s` seconds.
     """
-    N, D = loop.reduced
+    N, D = loop.lowest_terms
     zeros, poles = rational.zeros(N), rational.zeros(D)
     k = int(N[N.degree()]) / int(D[D.degree()])
     signs = np.concatenate([np.ones(len(zeros)), -np.ones(len(poles))])

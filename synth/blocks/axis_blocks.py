@@ -77,7 +77,7 @@ def _command(axis: Axis, interface: Interface) -> Command:
             f"the axis of '{axis.output}' commands '{axis.command}', which no actuator drives: the interface has "
             f"{', '.join(a.of for a in interface.actuators) or 'none'}"
         )
-    return Command(f"{actuator}_demand", f"{actuator}_excess", interface.computed(actuator))
+    return Command(f"{actuator}_demand", f"{actuator}_excess", interface.computed_output(actuator))
 
 
 def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:

@@ -19,7 +19,7 @@ from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks.axis_regulator import Axis
 from synth.declaration import Interface
 from synth.errors import SignalError
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array
 from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
 from synth.timing import Discrete
@@ -97,7 +97,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
     demands = [commands[name].signal() for name in outputs]
     actuator_demands = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
     excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
-    computed = [interface.computed(a) for a in actuators]
+    computed = [interface.computed_output(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w = ca.vertcat(*(u[s.name] for s in demands))
@@ -190,7 +190,7 @@ def _demand_bound(inverse: Linearisation, output: str, interface: Interface) -> 
 
 def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) -> list[float]:
     """Return the largest inputs of the law in the plant's box, for demands up to DEMAND_FACTOR times the achievable."""
-    outputs = names(inverse.degree.model.outputs)
+    outputs = signal_names(inverse.degree.model.outputs)
     largest = {name: DEMAND_FACTOR * commands[name].limited.high for name in outputs}
     x, w = _sample_points(inverse, {f"w_{name}": (-b, b) for name, b in largest.items()})
     return [round_up(MARGIN * float(v)) for v in np.abs(np.asarray(inverse.law(x, w))).max(axis=1)]

@@ -229,7 +229,7 @@ def _gain_for_delay(undelayed: servos.Servo, delay: int) -> Array:
         advanced = [row[0, j] for j in range(n + k)]
         return type(row)([[*advanced[:n], *reversed(delay_gains), *advanced[n:]]])
 
-    return precise.correctly_rounded(compute, "the gain for the delay")
+    return precise.round_correctly(compute, "the gain for the delay")
 
 
 def _filter(axis: Axis, held: StateSpace, period_s: float) -> tuple[filters.Estimator, StateSpace]:
@@ -257,7 +257,7 @@ def _feedforward(axis: Axis, regulator: servos.Servo, period_s: float) -> float:
         return precise.matrix(regulator.K_xi) * resolvent.solve(precise.matrix(model.N))
 
     chosen = by_zero if axis.set_point is None and speed is not None else by_part
-    return float(precise.correctly_rounded(chosen, "the gain from the set-point")[0, 0])
+    return float(precise.round_correctly(chosen, "the gain from the set-point")[0, 0])
 
 
 def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> StateSpace:

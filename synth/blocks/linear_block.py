@@ -16,7 +16,7 @@ import numpy as np
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.errors import SignalError
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import Array, StateSpace, System, of
 from synth.synthesise.observers.estimator_start import Start
 from synth.timing import Discrete, period
@@ -55,7 +55,7 @@ def block(
     model = of(system)
     time = Discrete(period(model.time))
     for kind, signals in (("inputs", inputs), ("outputs", outputs), ("states", states)):
-        _require_same(name, kind, names(signals), getattr(model, kind))
+        _require_same(name, kind, signal_names(signals), getattr(model, kind))
     columns = (*states, *inputs)
     next = [_Row(f"next_{s.name}", s, v) for s, v in zip(states, np.hstack([model.A, model.B]), strict=True)]
     out = [_Row(s.name, s, v) for s, v in zip(outputs, np.hstack([model.C, model.D]), strict=True)]

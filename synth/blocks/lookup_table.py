@@ -48,13 +48,14 @@ class Grid:
 
 
 @arguments.checked
-def square(reach: float, spacing: float) -> Grid:
-    """Return a square grid that extends at least `reach` to either side of the origin.
+def square(half_width: float, spacing: float) -> Grid:
+    """Return a square grid that extends at least `half_width` to either side of the origin.
 
     Raises ModelError for arguments that are not positive numbers, and as `Grid`.
     """
-    reach, spacing = numeric.positive("the reach", reach), numeric.positive("the grid's spacing", spacing)
-    n = int(np.ceil(reach / spacing - 1e-9))
+    half_width = numeric.positive("the half width", half_width)
+    spacing = numeric.positive("the grid's spacing", spacing)
+    n = int(np.ceil(half_width / spacing - 1e-9))
     return Grid((-n * spacing, -n * spacing), spacing, (2 * n + 1, 2 * n + 1))
 
 

@@ -30,7 +30,7 @@ from synth.timing import Discrete
 
 __all__ = [
     *("GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
-    *("GuardedInput", "Safety", "frozen", "guard", "safe_output"),
+    *("GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
@@ -191,6 +191,19 @@ def frozen(block: Block) -> Block:
     still = [s.name for s in block.states if not s.name.startswith((f"{GUARD}_", f"{SAFE_OUTPUT}_"))]
     held = {n: ca.if_else(latched, block.symbol[n], block.next[n]) for n in still}
     return replace(block, next={**block.next, **held})
+
+
+@arguments.checked
+def without_latch(block: Block) -> Block:
+    """Return a guarded composition that never latches: the last good values serve for every number of bad samples.
+
+    It is the negative control of a fault campaign. Raises SignalError for a Block that does not latch.
+    """
+    states = {s.name: s for s in block.states}
+    left, latched = f"{GUARD}_left", f"{GUARD}_latched"
+    if left not in states or latched not in states:
+        raise SignalError(f"block '{block.name}' has no latch: compose it with a guard of measurements")
+    return replace(block, next={**block.next, left: ca.SX(states[left].signal.high), latched: ca.SX(0)})
 
 
 def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str]) -> None:

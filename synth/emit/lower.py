@@ -119,9 +119,9 @@ class Program:
 
     def ends(self) -> list[int]:
         """Return the nodes that are stored or returned: the live-out values."""
-        return [*self.outputs.values(), *self.next.values(), *self.returned()]
+        return [*self.outputs.values(), *self.next.values(), *self.result_nodes()]
 
-    def returned(self) -> list[int]:
+    def result_nodes(self) -> list[int]:
         """Return the nodes that the function returns: the fault word, or the results of a routine."""
         return [*([] if self.word is None else [self.word]), *self.returns.values()]
 

@@ -7,7 +7,7 @@
     replace.replace_functions      surrogates: minimax polynomials for functions of one variable
     limits.without_idle            dead limits by range analysis
     fold.with_constant_products    products of named constants
-    limits.without_certified       dead limits by a certificate
+    limits.without_certified_limits dead limits by a certificate
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
     guards.guarded                 the guard of an input becomes one call
     slews.slewed                   a rate limit becomes one call
@@ -71,7 +71,7 @@ def _run_passes(
         program, polynomials = surrogates.replace_functions(program, bounds, scalar, error)
     program = limits.without_idle(program, bounds, scalar)
     program = fold.with_constant_products(program)
-    program = limits.without_certified(program, polynomials, scalar)
+    program = limits.without_certified_limits(program, polynomials, scalar)
     block = replace(block, constants=(*block.constants, *_products(block, program, scalar)))
     proved = ranges.analyse(program, ranges.bounds(block, scalar), scalar)
     narrowed = safe.require_safe(program, proved, block, scalar)
@@ -89,10 +89,10 @@ def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layou
     """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout."""
     program = slews.slewed(guards.guarded(reduced.program))
     groups = alike.alike(program)
-    kept = _printed(reduced, program, groups, scalar)
+    kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
         fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]
-        flat = _printed(reduced, program, fewer, scalar)
+        flat = _print(reduced, program, fewer, scalar)
         if flat.lines <= kept.lines:
             groups, kept = fewer, flat
     return kept.reduced, kept.memory
@@ -106,7 +106,7 @@ class _Printed(NamedTuple):
     lines: int
 
 
-def _printed(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
+def _print(reduced: Reduced, program: Program, groups: Sequence[Group], scalar: type[np.floating]) -> _Printed:
     values = {c.name: c.value for c in reduced.block.constants}
     made = replace(reduced, program=calls.outlined(program, values, groups))
     memory = layout.layout(made.block, scalar, calls.owners(made.program))

@@ -42,7 +42,7 @@ class Row(NamedTuple):
     `kind` selects the rule for interaction with neighbouring instructions.
     """
 
-    names: str
+    mnemonics: str
     low: int
     high: int
     source: str
@@ -79,7 +79,7 @@ TABLE = (
     Row("vstr", 1, 1, f"{_FPU}: 2, or 3 for a double", each=1, kind="float store"),
     Row("vldm vldmia vldmdb vstm vstmia vstmdb vpush vpop", 1, 1, f"{_FPU}: 1 + N, or 1 + 2N", each=1, kind="float"),
 )
-_ROWS = {name: row for row in TABLE for name in row.names.split()}
+_ROWS = {name: row for row in TABLE for name in row.mnemonics.split()}
 _UNKNOWN = "unknown"
 _NO_ROW = Row("", 0, 0, "", kind=_UNKNOWN)
 # Their result is available one cycle late: section 7.2.3, second note.

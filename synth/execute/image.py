@@ -143,7 +143,7 @@ class Image:
         with recorder.attach(self.engine) as record:
             for row in arguments.tolist():
                 results.append(self._call(function, begin, row))
-                record.call_ended()
+                record.end_call()
                 if record.is_filling or len(results) == len(arguments):
                     parts.append(self._evaluate(record.take()))
         self._require_plain_floats()

@@ -44,7 +44,7 @@ class Record:
 
 
 class Recorder:
-    """A buffer of executed instructions; `call_ended` after each call, `take` when `is_filling` and at the end."""
+    """A buffer of executed instructions; `end_call` after each call, `take` when `is_filling` and at the end."""
 
     def __init__(self, capacity: int) -> None:
         self._addresses = np.empty(capacity, np.uint32)
@@ -67,7 +67,7 @@ class Recorder:
         """The lowest stack pointer before any recorded instruction."""
         return int(self.memory.lowest_sp)
 
-    def call_ended(self) -> None:
+    def end_call(self) -> None:
         """Mark the end of a call; raise SynthError when it executed more instructions than the buffer holds."""
         if self.memory.count > self.memory.capacity:
             raise SynthError(

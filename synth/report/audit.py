@@ -203,7 +203,7 @@ def row(
     return Row(published, recomputed, verdict, why, tuple(depends))
 
 
-def parse_published(text: str) -> dict[str, Published]:
+def parse_rows(text: str) -> dict[str, Published]:
     """Parse the rows of a published.toml: `[ID]` with paper, where, text, rule and numbers = {name = ["14.3", "%"]}.
 
     `rule`, `numbers` and `computed` = {name = "formula" or ["formula", "unit", "figure"]} may be omitted.
@@ -213,9 +213,9 @@ def parse_published(text: str) -> dict[str, Published]:
     return {name: _parse_row(name, entry) for name, entry in tomllib.loads(text).items()}
 
 
-def read_published(folder: Path) -> dict[str, Published]:
-    """Read the published.toml of a folder, as `parse_published`."""
-    return parse_published((folder / "published.toml").read_text(encoding="utf-8"))
+def read_rows(folder: Path) -> dict[str, Published]:
+    """Read the published.toml of a folder, as `parse_rows`."""
+    return parse_rows((folder / "published.toml").read_text(encoding="utf-8"))
 
 
 def _parse_row(name: str, entry: Mapping[str, Any]) -> Published:

@@ -56,7 +56,7 @@ def curve(
 def phase(curve: LoopCurve) -> Array:
     """Return the phase of L in degrees (N,), continuous except at poles and zeros on the axis."""
     crossings = [c.frequency for c in curve.margins.gain_crossings]
-    return plots.unwrapped(curve.frequency, curve.response, max(crossings, default=curve.frequency[-1]))
+    return plots.unwrapped_phase(curve.frequency, curve.response, max(crossings, default=curve.frequency[-1]))
 
 
 def bode_plot(curves: Sequence[LoopCurve]) -> Figure:

@@ -20,14 +20,14 @@ from typing import Any
 from synth.errors import DesignError
 
 
-def near(value: float, relative: float, *others: float) -> bool:
+def is_close(value: float, relative: float, *others: float) -> bool:
     """Return whether a value differs from each of the others by less than the fraction `relative`."""
     return all(abs(value / other - 1) < relative for other in others)
 
 
 _OF_MATH = ("asin", "cos", "degrees", "exp", "floor", "log", "log10", "pi", "sin", "sqrt")
 FUNCTIONS: Mapping[str, Any] = {
-    **{f.__name__: f for f in (abs, all, any, dict, len, max, min, near, round)},
+    **{f.__name__: f for f in (abs, all, any, dict, len, max, min, is_close, round)},
     **{name: getattr(math, name) for name in _OF_MATH},
 }
 _PRINTED = re.compile(r"\b([A-Z]+-\w+\.\w+)")
@@ -42,7 +42,7 @@ class Formula:
     what: str = ""
 
     @property
-    def names(self) -> frozenset[str]:
+    def identifiers(self) -> frozenset[str]:
         """Names in the expression: parameters, functions, other values and printed numbers such as F-1.mass."""
         tree = ast.parse(_PRINTED.sub("printed", self.text), mode="eval")
         return frozenset(_PRINTED.findall(self.text)) | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
@@ -90,5 +90,5 @@ def sources(formulas: Mapping[str, Formula]) -> frozenset[str]:
     """Return the names that the figures among the formulas depend on, directly or through other values."""
     reached: dict[str, frozenset[str]] = {}
     for name, formula in formulas.items():
-        reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.names))
+        reached[name] = frozenset().union(*(reached.get(n, {n}) for n in formula.identifiers))
     return frozenset().union(*(reached[name] for name, formula in formulas.items() if formula.what))

@@ -149,7 +149,7 @@ class Report:
         return tuple(chain.from_iterable(s.checks() for s in self.sections))
 
     @property
-    def failed(self) -> tuple[Check, ...]:
+    def failed_checks(self) -> tuple[Check, ...]:
         """The checks that did not pass."""
         return tuple(c for c in self.checks if not c.passed)
 
@@ -168,7 +168,7 @@ class Part:
         return "s" + self.number.replace(".", "-")
 
     @property
-    def failed(self) -> int:
+    def failed_count(self) -> int:
         """Number of failed checks in the section and its subsections."""
         return sum(not c.passed for c in self.section.checks())
 

@@ -21,7 +21,7 @@ FINE = {unit: shown for unit, (shown, _) in figures.FINE.items()}
 class Shown:
     """Presentation of experiments: units of signals by name, levels in the plots of their errors, and further blocks.
 
-    By name of the experiment, `beside` describes the corresponding figure of the source, and `drawn` adds blocks. Runs
+    By name of the experiment, `beside` describes the corresponding figure of the source, and `blocks` adds blocks. Runs
     longer than `longest` s are plotted over `window`. With `latch` = (before, after) in s, a run that latches is
     plotted around the latch. A signal in m or rad that stays below `fine` is shown in um or urad. Values that are
     measured for each of `channels`, such as "noise, V_ax", form a table with one row per channel.
@@ -30,7 +30,7 @@ class Shown:
     units: Mapping[str, str]
     levels: Mapping[str, float] = field(default_factory=dict)
     beside: Mapping[str, str] = field(default_factory=dict)
-    drawn: Mapping[str, Sequence[page.Block]] = field(default_factory=dict)
+    blocks: Mapping[str, Sequence[page.Block]] = field(default_factory=dict)
     longest: float = math.inf
     window: figures.Window = (0.0, 5.0)
     latch: tuple[float, float] | None = None

@@ -136,7 +136,7 @@ def experiments(runs: Sequence[Experiment], shown: Shown, blocks: Sequence[page.
 def _experiment(run: Experiment, shown: Shown) -> Section:
     table, extra_blocks, time_window = (
         by_channel(run.figures, shown.channels),
-        shown.drawn.get(run.name, ()),
+        shown.blocks.get(run.name, ()),
         window(run, shown),
     )
     measured = {} if table else with_units(run.figures, shown.units)

@@ -133,7 +133,7 @@ def loops(stage: Stage, required: Sequence[Check]) -> Section:
         return Section(standard.LOOPS, (page.Text("No operating points are declared; there are no loops to show."),))
     opened = verification.loops(stage)
     survey = robustness.survey(opened)
-    unstable = dict.fromkeys(loop.point for loop in survey.opened if not loop.margins.stable)
+    unstable = dict.fromkeys(loop.point for loop in survey.loops if not loop.margins.stable)
     lost = {*unstable, *(u.point for u in survey.unsolved)}
     disks = {point: robustness.disk_margins(opened, point) for point in opened.points if point not in lost}
     notes = (
@@ -142,7 +142,7 @@ def loops(stage: Stage, required: Sequence[Check]) -> Section:
     notes += [f"No equilibrium of the loop was found {u.label}: {u.reason}." for u in survey.unsolved]
     tables = (sections.disks(disks),) if disks else ()
     blocks = (page.Text(standard.OPENED), *map(page.Text, notes), *tables)
-    return standard.loops(survey.opened, required, blocks)
+    return standard.loops(survey.loops, required, blocks)
 
 
 def default_style(stage: Stage) -> Shown:

@@ -32,12 +32,16 @@ typedef struct {
     const double *sensor_low, *sensor_high;       /* saturation limits */
     const double *noise;                          /* (samples, sensors): added before the encoder */
     const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
+    const int64_t *sensor_lag; /* 0, or (samples, sensors): the input is the reading so many samples ago */
+    double *readings;          /* with sensor_lag: (samples, sensors), what each sensor reads without a lag */
 
     int64_t commands;
     const int64_t *command_offset; /* byte offset in the controller's output */
     const double *mixing;          /* (N_U, commands) */
     const double *forcing;         /* (samples, substeps, N_U) */
     double *waiting;               /* (max(delay, 1), commands): computed and not yet applied */
+    const double *input_gain, *input_bias; /* 0, or (samples, N_U): gain and bias of what the commands apply */
+    const uint8_t *missed;                 /* 0, or (samples): the controller is not called */
 
     int64_t single; /* the controller's scalars are float */
     uint32_t (*step)(void *state, const void *in, void *out);
@@ -102,6 +106,13 @@ static void stop(const loop_t *loop) {
     }
 }
 
+static double delayed(const loop_t *loop, int64_t k, int64_t i, double reading) {
+    if (!loop->sensor_lag) return reading;
+    const int64_t lag = loop->sensor_lag[k * loop->sensors + i];
+    loop->readings[k * loop->sensors + i] = reading;
+    return loop->readings[(k - lag) * loop->sensors + i];
+}
+
 static void measure(const loop_t *loop, int64_t k, const double *y) {
     char *const in = loop->in + k * loop->in_size;
     for (int64_t i = 0; i < loop->sensors; i++) {
@@ -112,7 +123,7 @@ static void measure(const loop_t *loop, int64_t k, const double *y) {
         const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
         /* Non-finite plant outputs are passed on unchanged. */
         const double held = counted > loop->sensor_high[i] ? loop->sensor_high[i] : counted;
-        const double value = held < loop->sensor_low[i] ? loop->sensor_low[i] : held;
+        const double value = delayed(loop, k, i, held < loop->sensor_low[i] ? loop->sensor_low[i] : held);
         const float narrow = (float)value;
         if (loop->single) memcpy(in + loop->sensor_offset[i], &narrow, sizeof narrow);
         else memcpy(in + loop->sensor_offset[i], &value, sizeof value);
@@ -138,7 +149,19 @@ static void mix(const loop_t *loop, const double *commands, int64_t substep, dou
             /* 0 times infinity is NaN: an infinite command must not reach an input with weight 0. */
             if (weight != 0.0) u[j] += weight * commands[i];
         }
+        if (!loop->input_gain) continue;
+        const int64_t i = substep / loop->substeps * N_U + j;
+        const double gain = loop->input_gain[i], bias = loop->input_bias[i], forcing = loop->forcing[substep * N_U + j];
+        if (gain != 1.0 || bias != 0.0) u[j] = forcing + (gain != 0.0 ? gain * (u[j] - forcing) : 0.0) + bias;
     }
+}
+
+static void call(const loop_t *loop, int64_t k) {
+    char *const out = loop->out + k * loop->out_size;
+    if (k > 0 && loop->missed && loop->missed[k]) {
+        memcpy(out, out - loop->out_size, (size_t)loop->out_size);
+        loop->faults[k] = loop->faults[k - 1];
+    } else loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, out);
 }
 
 void synth_closed_loop(const loop_t *loop) {
@@ -151,7 +174,7 @@ void synth_closed_loop(const loop_t *loop) {
         memcpy(loop->states + k * N_X, loop->x, N_X * sizeof *y);
         memcpy(loop->outputs + k * N_Y, y, N_Y * sizeof *y);
         measure(loop, k, y);
-        loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, loop->out + k * loop->out_size);
+        call(loop, k);
         double *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
         if (loop->delay == 0) command(loop, k, slot);
         for (int64_t j = 0; j < loop->substeps; j++) {

@@ -5,6 +5,8 @@
     c_k = step(state, m_k, references_k)
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
+`faulty` states what faults of sensors, actuators and calls change in these equations.
+
 Forcing is held over each substep at its value in the middle of the substep. A hard stop is inelastic: after each
 substep the position is limited to the stop, and the velocity into the stop is set to 0. A locked coordinate keeps its
 position and velocity.
@@ -22,8 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from synth.errors import SignalError, WiringError
 from synth.execute import host
 from synth.plant import Plant
-from synth.signals import Signal, dimension, names
-from synth.simulate import plant_code
+from synth.signals import Signal, dimension, signal_names
+from synth.simulate import faulty, plant_code
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
@@ -36,8 +38,8 @@ _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
     *("sensors", "sensor_source", "sensor_offset", "sensor_gain", "sensor_bias", "sensor_resolution"),
-    *("sensor_low", "sensor_high", "noise", "overridden"),
-    *("commands", "command_offset", "mixing", "forcing", "waiting"),
+    *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
+    *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
 )
 
@@ -69,6 +71,7 @@ def simulate(
         | _controller_arrays(controller, scenario, len(time))
         | _sensor_arrays(plant, controller, scenario, len(time))
         | _actuator_arrays(plant, controller, scenario, time)
+        | faulty.arrays(plant, scenario, len(time))
     )
     counts = {
         "samples": len(time),
@@ -91,7 +94,7 @@ def _trajectory(
     plant: Plant, controller: host.Controller, scenario: Scenario, time: Array, arrays: Arrays
 ) -> Trajectory:
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
-    groups = {g: dict(zip(names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
+    groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
     for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
         array.flags.writeable = False
@@ -104,7 +107,7 @@ def _trajectory(
 
 
 def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
-    states, start = names(plant.states), _initial_states(plant, scenario)
+    states, start = signal_names(plant.states), _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
     _require_known("stops", scenario.stops, velocity)
@@ -130,7 +133,7 @@ def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
 
 
 def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
-    _require_known("x0", scenario.x0, names(plant.states))
+    _require_known("x0", scenario.x0, signal_names(plant.states))
     for s in plant.states:
         if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
             raise SignalError(f"x0 leaves out '{s.name}', whose range {s.low} .. {s.high} {s.unit} excludes 0: give it")
@@ -174,7 +177,7 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
     chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
     gain, bias, resolution, low, high = chains
     return {
-        "sensor_source": np.array([names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
+        "sensor_source": np.array([signal_names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_gain": gain,
         "sensor_bias": bias,
@@ -219,17 +222,17 @@ def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> A
             values = np.vectorize(course, otypes=[float])(middles) if callable(course) else np.asarray(course, float)
         except (TypeError, ValueError) as error:
             raise SignalError(
-                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_needed(n, signal)}"
+                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_remedy(n, signal)}"
             ) from error
         if not callable(course) and values.shape not in ((), (n,)):
-            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_needed(n, signal)}")
+            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_remedy(n, signal)}")
         if not np.isfinite(values).all():
-            raise SignalError(f"forcing of '{name}' is not finite: {_forcing_needed(n, signal)}")
+            raise SignalError(f"forcing of '{name}' is not finite: {_forcing_remedy(n, signal)}")
         forcing[:, :, j] = values[:, None] if values.shape == (n,) else values
     return forcing
 
 
-def _forcing_needed(n: int, signal: Signal) -> str:
+def _forcing_remedy(n: int, signal: Signal) -> str:
     return f"give a finite number in {signal.unit}, {n} of them, one a sample, or a function of the time in s"
 
 

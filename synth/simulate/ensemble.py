@@ -36,17 +36,17 @@ def replay(controller: host.Controller, inputs: Columns) -> Iterator[host.Batch]
 
 @dataclass(frozen=True, eq=False)
 class Scores:
-    """Scores of estimates of N bodies: validity (.., N), and error `off` from the truth (.., N).
+    """Scores of estimates of N bodies: `valid` (.., N), and the distance `error` (.., N) from the truth.
 
     `deviations` (.., n, N) are the errors of n unknowns in units of the reported standard deviations.
     """
 
     valid: NDArray[np.bool_]
-    off: NDArray[np.float64]
+    error: NDArray[np.float64]
     deviations: NDArray[np.float64]
 
     @property
-    def right(self) -> NDArray[np.bool_]:
+    def is_correct(self) -> NDArray[np.bool_]:
         """Whether each estimate agrees with the truth, whether it is valid or not."""
         return np.asarray(self.deviations.max(axis=-2) <= WRONG)
 
@@ -56,11 +56,11 @@ class Scores:
         return np.where(self.valid.any(axis=0), 1 + self.valid.argmax(axis=0), 0)
 
     @property
-    def wrong(self) -> NDArray[np.bool_]:
+    def is_wrong(self) -> NDArray[np.bool_]:
         """Whether each estimate is valid although it differs from the truth."""
-        return self.valid & ~self.right
+        return self.valid & ~self.is_correct
 
 
 def stack(samples: Sequence[Scores]) -> Scores:
     """Stack the scores of K samples into one, (K, .., N)."""
-    return Scores(*(np.array([getattr(each, name) for each in samples]) for name in ("valid", "off", "deviations")))
+    return Scores(*(np.array([getattr(each, name) for each in samples]) for name in ("valid", "error", "deviations")))

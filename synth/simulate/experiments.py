@@ -59,7 +59,7 @@ class Step:
     """The set-point steps by `height` in its unit once the loop has settled.
 
     `overshoot` is a fraction of the step, `settles_s` the limit of the settling time, `error` the limit of the final
-    |y - r|, None for no check. `under` gives the conditions of the run, `label` replaces the name.
+    |y - r|, None for no check. `conditions` gives the conditions of the run, `label` replaces the name.
     """
 
     set_point: str
@@ -67,7 +67,7 @@ class Step:
     overshoot: float
     settles_s: float
     error: float | None = None
-    under: Conditions = field(default_factory=Conditions)
+    conditions: Conditions = field(default_factory=Conditions)
     label: str = ""
 
     @property
@@ -78,10 +78,10 @@ class Step:
     def run(self, rig: Rig) -> Experiment:
         """Run for a settling time before the step and four after it."""
         position, unit = _position(rig, self.set_point)
-        start = self.under.start.get(position, _set_point(rig, self.set_point).initial or 0.0)
+        start = self.conditions.start.get(position, _set_point(rig, self.set_point).initial or 0.0)
         target, time = start + self.height, sample_times(5 * self.settles_s, rig.period_s)
         course = np.where(time < self.settles_s, start, target)
-        trajectory = _trajectory(rig, 5 * self.settles_s, {self.set_point: course}, self.under)
+        trajectory = _trajectory(rig, 5 * self.settles_s, {self.set_point: course}, self.conditions)
         k = int(np.argmax(time >= self.settles_s))
         y, band = trajectory[position], max(BAND * abs(self.height), _resolution(rig, position))
         settling_time = metrics.settling_time(time[k:], y[k:] - target, band)
@@ -92,7 +92,7 @@ class Step:
         ]
         if self.error is not None:
             checks.append(_final_error_check(trajectory, position, target, self.error, unit))
-        title = f"{position} steps by {self.height:g} {unit}{self.under.text()}"
+        title = f"{position} steps by {self.height:g} {unit}{self.conditions.text()}"
         figures = {"rise time, s": metrics.rise_time(time[k:], y[k:], start, target)}
         return _experiment(rig, self.name, title, trajectory, {position: course}, figures, checks)
 
@@ -108,7 +108,7 @@ class Track:
     mean_error: float | Mapping[str, float]
     duration_s: float = 2.0
     after_s: float = 1.0
-    under: Conditions = field(default_factory=Conditions)
+    conditions: Conditions = field(default_factory=Conditions)
     label: str = ""
 
     @property
@@ -122,7 +122,7 @@ class Track:
         courses = {name: conditions.values(course, time) for name, course in self.set_points.items()}
         positions = {name: _position(rig, name) for name in courses}
         start = {positions[name][0]: float(course[0]) for name, course in courses.items()}
-        under = replace(self.under, start=start | dict(self.under.start))
+        under = replace(self.conditions, start=start | dict(self.conditions.start))
         trajectory = _trajectory(rig, self.duration_s, courses, under)
         checks = []
         for name, course in courses.items():
@@ -130,7 +130,7 @@ class Track:
             limit = self.mean_error[name] if isinstance(self.mean_error, Mapping) else self.mean_error
             mean = metrics.mean_absolute(time, trajectory[position] - course, self.after_s)
             checks.append(Check(f"mean |e_{position}|", mean, limit, unit, f"from {self.after_s:g} s on"))
-        title = f"Tracking of {', '.join(p for p, _ in positions.values())}{self.under.text()}"
+        title = f"Tracking of {', '.join(p for p, _ in positions.values())}{self.conditions.text()}"
         shown = {positions[name][0]: course for name, course in courses.items()}
         return _experiment(rig, self.name, title, trajectory, shown, {}, checks)
 
@@ -142,7 +142,7 @@ class Hold:
     errors: Mapping[str, float]
     duration_s: float = 1.0
     after_s: float = 0.5
-    under: Conditions = field(default_factory=Conditions)
+    conditions: Conditions = field(default_factory=Conditions)
     label: str = ""
 
     @property
@@ -152,19 +152,19 @@ class Hold:
 
     def run(self, rig: Rig) -> Experiment:
         """Run from rest at the initial positions."""
-        trajectory = _trajectory(rig, self.duration_s, {}, self.under)
+        trajectory = _trajectory(rig, self.duration_s, {}, self.conditions)
         late = trajectory.time >= self.after_s
         checks, courses, figures = [], {}, {}
         for name, limit in self.errors.items():
             position, unit = _position(rig, name)
-            r = float(self.under.start.get(position, _set_point(rig, name).initial or 0.0))
+            r = float(self.conditions.start.get(position, _set_point(rig, name).initial or 0.0))
             courses[position] = np.full(len(trajectory.time), r)
             error = trajectory[position] - r
             figures[f"largest |e_{position}| from the start, {unit}"] = float(np.abs(error).max())
             checks.append(
                 Check(f"largest |e_{position}|", _peak(error[late]), limit, unit, f"from {self.after_s:g} s on")
             )
-        title = f"{', '.join(courses)} held{self.under.text()}"
+        title = f"{', '.join(courses)} held{self.conditions.text()}"
         return _experiment(rig, self.name, title, trajectory, courses, figures, checks)
 
 
@@ -179,7 +179,7 @@ class LiftOff:
     ramp_s: float
     overshoot: float
     error: float
-    under: Conditions
+    conditions: Conditions
     duration_s: float | None = None
     label: str = "lift_off"
 
@@ -194,11 +194,11 @@ class LiftOff:
         time = sample_times(duration, rig.period_s)
         checks, shown, courses = [], {}, {}
         for name, end in self.to.items():
-            begin = self.under.start.get(_position(rig, name)[0], _set_point(rig, name).initial or 0.0)
+            begin = self.conditions.start.get(_position(rig, name)[0], _set_point(rig, name).initial or 0.0)
             courses[name] = Ramp(_limited_to_range(begin, _set_point(rig, name)), end, self.ramp_s / 4, self.ramp_s)(
                 time
             )
-        trajectory = _trajectory(rig, duration, courses, self.under)
+        trajectory = _trajectory(rig, duration, courses, self.conditions)
         for name, end in self.to.items():
             position, unit = _position(rig, name)
             shown[position], begin = courses[name], float(trajectory[position][0])
@@ -206,7 +206,7 @@ class LiftOff:
                 overshoot = metrics.overshoot(trajectory[position], begin, end)
                 checks.append(Check(f"overshoot of {position}", overshoot, self.overshoot, "1", "of the travel"))
             checks.append(_final_error_check(trajectory, position, end, self.error, unit))
-        return _experiment(rig, self.name, f"Start{self.under.text()}", trajectory, shown, {}, checks)
+        return _experiment(rig, self.name, f"Start{self.conditions.text()}", trajectory, shown, {}, checks)
 
 
 def run(rig: Rig, experiments: Sequence[Runnable], progress: Callable[[str], None]) -> list[Experiment]:

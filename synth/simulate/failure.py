@@ -31,17 +31,17 @@ class Failure:
     bits: Mapping[str, int]
 
     @property
-    def latched(self) -> int | None:
+    def samples_to_latch(self) -> int | None:
         """Samples from the failure to the latch, None without a latch."""
         return self.first(self.run.faults >> LATCH_BIT & 1)
 
     @property
-    def named(self) -> int | None:
+    def samples_to_detection(self) -> int | None:
         """Samples from the failure until the fault word identifies the sensor, None if it does not before the latch."""
         return self.first(self.words & self.bits[self.sensor])
 
     @property
-    def others(self) -> tuple[str, ...]:
+    def misidentified_sensors(self) -> tuple[str, ...]:
         """The sensors that the fault word identifies before the latch although they work."""
         word = int(np.bitwise_or.reduce(self.words))
         return tuple(name for name, bits in self.bits.items() if word & bits and name != self.sensor)
@@ -49,24 +49,26 @@ class Failure:
     @property
     def words(self) -> NDArray[np.uint32]:
         """The fault words up to the latch."""
-        return self.run.faults[: None if self.latched is None else self.sample + self.latched + 1]
+        return self.run.faults[: None if self.samples_to_latch is None else self.sample + self.samples_to_latch + 1]
 
     @property
     def excursion(self) -> float:
         """The largest deviation from the failure to the latch."""
-        end = None if self.latched is None else self.sample + self.latched
+        end = None if self.samples_to_latch is None else self.sample + self.samples_to_latch
         return float(self.deviation[self.sample : end].max(initial=0.0))
 
-    def slew(self) -> float:
+    def max_slew_rate(self) -> float:
         """Return the fastest change of a command from the latch on, in its unit per s, 0 without a latch."""
-        if self.latched is None:
+        if self.samples_to_latch is None:
             return 0.0
         step = float(self.run.time[1] - self.run.time[0])
-        return float(np.abs(np.diff(self._commands()[:, self.sample + self.latched - 1 :], axis=1)).max()) / step
+        return (
+            float(np.abs(np.diff(self._commands()[:, self.sample + self.samples_to_latch - 1 :], axis=1)).max()) / step
+        )
 
-    def left(self) -> float:
+    def final_command(self) -> float:
         """Return the largest command at the end, 0 without a latch."""
-        return 0.0 if self.latched is None else float(np.abs(self._commands()[:, -1]).max())
+        return 0.0 if self.samples_to_latch is None else float(np.abs(self._commands()[:, -1]).max())
 
     def first(self, flags: NDArray[Any]) -> int | None:
         """Return the samples from the failure to the first flag, None without a flag."""

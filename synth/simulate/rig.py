@@ -44,6 +44,11 @@ class Rig:
         return self.controller.period_s
 
     @property
+    def connections(self) -> Wires:
+        """The controller output, or weighted outputs, of each plant input that an actuator drives."""
+        return self.actuators or self.stage.wires or {a.of: a.name for a in self.stage.interface.actuators}
+
+    @property
     def ideal(self) -> "Rig":
         """The same rig with ideal sensors: without noise and quantisation."""
         return replace(self, quantised=False, noise=0.0)
@@ -74,10 +79,10 @@ class Rig:
         commands = self.controller.outputs.names or ()
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
-            "actuators": self.actuators or self.stage.wires or {a.of: a.name for a in interface.actuators},
+            "actuators": self.connections,
             "references": default_set_points | dict(references or {}),
             "encoders": self._encoders(),
-            "noise": self._noise(n),
+            "noise": self.sensor_noise(n),
             "hold": {a.name: a.safe for a in interface.actuators if a.name in commands},
             "forcing": dict.fromkeys(interface.disturbances, 0.0),
             "velocities": self.stage.velocities,
@@ -98,7 +103,7 @@ class Rig:
     def _encoders(self) -> dict[str, Encoder]:
         return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
 
-    def _noise(self, n: int) -> dict[str, Array]:
+    def sensor_noise(self, n: int) -> dict[str, Array]:
         """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""
         sensors = self.stage.interface.sensors
         if not self.noise or not any(s.noise for s in sensors):

@@ -24,6 +24,14 @@ Columns = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
+class InputFault:
+    """An actuator applies gain c + bias instead of the command c; both are (N,), the bias in the unit of the input."""
+
+    gain: ArrayLike
+    bias: ArrayLike
+
+
+@dataclass(frozen=True, eq=False)
 class Scenario:
     """A scenario: connections, initial state, set-points and disturbances; SI units throughout.
 
@@ -33,6 +41,9 @@ class Scenario:
     a command that is missing from `hold` is 0 before the first sample, and a sensor that is missing from `encoders` is
     ideal. `noise` (N,) is added to the measured quantity before quantisation. `velocities` maps each position that
     `stops` (low, high) and `locked` may name to its velocity. `delay` is in samples.
+
+    A sensor in `lags` delivers the reading of `lags` (N,) samples ago. `input_faults` are faults of plant inputs that
+    an actuator drives. The controller is not called in the samples where `missed` (N,) is true; its outputs stay.
     """
 
     duration_s: float
@@ -47,6 +58,9 @@ class Scenario:
     forcing: Mapping[str, ArrayLike | Callable[[float], float]] = field(default_factory=dict)
     velocities: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    lags: Mapping[str, ArrayLike] = field(default_factory=dict)
+    input_faults: Mapping[str, InputFault] = field(default_factory=dict)
+    missed: NDArray[np.bool_] | None = None
     locked: Sequence[str] = ()
     delay: int = 1
     substeps: int = 4
@@ -103,7 +117,7 @@ class Trajectory:
         """
         from synth.analyse import plots  # loads matplotlib
 
-        chosen = arguments.names("columns", names) or tuple(self.outputs)[:12]
+        chosen = arguments.as_name_list("columns", names) or tuple(self.outputs)[:12]
         return plots.over_time(self.time, {name: self[name] for name in chosen}, self.units)
 
     def __getitem__(self, name: str) -> NDArray[Any]:

@@ -21,9 +21,8 @@ from synth import arguments
 from synth.errors import DesignError, SignalError
 from synth.synthesise.identify.logs import Log
 
-UNITS: dict[
-    str, tuple[str, float, float]
-] = {  # unit -> SI unit, times, divided by: 12.7 mm are 0.0127 m to the last bit
+# unit -> SI unit, factor, divisor: with a divisor of 1e3, 12.7 mm are 0.0127 m to the last bit
+UNITS: dict[str, tuple[str, float, float]] = {
     **{unit: (unit, 1, 1) for unit in ("m", "rad", "V", "T", "s", "1")},
     "mm": ("m", 1, 1e3),
     "um": ("m", 1, 1e6),
@@ -123,8 +122,8 @@ def _read_header(cells: list[str], required: Mapping[str, str], where: str) -> l
 def _read_number(cell: str, unit: str, where: str) -> float:
     if not NUMBER.fullmatch(cell):
         raise SignalError(f"{where} is '{cell.strip()}': give a finite number, with a point and without its unit")
-    _, times, by = UNITS[unit]
-    value = float(cell) * times / by
+    _, factor, divisor = UNITS[unit]
+    value = float(cell) * factor / divisor
     if not abs(value) < HUGE:
         raise SignalError(f"{where} is {cell.strip()} {unit}: give a number of a size that can be measured")
     return value

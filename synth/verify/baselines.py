@@ -67,7 +67,7 @@ class Candidate:
     entry: str
     state: int
     signals: int
-    placed: Callable[[Image, Steps], CallLayout]
+    lay_out: Callable[[Image, Steps], CallLayout]
 
 
 def emitted_c(code: EmittedCode) -> Candidate:
@@ -121,7 +121,7 @@ def in_single_precision(text: str) -> str:
     return _LITERAL.sub(r"\1f", text).replace("#include <math.h>\n", _SHIM, 1)
 
 
-def not_measured() -> tuple[str, ...]:
+def unmeasured_generators() -> tuple[str, ...]:
     """Return for each other known generator why it is not measured."""
     installed = {name: importlib.util.find_spec(name) is not None for name in OTHERS}
     reasons = {True: "installed, but not supported here", False: "not installed"}

@@ -74,7 +74,7 @@ _LARGEST = {"float": "FLT_MAX", "double": "DBL_MAX"}
 
 @dataclass(frozen=True)
 class Proof:
-    """Result of Eva for init and one step: `proved` of `expected` claims, the alarms, and the unproved claims.
+    """Result of Eva for init and one step: `proved` of `claims` claims, the alarms, and the unproved claims.
 
     `trusted` names library functions whose contracts were assumed. `admitted` counts the bounds in the C that Eva
     assumed from the certificates of the emitter; for outputs and states fuzzing checks them.
@@ -82,7 +82,7 @@ class Proof:
 
     design: str
     proved: int
-    expected: int
+    claims: int
     alarms: tuple[str, ...]
     unproved: tuple[str, ...]
     trusted: tuple[str, ...]
@@ -90,10 +90,10 @@ class Proof:
 
     def checks(self) -> tuple[Check, ...]:
         """Return the proof as counts that must all be zero."""
-        scope = f"every state in its bounds, all finite inputs; {self.proved} of {self.expected} claims proved"
+        scope = f"every state in its bounds, all finite inputs; {self.proved} of {self.claims} claims proved"
         trust = f"; contracts trusted: {', '.join(self.trusted)}" if self.trusted else ""
         trust += f"; {self.admitted} bounds taken over from certificates" if self.admitted else ""
-        open_claims = max(len(self.unproved), self.expected - self.proved)
+        open_claims = max(len(self.unproved), self.claims - self.proved)
         return (
             Check("Eva: alarms in one step", len(self.alarms), 0, "alarms", _summary(scope + trust, self.alarms)),
             Check("Eva: claims not proved", open_claims, 0, "claims", _summary(scope, self.unproved)),
@@ -114,7 +114,7 @@ def prove(files: Mapping[str, str], manifest: Mapping[str, Any]) -> Proof:
     return Proof(
         design=manifest["design"],
         proved=len(step.proved) + len(init.proved),
-        expected=len(_claims("output", outputs)) + 2 * len(_claims("state", states)),
+        claims=len(_claims("output", outputs)) + 2 * len(_claims("state", states)),
         alarms=(*sorted(init.alarms), *sorted(step.alarms)),
         unproved=(*sorted(refuted), *sorted(init.unproved), *sorted(step.unproved)),
         trusted=tuple(sorted(init.trusted | step.trusted)),

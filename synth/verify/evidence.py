@@ -41,5 +41,5 @@ class Evidence:
             "design": self.design,
             "passed": self.passed,
             "agreements": [asdict(a) for a in self.agreements],
-            "checks": [asdict(c) | {"passed": c.passed} for c in self.checks],
+            "checks": [c.document() | {"passed": c.passed} for c in self.checks],
         }

@@ -102,7 +102,7 @@ def measure(
         tuple(measured),
         tuple(coverages),
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
-        baselines.not_measured(),
+        baselines.unmeasured_generators(),
     )
 
 
@@ -120,20 +120,20 @@ def run(candidate: Candidate, sequence: Steps, build: Build) -> Run:
     """Measure a candidate over a sequence of steps."""
     path = link(candidate, build)
     machine = boot(candidate, build, path)
-    layout = candidate.placed(machine, sequence)
+    layout = candidate.lay_out(machine, sequence)
     measured = machine.measure(candidate.entry, layout.arguments).cost
     return Run(measured, layout.outputs(), machine.program.size(), path)
 
 
-def count_executed(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
+def count_instructions(candidate: Candidate, sequence: Steps, build: Build) -> NDArray[np.int64]:
     """Count the executed instructions of each step (N,), without those that are predicated false."""
     machine = boot(candidate, build, link(candidate, build))
-    arguments = candidate.placed(machine, sequence).arguments
+    arguments = candidate.lay_out(machine, sequence).arguments
     counts = []
     with recorder.attach(machine.engine) as record:
         for row in arguments:
             machine.calls(candidate.entry, row[np.newaxis])
-            record.call_ended()
+            record.end_call()
             if record.is_filling:
                 counts.append(np.diff(record.take().ends, prepend=0))
         counts.append(np.diff(record.take().ends, prepend=0))
@@ -159,7 +159,7 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
         build=build.name,
         steps=len(sequence),
         issued=cost.summarise(machine_cost.instructions),
-        executed=cost.summarise(count_executed(candidate, sequence, build)),
+        executed=cost.summarise(count_instructions(candidate, sequence, build)),
         cycles=(cost.summarise(machine_cost.cycles.low), cost.summarise(machine_cost.cycles.high)),
         functions=mean,
         memory=memory,

@@ -68,7 +68,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     if stage.operating_points and stage.require:
         progress("loops over the operating points")
         survey = robustness.survey(over_tolerances(stage))
-        checks += robustness.checks(survey.opened, stage.require, survey.unsolved)
+        checks += robustness.checks(survey.loops, stage.require, survey.unsolved)
     return Evidence(stage.name, tuple(agreements), tuple(checks))
 
 

@@ -3,8 +3,7 @@
 record          x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
 random_steps    x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
 resampled       existing steps with some entries of x resampled
-fault_steps     every input bad, alone and all at once, for 1 sample up to the latch, and latched until the outputs
-                settle
+fault_steps     every input bad, alone and all at once, for 1 sample up to the latch, and latched until outputs settle
 edge_steps      every input alone at an end of its range, at the next number beyond, or at a special number such as -0
 perturbed       existing steps with x and u perturbed
 rarest          the steps with the least frequent flags

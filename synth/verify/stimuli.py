@@ -100,7 +100,9 @@ def excursions(
     """
     pools = [*([steps.concatenate("", loops)] if loops else []), *design_steps]
     random_steps = steps.random_steps(controller, DRAWN)
-    resampled = [steps.resampled(controller, steps.thinned(p, DRAWN), f"{p.name} states anew".lstrip()) for p in pools]
+    resampled = [
+        steps.resampled(controller, steps.thinned(p, DRAWN), f"{p.name} states resampled".lstrip()) for p in pools
+    ]
     return [
         *(steps.thinned(each, RANDOM) for each in design_steps),
         *latches(controller, SEED),

@@ -28,14 +28,14 @@ class Witnesses:
     """The witnesses of one step of a Block by name, and its compiled C in both scalar types."""
 
     block: Block
-    of: Mapping[str, agree.Witness]
+    by_name: Mapping[str, agree.Witness]
     c64: host.Controller
     c32: host.Controller
 
     @property
-    def others(self) -> dict[str, agree.Witness]:
+    def oracles(self) -> dict[str, agree.Witness]:
         """The witnesses that the C in double precision is compared with."""
-        return {name: witness for name, witness in self.of.items() if name != "c64"}
+        return {name: witness for name, witness in self.by_name.items() if name != "c64"}
 
 
 def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floating], float] | None = None) -> Witnesses:
@@ -47,17 +47,19 @@ def witnesses(block: Block, reference: Reference, error: Mapping[type[np.floatin
 
 def compare(what: str, witness_set: Witnesses, states: Columns, inputs: Columns, floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over N steps (x, u)."""
-    c64 = witness_set.of["c64"](states, inputs)
+    c64 = witness_set.by_name["c64"](states, inputs)
     return [
         agree.compare(what, (name, witness(states, inputs)), ("c64", c64), floor, witness_set.block)
-        for name, witness in witness_set.others.items()
+        for name, witness in witness_set.oracles.items()
     ]
 
 
 def replay(witness_set: Witnesses, runs: Mapping[str, Columns], floor: agree.Floor) -> list[Agreement]:
     """Compare each other witness with the C in double precision over the N recorded inputs of each run from `init`."""
     start = {s.name: s.initial for s in witness_set.block.states}
-    others = {name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.others.items()}
+    others = {
+        name: agree.run_each(witness, start, list(runs.values())) for name, witness in witness_set.oracles.items()
+    }
     return [
         agree.compare(
             what, (name, stepped[k]), ("c64", agree.replay(witness_set.c64, inputs)), floor, witness_set.block

@@ -18,7 +18,7 @@ def destabiliser(margin: DiskMargin) -> StateSpace:
         one, root = np.eye(len(A)), np.sqrt(2)
         inverse = np.linalg.inv(one - A)
         A, B, C, D = inverse @ (A + one), root * inverse @ B, root * C @ inverse, D + C @ inverse @ B
-    states, outputs = (tuple(f"{name}_{kind}" for name in margin.channels) for kind in ("allpass", "astray"))
+    states, outputs = (tuple(f"{name}_{kind}" for name in margin.channels) for kind in ("allpass", "perturbed"))
     return StateSpace(A, B, C, D, states, margin.channels, outputs, time)
 
 

@@ -57,7 +57,7 @@ def test_a_slope_without_the_delay_would_be_detected() -> None:
 
 def test_crossings_are_those_of_a_fine_grid() -> None:
     model = transfer.delayed(control.tf(np.poly(ZEROS).real * -30.0, np.poly(POLES).real), 0.2, 0.7)
-    course = delayed_crossings.of_delayed(model, rational.of_system(model.model), None, 20.0)
+    course = delayed_crossings.of_delayed_loop(model, rational.of_system(model.model), None, 20.0)
     w = np.linspace(1e-3, 20, 2_000_001)
     L = brute(w)
     unit = w[:-1][np.diff(np.sign(np.log(np.abs(L)))) != 0]

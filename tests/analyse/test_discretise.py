@@ -105,9 +105,9 @@ def test_a_mode_that_needs_more_bits_gets_them_and_one_that_needs_too_many_is_re
         E = (precise.matrix([[-a, 1.0], [0.0, a]])).exp()
         return precise.flint.arb_mat([[E[1, 1] * E[0, 0] + E[0, 1] - E[0, 1]]])
 
-    assert precise.correctly_rounded(lambda: cancelling(300.0), "the product")[0, 0] == 1
+    assert precise.round_correctly(lambda: cancelling(300.0), "the product")[0, 0] == 1
     with pytest.raises(ModelError, match=r"the product is not determined by 4096 bits: .* shorter period"):
-        precise.correctly_rounded(lambda: cancelling(1e4), "the product")
+        precise.round_correctly(lambda: cancelling(1e4), "the product")
 
 
 def test_the_norm_of_an_unbounded_ball_is_infinite() -> None:

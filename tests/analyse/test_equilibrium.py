@@ -70,7 +70,7 @@ def pid_block(integral: float = 1.0, tap: float = 0.0, toggles: bool = False) ->
 
 def at(gap: float, **options: float) -> equilibrium.Equilibrium:
     near = operating_points.trim(levitation_plant(), {"gap": gap}, ["i"])
-    closed = equilibrium.ClosedLoop(levitation_plant(), pid_block(**options), SENSORS, ACTUATORS)
+    closed = equilibrium.SampledLoop(levitation_plant(), pid_block(**options), SENSORS, ACTUATORS)
     return equilibrium.solve(closed, {"wish": gap}, near)
 
 
@@ -128,7 +128,7 @@ def test_without_integral_action_the_loop_rests_off_its_set_point() -> None:
 
 def test_disturbances_stay_and_weights_share_a_command() -> None:
     near = operating_points.trim(levitation_plant(), {"gap": 0.1, "push": 2.0}, ["i"])
-    closed = equilibrium.ClosedLoop(levitation_plant(), pid_block(), SENSORS, {"i": {"drive": 0.5}})
+    closed = equilibrium.SampledLoop(levitation_plant(), pid_block(), SENSORS, {"i": {"drive": 0.5}})
     rest = equilibrium.solve(closed, {"wish": 0.1}, near)
     assert rest.point["push"] == 2.0
     assert rest.state["safe_output_last_drive"] == pytest.approx(2 * rest.point["i"], rel=1e-7)
@@ -141,15 +141,15 @@ def test_a_loop_without_an_equilibrium_is_refused() -> None:
     with pytest.raises(ModelError, match=r"'held' raises fault_q, latched at rest, with inputs q = .*: rest within"):
         at(0.7)
     near = operating_points.trim(levitation_plant(), {"gap": 0.1}, ["i"])
-    closed = equilibrium.ClosedLoop(levitation_plant(), pid_block(), SENSORS, ACTUATORS)
+    closed = equilibrium.SampledLoop(levitation_plant(), pid_block(), SENSORS, ACTUATORS)
     with pytest.raises(SignalError, match=r"missing \['wish'\], not known \['hope'\]: give a value for each of wish"):
         equilibrium.solve(closed, {"hope": 1.0}, near)
 
 
 def test_names_and_ambiguous_openings_are_refused() -> None:
     with pytest.raises(SignalError, match="sensors: 'height' is not one of gap"):
-        equilibrium.ClosedLoop(levitation_plant(), pid_block(), {"q": "height"}, ACTUATORS)
+        equilibrium.SampledLoop(levitation_plant(), pid_block(), {"q": "height"}, ACTUATORS)
     with pytest.raises(SignalError, match="actuators: 'torque' is not one of drive"):
-        equilibrium.ClosedLoop(levitation_plant(), pid_block(), SENSORS, {"i": "torque"})
+        equilibrium.SampledLoop(levitation_plant(), pid_block(), SENSORS, {"i": "torque"})
     with pytest.raises(SignalError, match="at 'wish', which is neither a sensor nor an actuator: name one of q, i"):
         equilibrium.open_loop(at(0.1), "wish")

@@ -60,7 +60,7 @@ def test_limits_are_rad_per_second_and_margins_may_be_handed_over() -> None:
 def test_the_phase_at_the_crossing_lies_in_one_turn(low: float, high: float) -> None:
     w = np.geomspace(0.1, 100, 500)
     L = 1 / (1j * w) ** 2 * (1 + 1j * w if low == -180.0 else 1 / (1 + 1j * w))
-    assert low < float(np.interp(1.0, w, plots.unwrapped(w, L, 1.0))) < high
+    assert low < float(np.interp(1.0, w, plots.unwrapped_phase(w, L, 1.0))) < high
 
 
 def test_step_responses_stand_in_a_grid_with_units() -> None:

@@ -60,7 +60,7 @@ def test_the_coefficients_of_a_transfer_function_stay_exact() -> None:
 def test_cancelled_modes_are_closed_loop_poles_but_not_in_the_loop() -> None:
     hidden = of((np.diag([-1.0, -5.0]), [[1.0], [0.0]], [[2.0, 1.0]], [[0.0]]))
     loop = rational.of_system(hidden)
-    assert [p.degree() for p in loop.reduced] == [0, 1]
+    assert [p.degree() for p in loop.lowest_terms] == [0, 1]
     assert sorted(loop.closed_loop_poles.real) == pytest.approx([-5.0, -3.0])
 
 

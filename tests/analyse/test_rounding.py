@@ -68,7 +68,7 @@ def errors(seed: int) -> tuple[np.ndarray, np.ndarray]:
     terms += [(-c * (1 + 1e-9), i, j) for c, i, j in terms]
     expr = sum((c * A**i * B**j for c, i, j in terms), ca.SX(0))
     points = box.scatter(BOX.signals, 20, seed)
-    values = BOX.evaluated(ca.horzcat(expr, rounding.error_bound(expr)), points)[0]
+    values = BOX.evaluate(ca.horzcat(expr, rounding.error_bound(expr)), points)[0]
     exact = [exactly(terms, *point) for point in points.T.tolist()]
     off = [abs(float(Fraction(v) - e)) for v, e in zip(values[0].tolist(), exact, strict=True)]
     return np.array(off), np.finfo(float).eps * values[1]
@@ -85,7 +85,7 @@ def test_a_bound_without_the_terms_that_cancel_is_broken() -> None:
     """The planted defect: a tolerance relative to the last value only."""
     expr = ZEROS["binomial"]
     columns = ca.horzcat(expr, rounding.error_bound(expr), ca.fabs(expr))
-    value, error, naive = BOX.evaluated(columns, box.scatter(BOX.signals, 16, 1))[0]
+    value, error, naive = BOX.evaluate(columns, box.scatter(BOX.signals, 16, 1))[0]
     assert (np.abs(value) <= rounding.LIMIT * error).all()
     assert not (np.abs(value) <= rounding.LIMIT * naive).all()
 

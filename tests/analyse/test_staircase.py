@@ -54,12 +54,12 @@ def test_a_split_is_orthonormal_and_keeps_coordinates(seed: int) -> None:
     A = scipy.linalg.block_diag(mixed @ np.diag([-1.0, -1.0, -2.0]) @ mixed.T, [[-3.0]], [[-4.0]])
     B = np.vstack([mixed @ [[1.0], [0.0], [1.0]], [[1.0]], [[0.0]]])
     split = staircase.controllable_split(A, B)
-    both = np.hstack([split.inside, split.outside])
+    both = np.hstack([split.basis, split.complement])
     np.testing.assert_allclose(both.T @ both, np.eye(5), atol=tolerances.of("double"))
-    np.testing.assert_array_equal(split.inside[:, 0], np.eye(5)[3])
-    np.testing.assert_array_equal(split.outside[:, 0], np.eye(5)[4])
-    assert np.abs(split.outside.T @ B).max() < tolerances.of("double")
-    assert np.abs(split.outside.T @ A @ split.inside).max() < tolerances.of("double")
+    np.testing.assert_array_equal(split.basis[:, 0], np.eye(5)[3])
+    np.testing.assert_array_equal(split.complement[:, 0], np.eye(5)[4])
+    assert np.abs(split.complement.T @ B).max() < tolerances.of("double")
+    assert np.abs(split.complement.T @ A @ split.basis).max() < tolerances.of("double")
 
 
 @settings(derandomize=True, max_examples=30, deadline=None)

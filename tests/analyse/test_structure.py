@@ -163,7 +163,7 @@ def test_transmission_zeros_are_those_of_slicot_in_any_units(seed: int) -> None:
     reference, rank = slicot_zeros(model)
     zeros = structure.transmission_zeros(in_units(model, seed))
     assert nearest(zeros.values, reference) < tolerances.of("zeros")
-    assert zeros.rank == rank and not zeros.unmoved and not zeros.unseen
+    assert zeros.rank == rank and not zeros.uncontrollable and not zeros.unobservable
 
 
 def slicot_zeros(model: StateSpace) -> tuple[np.ndarray, int]:
@@ -219,8 +219,8 @@ def test_uncontrollable_and_unobservable_modes_are_not_zeros_and_are_named() -> 
     model = system(A, [[1], [1], [0], [1]], [[1, 1, 1, 0]])
     zeros = structure.transmission_zeros(model)
     assert zeros.values == pytest.approx([-1.5])
-    assert [(m.value, m.states) for m in zeros.unmoved] == [(-3, ("x2",))]
-    assert [(m.value, m.states) for m in zeros.unseen] == [(-4, ("x3",))]
+    assert [(m.value, m.states) for m in zeros.uncontrollable] == [(-3, ("x2",))]
+    assert [(m.value, m.states) for m in zeros.unobservable] == [(-4, ("x3",))]
     assert "Uncontrollable mode -3 in x2." in str(zeros) and "Unobservable mode -4 in x3." in str(zeros)
     assert nearest(control.zeros(model.to_control()), np.array([-1.5, -3, -4])) < 1e-9, "the invariant zeros"
 

@@ -38,7 +38,7 @@ def test_the_aircraft_falls_over_while_it_hovers(eps: float) -> None:
     """theta'' = sin theta / eps: a saddle at +-eps^-1/2, in the roll angle and its rate."""
     dynamics = of_plant(textbook_plants.aircraft(eps))
     np.testing.assert_allclose(values(dynamics), [-(eps**-0.5), eps**-0.5], rtol=1e-10)
-    assert dynamics.verdict == "not minimum phase" and dynamics.agreed
+    assert dynamics.verdict == "not minimum phase" and dynamics.is_consistent
     assert set(dynamics.modes[1].states) == {"theta", "w"}
     assert "a mode grows while" in repr(dynamics)
 
@@ -53,7 +53,7 @@ def test_two_masses() -> None:
     """With x2 held, m1 swings on the spring: m1 s^2 + d s + k = 0; with the output x1 there are no zero dynamics."""
     dynamics = of_plant(textbook_plants.two_masses(0.7), "y2")
     np.testing.assert_allclose(values(dynamics), np.sort_complex(np.roots([2.0, 0.7, 50.0])), rtol=1e-10)
-    assert dynamics.verdict == "minimum phase" and dynamics.agreed and dynamics.modes[0].states == ("v1", "x1")
+    assert dynamics.verdict == "minimum phase" and dynamics.is_consistent and dynamics.modes[0].states == ("v1", "x1")
     assert of_plant(textbook_plants.two_masses(), "y2").verdict == "not hyperbolic"
     assert of_plant(textbook_plants.two_masses(), "y1").verdict == "none"
     assert "none, the degree is full" in repr(of_plant(textbook_plants.flexible_joint()))
@@ -87,7 +87,7 @@ def test_random_models_have_slicots_zeros(n: int, p: int, degrees: tuple[int, ..
     expected = control.zeros(model.to_control())
     assert dynamics.order == len(expected) == n - sum(degrees)
     np.testing.assert_allclose(sorted_values(values(dynamics)), sorted_values(expected), rtol=ROOT, atol=ROOT)
-    assert dynamics.agreed
+    assert dynamics.is_consistent
     assert dynamics.verdict == ("minimum phase" if expected.real.max() < 0 else "not minimum phase")
 
 
@@ -101,7 +101,11 @@ def test_arrays_and_python_control_systems_are_accepted() -> None:
 def test_direct_feedthrough_counts_as_degree_0() -> None:
     """y = x + 2 u, x' = -x + u: held at 0, u = -x / 2 and x' = -1.5 x."""
     dynamics = zero_dynamics.of_linear(([[-1.0]], [[1.0]], [[1.0]], [[2.0]]), (0,))
-    assert values(dynamics) == [pytest.approx(-1.5)] and dynamics.zeros[0] == pytest.approx(-1.5) and dynamics.agreed
+    assert (
+        values(dynamics) == [pytest.approx(-1.5)]
+        and dynamics.zeros[0] == pytest.approx(-1.5)
+        and dynamics.is_consistent
+    )
 
 
 def test_a_sign_error_in_the_restriction_does_not_pass_the_pencil(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,7 +114,7 @@ def test_a_sign_error_in_the_restriction_does_not_pass_the_pencil(monkeypatch: p
         zero_dynamics, "_highest_derivatives", lambda model, r: (-right(model, r)[0], right(model, r)[1])
     )
     dynamics = zero_dynamics.of_linear(random_model(8, 2, (2, 3), 0), (2, 3))
-    assert not dynamics.agreed and "DISAGREE" in repr(dynamics)
+    assert not dynamics.is_consistent and "DISAGREE" in repr(dynamics)
 
 
 @pytest.mark.parametrize("degrees", [(1, 3), (3, 3), (1, 1), (2, 2)])
@@ -120,7 +124,7 @@ def test_wrong_degrees_do_not_pass(degrees: tuple[int, int]) -> None:
     except ModelError as error:
         assert "degree" in str(error)
     else:
-        assert not dynamics.agreed
+        assert not dynamics.is_consistent
 
 
 def test_the_beam_has_no_degree_at_its_equilibrium() -> None:

@@ -58,7 +58,7 @@ def test_what_is_planted_in_a_block_is_charged_to_it(compiler: str, stimulus: St
     counts = parts.measure(planted(line, f"{line} {LOOP}"), stimulus, BUILDS[compiler])
     more = {name: float((counts[name] - usual[name]).mean()) for name in usual}
     assert more["regulator_2"] > 80  # four instructions and more a turn
-    assert sum(abs(m) for name, m in more.items() if name != "regulator_2") < 20  # registers are allotted anew
+    assert sum(abs(m) for name, m in more.items() if name != "regulator_2") < 20  # registers are allocated again
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -28,4 +28,4 @@ def test_an_external_name_counts() -> None:
 
 
 def test_what_a_revision_does_not_have_is_empty() -> None:
-    assert same_code.committed("HEAD", "no_such_program") == {}
+    assert same_code.read_revision("HEAD", "no_such_program") == {}

@@ -42,7 +42,7 @@ def test_linear_samples_are_fitted_exactly() -> None:
 def test_a_grid_without_spacing_or_extent_is_refused(spacing: Any) -> None:
     with pytest.raises((ModelError, SignalError), match=r"spacing.* is "):
         lookup_table.square(1e-3, spacing)
-    with pytest.raises((ModelError, SignalError), match=r"reach.* is "):
+    with pytest.raises((ModelError, SignalError), match=r"half.width.* is "):
         lookup_table.square(spacing, 1e-3)
     with pytest.raises(ModelError, match="spacing is"):
         Grid((0.0, 0.0), spacing, (3, 3))

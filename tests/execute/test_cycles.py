@@ -103,7 +103,7 @@ def test_every_call_is_estimated_by_itself() -> None:
 def path_of(machine: image.Image) -> trace.Trace:
     with recorder.attach(machine.engine) as record:
         machine.call("f")
-        record.call_ended()
+        record.end_call()
         return trace.reconstruct_path(machine.code, record.take())
 
 
@@ -133,6 +133,6 @@ def test_no_estimate_without_a_published_table() -> None:
 
 
 def test_every_row_names_its_source() -> None:
-    names = [name for row in cycles.TABLE for name in row.names.split()]
+    names = [name for row in cycles.TABLE for name in row.mnemonics.split()]
     assert len(names) == len(set(names))
     assert all(row.source.startswith("section ") and row.low <= row.high for row in cycles.TABLE)

@@ -21,7 +21,7 @@ unsigned tick(unsigned i) { zeroed[i & 7u] += ++counter; return started += zeroe
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_instructions_and_literals_are_told_apart(compiler: str) -> None:
+def test_instructions_and_literals_are_distinguished(compiler: str) -> None:
     sources = assembly("f", "ldr r0, 1f; bx lr; .align 2; 1: .word 12345678; .word 2; .word 3")
     size = planted.size(sources, "f", compiler=compiler)
     assert (size.code, size.literals, size.constants, size.data) == (4, 12, 0, 0)

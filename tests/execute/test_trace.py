@@ -33,7 +33,7 @@ def test_the_record_of_the_emulator_omits_them() -> None:
     machine = loaded("clamp", CLAMP)
     with recorder.attach(machine.engine) as record:
         machine.call("clamp", 5, 0)
-        record.call_ended()
+        record.end_call()
         taken = record.take()
     assert len(taken.addresses) == 5
     assert trace.reconstruct_path(machine.code, taken).passed.tolist() == [True, True, True, False, True, True]

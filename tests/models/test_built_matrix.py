@@ -13,7 +13,7 @@ from models.built_matrix import AsBuilt, Tolerances
 from models.finite_matrix import HEIGHT, SIDE
 from models.hall_chain import Chain
 from synth.errors import ModelError
-from synth.signals import names
+from synth.signals import signal_names
 
 LATTICE = 1.2e-4  # T: what the other matrices of the lattice add, 9e-5 T at the corners of the reach
 DRAWN = 2e-5  # T: of what errors of blocks add: 1.2e-5 T by the lattice, 1e-6 T by terms of the third order
@@ -84,9 +84,9 @@ def test_the_stage_reads_the_field_at_its_sensors_behind_a_filter() -> None:
     chain, turn = Chain(), 0.3
     plant = built_matrix.plant(closed_loop.PLACES, built_matrix.field(), chain)
     pose = {"x": 4e-3, "y": -7e-3, "phi": turn, "z": 1e-4}
-    x = np.array([pose.get(name, 0.0) for name in names(plant.states)])
+    x = np.array([pose.get(name, 0.0) for name in signal_names(plant.states)])
     u, p = np.zeros(len(plant.inputs)), plant.values
-    rate = dict(zip(names(plant.states), plant.f(x, u, p).full().ravel(), strict=True))
+    rate = dict(zip(signal_names(plant.states), plant.f(x, u, p).full().ravel(), strict=True))
     c, s = np.cos(turn), np.sin(turn)
     for letter, (a, b) in zip("abc", closed_loop.PLACES, strict=True):
         bx, by, dx, dy = built_matrix.field().at(4e-3 + c * a - s * b, -7e-3 + s * a + c * b).full().ravel()
@@ -94,8 +94,8 @@ def test_the_stage_reads_the_field_at_its_sensors_behind_a_filter() -> None:
         for axis, B in (("x", c * bx + s * by), ("y", c * by - s * bx)):
             volts = chain.gain * B  # the filter holds 0
             assert rate[f"filtered_V_{letter}{axis}"] == pytest.approx(2 * pi * chain.corner * volts, rel=1e-9)
-    held = np.where([n.startswith("filtered_") for n in names(plant.states)], 1.5, x)
-    read = dict(zip(names(plant.outputs), plant.h(held, u, p).full().ravel(), strict=True))
+    held = np.where([n.startswith("filtered_") for n in signal_names(plant.states)], 1.5, x)
+    read = dict(zip(signal_names(plant.outputs), plant.h(held, u, p).full().ravel(), strict=True))
     assert [read[name] for name in planar_stage.HALL] == [1.5] * 6
 
 

@@ -23,7 +23,7 @@ def difference(series: finite_matrix.Series, z: float = 3e-3) -> float:
     at = np.random.default_rng(3).integers(-150, 151, (60, 2))
     theirs = BLOCKS.getB(np.column_stack([at * series.spacing, np.full(60, z)]))
     reach = 150 * series.spacing
-    ours = [series.summed(c, reach)[at[:, 0] + 150, at[:, 1] + 150] for c in finite_matrix.flux_density(series, z)]
+    ours = [series.evaluate(c, reach)[at[:, 0] + 150, at[:, 1] + 150] for c in finite_matrix.flux_density(series, z)]
     return float(np.abs(np.transpose(ours) - theirs).max())
 
 
@@ -33,8 +33,8 @@ def test_the_series_is_the_field_of_the_blocks(fabricated: finite_matrix.Series)
 
 
 def test_the_slope_along_z_is_the_difference_of_two_heights(fabricated: finite_matrix.Series) -> None:
-    flux = {z: fabricated.summed(finite_matrix.flux_density(fabricated, z)[0], 0.05) for z in (2.9e-3, 3e-3, 3.1e-3)}
-    slope = fabricated.summed(finite_matrix.flux_density(fabricated, 3e-3, 1)[0], 0.05)
+    flux = {z: fabricated.evaluate(finite_matrix.flux_density(fabricated, z)[0], 0.05) for z in (2.9e-3, 3e-3, 3.1e-3)}
+    slope = fabricated.evaluate(finite_matrix.flux_density(fabricated, 3e-3, 1)[0], 0.05)
     third = 7e-4 * np.abs(slope).max()  # (13 k h)^2 / 6 of what the 13th harmonic has of the slope, a twentieth
     np.testing.assert_allclose(slope, (flux[3.1e-3] - flux[2.9e-3]) / 2e-4, rtol=0, atol=third)
 
@@ -66,7 +66,7 @@ def test_harmonics_in_the_middle_pitch(fabricated: finite_matrix.Series) -> None
         (fabricated, 5, -0.02146),
         (finite_matrix.series(finite_matrix.ideal_blocks(), 24), 1, ideal(1)),
     ):
-        pitch = series.summed(finite_matrix.flux_density(series, 3e-3)[0], 25.4e-3)[:-1, :-1]
+        pitch = series.evaluate(finite_matrix.flux_density(series, 3e-3)[0], 25.4e-3)[:-1, :-1]
         wave = np.sin(2 * np.pi * n / 50.8e-3 * series.grid(25.4e-3)[:-1])
         assert 2 * np.mean(pitch * wave[:, None]) == pytest.approx(expected, abs=6e-4)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models import finite_matrix, finite_motor, finite_stage, halbach, planar_stage
-from synth.signals import names
+from synth.signals import signal_names
 from tests.models import finite_oracle as oracle
 
 V = {p.name: p.value for p in planar_stage.PARAMETERS}
@@ -73,7 +73,7 @@ def test_the_plant_is_the_quadrature_of_its_three_motors(bars: magpylib.Collecti
     plant = finite_stage.plant(made=False, end_turns=0.0)
     x, u = np.array([*pose, *np.zeros(6)]), np.random.default_rng(5).uniform(-0.5, 0.5, 9)
     derivative = np.array(plant.f(x, u, plant.values)).ravel()
-    second = [derivative[names(plant.states).index(planar_stage.RATE[axis])] for axis in planar_stage.AXES]
+    second = [derivative[signal_names(plant.states).index(planar_stage.RATE[axis])] for axis in planar_stage.AXES]
     inertia = np.array([V["M"], V["M"], V["Izz"], V["M"], V["Ixx"], V["Iyy"]])
     off = np.abs(second - accelerations_by_quadrature(bars, x, u)) * inertia
     assert off[[0, 1, 3]].max() < 0.01 and off[[2, 4, 5]].max() < 5e-4  # N of 6, N m of 0.2
@@ -86,7 +86,7 @@ def test_hall_voltages_are_the_field_of_the_blocks() -> None:
     for X, Y, phi, z in ((0.0, 0.0, 0.0, 0.0), (0.021, -0.047, 0.01, 1e-4), (-0.1, 0.1, -0.01, -1e-4)):
         c, s = np.cos(phi), np.sin(phi)
         outputs = np.array(plant.h([X, Y, phi, z, *np.zeros(8)], np.zeros(9), plant.values)).ravel()
-        seen = dict(zip(names(plant.outputs), outputs, strict=True))
+        seen = dict(zip(signal_names(plant.outputs), outputs, strict=True))
         for name, r in (("a", (0, 0)), ("b", (V["spacing"], 0)), ("c", (0, V["spacing"]))):
             B = blocks.getB([X + c * r[0] - s * r[1], Y + s * r[0] + c * r[1], 3e-3 + z])
             expected = gain * np.array([c * B[0] + s * B[1], c * B[1] - s * B[0]])

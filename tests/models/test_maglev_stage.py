@@ -9,7 +9,7 @@ import pytest
 from models import maglev_polynomial, maglev_stage, pmlsm, slotted_field
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.synthesise.nonlinear import feedback_linearisation
 
 VALUES = {p.name: p.value for p in maglev_stage.PARAMETERS}
@@ -43,7 +43,7 @@ def printed_accelerations(x: Mapping[str, float], u: Mapping[str, float], lv3: s
     g1, g2 = x["y"] - r * np.sin(x["phi"]), x["y"] + r * np.sin(x["theta"])
     g3, g4 = x["y"] + r * np.sin(x["phi"]), x["y"] - r * np.sin(x["theta"])
     K1, K2, K3, K4 = (force_factors(g, lv3) for g in (g1, g2, g3, g4))
-    u1, u2, u3, u4, ux, uz = (u[n] for n in names(maglev_stage.INPUTS))
+    u1, u2, u3, u4, ux, uz = (u[n] for n in signal_names(maglev_stage.INPUTS))
     y = -K3["v1"] - K1["v1"] - K2["v1"] - K4["v1"] + K3["v2"] * u3 + K1["v2"] * u1 + K2["v2"] * u2 + K4["v2"] * u4
     y += -(K3["v3"] + K1["v3"]) * uz**2 - K3["v3"] * u3**2 - K1["v3"] * u1**2
     y += -(K2["v3"] + K4["v3"]) * ux**2 - K2["v3"] * u2**2 - K4["v3"] * u4**2
@@ -76,7 +76,7 @@ def worst_difference(plant: Plant, lv3: str) -> float:
     worst = 0.0
     for x, u in random_points(50):
         derivative = np.asarray(plant.f(list(x.values()), list(u.values()), plant.values)).ravel()
-        dx = dict(zip(names(plant.states), derivative, strict=True))
+        dx = dict(zip(signal_names(plant.states), derivative, strict=True))
         assert all(dx[q] == x[v] for q, v in maglev_stage.RATE.items())
         rates = np.array([dx[v] for v in maglev_stage.RATE.values()])
         worst = max(worst, float(np.abs(rates - printed_accelerations(x, u, lv3)).max()))
@@ -131,7 +131,7 @@ def test_friction_and_cogging_push_as_they_are_written() -> None:
     field = slotted_field.forces(maglev_stage.geometry(plant), 0.020, 3)
     guides = maglev_stage.guide_disturbance(plant, {"x": 1.8, "z": 1.3}, 3)
     at = {"y": 0.020, "x": plant.parameter("t1").value / 4, "vx": 1.0, "vz": -1.0}
-    states = names(plant.states)
+    states = signal_names(plant.states)
     added = np.asarray(guides([at.get(n, 0.0) for n in states], 0.0)).ravel()
     pushed = dict(zip(states, added, strict=True))
     assert pushed["vx"] == pytest.approx((2 * field.cogging - 1.8) / 10.6, rel=1e-9)

@@ -14,7 +14,7 @@ from synth.block import Block, unranged
 from synth.emit import write
 from synth.errors import EmitError
 from synth.execute import host
-from synth.signals import names
+from synth.signals import signal_names
 from synth.timing import Discrete
 from synth.verify import agree
 from tests import tolerances
@@ -81,7 +81,7 @@ def commutation_inputs(q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def forces(q: dict[str, np.ndarray], out: agree.Columns) -> tuple[np.ndarray, np.ndarray]:
     """Return what the stage's motors make of phase currents (3, n), along their motion and up, at the nominal gap."""
     x = {n: ca.SX.sym(n) for n in ("x", "y", "phi")}
-    u = {n: ca.SX.sym(n) for n in names(planar_stage.INPUTS)}
+    u = {n: ca.SX.sym(n) for n in signal_names(planar_stage.INPUTS)}
     made = planar_stage.motor_forces(x | dict.fromkeys(("z", "theta", "psi"), ca.SX(0)), u, P)
     both = ca.vcat([getattr(made[m], axis) for axis in "yz" for m in planar_stage.MOTORS])
     f = ca.Function("f", [ca.vcat([*x.values(), *u.values()])], [both])
@@ -99,12 +99,12 @@ def test_shares_have_the_signs_of_table_3() -> None:
 
 def test_the_wrench_is_that_of_the_stage() -> None:
     """Its columns are the stage's accelerations at rest, times the inertias, for 1 N of each motor."""
-    at_rest = {n: ca.SX(0) for n in names(PLANT.states)}
+    at_rest = {n: ca.SX(0) for n in signal_names(PLANT.states)}
     inertia = np.array([V[n] for n in ("M", "M", "Izz", "M", "Ixx", "Iyy")])
     columns = []
     for direct in (False, True):
         for motor in planar_stage.MOTORS:
-            u = {n: ca.SX(0) for n in names(PLANT.inputs)}
+            u = {n: ca.SX(0) for n in signal_names(PLANT.inputs)}
             where = planar_stage.centres(at_rest, P)[motor]
             i = (ca.SX(0), ca.SX(1 / K)) if direct else (ca.SX(1 / K), ca.SX(0))
             phases = lorentz_motor.phase_currents(*i, where.X if motor == "C" else where.Y, P)

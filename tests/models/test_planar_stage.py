@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from models import lorentz_motor, planar_stage
-from synth.signals import names
+from synth.signals import signal_names
 from tests import tolerances
 
 DOUBLE = tolerances.of("double")
@@ -46,11 +46,11 @@ def expected_accelerations(x: np.ndarray, u: np.ndarray) -> np.ndarray:
 def test_the_plant_is_its_equations(seed: int) -> None:
     x, u = random_point(seed)
     derivative = ca.DM(PLANT.f(x, u, PLANT.values)).full().ravel()
-    rates = x[[names(PLANT.states).index(planar_stage.RATE[axis]) for axis in planar_stage.AXES]]
+    rates = x[[signal_names(PLANT.states).index(planar_stage.RATE[axis]) for axis in planar_stage.AXES]]
     expected = dict(
         zip((*planar_stage.AXES, *planar_stage.RATE.values()), [*rates, *expected_accelerations(x, u)], strict=True)
     )
-    np.testing.assert_allclose(derivative, [expected[n] for n in names(PLANT.states)], rtol=DOUBLE, atol=DOUBLE)
+    np.testing.assert_allclose(derivative, [expected[n] for n in signal_names(PLANT.states)], rtol=DOUBLE, atol=DOUBLE)
 
 
 def test_rows_x_and_z_of_table_3_move_one_axis_each() -> None:
@@ -68,12 +68,14 @@ def test_rows_x_and_z_of_table_3_move_one_axis_each() -> None:
 
 
 def test_hall_voltages_are_the_field_at_the_sensors_turned_with_the_platen() -> None:
-    at = dict.fromkeys(names(PLANT.states), 0.0)
+    at = dict.fromkeys(signal_names(PLANT.states), 0.0)
     amplitude = V["sensitivity"] * 0.35  # V, roughly
 
     def read(**pose: float) -> dict[str, float]:
         x = np.array(list((at | pose).values()))
-        return dict(zip(names(PLANT.outputs), ca.DM(PLANT.h(x, np.zeros(9), PLANT.values)).full().ravel(), strict=True))
+        return dict(
+            zip(signal_names(PLANT.outputs), ca.DM(PLANT.h(x, np.zeros(9), PLANT.values)).full().ravel(), strict=True)
+        )
 
     assert read()["V_ax"] == pytest.approx(0, abs=DOUBLE) and read()["V_bx"] < -0.5 * amplitude
     assert read(x=V["l"] / 4)["V_ax"] > 0.5 * amplitude and read(y=V["l"] / 4)["V_ay"] > 0.5 * amplitude
@@ -84,7 +86,7 @@ def test_hall_voltages_are_the_field_at_the_sensors_turned_with_the_platen() -> 
 
 def test_lasers_see_the_three_vertical_axes() -> None:
     def read(**pose: float) -> np.ndarray:
-        x = np.array([pose.get(n, 0.0) for n in names(PLANT.states)])
+        x = np.array([pose.get(n, 0.0) for n in signal_names(PLANT.states)])
         return ca.DM(PLANT.h(x, np.zeros(9), PLANT.values)).full().ravel()[-3:]
 
     arm = V["laser_arm"]

@@ -45,7 +45,7 @@ def test_the_verdict_follows_from_two_statements(as_printed: bool, corrected: bo
 
 
 def row(value: float) -> audit.Row:
-    published = audit.parse_published(TEXT)["A-1"]
+    published = audit.parse_rows(TEXT)["A-1"]
     return audit.row(published, [("pole", value, "1/s")], judge(published["pole"].agrees(value)), "why | so", ("m",))
 
 
@@ -76,7 +76,7 @@ def test_figures_and_numbers_are_read_by_name() -> None:
 @pytest.mark.parametrize("figures", [[], [("a", 1.0, "m"), ("a", 2.0, "m")]])
 def test_a_row_without_figures_or_with_two_of_a_name_is_refused(figures: list[tuple[str, float, str]]) -> None:
     with pytest.raises(DesignError, match="A-1"):
-        audit.row(audit.parse_published(TEXT)["A-1"], figures, Verdict.REPRODUCES, "why")
+        audit.row(audit.parse_rows(TEXT)["A-1"], figures, Verdict.REPRODUCES, "why")
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,12 @@ def test_a_row_without_figures_or_with_two_of_a_name_is_refused(figures: list[tu
 )
 def test_a_published_row_that_lacks_something_is_refused(wrong: str, right: str) -> None:
     with pytest.raises(DesignError, match="published row A-1"):
-        audit.parse_published(TEXT.replace(wrong, right))
+        audit.parse_rows(TEXT.replace(wrong, right))
 
 
 def test_digits_must_be_quoted() -> None:
     with pytest.raises(DesignError, match="in quotes"):
-        audit.parse_published(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
+        audit.parse_rows(TEXT.replace('["7", "mm"]', '[7.50, "mm"]'))
 
 
 TWO_ROWS = (
@@ -117,7 +117,7 @@ corrected = "A-2.late.agrees(late - m)"
 
 
 def test_rows_come_in_the_order_asked_for_or_in_that_of_the_print_with_their_rules() -> None:
-    scope = audit.Scope({"m": 9.61}, {}, audit.parse_published(TWO_ROWS))
+    scope = audit.Scope({"m": 9.61}, {}, audit.parse_rows(TWO_ROWS))
     first, second = audit.rows(scope)
     assert (first.id, first.verdict, first.why, first.depends) == ("A-1", "R", "", ("A-1.pole",))
     assert (second.id, second.verdict, second.depends) == ("A-2", "RC", ("A-2.late", "m"))
@@ -133,4 +133,4 @@ def test_functions_are_those_that_a_module_defines() -> None:
 
 def test_the_prints_of_a_folder_are_read(tmp_path: Path) -> None:
     (tmp_path / "published.toml").write_text(TEXT, encoding="utf-8")
-    assert audit.read_published(tmp_path) == audit.parse_published(TEXT)
+    assert audit.read_rows(tmp_path) == audit.parse_rows(TEXT)

@@ -138,7 +138,7 @@ def test_a_bode_plot_marks_the_crossings() -> None:
     assert sensitivity.get_xlabel() == "frequency, Hz" and angle.get_ylabel() == "arg L, °"
 
 
-def test_more_loops_than_can_be_told_apart_are_refused() -> None:
+def test_more_loops_than_can_be_distinguished_are_refused() -> None:
     loop = resonant()
     curve = bode.curve("L", loop, stability_margins.of_loop(loop))
     for count in (0, 7):

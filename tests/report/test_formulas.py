@@ -29,7 +29,7 @@ text = "of a printed number alone"
 numbers = { rate = ["4", "Hz"] }
 computed = { half = ["F-2.rate / 2", "Hz", "half"], as_printed = "half < F-2.rate.value" }
 """
-PRINTS = audit.parse_published(TEXT)
+PRINTS = audit.parse_rows(TEXT)
 
 
 SCOPE = audit.Scope({"stiffness": 200.0, "mass": 9.0}, {"doubled": lambda v: 2 * v}, PRINTS)
@@ -54,7 +54,7 @@ def test_a_row_depends_on_what_its_figures_name_and_on_no_more() -> None:
 
 
 def test_an_attribute_is_no_name() -> None:
-    assert Formula("filter(F-1.mass).mass + rate").names == {"filter", "F-1.mass", "printed", "rate"}
+    assert Formula("filter(F-1.mass).mass + rate").identifiers == {"filter", "F-1.mass", "printed", "rate"}
 
 
 @pytest.mark.parametrize(
@@ -76,4 +76,4 @@ def test_a_printed_number_that_is_none_is_refused() -> None:
 
 
 def test_near_asks_for_all() -> None:
-    assert formulas.near(1.001, 0.01, 1.0, 1.005) and not formulas.near(1.001, 0.01, 1.0, 1.2)
+    assert formulas.is_close(1.001, 0.01, 1.0, 1.005) and not formulas.is_close(1.001, 0.01, 1.0, 1.2)

@@ -34,7 +34,7 @@ class Opened:
     margins: stability_margins.Margins
 
 
-def opened(signal: str, gain: float) -> Opened:
+def open_loop(signal: str, gain: float) -> Opened:
     A, B, C, D = (readonly(m) for m in ([[-1.0, 0], [1, -10]], [[gain], [0]], [[0, 1.0]], [[0.0]]))
     L = StateSpace(A, B, C, D, ("a", "b"), ("u",), ("y",), Continuous())
     return Opened(signal, f"at {signal}, {gain:g}", L, stability_margins.of_loop(L))
@@ -49,7 +49,7 @@ def test_laws_with_the_same_entries_share_a_table() -> None:
 
 
 def test_loops_are_drawn_by_signal_and_the_worst_where_there_are_many() -> None:
-    loops = [opened("i1", 10.0 + k) for k in range(8)] + [opened("z", 20.0)]
+    loops = [open_loop("i1", 10.0 + k) for k in range(8)] + [open_loop("z", 20.0)]
     check = Check("phase margin falls short by", -3.0, 0.0, "degrees")
     section = standard.loops(loops, [check])
     assert [s.title for s in section.sections] == ["Loop of i1", "Loop of z"] and [*section.checks()] == [check]

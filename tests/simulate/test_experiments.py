@@ -36,14 +36,14 @@ def test_every_experiment_of_the_levitator_holds(rig: Rig) -> None:
 
 
 def test_a_step_is_measured_from_the_sample_at_which_it_comes(rig: Rig) -> None:
-    run = Step("z_ref", 2e-4, 0.05, 0.2, error=2e-7, under=Conditions(start={"z": -1e-4})).run(rig)
+    run = Step("z_ref", 2e-4, 0.05, 0.2, error=2e-7, conditions=Conditions(start={"z": -1e-4})).run(rig)
     t, r, z = run.trajectory.time, run.references["z"], run.trajectory["z"]
     k = int(np.argmax(r > 0))
     assert t[k] == 0.2 and r[k - 1] == -1e-4 and r[k] == pytest.approx(1e-4) and len(t) == 2000
     late = np.abs(z[k:] - 1e-4) > 0.02 * 2e-4
-    assert checks(run)["settling time"].found == pytest.approx((np.flatnonzero(late)[-1] + 1) * 5e-4)
-    assert checks(run)["overshoot"].found == pytest.approx((z[k:].max() - 1e-4) / 2e-4)
-    assert checks(run)["|e_z| at the end"].found == np.abs(z[t >= 0.9 * t[-1]] - 1e-4).max()
+    assert checks(run)["settling time"].value == pytest.approx((np.flatnonzero(late)[-1] + 1) * 5e-4)
+    assert checks(run)["overshoot"].value == pytest.approx((z[k:].max() - 1e-4) / 2e-4)
+    assert checks(run)["|e_z| at the end"].value == np.abs(z[t >= 0.9 * t[-1]] - 1e-4).max()
     assert run.figures["largest |i1|, A"] == np.abs(run.trajectory.commands["i1"]).max()
 
 
@@ -52,7 +52,7 @@ def test_a_track_starts_on_its_course_and_takes_a_limit_for_each(rig: Rig) -> No
     run = Track({"z_ref": course, "x_ref": 1e-4}, {"z_ref": 1e-7, "x_ref": 1e-12}, 0.6, 0.5).run(rig)
     assert run.trajectory["z"][0] == 2e-4 and run.trajectory["x"][0] == 1e-4
     error = run.trajectory["z"] - course(run.trajectory.time)
-    assert checks(run)["mean |e_z|"].found == pytest.approx(np.abs(error[run.trajectory.time >= 0.5]).mean())
+    assert checks(run)["mean |e_z|"].value == pytest.approx(np.abs(error[run.trajectory.time >= 0.5]).mean())
     assert not checks(run)["mean |e_x|"].passed
 
 
@@ -63,7 +63,7 @@ def test_an_internal_model_leaves_nothing_of_the_hum_that_it_holds(rig: Rig) -> 
         for w in (DESIGN.HUM, 0.8 * DESIGN.HUM)
     )
     assert checks(held)["largest |e_x|"].passed and not checks(other)["largest |e_x|"].passed
-    assert checks(other)["largest |e_x|"].found > 20 * checks(held)["largest |e_x|"].found
+    assert checks(other)["largest |e_x|"].value > 20 * checks(held)["largest |e_x|"].value
     assert held.title == "x held, hum acts"
 
 
@@ -77,7 +77,7 @@ def test_a_lift_off_ramps_from_the_set_points_end_and_may_be_too_fast(rig: Rig) 
 
 def test_parameters_change_the_plant_alone(rig: Rig) -> None:
     step = Step("z_ref", 3e-4, 0.05, 0.2)
-    heavy = replace(step, under=Conditions(parameters={"M": 1.9, "K": 12.0}), label="heavy")
+    heavy = replace(step, conditions=Conditions(parameters={"M": 1.9, "K": 12.0}), label="heavy")
     assert all(c.passed for c in step.run(rig).checks)
     run = heavy.run(rig)
     assert not all(c.passed for c in run.checks) and run.title == "z steps by 0.0003 m, M = 1.9, K = 12"
@@ -86,8 +86,8 @@ def test_parameters_change_the_plant_alone(rig: Rig) -> None:
 
 def test_a_fault_fails_any_experiment(rig: Rig) -> None:
     missing = Override(np.arange(2000) == 1200, np.nan)
-    run = Hold({"z_ref": 1e-6}, under=Conditions(options={"overrides": {"z": missing}})).run(rig)
-    assert checks(run)["samples with a fault bit"].found == 1 and checks(run)["largest |e_z|"].passed
+    run = Hold({"z_ref": 1e-6}, conditions=Conditions(options={"overrides": {"z": missing}})).run(rig)
+    assert checks(run)["samples with a fault bit"].value == 1 and checks(run)["largest |e_z|"].passed
 
 
 def test_names_are_kept_apart_and_known(rig: Rig) -> None:

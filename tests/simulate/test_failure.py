@@ -20,10 +20,15 @@ def fail(shown: float | None) -> Failure:
 
 def test_a_nan_sensor_is_identified_and_latches() -> None:
     f, bad = fail(np.nan), STAGE.interface.bad_samples
-    assert f.named == 0 and f.latched == bad - 1 and f.others == () and len(f.words) == f.sample + bad
+    assert (
+        f.samples_to_detection == 0
+        and f.samples_to_latch == bad - 1
+        and f.misidentified_sensors == ()
+        and len(f.words) == f.sample + bad
+    )
     assert f.run.time[f.sample] >= AT > f.run.time[f.sample - 1]
     rates = [a.slew_per_s for a in STAGE.interface.actuators]
-    assert f.slew() <= max(rates) * (1 + 1e-9) and f.left() == 0
+    assert f.max_slew_rate() <= max(rates) * (1 + 1e-9) and f.final_command() == 0
     assert f.excursion <= f.deviation.max()
 
 
@@ -31,5 +36,10 @@ def test_a_sensor_that_sticks_at_rest_keeps_its_reading() -> None:
     f = fail(None)
     name, k = f.sensor, f.sample
     shown = f.run.measured[name][k:]
-    assert (shown == shown[0]).all() and f.named is None and f.latched is None and f.slew() == 0 == f.left()
+    assert (
+        (shown == shown[0]).all()
+        and f.samples_to_detection is None
+        and f.samples_to_latch is None
+        and f.max_slew_rate() == 0 == f.final_command()
+    )
     assert f.excursion == f.deviation[k:].max()

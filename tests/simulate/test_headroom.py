@@ -36,23 +36,23 @@ def planted() -> Stage:
 def test_a_sound_stage_is_inside_all_bounds() -> None:
     for run in PID.DESIGN.simulate(lambda _: None):
         check = next(c for c in run.checks if c.name == headroom.NAME)
-        assert check.passed and 0.05 < check.found < 0.5
+        assert check.passed and 0.05 < check.value < 0.5
         assert any(name.startswith(headroom.NAME) for name in run.figures)
 
 
 def test_a_bound_that_is_too_low_is_found(planted: Stage) -> None:
     runs = {run.name: run for run in standard_tasks.simulate(planted, lambda _: None)}
     check = next(c for c in runs["step_z"].checks if c.name == headroom.NAME)
-    assert not check.passed and check.found == pytest.approx(1) and check.about.startswith("pid_z_v")
+    assert not check.passed and check.value == pytest.approx(1) and check.about.startswith("pid_z_v")
     assert not runs["step_z"].trajectory.faults.any()
 
 
 def test_comparison_of_witnesses_does_not_detect_it(planted: Stage) -> None:
     """CasADi, its C and the emitted C limit the state in the same way: recorded inputs give equal outputs."""
     by = suite.witnesses(planted.controller.block, PID.reference.step)
-    others = {name: witness for name, witness in by.of.items() if name != "reference"}
+    others = {name: witness for name, witness in by.by_name.items() if name != "reference"}
     run = planted.experiments[0].run(Rig(planted, planted.plant, by.c64))
-    agreements = suite.replay(replace(by, of=others), {"step": run.trajectory.measured}, None)
+    agreements = suite.replay(replace(by, by_name=others), {"step": run.trajectory.measured}, None)
     assert [c for c in suite.exact_checks(agreements, "A") if not c.passed] == []
 
 

@@ -158,13 +158,13 @@ def test_a_different_control_law_is_reported_as_a_difference(
 def test_instructions_predicated_false_are_not_counted_as_executed() -> None:
     """cmp, ite, one of two moves, cbz, bx; and adds where r1 is not 0."""
 
-    def placed(machine: image.Image, sequence: Steps) -> CallLayout:
+    def lay_out(machine: image.Image, sequence: Steps) -> CallLayout:
         return CallLayout(np.array([[5, 0], [2, 1], [2, 0]]), dict)
 
-    candidate = Candidate("clamp", assembly("clamp", CLAMP), "clamp", 0, 0, placed)
+    candidate = Candidate("clamp", assembly("clamp", CLAMP), "clamp", 0, 0, lay_out)
     none = Steps("none", np.zeros(3, [("x", "f4")]), np.zeros(3, [("u", "f4")]))
     for built in meter.builds():
-        assert meter.count_executed(candidate, none, built).tolist() == [5, 6, 5]
+        assert meter.count_instructions(candidate, none, built).tolist() == [5, 6, 5]
         assert meter.run(candidate, none, built).cost.instructions.tolist() == [6, 7, 6]
 
 

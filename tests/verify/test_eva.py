@@ -21,7 +21,7 @@ CLAIMS = 2 * 3 + 2 * (7 * 3 + 3 * 2)
 @needs_frama_c
 def test_the_sound_controller_is_proved(files: dict[str, str], manifest: dict[str, Any]) -> None:
     proof = eva.prove(files, manifest)
-    assert (proof.alarms, proof.unproved, proof.proved, proof.expected) == ((), (), CLAIMS, CLAIMS)
+    assert (proof.alarms, proof.unproved, proof.proved, proof.claims) == ((), (), CLAIMS, CLAIMS)
     assert proof.trusted == ()
     assert all(check.passed for check in proof.checks())
 
@@ -136,7 +136,7 @@ def widened(text: str, limits: set[float]) -> str:
 def test_the_emitted_controller_is_proved(maglev: tuple[dict[str, str], dict[str, Any]]) -> None:
     proof = eva.prove(*maglev)
     assert (proof.alarms, proof.unproved) == ((), ())
-    assert proof.proved == proof.expected > 300
+    assert proof.proved == proof.claims > 300
 
 
 @needs_frama_c

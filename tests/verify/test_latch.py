@@ -34,7 +34,7 @@ def failed(controller: host.Controller) -> set[str]:
 def test_emitted_c_slews_as_declared(monkeypatch: pytest.MonkeyPatch) -> None:
     checks = latch.verify(planted(monkeypatch))
     assert len(checks) == 4 and all(c.passed for c in checks)
-    assert all(c.found > 0.9 * c.limit for c in checks if SLEW in c.name), "the outputs were far from their safe values"
+    assert all(c.value > 0.9 * c.limit for c in checks if SLEW in c.name), "the outputs were far from their safe values"
 
 
 def test_a_doubled_slew_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,8 +28,8 @@ def test_sound_c_passes_at_either_depth(
     messages: list[str] = []
     checks = prove.prove(files | {"gains.json": "{}"}, manifest, whole, messages.append)
     assert all(check.passed for check in checks)
-    steps_told = ["Eva", "partial evaluation", "fuzzing", "cppcheck --addon=misra", "latch"]
-    assert [line.split(":")[0] for line in messages] == steps_told
+    reported_steps = ["Eva", "partial evaluation", "fuzzing", "cppcheck --addon=misra", "latch"]
+    assert [line.split(":")[0] for line in messages] == reported_steps
     assert any(f"{steps} steps" in check.about for check in checks if check.name == "fuzzing: findings")
 
 

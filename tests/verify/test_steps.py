@@ -63,8 +63,8 @@ def test_fault_runs_reach_the_latch_and_stay(controller: host.Controller) -> Non
 
 def test_some_states_are_resampled_and_others_kept(controller: host.Controller) -> None:
     original = steps.in_range(controller, 3000)
-    selected = steps.resampled(controller, original, "anew")
-    assert selected.inputs.tobytes() == original.inputs.tobytes() and selected.name == "anew"
+    selected = steps.resampled(controller, original, "resampled")
+    assert selected.inputs.tobytes() == original.inputs.tobytes() and selected.name == "resampled"
     names = [f["name"] for f in controller.manifest["structs"]["state"]["fields"]]
     changed = np.sum([selected.states[n] != original.states[n] for n in names], axis=0)
     assert 0.25 < np.mean(changed == 0) < 0.75 and changed.max() > len(names) / 3
@@ -85,7 +85,7 @@ def test_edges_are_on_both_sides_of_the_accepted_range(controller: host.Controll
 
 def test_perturbed_steps_stay_close_and_within_bounds(controller: host.Controller) -> None:
     original = steps.random_steps(controller, 500)
-    selected = steps.perturbed(controller, original, "shaken", 3, 1e-4)
+    selected = steps.perturbed(controller, original, "perturbed", 3, 1e-4)
     assert len(selected) == 1500
     for field in controller.manifest["structs"]["state"]["fields"]:
         off = selected.states[field["name"]].astype(float) - np.tile(original.states[field["name"]], 3)

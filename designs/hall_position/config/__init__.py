@@ -22,7 +22,7 @@ from synth.block import Block
 from synth.declaration import Controller
 from synth.emit.c import digits
 from synth.errors import DesignError
-from synth.signals import names
+from synth.signals import signal_names
 from synth.stage import Sensor
 from synth.timing import Discrete
 
@@ -55,7 +55,7 @@ def controller(name: str = NAME) -> Controller:
     around = stage.interface(
         body,
         sensors=[Sensor(s.name) for s in body.outputs],
-        disturbances=names(body.inputs),
+        disturbances=signal_names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
         reason=estimator.REASON,
     )

@@ -12,7 +12,7 @@ from synth.block import Block, Exprs
 from synth.blocks import safety
 from synth.blocks.glsdc import Vector
 from synth.composition import compose
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
@@ -72,7 +72,7 @@ def with_guard(name: str, time: Discrete, sensors: int, block: Block, reason: st
     """
     inputs = voltages(sensors)
     guard = safety.guard(time, [safety.GuardedInput(s, 0.0, True) for s in inputs], BAD_SAMPLES, reason=reason)
-    return compose(name, [guard, block], inputs=names(inputs), outputs=names(block.outputs))
+    return compose(name, [guard, block], inputs=signal_names(inputs), outputs=signal_names(block.outputs))
 
 
 def refused_sensors(sensors: int, u: Exprs) -> list[ca.SX]:

@@ -107,7 +107,7 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     innovation_bound = hypot(
         tuning.residual_limit, tuning.innovation_gate_sigma * array.deviation / sqrt(tuning.damping)
     )
-    halvings = phasor.halvings(pi + half + array.reach)
+    halvings = phasor.halvings(pi + half + array.longest_arm)
     return Problem(array, tuning, descent, tuning.damping * array.alpha**2, halvings, innovation_bound)
 
 

@@ -61,8 +61,8 @@ def problem(array: SpatialArray, tuning: SpatialTuning) -> Problem:
     descent = Descent(tuning.corrections, bounds, SLACK * variance, (tuning.convergence_sigma * array.deviation) ** 2)
     high = max(abs(z) for _, _, z in array.arms)
     tilted = (1 + STEP) * tuning.tilt
-    largest = tuning.max_phase_step + 2 * array.reach * tilted**2 + 2 * high * tilted
-    halvings = phasor.halvings(pi + half + array.reach)
+    largest = tuning.max_phase_step + 2 * array.longest_arm * tilted**2 + 2 * high * tilted
+    halvings = phasor.halvings(pi + half + array.longest_arm)
     phase_change = Signal("phase_change", "rad", -largest, largest)
     return Problem(array, tuning, descent, damping, ranges, phase_change, _column_bound(array, tuning), halvings)
 

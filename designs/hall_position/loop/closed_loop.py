@@ -40,7 +40,7 @@ from synth.blocks import error_map
 from synth.blocks.error_map import ErrorMap
 from synth.errors import ModelError
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.timing import Discrete
 
 MAX_INVALID = 5  # samples
@@ -161,7 +161,7 @@ def _suspects(x: Exprs) -> dict[str, ca.SX]:
 
 def gate_currents(law: Sequence[Block], time: Discrete) -> list[Block]:
     """Return the law, made ready by a known position, and a gate that passes no current before."""
-    computed = [s for b in law for s in b.outputs if s.name in names(allocation.COMPUTED)]
+    computed = [s for b in law for s in b.outputs if s.name in signal_names(allocation.COMPUTED)]
     demanded = {s.name: s.name.replace("_computed", "_wanted") for s in computed}
     raw, ready = {s.name for s in sensing.RAW.values()}, {sensing.READY.name: KNOWN.name}
     blocks = [b.renamed(demanded | (ready if raw & b.symbol.keys() else {})) for b in law]

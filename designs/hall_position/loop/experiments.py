@@ -30,7 +30,7 @@ from designs.planar_6dof.experiments import common_checks
 from models import planar_stage
 from synth.blocks.error_map import ErrorMap
 from synth.check import Check
-from synth.signals import names
+from synth.signals import signal_names
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
@@ -245,7 +245,7 @@ def _dropout_in_a_step(loop: Loop) -> Check:
         about = f"{after} samples after a step of {1e3 * SMALL:g} mm, without noise"
         off = float(np.abs(run["x"] - clean["x"]).max())
         checks.append(Check("x differs in a step", off, RESPONSE * float(errors[at]), "m", about))
-    return max(checks, key=lambda check: check.found / check.limit)
+    return max(checks, key=lambda check: check.value / check.limit)
 
 
 def _held_errors(raw: Array) -> Array:
@@ -264,7 +264,7 @@ def loss(loop: Loop) -> Experiment:
     run = loop.run(1.0, {}, overrides=dict.fromkeys(planar_stage.HALL, none))
     latched = run.faults >> np.uint32(31) == 1
     after = float(np.argmax(latched) - np.argmax(lost)) if latched.any() else float("inf")
-    currents = max(float(np.abs(run.commands[name][-1])) for name in names(planar_stage.INPUTS))
+    currents = max(float(np.abs(run.commands[name][-1])) for name in signal_names(planar_stage.INPUTS))
     figures = {"samples to the latch": after, "x at the end, um": 1e6 * float(run["x"][-1])}
     checks = (
         Check("samples to the latch", after, float(LATCH), "1"),

@@ -40,7 +40,7 @@ def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Secti
     """Return every experiment, with the text of `beside` on the paper's figure, by name."""
     tables = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
     return standard.experiments(
-        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, drawn=tables, fine=SMALL)
+        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, blocks=tables, fine=SMALL)
     )
 
 
@@ -111,7 +111,7 @@ def _steps(by_name: Mapping[str, Experiment]) -> Figure:
         "(c) estimate, calibrated": calibrated["x_raw"],
         "(b) true, calibrated": calibrated["x"],
     }
-    lines = [_decimated(plain.time, 1e3 * x, n) for n, x in shown.items()]
+    lines = [_decimated_line(plain.time, 1e3 * x, n) for n, x in shown.items()]
     size = 1e3 * float(by_name[STEPS[0]].references["x"].max())
     ends = [size, *(1e3 * v for x in shown.values() for v in (x[-200:].min(), x[-200:].max()))]
     low, high = min(ends), max(ends)
@@ -128,13 +128,13 @@ def _zigzags(by_name: Mapping[str, Experiment]) -> Figure:
         path = Line(1e3 * first[x][::4], 1e3 * first[y][::4])
         parts.append(Chart([path], "X, mm", "Y, mm", title, legend="", options={"aspect": "equal", "xmargin": 0.05}))
     lines = [
-        _decimated(run.time, 1e3 * np.hypot(run["x"] - run["x_raw"], run["y"] - run["y_raw"]), name)
+        _decimated_line(run.time, 1e3 * np.hypot(run["x"] - run["x_raw"], run["y"] - run["y_raw"]), name)
         for name, run in runs.items()
     ]
     parts.append(Chart(lines, "time, s", "distance of the two, mm", "(c)", options={"ylim": (0.0, None)}))
     return charts.draw(parts, 3.2, (1, 1, 1.5))
 
 
-def _decimated(time: Array, values: Array, label: str) -> Line:
+def _decimated_line(time: Array, values: Array, label: str) -> Line:
     keep = figures.decimate(values)
     return Line(time[keep], values[keep], label)

@@ -157,7 +157,7 @@ def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure
 def _coefficients(z: float, fit: Fit) -> tuple[str | float, ...]:
     e = fit.estimate
     halves = np.diff(e.intervals)[:, 0] / 2
-    shown = (f"{1e3 * e[n]:.2f} ± {1e3 * half:.2f}" for n, half in zip(e.names, halves, strict=True))
+    shown = (f"{1e3 * e[n]:.2f} ± {1e3 * half:.2f}" for n, half in zip(e.parameters, halves, strict=True))
     return f"{1e3 * z:g}", *(t.replace("-", "−") for t in shown), 1e3 * float(np.abs(fit.residual).max())
 
 

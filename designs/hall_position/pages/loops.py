@@ -75,7 +75,7 @@ def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
     held = {name: np.full(SETTLED, value) for name, value in inputs.items()}
     rested = agree.run(agree.casadi(block), initial_states(block, source.array, pose), held).states
     K = loop.linearise_block(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
-    return loops.in_motor_coordinates(hall_chain.filtered(motors, HORIZONTAL, Chain()), K, shown, E)
+    return loops.in_motor_coordinates(hall_chain.with_filter(motors, HORIZONTAL, Chain()), K, shown, E)
 
 
 def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:

@@ -65,8 +65,10 @@ def basins(of: EstimatorConfigs) -> dict[str, Made]:
     rows: list[tuple[page.Cell, ...]] = []
     for name, each in by_name.items():
         for after, shares in ((1, each.first), (SAMPLES, each.last)):
-            rows += [(name, after, 1e3 * d, *(100 * row).tolist()) for d, row in zip(each.off, shares, strict=True)]
-    yaws = next(iter(by_name.values())).turned
+            rows += [
+                (name, after, 1e3 * d, *(100 * row).tolist()) for d, row in zip(each.displacement, shares, strict=True)
+            ]
+    yaws = next(iter(by_name.values())).yaw
     columns = ("of", "samples", "off by up to, mm", *(f"turned by up to {np.degrees(t):.3g}°" for t in yaws))
     return {
         "trust.capture_radius": maps.maps(radius, sides, (0.0, pitch / 4), columns=2, log=False, label="mm"),
@@ -102,8 +104,8 @@ def _cold_start_row(name: str, each: Scores) -> tuple[page.Cell, ...]:
     took = each.first_valid
     ms = _ms(took[took > 0])
     half, most = (float(np.median(ms)), float(ms.max())) if ms.size else (np.inf, np.inf)
-    located, valid = (100 * float(bodies.mean()) for bodies in (each.right[-1], took > 0))
-    return name, located, valid, half, most, int(each.wrong.sum())
+    located, valid = (100 * float(bodies.mean()) for bodies in (each.is_correct[-1], took > 0))
+    return name, located, valid, half, most, int(each.is_wrong.sum())
 
 
 def _motion(name: str, estimator: EstimatorConfig) -> tuple[page.Cell, ...]:

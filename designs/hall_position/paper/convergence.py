@@ -30,7 +30,7 @@ def remaining_step(of: PlanarArray, scale: float, corrections: int) -> float:
     return float(np.median(np.abs(end[0] - q[0]))) / STEP
 
 
-def corrections_needed(scale: float, samples: int, fraction: float) -> int:
+def count_corrections(scale: float, samples: int, fraction: float) -> int:
     """Return the number of corrections a sample that leave less than a fraction of a step in a linear field."""
     return next(n for n in range(1, 50) if (1 - scale) ** (samples * n) < fraction)
 

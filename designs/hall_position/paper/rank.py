@@ -23,7 +23,7 @@ from models import (
 from models.hall_array import Array
 from models.hall_stage import NUMBERS, Stage, grid
 from models.hall_two_waves import PlanarArray
-from synth.analyse.observability.worst_deviation import Worst
+from synth.analyse.observability.worst_deviation import LargestDeviation
 
 POINTS = 240  # of a map, along a pitch
 FINE = 120  # places along a pitch of a map with more harmonics
@@ -45,12 +45,12 @@ def deviation_at_known_yaw(of: PlanarArray, points: int = 4096) -> Array:
 
 
 @lru_cache(KEPT)
-def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> Worst:
+def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> LargestDeviation:
     """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `hall_fisher.worst`."""
     return hall_fisher.worst(of, (radians(low), radians(high)), tolerance)
 
 
-def worst_of_optimised_layout(stage: Stage, yaw: int) -> Worst:
+def worst_of_optimised_layout(stage: Stage, yaw: int) -> LargestDeviation:
     """Return the largest deviations of the layout that is optimised for yaws up to `yaw` degrees."""
     return worst(stage.array(layouts.LAYOUTS[yaw]), -yaw, yaw, TOLERANCES[yaw])
 

@@ -33,4 +33,4 @@ def scope(stage: Stage, prints: Mapping[str, Published]) -> Scope:
 
 def published_rows() -> dict[str, Published]:
     """Return the printed figures of the paper, by row."""
-    return audit.read_published(Path(__file__).parent)
+    return audit.read_rows(Path(__file__).parent)

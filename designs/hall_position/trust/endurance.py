@@ -84,7 +84,7 @@ def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed
     worst = off = 0.0
     for batch, seen in estimator_ensemble.track(config, state, at, samples, rng):
         state = batch.states
-        valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.wrong.sum())
-        worst, off = max(worst, float(seen.off[seen.valid].max(initial=0))), max(off, float(seen.off.max()))
+        valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.is_wrong.sum())
+        worst, off = max(worst, float(seen.error[seen.valid].max(initial=0))), max(off, float(seen.error.max()))
     lost = float((state["estimator_lock_lost"] > 0).mean())
     return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)

@@ -6,7 +6,7 @@
     none         no failure, for comparison
 
 An invalid sample, an excluded sensor or a fault bit flags a failure: at once where the residual exceeds its limit,
-which is a residual fault. Where a failure hardly changes the voltages, or they are consistent with a position nearby,
+which is a residual fault. Where a failure changes the voltages little, or they are consistent with a position nearby,
 nothing is flagged. The error is then bounded by `Tuning.residual_limit` over the least slope. A sensor that is stuck
 while the body is at rest is not detected, and does no harm before the body moves.
 """
@@ -103,7 +103,7 @@ def undetected_error(config: EstimatorConfig, failure: str, sensor: int, points:
     at = motions.course_at_rest(Pose(*hall_two_waves.poses(config.array.pitch, points)))
     samples = _run(config, failure, sensor, at, np.random.default_rng(seed))
     flagged = np.any([_is_flagged(batch) for batch, _ in samples[: MAX_DELAY + 1]], axis=0)
-    return readonly(np.where(flagged, np.nan, samples[MAX_DELAY][1].off).reshape(points, points))
+    return readonly(np.where(flagged, np.nan, samples[MAX_DELAY][1].error).reshape(points, points))
 
 
 def _run(config: EstimatorConfig, failure: str, sensor: int, at: Course, rng: np.random.Generator) -> Samples:
@@ -148,8 +148,8 @@ def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
         delay=int((flag - exceeding)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
         error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
-        worst=float(scores.off[valid].max(initial=0)),
-        misleading=float(scores.wrong.any(axis=0).mean()),
+        worst=float(scores.error[valid].max(initial=0)),
+        misleading=float(scores.is_wrong.any(axis=0).mean()),
     )
 
 

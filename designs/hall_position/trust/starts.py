@@ -29,14 +29,13 @@ DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a position; distances 
 
 @dataclass(frozen=True, eq=False)
 class Basin:
-    """Shares (n, m) of starts that converge, by upper bounds of their offsets `off` (n,) in m and `turned` (m,) in rad.
-
+    """Shares (n, m) of starts that converge, by upper bounds of their `displacement` (n,) in m and `yaw` (m,) in rad.
     `first` in the first sample, `last` in the last one, NaN in bins without a start. Of all `samples` of all bodies
     `wrong` were valid elsewhere.
     """
 
-    off: Numbers
-    turned: Numbers
+    displacement: Numbers
+    yaw: Numbers
     first: Numbers
     last: Numbers
     samples: int
@@ -56,10 +55,12 @@ def basin(config: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, s
     scores = estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), samples, rng)
     edges = [MAX_DISTANCE * pitch * np.arange(BINS[0] + 1) / BINS[0], MAX_YAW * np.arange(BINS[1] + 1) / BINS[1]]
     every, _, _ = np.histogram2d(off, yaw_error, edges)
-    converged = [np.histogram2d(off[right], yaw_error[right], edges)[0] for right in scores.right[[0, -1]]]
+    converged = [np.histogram2d(off[right], yaw_error[right], edges)[0] for right in scores.is_correct[[0, -1]]]
     with np.errstate(invalid="ignore"):
         first, last = (readonly(good / every) for good in converged)
-    return Basin(readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.wrong.sum()))
+    return Basin(
+        readonly(edges[0][1:]), readonly(edges[1][1:]), first, last, bodies * samples, int(scores.is_wrong.sum())
+    )
 
 
 def capture_radius(config: EstimatorConfig, points: int, seed: int = 0) -> Numbers:
@@ -74,7 +75,7 @@ def capture_radius(config: EstimatorConfig, points: int, seed: int = 0) -> Numbe
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
     state = estimator_ensemble.states_at(config, pose.displaced(d.ravel(), h.ravel()), resolved=False)
     scores = estimator_ensemble.track_scores(config, state, motions.course_at_rest(pose), 1, rng)
-    right = scores.right.reshape(X.shape).all(axis=3)
+    right = scores.is_correct.reshape(X.shape).all(axis=3)
     return readonly(rings[0] * np.cumprod(right, axis=2).sum(axis=2))
 
 

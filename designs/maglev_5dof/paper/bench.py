@@ -27,7 +27,7 @@ from synth.declaration import Stage
 from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
-from synth.report.formulas import Formula, near
+from synth.report.formulas import Formula, is_close
 from synth.simulate import metrics
 from synth.simulate.conditions import Sine
 from synth.simulate.rig import Rig
@@ -114,7 +114,7 @@ def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "cs
 
 def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
     """Return whether tracking errors agree with the printed ones within a tenth of these."""
-    return all(near(errors[name], 0.1, value) for name, value in printed.items())
+    return all(is_close(errors[name], 0.1, value) for name, value in printed.items())
 
 
 @lru_cache(maxsize=CACHED_RUNS)

@@ -19,7 +19,7 @@ FORMULAS = (benches, maglev_figures)  # formulas may use all names of these modu
 
 def rows(stage: Stage) -> Iterator[Row]:
     """Yield the rows F-1 to F-19 for the stage's parameters, each when it is computed."""
-    return audit.rows(scope(AuditSetup(stage, stage.plant), printed()))
+    return audit.rows(scope(AuditSetup(stage, stage.plant), published_rows()))
 
 
 def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
@@ -29,7 +29,7 @@ def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
     return Scope({p.name: p.value for p in bench.plant.parameters}, functions, prints)
 
 
-def printed() -> dict[str, Published]:
+def published_rows() -> dict[str, Published]:
     """Return what the paper prints, by row, with the groups of parameters before each row's formulas."""
-    prints = audit.read_published(Path(__file__).parent).items()
+    prints = audit.read_rows(Path(__file__).parent).items()
     return {id: replace(p, computed={**BY_GROUP, **p.computed}) for id, p in prints}

@@ -22,21 +22,23 @@ OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of pl
 
 def leadlag(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.1 and 5.2: motors, platen, Hall sensors, lead-lag loops."""
-    return audit.rows(scope(loop=loop), [id for id in printed() if id not in OPTIMAL])
+    return audit.rows(scope(loop=loop), [id for id in published_rows() if id not in OPTIMAL])
 
 
 def lqg(loop: Rig) -> Iterator[Row]:
     """Yield the rows of sections 3.2 and 5.3: optimal gains, Kalman filter; (26) is taken as printed."""
-    return audit.rows(scope(loop=loop), [id for id in printed() if id in OPTIMAL])
+    return audit.rows(scope(loop=loop), [id for id in published_rows() if id in OPTIMAL])
 
 
 def scope(plant: Plant | None = None, prints: Mapping[str, Published] | None = None, loop: Rig | None = None) -> Scope:
     """Return the scope of the formulas; plant and print default to the published ones."""
     plant = plant or planar_stage.plant()
     parameters = {p.name: p.value for p in plant.parameters}
-    return Scope(parameters, {**audit.functions(*MODULES), **UNITS, "plant": plant, "loop": loop}, prints or printed())
+    return Scope(
+        parameters, {**audit.functions(*MODULES), **UNITS, "plant": plant, "loop": loop}, prints or published_rows()
+    )
 
 
-def printed() -> dict[str, Published]:
+def published_rows() -> dict[str, Published]:
     """Return what the paper prints, by row."""
-    return audit.read_published(Path(__file__).parent)
+    return audit.read_rows(Path(__file__).parent)

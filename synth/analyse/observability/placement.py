@@ -30,17 +30,17 @@ Cost = Callable[[Array], float]
 @arguments.checked
 @dataclass(frozen=True)
 class Square:
-    """The allowed coordinates: |x_i| <= `reach`, in steps of 1/`grid`.
+    """The allowed coordinates: |x_i| <= `half_width`, in steps of 1/`grid`.
 
     Raises ModelError for a reach that is not above 0, or a grid below 1.
     """
 
-    reach: float
+    half_width: float
     grid: int = 1000
 
     def __post_init__(self) -> None:
-        if not 0 < self.reach < np.inf or self.grid < 1:
-            raise ModelError(f"the square reaches to {self.reach} in steps of 1/{self.grid}: give both above 0")
+        if not 0 < self.half_width < np.inf or self.grid < 1:
+            raise ModelError(f"the square reaches to {self.half_width} in steps of 1/{self.grid}: give both above 0")
 
 
 @arguments.checked
@@ -70,7 +70,7 @@ def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: E
     """
     if not 1 <= coordinates <= MOST:
         raise ModelError(f"{coordinates} coordinates are searched for: give a number from 1 to {MOST}")
-    bounds = [(-within.reach, within.reach)] * coordinates
+    bounds = [(-within.half_width, within.half_width)] * coordinates
     best = optimize.differential_evolution(
         partial(_value, coarse),
         bounds,
@@ -90,7 +90,7 @@ def improve(fine: Cost, start: ArrayLike, within: Square, effort: Effort) -> Arr
     Raises ModelError for a start that is not finite, or a cost that is not a number.
     """
     grid = within.grid
-    best, most = np.round(grid * np.ravel(arguments.real("start", start))), round(grid * within.reach)
+    best, most = np.round(grid * np.ravel(arguments.real("start", start))), round(grid * within.half_width)
     if not best.size or not np.isfinite(best).all():
         raise ModelError(f"the start is {best / grid}: give finite coordinates, one or more")
     rng, least = np.random.default_rng(effort.seed), _value(fine, best / grid)

@@ -30,7 +30,7 @@ Changes = Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
-class Worst:
+class LargestDeviation:
     """The largest deviations over the box: attained `met` (n,) at `at` (n, n), row i for deviation i, and `bound` (n,).
 
     `cells` is the number of evaluated cells.
@@ -51,7 +51,7 @@ def search(
     cells: Sequence[int],
     tolerance: float = 1e-3,
     most: int = 30_000_000,
-) -> Worst:
+) -> LargestDeviation:
     """Return the largest deviations for q from `low` to `high` (n,), within a relative `tolerance` of their bound.
 
     `cells` (n,) are the initial numbers of cells along each side.
@@ -75,7 +75,7 @@ def search(
         if count > most or not np.isfinite(met).all():
             raise ModelError(_no_bound_message(met, at, count))
         q, half = _halve(q[:, np.concatenate(kept)], half)
-    return Worst(readonly(met), readonly(ended), readonly(at), count)
+    return LargestDeviation(readonly(met), readonly(ended), readonly(at), count)
 
 
 @arguments.checked

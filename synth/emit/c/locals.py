@@ -47,7 +47,7 @@ class Locals:
     shared: dict[int, int]
     starts: dict[int, int | None]
     direct_loads: set[int]
-    names: Names
+    identifiers: Names
     next_only: set[int]
     stored: dict[int, str]
 
@@ -56,7 +56,7 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     """Return the locals of scheduled statements."""
     reads: Counter[int] = Counter()
     _count(program, statements, reads)
-    starts = {c: start for b in _branches(statements) for c, start in b.declared}
+    starts = {c: start for b in _branches(statements) for c, start in b.choices}
     shared = _shared_variables(program, statements, kinds, starts)
     taken = {*RESERVED, *(constant(c.name) for c in block.constants)}
     taken |= {n.name for n in program.nodes if n.op == "polynomial"}
@@ -67,8 +67,8 @@ def assign(block: Block, program: Program, statements: Sequence[Statement], kind
     name = _name_nodes(program, names, shared)
     marked = {program.word, *(k for _, k in program.marks), *starts, *shared.values()}
     next_only = name.keys() - marked
-    stored = _only_stored(program, statements, kinds, reads, name.keys() - next_only)
-    loads = set(_direct_loads(program, statements)) | _loads_of_stored(program, stored, reads)
+    stored = _next_states_alone(program, statements, kinds, reads, name.keys() - next_only)
+    loads = set(_direct_loads(program, statements)) | _replaced_loads(program, stored, reads)
     return Locals(reads, name, shared, starts, loads, names, next_only, stored)
 
 
@@ -117,7 +117,7 @@ def _shared_variables(
     implicit = {k for k, n in enumerate(p.nodes) if n.op == "choose" and k not in written}  # in another one's branch
     for branch in _branches(statements):
         inside = set(_definitions((*branch.then, *branch.other)))
-        for c, start in branch.declared:
+        for c, start in branch.choices:
             if start is None or (start not in starts and p.nodes[start].op != "guarded") or kinds[start] != kinds[c]:
                 continue
             assigned = {d for d in outer[c] if starts[d] == start and shared.get(d) == shared.get(start, start)}
@@ -130,7 +130,7 @@ def _enclosing(block: Sequence[Statement], outer: tuple[int, ...] = ()) -> dict[
     """Return by choice the choices of the branches that it is in."""
     enclosing: dict[int, tuple[int, ...]] = {}
     for branch in (s for s in block if isinstance(s, Branch)):
-        declared = tuple(c for c, _ in branch.declared)
+        declared = tuple(c for c, _ in branch.choices)
         enclosing |= dict.fromkeys(declared, outer)
         enclosing |= _enclosing((*branch.then, *branch.other), (*outer, *declared))
     return enclosing
@@ -176,7 +176,7 @@ def _direct_loads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
             loaded.clear()
 
 
-def _only_stored(
+def _next_states_alone(
     p: Program, block: Sequence[Statement], kinds: Sequence[str], reads: Counter[int], named: Collection[int]
 ) -> dict[int, str]:
     """Return the unnamed nodes that the text only stores, in one block, each with the first state that it becomes.
@@ -190,7 +190,9 @@ def _only_stored(
             stores.setdefault(s.node, []).append((place, s))
     for place, s in enumerate(block):
         if isinstance(s, Branch):
-            stored |= _only_stored(p, s.then, kinds, reads, named) | _only_stored(p, s.other, kinds, reads, named)
+            stored |= _next_states_alone(p, s.then, kinds, reads, named) | _next_states_alone(
+                p, s.other, kinds, reads, named
+            )
         if not isinstance(s, Let) or s.node in named or kinds[s.node] != "real" or p.nodes[s.node].op in LOADS:
             continue
         of_node = stores.get(s.node, [])
@@ -202,7 +204,7 @@ def _only_stored(
     return stored
 
 
-def _loads_of_stored(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:
+def _replaced_loads(p: Program, stored: dict[int, str], reads: Counter[int]) -> set[int]:
     """Return the loads that only the value reads which then replaces them in the state."""
     loads = {k: n.name for k, n in enumerate(p.nodes) if n.op == "state" and reads[k] == 1}
     return {a for k, state in stored.items() for a in p.nodes[k].args if loads.get(a) == state}
@@ -213,7 +215,7 @@ def _definitions(block: Sequence[Statement]) -> Iterator[int]:
         if isinstance(s, Let):
             yield s.node
         elif isinstance(s, Branch):
-            yield from (c for c, _ in s.declared)
+            yield from (c for c, _ in s.choices)
             yield from _definitions((*s.then, *s.other))
 
 
@@ -228,7 +230,7 @@ def _count(p: Program, block: Sequence[Statement], reads: Counter[int]) -> None:
         elif isinstance(s, Branch):
             _count(p, s.other, reads)
             _count(p, s.then, reads)
-            reads.update([s.condition, *(start for _, start in s.declared if start is not None)])
+            reads.update([s.condition, *(start for _, start in s.choices if start is not None)])
 
 
 def _printed_operands(p: Program, node: Node) -> Sequence[int]:

@@ -23,7 +23,7 @@ class Naming:
 
     def __init__(self, p: Program, named: Mapping[int, str]) -> None:
         self.p, self.named = p, dict(named)
-        self.served = _served(p)
+        self.served = _signal_of_node(p)
         self.made: set[str] = set()
 
     def name(self, k: int) -> str:
@@ -68,7 +68,7 @@ class Naming:
         return node.name.split(".")[-1] if node.op in ("argument", "result", "constant", "parameter") else ""
 
 
-def _served(p: Program) -> list[str]:
+def _signal_of_node(p: Program) -> list[str]:
     """Return for each node the first signal, or else the state or output, that it is computed for."""
     names: dict[int, str] = {}
     for name, k in (*p.outputs.items(), *p.returns.items(), *p.next.items()):

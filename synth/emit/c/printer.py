@@ -167,7 +167,7 @@ class _Printer:
             self._put(f"/*@ admit {low} <= {name} <= {high}; */", depth)
 
     def _branch(self, s: Branch, depth: int) -> None:
-        for c, start in s.declared:
+        for c, start in s.choices:
             if c in self.locals.shared:
                 self.c.text[c] = self.c.text[self.locals.shared[c]]
                 continue
@@ -239,11 +239,11 @@ class _Printer:
             result = self.p.nodes.index(
                 Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}")
             )
-            name = self.locals.name.get(result) or self.locals.names.free(call.names[0])
+            name = self.locals.name.get(result) or self.locals.identifiers.free(call.result_names[0])
             text = f"const {self.c.ctype_of(routine.results[0].kind)} {name} = {text}"
             self.returned[f"{node.name}.{routine.results[0].name}"] = name
         elif routine.results:
-            name = self.locals.names.free(node.name)
+            name = self.locals.identifiers.free(node.name)
             text = f"const {self.name}_{routine.name}_t {name} = {text}"
             self.returned |= {f"{node.name}.{r.name}": f"{name}.{r.name}" for r in routine.results}
         self._check_loads(text)
@@ -279,7 +279,7 @@ class _Printer:
 
     def _new_name(self, k: int) -> str:
         node = self.p.nodes[k]
-        name = self.locals.names.free(node.name if node.op in LOADS else self.naming.name(k))
+        name = self.locals.identifiers.free(node.name if node.op in LOADS else self.naming.name(k))
         self.naming.made |= set() if node.op in LOADS else {name}
         self.naming.named[k] = name
         return name

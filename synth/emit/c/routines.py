@@ -86,7 +86,7 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
         tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
         lines += [Line(row) for row in comment(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"))]
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
-        lines += map(Line, _shared(routine, constants, layout))
+        lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
     return lines
 
@@ -141,7 +141,7 @@ def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout)
     return wrapped(head)
 
 
-def _shared(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
+def _common_constants(routine: Routine, constants: Mapping[str, Constant], layout: Layout) -> list[str]:
     rows = [row for local, name in routine.constants.items() for row in number(local, constants[name], layout)]
     return [*rows, ""] if rows else []
 

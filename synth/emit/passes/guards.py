@@ -99,7 +99,7 @@ class _Rewriter:
             word = self._put(Node("guarded", (guards[-1],)))
             self.index |= {check.held: guards[-1], check.word: word}
         for check in self.checks:
-            self.index[check.test] = self._accepted(word, int(check.bit))
+            self.index[check.test] = self._acceptance(word, int(check.bit))
         for k in range(len(self.p.nodes)):
             self.index.setdefault(k, -1)
             if self.index[k] < 0:
@@ -112,7 +112,7 @@ class _Rewriter:
             self.nodes.append(node)
         return self.known[node]
 
-    def _accepted(self, word: int, bits: int) -> int:
+    def _acceptance(self, word: int, bits: int) -> int:
         return self._put(Node("accepted", (word,), value=float(bits)))
 
     def _copy(self, k: int, word: int) -> int:
@@ -126,4 +126,4 @@ class _Rewriter:
             tested = tested[:2]
         elif node.op != "and":
             return self._put(node)
-        return self._accepted(word, tested[0] | tested[1]) if all(tested) else self._put(node)
+        return self._acceptance(word, tested[0] | tested[1]) if all(tested) else self._put(node)

@@ -19,7 +19,7 @@ def without_idle(program: Program, bounds: Mapping[str, ranges.Range], scalar: t
     return program
 
 
-def without_certified(program: Program, surrogates: Sequence[Surrogate], scalar: type[np.floating]) -> Program:
+def without_certified_limits(program: Program, surrogates: Sequence[Surrogate], scalar: type[np.floating]) -> Program:
     """Return the program with `within` (an assertion) in place of the limits that a certificate proves idle.
 
     A certificate needs the errors of all functions. It applies only if polynomials have replaced libm, whose errors are

@@ -143,7 +143,7 @@ def split(p: Program, part: Part) -> list[Part]:
     if not _depends_on_itself(p, part.region):
         return [part]
     marks = {k for _, k in p.marks} & part.region
-    first = frozenset(_needed(p, marks, part.region))
+    first = frozenset(_ancestors(p, marks, part.region))
     second = part.region - first
     stores = {p.next[state] for state in part.next} - part.region
     passed = {a for k in second for a in p.nodes[k].args} | set(part.next.values())
@@ -155,7 +155,7 @@ def split(p: Program, part: Part) -> list[Part]:
     return halves if all(h.region and not _depends_on_itself(p, h.region) for h in halves) else []
 
 
-def _needed(p: Program, roots: set[int], region: frozenset[int]) -> set[int]:
+def _ancestors(p: Program, roots: set[int], region: frozenset[int]) -> set[int]:
     seen, stack = set(), list(roots)
     while stack:
         k = stack.pop()

@@ -53,7 +53,7 @@ class Call:
     routine: Routine
     block: str
     numbers: tuple[Node, ...]
-    names: tuple[str, ...]
+    result_names: tuple[str, ...]
     states: Mapping[str, str]
 
     @property

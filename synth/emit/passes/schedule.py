@@ -21,7 +21,7 @@ def statements(p: Program) -> tuple[Statement, ...]:
     """Return the statements that compute and store everything of a program."""
     demands = [Demand(k, ("state", name)) for name, k in p.next.items() if p.nodes[k] != Node("state", name=name)]
     demands += [Demand(k, ("out", name)) for name, k in p.outputs.items()]
-    demands += [Demand(k, ("word", "")) for k in dict.fromkeys(p.returned())]
+    demands += [Demand(k, ("word", "")) for k in dict.fromkeys(p.result_nodes())]
     whole = {k for k, node in enumerate(p.nodes) if node.op not in INLINE}
     return tuple(_Level(p, p.users(), whole, demands).statements())
 
@@ -141,7 +141,7 @@ class _Level:
         met: list[Demand] = []
         for c in region.choices:
             arms = self.p.nodes[c].args[1:]
-            if self.regions.is_read(c) or c in self.p.returned():
+            if self.regions.is_read(c) or c in self.p.result_nodes():
                 start = next((a for a, side in zip(arms, region.sides, strict=True) if a not in side), None)
                 declared.append((c, start))
                 for arm, arm_demands in zip(arms, inner, strict=True):

@@ -32,10 +32,10 @@ class Assign:
 
 @dataclass(frozen=True)
 class Branch:
-    """An `if` for choices on one condition; `declared` holds each choice and the node of its initial value, or None."""
+    """An `if` for choices on one condition; `choices` holds each choice and the node of its initial value, or None."""
 
     condition: int
-    declared: tuple[tuple[int, int | None], ...]
+    choices: tuple[tuple[int, int | None], ...]
     then: tuple["Statement", ...]
     other: tuple["Statement", ...]
 
@@ -60,5 +60,5 @@ def reads(p: Program, block: Sequence[Statement]) -> Iterator[int]:
             yield s.node
         elif isinstance(s, Branch):
             yield s.condition
-            yield from (start for _, start in s.declared if start is not None)
+            yield from (start for _, start in s.choices if start is not None)
             yield from reads(p, (*s.then, *s.other))

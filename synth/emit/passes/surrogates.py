@@ -51,7 +51,7 @@ def replace_functions(
     A function that no polynomial approximates to the relative error, such as one with a zero in its range, stays.
     """
     node_ranges = ranges.analyse(program, bounds, scalar)
-    names, users = _names(program), program.users()
+    names, users = _node_names(program), program.users()
     best: dict[int, tuple[int, Polynomial]] = {}
     first: dict[int, Polynomial] = {}
     for f in univariate.find(program, node_ranges):
@@ -69,7 +69,7 @@ def replace_functions(
     return _rewrite(program, names, best)
 
 
-def _names(program: Program) -> dict[int, str]:
+def _node_names(program: Program) -> dict[int, str]:
     names = {k: node.name for k, node in enumerate(program.nodes) if node.op in ("input", "state")}
     return names | {k: named.signal.name for named, k in reversed(program.marks)}
 

@@ -158,10 +158,10 @@ def _sqrt(a: Interval) -> Interval:
 
 
 def _comparison(below: Callable[[Array, Array], Mask]) -> Callable[[Interval, Interval], Interval]:
-    def compared(a: Interval, b: Interval) -> Interval:
+    def compare(a: Interval, b: Interval) -> Interval:
         return _logical(below(a.high, b.low) & ~(a.nan | b.nan), below(a.low, b.high), a.low.dtype.type)
 
-    return compared
+    return compare
 
 
 def _eq(a: Interval, b: Interval) -> Interval:

@@ -78,11 +78,11 @@ def _rows(group: Group, shown: EquationWithCopies) -> list[page.Formula]:
     rows = [page.Formula(Markup(math), *_unit_and_range(equation))]
     if shown.copies:
         left = "<mo>,</mo>".join(group.left(other) for other, _ in shown.copies)
-        rows.append(page.Formula(Markup(mathml.display(left)), "", "", _likewise(group, shown)))
+        rows.append(page.Formula(Markup(mathml.display(left)), "", "", _describe_copies(group, shown)))
     return rows
 
 
-def _likewise(group: Group, shown: EquationWithCopies) -> Markup:
+def _describe_copies(group: Group, shown: EquationWithCopies) -> Markup:
     """Return the names that replace each name of the equation in its copies."""
     changed = list(dict.fromkeys(name for _, names in shown.copies for name in names))
     parts = []

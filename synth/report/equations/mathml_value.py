@@ -87,7 +87,7 @@ class _Reader:
     """Recursive-descent parser over visible elements."""
 
     tokens: list[Element]
-    names: Mapping[str, Array]
+    values: Mapping[str, Array]
     limits: tuple[float, float] | None
     functions: Mapping[str, Callable[..., Array]]
     at: int = 0
@@ -109,7 +109,7 @@ class _Reader:
         return self.evaluate(_flat(element) if element.tag in _INVISIBLE else [element])
 
     def evaluate(self, tokens: list[Element]) -> Array:
-        reader = _Reader(tokens, self.names, self.limits, self.functions)
+        reader = _Reader(tokens, self.values, self.limits, self.functions)
         amount = reader.condition()
         if reader.next is not None:
             raise DesignError(f"a part of the formula continues with '{_key(reader.next)}': show it as one expression")
@@ -206,14 +206,14 @@ class _Reader:
             return np.asarray(self.evaluate_element(piece[0]) ** (1 / self.evaluate_element(piece[1])))
         if piece.tag == "msup":
             return np.asarray(self.base(piece[0]) ** self.evaluate_element(piece[1]))
-        if _key(piece) in self.names:
-            return self.names[_key(piece)]
+        if _key(piece) in self.values:
+            return self.values[_key(piece)]
         raise DesignError(f"a formula shows '{_key(piece)}', which has no value: name what it stands for")
 
     def base(self, element: Element) -> Array:
         """Return the base of a power: one element, or one pair of parentheses."""
         tokens = _flat(element)
-        reader = _Reader(tokens, self.names, self.limits, self.functions)
+        reader = _Reader(tokens, self.values, self.limits, self.functions)
         amount = reader.factor()
         if reader.next is not None:
             raise DesignError("a formula raises several pieces to a power: put them in parentheses")

@@ -29,7 +29,7 @@ def plant(plant: Plant, groups: Sequence[Group], named: Named | None = None) -> 
     f, places = derive.plant_function(plant, named)
     rng = np.random.default_rng(SEED)
     values = np.array([p.value for p in plant.parameters])
-    points = np.vstack([_inside([*plant.states, *plant.inputs], rng), _perturbed(values, rng)])
+    points = np.vstack([_inside([*plant.states, *plant.inputs], rng), _perturbations(values, rng)])
     names = [s.name for group in (plant.states, plant.inputs, plant.parameters) for s in group]
     computed = _at(f, points)
     expected = {name: computed[k] for name, k in places.items()}
@@ -47,7 +47,7 @@ def block(block: Block, groups: Sequence[Group]) -> None:
     for row, state in zip(points[len(block.inputs) :], block.states, strict=True):
         if state.integer:
             row[:] = rng.integers(int(state.signal.low), int(state.signal.high) + 1, POINTS)
-    points = np.vstack([points, _perturbed(np.array([c.value for c in block.constants]), rng)])
+    points = np.vstack([points, _perturbations(np.array([c.value for c in block.constants]), rng)])
     exprs = {named.signal.name: e for named, e in block.inside} | {f"{n} next": e for n, e in block.next.items()}
     f = ca.Function("block", [ca.vcat([block.symbol[n] for n in names])], [ca.vcat([*exprs.values()])])
     computed = dict(zip(exprs, _at(f, points), strict=True))
@@ -105,7 +105,7 @@ def _inside(signals: Sequence[Signal], rng: np.random.Generator) -> Array:
     return np.where(rng.uniform(size=between.shape) < 0.25, ends, between)
 
 
-def _perturbed(values: Array, rng: np.random.Generator) -> Array:
+def _perturbations(values: Array, rng: np.random.Generator) -> Array:
     """Return random perturbations (len, POINTS) of the values."""
     size = np.where(values == 0, 1.0, np.abs(values))[:, None]
     return np.asarray(values[:, None] + SPREAD * size * rng.uniform(-1, 1, (len(values), POINTS)))

@@ -196,7 +196,7 @@ def matched(compensator: Compensator, period_s: float, at: float) -> LeadLag:
 def zero_order_hold(compensator: Compensator, period_s: float, at: float) -> LeadLag:
     """Return the exact discretisation with a zero-order hold at the input.
 
-    Raises TimingError as `tustin`; ModelError as `precise.correctly_rounded`.
+    Raises TimingError as `tustin`; ModelError as `precise.round_correctly`.
     """
     _check_sampling(compensator, period_s, at)
     return _with_errors(compensator, discretise.zero_order_hold(compensator.model, period_s), "held", at)

@@ -54,7 +54,7 @@ def feedback(system: System) -> Deadbeat:
         raise TimingError("no constant gain is deadbeat in continuous time: sample the model, or place fast poles")
     part = staircase.scaled(model.A, model.B)
     split = staircase.controllable_split(part.A, part.B)
-    if len(model.inputs) == 1 and len(model.A) and not split.outside.size:
+    if len(model.inputs) == 1 and len(model.A) and not split.complement.size:
         poles = np.zeros(len(model.A), dtype=np.complex128)
         K, steps = pole_placement.ackermann(part.A, part.B, poles), len(poles)
     else:
@@ -77,7 +77,7 @@ def largest_uncontrollable_mode(model: StateSpace) -> tuple[complex, str]:
     Raises ModelError where all modes are controllable.
     """
     part = staircase.scaled(model.A, model.B)
-    values, vectors = staircase.modes(part.A.T, staircase.controllable_split(part.A, part.B).outside)
+    values, vectors = staircase.modes(part.A.T, staircase.controllable_split(part.A, part.B).complement)
     if not len(values):
         raise ModelError(f"the inputs {', '.join(model.inputs)} control every mode: no mode is uncontrollable")
     k = int(np.argmax(np.abs(values)))

@@ -78,14 +78,14 @@ def _whole_and_fraction(samples: float) -> tuple[int, float]:
 def _power(A: Array, k: int, exact: bool) -> Array:
     if not exact:
         return np.linalg.matrix_power(A, k)
-    return precise.correctly_rounded(lambda: precise.matrix(A) ** k, "the delayed model over its delay")
+    return precise.round_correctly(lambda: precise.matrix(A) ** k, "the delayed model over its delay")
 
 
 def _congruence(M: Array, W: Array, exact: bool) -> Array:
     """Return M' W M, symmetric."""
     if exact:
         balls = precise.matrix(M)
-        product = precise.correctly_rounded(lambda: balls.transpose() * precise.matrix(W) * balls, "the weight")
+        product = precise.round_correctly(lambda: balls.transpose() * precise.matrix(W) * balls, "the weight")
     else:
         product = M.T @ W @ M
     return np.asarray((product + product.T) / 2)

@@ -136,7 +136,7 @@ def lqrd(
 
 def _sampled_gain(model: StateSpace, cost: SampledCost, exact: bool) -> Gain:
     try:
-        return _gain(cost.model, riccati.solve_checked(cost.model, cost.Q, cost.R, cost.N, exact))
+        return _gain(cost.model, riccati.solve_matrices(cost.model, cost.Q, cost.R, cost.N, exact))
     except ModelError:
         _require_period(model, cost.model)
         raise

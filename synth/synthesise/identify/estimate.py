@@ -37,16 +37,16 @@ class Estimate:
     """Parameters (k,) with their covariance (k, k) and measures of the quality of the fit.
 
     `rms` is the residual of each output, `r_squared` relates it to the output's variance (NaN where that is zero).
-    `freedom` is N p - k; `degrees_of_freedom` (k,) those of each interval, fewer where the noise of several outputs is
-    estimated. `condition` is that of Phi with columns of length 1, `level` the probability of the intervals.
-    """
+    `residual_freedom` is N p - k; `degrees_of_freedom` (k,) are those of each interval, fewer where the noise of
+    several outputs is estimated. `condition` is that of Phi with columns of length 1, `level` the probability of the
+    intervals."""
 
-    names: tuple[str, ...]
+    parameters: tuple[str, ...]
     values: Array
     covariance: Array
     rms: Mapping[str, float]
     r_squared: Mapping[str, float]
-    freedom: int
+    residual_freedom: int
     degrees_of_freedom: Array
     condition: float
     level: float
@@ -55,14 +55,14 @@ class Estimate:
 
     def __getitem__(self, name: str) -> float:
         """Return the estimate of a parameter."""
-        if name not in self.names:
-            raise SignalError(f"'{name}' was not estimated: {', '.join(self.names)} were")
-        return float(self.values[self.names.index(name)])
+        if name not in self.parameters:
+            raise SignalError(f"'{name}' was not estimated: {', '.join(self.parameters)} were")
+        return float(self.values[self.parameters.index(name)])
 
     @property
     def by_name(self) -> dict[str, float]:
         """The estimates by name."""
-        return dict(zip(self.names, self.values.tolist(), strict=True))
+        return dict(zip(self.parameters, self.values.tolist(), strict=True))
 
     @property
     def errors(self) -> Array:
@@ -83,7 +83,7 @@ class Estimate:
 
     def sheet(self) -> show.Sheet:
         """Return estimates with errors and intervals, their correlation, and the residual of each output."""
-        labels = [show.with_unit(name, self.units.get(name, "")) for name in self.names]
+        labels = [show.with_unit(name, self.units.get(name, "")) for name in self.parameters]
         columns = ("parameter", "estimate", "standard error", f"{100 * self.level:.4g} % from", "to")
         rows = tuple(
             (label, *(show.number(v, 6) for v in (value, error, low, high)))
@@ -98,12 +98,11 @@ class Estimate:
         tables = (
             show.Table(columns, rows),
             show.Table(("output", "residual rms", "R^2"), fits),
-            show.matrix("correlation", np.round(self.correlation, 4), self.names, self.names),
+            show.matrix("correlation", np.round(self.correlation, 4), self.parameters, self.parameters),
         )
-        line = f"{self.freedom} degrees of freedom, condition number {self.condition:.3g}."
-        if (self.degrees_of_freedom < (1 - 1e-6) * self.freedom).any():
+        line = f"{self.residual_freedom} degrees of freedom, condition number {self.condition:.3g}."
+        if (self.degrees_of_freedom < (1 - 1e-6) * self.residual_freedom).any():
             least = int(self.degrees_of_freedom.argmin())
-            line += (
-                f" '{self.names[least]}' has {self.degrees_of_freedom[least]:.3g}, as the outputs' noise is estimated."
-            )
+            freedom = f"{self.degrees_of_freedom[least]:.3g}"
+            line += f" '{self.parameters[least]}' has {freedom}, as the outputs' noise is estimated."
         return show.Sheet("Estimated parameters", (line, str(self.largest)), tables)

@@ -97,7 +97,7 @@ def minimise(
         J, values = point.J, theta[: len(parameters)]
         least_squares.check_rows(J, y, parameters, outputs, noise)
         try:
-            linear = least_squares.solve_weighted(J, point.e + J.shared @ values, weight, parameters, values)
+            linear = least_squares.solve_with_weights(J, point.e + J.shared @ values, weight, parameters, values)
         except ModelError as error:
             raise ModelError(f"{error}; the residual is {_largest_residual(point.e / weight, outputs)}") from error
         before = weight
@@ -105,7 +105,7 @@ def minimise(
         if np.allclose(before, weight, rtol=least_squares.CONVERGED, atol=0.0):
             break
     else:
-        raise ModelError(least_squares.not_converged(PASSES))
+        raise ModelError(least_squares.no_convergence_text(PASSES))
     estimate = least_squares.estimate(linear, y, parameters, outputs, noise, level, units)
     return Fit(estimate, readonly(theta), steps, unexplained)
 

@@ -23,7 +23,7 @@ import numpy as np
 from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import Parameter, names
+from synth.signals import Parameter, signal_names
 from synth.statespace import Array
 from synth.synthesise.identify import gauss_newton, least_squares, trajectory, trajectory_fit
 from synth.synthesise.identify.estimate import Estimate
@@ -53,7 +53,7 @@ def fit_linear(
     Raises SignalError for another symbol, or a signal that the log does not contain; ModelError naming a parameter in
     which an equation is not linear; else as `least_squares.solve`.
     """
-    arguments.distinct("parameters", names(parameters))
+    arguments.distinct("parameters", signal_names(parameters))
     arguments.distinct("equations", tuple(equations))
     if missing := [p.name for p in parameters if p.name not in symbols]:
         raise SignalError(f"parameter '{missing[0]}' has no symbol: give it in `symbols`")
@@ -87,12 +87,12 @@ def fit_equations(
     """
     parameters = arguments.distinct("parameters", parameters)
     chosen = [plant.parameter(name) for name in parameters]
-    where = [names(plant.parameters).index(name) for name in parameters]
+    where = [signal_names(plant.parameters).index(name) for name in parameters]
     x, u, p = (
         ca.SX.sym(s, k) for s, k in (("x", len(plant.states)), ("u", len(plant.inputs)), ("p", len(plant.values)))
     )
     f, rates = plant.f(x, u, p), dict(rates or {})
-    states = names(plant.states)
+    states = signal_names(plant.states)
     if unknown := [name for name in (*rates, *(noise if isinstance(noise, Mapping) else ())) if name not in states]:
         raise SignalError(f"'{unknown[0]}' is not a state of plant '{plant.name}': it has {', '.join(states)}")
     theta = ca.SX.sym("theta", len(where))
@@ -105,7 +105,7 @@ def fit_equations(
         raise SignalError(f"no equation of plant '{plant.name}' contains {', '.join(parameters)}: choose others")
     moving = {name: speed[k] for k, name in enumerate(rates)}
     g = ca.vcat([f[i] - moving.get(states[i], 0) for i in used])
-    every = [*states, *names(plant.inputs), *rates.values()]
+    every = [*states, *signal_names(plant.inputs), *rates.values()]
     needed = [k for k, v in enumerate(ca.vertsplit(ca.vertcat(x, u, speed))) if ca.depends_on(g, v)]
     data = ca.vertcat(x, u, speed)[needed]
     samples = log.columns([every[k] for k in needed])
@@ -182,7 +182,7 @@ def _fit_affine(
     y = np.einsum("npk,k->np", slope, [p.value for p in parameters]) - value
     units = {p.name: p.unit for p in parameters}
     near = np.array([p.value for p in parameters], dtype=np.float64)
-    return least_squares.solve(slope, y, names(parameters), equations, *confidence, units, near)
+    return least_squares.solve(slope, y, signal_names(parameters), equations, *confidence, units, near)
 
 
 def _evaluate(g: ca.SX, theta: ca.SX, data: ca.SX, at: Array, samples: Array) -> tuple[Array, Array]:

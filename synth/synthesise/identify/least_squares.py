@@ -71,19 +71,19 @@ def solve(
     J = bordered.of(Phi)
     check_rows(J, y, parameters, outputs, noise)
     weight = weights(noise, outputs, y)
-    solution = solve_weighted(J, y, weight, parameters, nominal)
+    solution = solve_with_weights(J, y, weight, parameters, nominal)
     for _ in range(PASSES if noise is None and len(outputs) > 1 else 0):
         before, weight = weight, deviations(solution, y, outputs)
-        solution = solve_weighted(J, y, weight, parameters, nominal)
+        solution = solve_with_weights(J, y, weight, parameters, nominal)
         if np.allclose(before, weight, rtol=CONVERGED, atol=0.0):
             break
     else:
         if noise is None and len(outputs) > 1:
-            raise ModelError(not_converged(PASSES))
+            raise ModelError(no_convergence_text(PASSES))
     return estimate(solution, y, parameters, outputs, noise, level, units)
 
 
-def solve_weighted(
+def solve_with_weights(
     Phi: bordered.Jacobian, y: Array, weight: Array, parameters: Sequence[str], near: Array | None = None
 ) -> Solution:
     """Return the solution with output j divided by `weight[j]`; raise ModelError for undetermined parameters."""
@@ -187,7 +187,7 @@ def deviations(solution: Solution, y: Array, outputs: Sequence[str]) -> Array:
 
 
 @arguments.checked
-def not_converged(passes: int) -> str:
+def no_convergence_text(passes: int) -> str:
     """Return the error text for output noise that did not converge."""
     return f"the estimated noise of the outputs does not converge in {passes} fits: give the `noise` of each output"
 

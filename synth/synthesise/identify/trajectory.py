@@ -18,7 +18,7 @@ import numpy as np
 from synth import arguments
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.statespace import Array
 from synth.synthesise.identify import bordered
 from synth.synthesise.identify.logs import Log
@@ -74,10 +74,10 @@ def problem(
     substeps: int,
 ) -> Problem:
     """Return the simulation of a plant along a log; arguments as for `identify.fit_trajectory`."""
-    states = names(plant.states)
+    states = signal_names(plant.states)
     _check(plant, measured, span, initial, free, len(log), substeps)
     unfixed = [name for name in states if name not in initial]
-    y, u, first = log.columns(measured), log.columns(names(plant.inputs)).T, log.columns(unfixed)
+    y, u, first = log.columns(measured), log.columns(signal_names(plant.inputs)).T, log.columns(unfixed)
     length = len(log) if span is None else span + 1
     spans = len(log) // length
     where = tuple(states.index(name) for name in states if name in free or name in unfixed)
@@ -100,7 +100,7 @@ def _check(
     rows: int,
     substeps: int,
 ) -> None:
-    states, known = names(plant.states), (*names(plant.states), *names(plant.outputs))
+    states, known = signal_names(plant.states), (*signal_names(plant.states), *signal_names(plant.outputs))
     for name in measured:
         if name not in known:
             raise SignalError(f"'{name}' is not an output or state of plant '{plant.name}': it has {', '.join(known)}")
@@ -132,13 +132,13 @@ def _step(plant: Plant, parameters: Sequence[str], measured: Sequence[str], free
     S = ca.SX.sym("S", n, k + free)
     p = ca.SX(plant.values)
     for i, name in enumerate(parameters):
-        p[names(plant.parameters).index(name)] = theta[i]
+        p[signal_names(plant.parameters).index(name)] = theta[i]
     k1 = plant.f(x, u, p)
     k2 = plant.f(x + h / 2 * k1, u, p)
     k3 = plant.f(x + h / 2 * k2, u, p)
     k4 = plant.f(x + h * k3, u, p)
     after = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    h_all, states, outputs = plant.h(x, u, p), names(plant.states), names(plant.outputs)
+    h_all, states, outputs = plant.h(x, u, p), signal_names(plant.states), signal_names(plant.outputs)
     y = ca.vcat([h_all[outputs.index(m)] if m in outputs else x[states.index(m)] for m in measured])
     stacked = []
     for v in (after, y):

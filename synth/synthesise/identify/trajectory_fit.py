@@ -79,6 +79,6 @@ def refine_steps(
 
 def _in_standard_errors(fit: gauss_newton.Fit, change: Array, parameters: Sequence[str]) -> Array:
     """Return changes of parameters in standard errors; infinite where an exact parameter changes."""
-    errors = dict(zip(fit.estimate.names, fit.estimate.errors, strict=True))
+    errors = dict(zip(fit.estimate.parameters, fit.estimate.errors, strict=True))
     error = np.array([errors[name] for name in parameters])
     return np.where(error > 0, np.abs(change) / np.where(error > 0, error, 1.0), np.where(change == 0, 0.0, np.inf))

@@ -29,7 +29,7 @@ from synth.analyse import box, relative_degree, rounding
 from synth.analyse.relative_degree import RelativeDegree
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant, Symbols, build
-from synth.signals import Signal, names, per_second
+from synth.signals import Signal, per_second, signal_names
 from synth.statespace import Array
 from synth.synthesise.nonlinear import cofactors
 
@@ -50,7 +50,7 @@ class Extension:
         """Return the integrators and the relative degree."""
         added = ", ".join(self.integrators) or "none needed"
         degree = self.degree.sheet()
-        lines = (f"integrators: {added}", f"inputs: {', '.join(names(self.plant.inputs))}", *degree.lines)
+        lines = (f"integrators: {added}", f"inputs: {', '.join(signal_names(self.plant.inputs))}", *degree.lines)
         return show.Sheet(f"Dynamic extension of '{self.plant.name}'", lines, degree.tables)
 
 
@@ -71,7 +71,7 @@ def add_integrators(plant: Plant, inputs: Sequence[str]) -> Plant:
 
     Raises SignalError for a name that is not an input or is already used.
     """
-    known = names(plant.inputs)
+    known = signal_names(plant.inputs)
     for name in inputs:
         if name not in known or list(inputs).count(name) > 1:
             raise SignalError(
@@ -99,7 +99,7 @@ def extend(
     limit = len(plant.states) if bound is None else bound
     degree = relative_degree.of_plant(plant, outputs, held)
     if len(degree.outputs) > len(degree.model.inputs):
-        degree.require_defined()
+        degree.require_constant_rank()
     added: list[str] = []
     recovered = _identity(plant)
     while degree.rows.dependent:
@@ -124,7 +124,7 @@ def _extend_once(plant: Plant, degree: RelativeDegree, recovered: ca.Function) -
     """Add integrators to the inputs that enter through the rows on which others depend."""
     mixing = _mixing(degree)
     inputs = degree.model.inputs
-    known = names(plant.inputs)
+    known = signal_names(plant.inputs)
     places = tuple(known.index(inputs[j].name) for j in mixing.delayed)
     m, x = len(known), ca.SX.sym("x", len(plant.states))
     v = ca.SX.sym("v", m)
@@ -147,7 +147,7 @@ def _integrator_state(degree: RelativeDegree, mixing: _Mixing, k: int) -> Signal
     if not row.nnz():
         return input
     points = box.scatter(degree.model.states, rounding.POINTS, rounding.SEEDS[0])
-    values = degree.model.box.evaluated(row, points)[0]
+    values = degree.model.box.evaluate(row, points)[0]
     ends = values[None] * np.array([[s.low for s in inputs], [s.high for s in inputs]])[:, :, None]
     low, high = (float(sum(extreme(ends, axis=(0, 2)))) for extreme in (np.min, np.max))
     about = f"{input.name} with " + ", ".join(s.name for s, v in zip(inputs, values, strict=True) if v.any())
@@ -172,7 +172,7 @@ def _best_block(degree: RelativeDegree, rows: Sequence[int], size: int) -> tuple
     """Return the rows and columns of the square block of D that is best conditioned at the worst scattered point."""
     D, model = degree.decoupling, degree.model
     points = box.scatter(model.states, rounding.POINTS, rounding.SEEDS[0])
-    values = model.box.evaluated(D, points).transpose(2, 0, 1) * box.half_widths(model.inputs)
+    values = model.box.evaluate(D, points).transpose(2, 0, 1) * box.half_widths(model.inputs)
     values /= np.linalg.norm(values, axis=2).max(axis=0)[:, None]
     choices = [
         (list(i), list(j)) for i in combinations(rows, size) for j in combinations(range(len(model.inputs)), size)
@@ -206,9 +206,9 @@ def _insert_integrators(plant: Plant, places: Sequence[int], undone: ca.Function
     inputs = list(plant.inputs)
     for place, rate in zip(places, rates, strict=True):
         inputs[place] = rate
-    taken = names([*plant.states, *states])
-    names([*inputs, *(s for s in plant.states if s.name not in names(inputs)), *states])
-    old = names(plant.states)
+    taken = signal_names([*plant.states, *states])
+    signal_names([*inputs, *(s for s in plant.states if s.name not in signal_names(inputs)), *states])
+    old = signal_names(plant.states)
 
     def physics(x: Symbols, u: Symbols, p: Symbols) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
         values = list(u.values())
@@ -218,7 +218,7 @@ def _insert_integrators(plant: Plant, places: Sequence[int], undone: ca.Function
         args = (before, undone(before, ca.vertcat(*values)), ca.vertcat(*p.values()))
         f, h = (ca.cse(function(*args)) for function in (plant.f, plant.h))
         derivative = dict(zip(taken, [*ca.vertsplit(f), *(u[rate.name] for rate in rates)], strict=True))
-        return derivative, dict(zip(names(plant.outputs), ca.vertsplit(h), strict=True))
+        return derivative, dict(zip(signal_names(plant.outputs), ca.vertsplit(h), strict=True))
 
     return build(plant.name, [*plant.states, *states], inputs, plant.outputs, plant.parameters, physics)
 

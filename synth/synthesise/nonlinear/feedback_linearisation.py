@@ -33,7 +33,7 @@ from synth.analyse.zero_dynamics import ZeroDynamics
 from synth.check import Check
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
-from synth.signals import names, per_second
+from synth.signals import per_second, signal_names
 from synth.statespace import Array, StateSpace
 from synth.synthesise.feedback import weights
 from synth.synthesise.nonlinear import cofactors
@@ -74,7 +74,7 @@ class Linearisation:
     @property
     def inputs(self) -> dict[str, ca.SX]:
         """The law by input."""
-        return dict(zip(names(self.degree.model.inputs), ca.vertsplit(self.u), strict=True))
+        return dict(zip(signal_names(self.degree.model.inputs), ca.vertsplit(self.u), strict=True))
 
     @property
     def law(self) -> ca.Function:
@@ -124,10 +124,10 @@ class Linearisation:
         reached = _derivatives(self, u)
         domain = Box(ca.vertcat(self.x, u), (*states, *inputs))
         at = box.scatter(domain.signals, points, SEED)
-        demands = np.roll(domain.evaluated(reached, at)[:, 0, :], 1, axis=1)
+        demands = np.roll(domain.evaluate(reached, at)[:, 0, :], 1, axis=1)
         inputs_sent, error_u = _evaluate_law(self, at[: len(states)], demands)
         parts = ca.horzcat(reached, rounding.error_bound(reached), ca.jacobian(reached, u))
-        values = domain.evaluated(parts, np.vstack([at[: len(states)], inputs_sent]))
+        values = domain.evaluate(parts, np.vstack([at[: len(states)], inputs_sent]))
         size = values[:, 1] + np.einsum("pmk,mk->pk", np.abs(values[:, 2:]), error_u) + np.abs(demands)
         most = CANCELLATION * np.abs(demands).max(axis=1, keepdims=True)
         figure = float((np.abs(values[:, 0] - demands) / (rounding.LIMIT * np.minimum(size, most))).max())
@@ -141,7 +141,7 @@ class Linearisation:
         lines = [
             f"inputs {', '.join(self.inputs)}; demands {', '.join(self._demands())}",
             *degree.lines,
-            f"normal form: {'holds' if check.passed else 'DOES NOT HOLD'}, {check.found:.2g} of the rounding error",
+            f"normal form: {'holds' if check.passed else 'DOES NOT HOLD'}, {check.value:.2g} of the rounding error",
         ]
         if zeros:
             lines += [zeros.title, *zeros.lines]
@@ -166,7 +166,7 @@ class Chain:
 
 
 def _chain_states(linearisation: Linearisation, i: int) -> tuple[str, ...]:
-    known, states = ca.vertsplit(linearisation.x), names(linearisation.degree.model.states)
+    known, states = ca.vertsplit(linearisation.x), signal_names(linearisation.degree.model.states)
     labels = []
     for k, e in enumerate(ca.vertsplit(linearisation.degree.chains[i])):
         same = [name for x, name in zip(known, states, strict=True) if ca.is_equal(e, x, 2)]
@@ -193,7 +193,7 @@ def of_plant(
     of the drift, or has more inputs than outputs and no weight; else as `zero_dynamics.at_point`.
     """
     degree = relative_degree.of_plant(plant, outputs, held)
-    degree.require_defined()
+    degree.require_constant_rank()
     _require_authority(degree)
     W = _weight(degree, weight)
     solved, w = _decoupling_law(degree, W, point)
@@ -212,7 +212,7 @@ def _require_authority(degree: RelativeDegree) -> None:
 
 
 def _weight(degree: RelativeDegree, weight: weights.Weight | None) -> Array | None:
-    inputs = names(degree.model.inputs)
+    inputs = signal_names(degree.model.inputs)
     p, m = degree.decoupling.shape
     if weight is not None:
         return weights.definite("input weight", weight, inputs)
@@ -240,12 +240,12 @@ def _decoupling_law(
 def _derivatives(law: Linearisation, u: ca.SX) -> ca.SX:
     """Return d^r_i y_i / dt^r_i (p,) along the plant's f for constant inputs."""
     plant, model = law.plant, law.degree.model
-    sent = dict(zip(names(model.inputs), ca.vertsplit(u), strict=True))
+    sent = dict(zip(signal_names(model.inputs), ca.vertsplit(u), strict=True))
     everything = ca.vertcat(*(sent[s.name] if s.name in sent else ca.SX(model.held[s.name]) for s in plant.inputs))
     f, h = (function(law.x, everything, plant.values) for function in (plant.f, plant.h))
     derivatives = []
     for name, r in zip(law.degree.outputs, law.degree.degrees, strict=True):
-        e = h[names(plant.outputs).index(name)]
+        e = h[signal_names(plant.outputs).index(name)]
         for _ in range(r):
             e = ca.cse(ca.jtimes(e, law.x, f))
         derivatives.append(e)

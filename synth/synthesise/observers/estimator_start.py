@@ -64,7 +64,7 @@ def from_measurement(
             f"the deviation of '{whole.states[int(np.argmin(d))]}' at the start is below 0: give 0 or more"
         )
     _require_independent(part, d)
-    start = precise.correctly_rounded(lambda: _start_map(part, x_0, d), "the start of the estimator")
+    start = precise.round_correctly(lambda: _start_map(part, x_0, d), "the start of the estimator")
     columns = _input_columns(model, part)
     a, G = np.zeros(len(model.states)), np.zeros((len(model.states), len(model.inputs)))
     for row, i in rows.items():
@@ -87,7 +87,7 @@ def _estimate_rows(model: StateSpace, plant: StateSpace) -> dict[int, int]:
 
 def _measured_outputs(model: StateSpace, plant: StateSpace, measured: Sequence[str] | None) -> tuple[str, ...]:
     taken = tuple(y for y in plant.outputs if y in model.inputs)
-    outputs = taken if measured is None else arguments.names("measured outputs", measured)
+    outputs = taken if measured is None else arguments.as_name_list("measured outputs", measured)
     if unknown := [y for y in outputs if y not in taken]:
         raise SignalError(f"'{unknown[0]}' is not an output of the plant that the estimator takes: {', '.join(taken)}")
     if not outputs:

@@ -56,7 +56,7 @@ class _NoiseInputs:
     model: StateSpace
     G: Array
     F: Array
-    names: tuple[str, ...]
+    inputs: tuple[str, ...]
 
 
 @arguments.checked
@@ -70,7 +70,7 @@ def white(
     """
     entered = _split_inputs(of(system), G)
     outputs = entered.model.outputs
-    W, V = weights.semidefinite("W", W, entered.names), weights.semidefinite("V", V, outputs)
+    W, V = weights.semidefinite("W", W, entered.inputs), weights.semidefinite("V", V, outputs)
     S = np.zeros((len(W), len(V))) if S is None else arguments.matrix("S", S)
     if S.shape != (len(W), len(V)) or not np.isfinite(S).all():
         raise SignalError(f"S is {S.shape}: {len(W)} noises and {len(V)} outputs need a finite {(len(W), len(V))}")
@@ -106,7 +106,7 @@ def sampled(
             "sensor's bandwidth into the model"
         )
     held = discretise.zero_order_hold(model, period_s)
-    W = weights.semidefinite("W", W, entered.names)
+    W = weights.semidefinite("W", W, entered.inputs)
     with precise.precision():
         g = precise.matrix(entered.G)
         density = precise.rounded(g * precise.matrix(W) * g.transpose())

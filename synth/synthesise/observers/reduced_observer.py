@@ -65,12 +65,12 @@ class ReducedObserver:
         return self.partition.model
 
     @property
-    def measured(self) -> tuple[str, ...]:
+    def measured_signals(self) -> tuple[str, ...]:
         """The names of y."""
         return self.partition.measured
 
     @property
-    def estimated(self) -> tuple[str, ...]:
+    def estimated_states(self) -> tuple[str, ...]:
         """The names of x2."""
         return self.partition.estimated
 
@@ -78,11 +78,11 @@ class ReducedObserver:
         """Return the observer from y and u to ``<state>_estimate`` of all states; its states are ``<state>_x3``."""
         part, model, C = self.partition, self.model, self.from_x1
         B, D = np.hstack([self.G, self.H - self.G @ part.D]), np.hstack([C, -C @ part.D])
-        states, outputs = tuple(f"{x}_x3" for x in self.estimated), tuple(f"{x}_estimate" for x in model.states)
+        states, outputs = tuple(f"{x}_x3" for x in self.estimated_states), tuple(f"{x}_estimate" for x in model.states)
         kinds = [(f"{x}_{kind}", model.unit(x)) for x in model.states for kind in ("x3", "estimate")]
         units = {**model.units, **{name: unit for name, unit in kinds if unit}}
         return StateSpace(
-            self.F, B, self.from_x3, D, states, (*self.measured, *model.inputs), outputs, model.time, units
+            self.F, B, self.from_x3, D, states, (*self.measured_signals, *model.inputs), outputs, model.time, units
         )
 
     def sheet(self) -> show.Sheet:
@@ -93,13 +93,14 @@ class ReducedObserver:
             f"Condition of the coordinates {part.condition:.3g} (scaled)",
             *(self.certificate.lines() if self.certificate else ()),
         )
-        L = show.matrix("L", self.L, model.labels(self.estimated), self.measured)
-        rows, columns = (f"next {x}_x3" for x in self.estimated), (f"{x}_x3" for x in self.estimated)
+        L = show.matrix("L", self.L, model.labels(self.estimated_states), self.measured_signals)
+        rows, columns = (f"next {x}_x3" for x in self.estimated_states), (f"{x}_x3" for x in self.estimated_states)
         if isinstance(model.time, Continuous):
-            rows = (f"d/dt {x}_x3" for x in self.estimated)
+            rows = (f"d/dt {x}_x3" for x in self.estimated_states)
         recursion = np.hstack([self.F, self.G, self.H])
-        x3 = show.matrix("", recursion, tuple(rows), (*columns, *self.measured, *model.inputs))
-        title = f"Reduced-order observer of {', '.join(self.estimated)} from {', '.join(self.measured)}, {model.time}"
+        x3 = show.matrix("", recursion, tuple(rows), (*columns, *self.measured_signals, *model.inputs))
+        estimated, measured = ", ".join(self.estimated_states), ", ".join(self.measured_signals)
+        title = f"Reduced-order observer of {estimated} from {measured}, {model.time}"
         return show.Sheet(title, lines, (L, x3))
 
 

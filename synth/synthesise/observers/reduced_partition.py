@@ -57,9 +57,9 @@ def of_model(system: System, measured: Sequence[str] | str) -> Partition:
     model = of(system)
     if not model.states:
         raise ModelError("the model has no states: nothing is left to estimate")
-    names = arguments.names("measured signals", measured)
+    names = arguments.as_name_list("measured signals", measured)
     C, D = measurement_rows(model, names)
-    indices, condition = _choose_estimated(model, names, C)
+    indices, condition = _choose_estimated_states(model, names, C)
     M = np.vstack([C, np.eye(len(model.A))[indices]])
     estimated = tuple(model.states[i] for i in indices)
     p = len(names)
@@ -76,7 +76,7 @@ def measurement_rows(model: StateSpace, measured: Sequence[str] | str) -> tuple[
 
     Raises SignalError for an unknown or duplicate name, or for none.
     """
-    names = arguments.names("measured signals", measured)
+    names = arguments.as_name_list("measured signals", measured)
     if not names or len(set(names)) < len(names):
         raise SignalError(f"the measured signals are {', '.join(names) or 'none'}: name one or more, each once")
     n, m = model.B.shape
@@ -90,7 +90,7 @@ def measurement_rows(model: StateSpace, measured: Sequence[str] | str) -> tuple[
     return both[:, :n], both[:, n:]
 
 
-def _choose_estimated(model: StateSpace, names: tuple[str, ...], C: Array) -> tuple[list[int], float]:
+def _choose_estimated_states(model: StateSpace, names: tuple[str, ...], C: Array) -> tuple[list[int], float]:
     """Return the indices of the states to estimate, in the model's order, and the condition of [C; E], scaled."""
     p, n = C.shape
     part = staircase.scaled(model.A, C=C)
@@ -122,9 +122,9 @@ def _similarity(model: StateSpace, M: Array) -> tuple[Array, Array, Array]:
     def inverse() -> flint.arb_mat:
         return ball(M).inv()
 
-    A = precise.correctly_rounded(lambda: ball(M) * ball(model.A) * inverse(), "the partitioned A")
-    B = precise.correctly_rounded(lambda: ball(M) * ball(model.B), "the partitioned B")
-    return A, B, precise.correctly_rounded(inverse, "the inverse of [C; E]")
+    A = precise.round_correctly(lambda: ball(M) * ball(model.A) * inverse(), "the partitioned A")
+    B = precise.round_correctly(lambda: ball(M) * ball(model.B), "the partitioned B")
+    return A, B, precise.round_correctly(inverse, "the inverse of [C; E]")
 
 
 def _require_detectable(part: Partition) -> None:

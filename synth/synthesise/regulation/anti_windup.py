@@ -109,7 +109,7 @@ def _gain(regulator: Servo, rate: float, V: Array | None) -> Array:
         return (V_balls + C * X).solve((kronecker.block(Phi, p) * X).transpose()).transpose()
 
     try:
-        return precise.correctly_rounded(compute, "the anti-windup gain")
+        return precise.round_correctly(compute, "the anti-windup gain")
     except ZeroDivisionError as error:
         raise ModelError(
             "a mode of the internal model is not observable in the commands, and no E stabilises it: give the "
@@ -124,7 +124,7 @@ def _modal_gains(regulator: Servo, rate: float) -> Array:
     def compute() -> flint.arb_mat:
         return precise.matrix(regulator.K_xi) * kronecker.block(minimal_polynomial.modal_matrix(modes, rate), p)
 
-    C = precise.correctly_rounded(compute, "the gain on the modes")
+    C = precise.round_correctly(compute, "the gain on the modes")
     return C / _mode_sizes(C, [mode.order for mode in modes] * p)
 
 
@@ -137,7 +137,7 @@ def conditioning(controller: System, references: Sequence[str] | str, decay_per_
     Raises SignalError for an unknown reference, another count or a rate that is not positive; ModelError when neither
     D_r nor, with D_r = 0, C B_r is invertible, and for zeros that do not decay.
     """
-    model, names = of(controller), arguments.names("references", references)
+    model, names = of(controller), arguments.as_name_list("references", references)
     part = model.select(model.outputs, names)
     if len(names) != len(model.outputs):
         raise SignalError(

@@ -42,7 +42,7 @@ class InternalModel:
     modes: tuple[Mode, ...]
     time: Time
 
-    def names(self, outputs: Sequence[str]) -> tuple[str, ...]:
+    def state_names(self, outputs: Sequence[str]) -> tuple[str, ...]:
         """Return the names of the states: xi1, xi2, .. for one output, else xi1_<output>, .. for each output."""
         ends = [""] if len(outputs) == 1 else [f"_{name}" for name in outputs]
         return tuple(f"xi{k + 1}{end}" for end in ends for k in range(len(self.Phi)))
@@ -53,7 +53,7 @@ class InternalModel:
         The last state is the integral of an output, in its unit times s; each other state is the integral of the next
         one. This also holds in discrete time, where N is about the period in s.
         """
-        n, names = len(self.Phi), self.names(outputs)
+        n, names = len(self.Phi), self.state_names(outputs)
         powers = [f" s^{k}" if k > 1 else " s" for k in range(n, 0, -1)]
         ends = [units.get(name) and units[name] + power for name in outputs for power in powers]
         return {name: end for name, end in zip(names, ends, strict=True) if end}
@@ -152,7 +152,7 @@ def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
     """Return the model in continuous time, or sampled with zero-order hold and the modes exp(s T).
 
     Raises SignalError as `of` and for a frequency at or above Nyquist; TimingError for a model that is already sampled
-    in another time; ModelError as `precise.correctly_rounded`.
+    in another time; ModelError as `precise.round_correctly`.
     """
     model = of(exosystem)
     if model.time == time or isinstance(time, Continuous):
@@ -162,7 +162,7 @@ def in_time(exosystem: Exosystem, time: Time) -> InternalModel:
     n, T = len(model.Phi), time.period_s
     _require_below_nyquist([abs(m.value.imag) for m in model.modes], T)
 
-    matrices = precise.correctly_rounded(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
+    matrices = precise.round_correctly(lambda: exact(model.modes, time), f"the internal model over {T:g} s")
     return InternalModel(readonly(matrices[:, :n]), readonly(matrices[:, n:]), model.modes, time)
 
 
@@ -237,7 +237,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
         padded = [*c, *[flint.arb(0)] * n]
         return flint.arb_mat([[*(T[i, j] for j in range(n)), added[i], padded[i]] for i in range(n)])
 
-    matrices = precise.correctly_rounded(compute, f"the internal model over {period_s:g} s")
+    matrices = precise.round_correctly(compute, f"the internal model over {period_s:g} s")
     return Leapfrog(readonly(matrices[: len(w), n + 1]), readonly(matrices[:, :n]), readonly(matrices[:, n : n + 1]))
 
 
@@ -245,7 +245,7 @@ def leapfrog(frequencies: Sequence[float], period_s: float, E: ArrayLike | None 
 def augmented(plant: System, exosystem: Exosystem) -> StateSpace:
     """Return a plant with an internal model driven by each of its outputs; all states are outputs.
 
-    The states are the plant's, then `InternalModel.names`. A sampled plant gets the sampled internal model.
+    The states are the plant's, then `InternalModel.state_names`. A sampled plant gets the sampled internal model.
 
     Raises as `in_time`; ModelError as `regulator_equations.require_solvable`.
     """
@@ -256,7 +256,7 @@ def augmented(plant: System, exosystem: Exosystem) -> StateSpace:
     N = np.kron(np.eye(p), model.N)
     A = np.block([[part.A, np.zeros((n, p * k))], [N @ part.C, np.kron(np.eye(p), model.Phi)]])
     B = np.vstack([part.B, N @ part.D])
-    states = part.states + model.names(part.outputs)
+    states = part.states + model.state_names(part.outputs)
     units = {**part.units, **model.units(part.outputs, part.units)}
     return StateSpace(A, B, np.eye(n + p * k), np.zeros((n + p * k, m)), states, part.inputs, states, part.time, units)
 

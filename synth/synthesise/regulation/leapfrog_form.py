@@ -32,7 +32,7 @@ def controller(regulator: Servo, system: System | None = None) -> StateSpace:
     or multiple mode, a frequency as `internal_model.leapfrog`, or a system without the regulator's xi.
     """
     model, outputs = regulator.model, regulator.regulated
-    T, old = period(model.time), regulator.model.names(regulator.regulated)
+    T, old = period(model.time), regulator.model.state_names(regulator.regulated)
     source = regulator.controller if system is None else of(system)
     common(model.time, source.time)
     if any(mode.multiplicity > 1 or mode.value.real for mode in model.modes):
@@ -55,12 +55,12 @@ def _transform(source: StateSpace, form: internal_model.Leapfrog, outputs: Seque
     A[:k, :k] = np.kron(np.eye(p), phi)
     T_balls = precise.matrix(np.kron(np.eye(p), form.T))
     if B.size:
-        B[:k] = precise.correctly_rounded(
+        B[:k] = precise.round_correctly(
             lambda: T_balls.solve(precise.matrix(source.B[:k])), "what drives the internal model"
         )
     errors = [source.inputs.index(f"{y}_error") for y in outputs]
     B[:k, errors] = np.kron(np.eye(p), drive)
-    C[:, :k] = precise.correctly_rounded(
+    C[:, :k] = precise.round_correctly(
         lambda: precise.matrix(source.C[:, :k]) * T_balls, "the gain on the internal model"
     )
     names = ["sum"] * (n % 2) + [f"{letter}{j + 1}" for j in range(n // 2) for letter in "pq"]

@@ -3,10 +3,10 @@
 k_j is the order of the largest Jordan block of s_j. Further copies of a mode add nothing; a ramp, or a sine with an
 amplitude proportional to t, has the multiplicity 2.
 
-The eigenvalues of a block of order k scatter by the k-th root of the precision, their mean hardly. Eigenvalues close
-together are therefore taken as one mode, with their mean s_j, if S - s_j I is nilpotent on their invariant subspace.
-The widest neighbourhood for which this holds for all modes is taken, and k_j is the least power that is zero. S is
-scaled first and split into its strongly connected components.
+The eigenvalues of a block of order k scatter by the k-th root of the precision; their mean scatters far less.
+Eigenvalues close together are therefore taken as one mode, with their mean s_j, if S - s_j I is nilpotent on their
+invariant subspace. The widest neighbourhood for which this holds for all modes is taken, and k_j is the least power
+that is zero. S is scaled first and split into its strongly connected components.
 """
 
 import math

@@ -37,8 +37,8 @@ def lqr(
 ) -> servo.Servo:
     """Return the optimal state feedback of a plant in its own time.
 
-    Q (n + p k, n + p k) weights the plant's states and `InternalModel.names`, R (m, m) the controls, N is the cross
-    weight. Inputs that are no controls are disturbances. With `exact`, K is the same on every machine.
+    Q (n + p k, n + p k) weights the plant's states and `InternalModel.state_names`, R (m, m) the controls, N is the
+    cross weight. Inputs that are no controls are disturbances. With `exact`, K is the same on every machine.
 
     Raises SignalError for unknown names; else as `internal_model.augmented` and `riccati.solve`.
     """
@@ -68,7 +68,7 @@ def lqrd(
     """
     plant, acting, model = servo.split_plant(system, exosystem, regulated, controls)
     common(Continuous(), plant.time)
-    names = (*acting.states, *model.names(acting.outputs))
+    names = (*acting.states, *model.state_names(acting.outputs))
     Q, R = weights.semidefinite("Q", Q, names), weights.definite("R", R, acting.inputs)
     W = _period_weight(acting, model, scipy.linalg.block_diag(Q, R), period_s, exact)
     plant, acting = (discretise.zero_order_hold(part, period_s) for part in (plant, acting))

@@ -79,7 +79,7 @@ def design(
         )
     regulator_equations.require_solvable(acting, model.modes)
     try:
-        K = precise.correctly_rounded(lambda: _gain(acting, model, gain, rates), "the gain on the internal model")
+        K = precise.round_correctly(lambda: _gain(acting, model, gain, rates), "the gain on the internal model")
     except ZeroDivisionError as error:
         raise ModelError(
             "a mode of the internal model is a pole of the plant with the gain, or is uncontrollable: give "

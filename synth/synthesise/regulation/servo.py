@@ -41,9 +41,9 @@ Names = Sequence[str] | str | None
 class Servo:
     """u = K_x x + K_xi xi for a plant, with its certificate; n states, m controls, p regulated outputs, order k.
 
-    `K` is (m, n + p k), on the plant's states and `InternalModel.names`. The inputs of `controller` are the measured
-    signals (the states, or with an observer some outputs), ``<output>_error`` and, with an observer, the actual values
-    ``<control>_limited``. Its outputs are ``<control>_command``. `steady` certifies e -> 0.
+    `K` is (m, n + p k), on the plant's states and `InternalModel.state_names`. The inputs of `controller` are the
+    measured signals (the states, or with an observer some outputs), ``<output>_error`` and, with an observer, the
+    actual values ``<control>_limited``. Its outputs are ``<control>_command``. `steady` certifies e -> 0.
     """
 
     plant: StateSpace
@@ -67,7 +67,7 @@ class Servo:
     @property
     def states(self) -> tuple[str, ...]:
         """The states that K acts on."""
-        return (*self.plant.states, *self.model.names(self.regulated))
+        return (*self.plant.states, *self.model.state_names(self.regulated))
 
     @property
     def poles(self) -> Complex:
@@ -146,7 +146,7 @@ def with_observer(servo: Servo, L: ArrayLike, measured: Names = None) -> Servo:
     L is (n, l) for the outputs `measured`. Raises as `with_estimator`; SignalError for an L of another shape.
     """
     plant = servo.plant
-    ends = plant.outputs if measured is None else arguments.names("measured outputs", measured)
+    ends = plant.outputs if measured is None else arguments.as_name_list("measured outputs", measured)
     seen = plant.select(ends, servo.controls)
     gain = arguments.matrix("L", L)
     if gain.shape != seen.C.T.shape:
@@ -195,11 +195,11 @@ def split_plant(
     Raises SignalError for an unknown name or no regulated output; else as `internal_model.in_time`.
     """
     plant = of(system)
-    ends = plant.outputs if regulated is None else arguments.names("regulated outputs", regulated)
+    ends = plant.outputs if regulated is None else arguments.as_name_list("regulated outputs", regulated)
     if not ends:
         known = ", ".join(plant.outputs) or "none: give the model a C"
         raise SignalError(f"no output is regulated: name one or more; the model's outputs are {known}")
-    acting = plant.select(ends, plant.inputs if controls is None else arguments.names("controls", controls))
+    acting = plant.select(ends, plant.inputs if controls is None else arguments.as_name_list("controls", controls))
     return plant, acting, internal_model.in_time(exosystem, plant.time)
 
 
@@ -229,7 +229,7 @@ def _controller(servo: Servo, estimator: StateSpace) -> StateSpace:
     units |= {**plant.units, **model.units(regulated, plant.units)}
     for signals, end in ((regulated, "error"), (controls, "command"), (controls, "limited")):
         units |= {f"{name}_{end}": plant.unit(name) for name in signals if plant.unit(name)}
-    states = (*model.names(regulated), *estimator_states)
+    states = (*model.state_names(regulated), *estimator_states)
     inputs = (*with_suffix(regulated, "error"), *estimator_inputs)
     return StateSpace(A, B, C, D, states, inputs, with_suffix(controls, "command"), plant.time, units)
 

@@ -82,7 +82,7 @@ def evaluate(system: System, errors: Sequence[str] | str, exosystem: internal_mo
 
     Raises SignalError for an error that is no output, or as `internal_model.of`; ModelError for a pole at a mode.
     """
-    model, names = of(system), arguments.names("errors", errors)
+    model, names = of(system), arguments.as_name_list("errors", errors)
     loop, modes = model.select(names, model.inputs), internal_model.of(exosystem).modes
     poles, shape = loop.poles, (len(modes), *loop.D.shape)
     if (pole := spectrum.unstable_pole(loop.A, loop.time)) is not None:

@@ -103,7 +103,7 @@ class _Iterate:
         return _Iterate(solution, np.asarray(added), size, forward, error)
 
     def is_fine(self, condition: float) -> bool:
-        """Tell whether the error is within rounding, or small where another step would hardly reduce it."""
+        """Tell whether the error is within rounding, or small where another step would not reduce it much."""
         return self.error <= (FINE if condition > RIGID else ROUNDED * len(self.size))
 
     def update_residual(self, equation: Equation, X: Array) -> tuple[Array, Array]:

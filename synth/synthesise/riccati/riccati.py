@@ -148,14 +148,14 @@ def solve(
     in the cost, naming the mode and its states, or when no stabilising solution is found.
     """
     model = of(system)
-    return solve_checked(model, *weight_matrices(model, Q, R, N), exact)
+    return solve_matrices(model, *weight_matrices(model, Q, R, N), exact)
 
 
-def solve_checked(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
+def solve_matrices(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool) -> Riccati:
     """Solve as `solve` does, for weights that `weight_matrices` returned."""
     equation = _equation(model, Q, R, N)
     balance = Balance.of(equation)
-    certified = _first_certified(model, equation, balance)
+    certified = _first_certified_solution(model, equation, balance)
     solution = balance.unscale(certified.solution)
     if exact:
         solution = exact_riccati.solve(equation, solution.X)
@@ -215,7 +215,7 @@ def _equation(model: StateSpace, Q: Array, R: Array, N: Array) -> Equation:
     return Equation(model.A, model.B, Q, R, N, isinstance(model.time, Continuous))
 
 
-def _first_certified(model: StateSpace, stated: Equation, balance: Balance) -> newton.CertifiedSolution:
+def _first_certified_solution(model: StateSpace, stated: Equation, balance: Balance) -> newton.CertifiedSolution:
     """Return the first solution of the balanced equation whose certificate holds."""
     scaled, nearest, hidden = balance.scaled, np.inf, None
     n = len(model.states)

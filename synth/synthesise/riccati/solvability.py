@@ -10,7 +10,7 @@ Q - N R^-1 N'. For a positive semidefinite cost this is sufficient (Lancaster, R
 indefinite one the Hamiltonian matrix may have other eigenvalues on the boundary. A mode beyond the boundary that is not
 observable in the cost is mirrored: the optimal loop has the pole -conj(s), or 1 / conj(s).
 
-A stable loop with a certified X proves all of this. Where the loop hardly decays, or none is found, the modes are
+A stable loop with a certified X proves all of this. Where the loop decays slowly, or none is found, the modes are
 searched, and the error names the mode.
 """
 
@@ -45,8 +45,8 @@ def marginal_poles(
     """Return the poles that decay, but by less than the rounding of the model; usually there are none.
 
     Where a mode on the stability boundary is unobservable within rounding, `exact` decides: it returns the poles in
-    ball arithmetic or raises ModelError; it is None where that takes too long. Modes are searched where a pole hardly
-    decays, or where Newton's linear equation is `rigid`, i.e. ill-conditioned.
+    ball arithmetic or raises ModelError; it is None where that takes too long. Modes are searched where a pole decays
+    slowly, or where Newton's linear equation is `rigid`, i.e. ill-conditioned.
 
     Raises ModelError unless all poles of the loop decay.
     """
@@ -228,7 +228,7 @@ def _invisible_modes(model: StateSpace, stated: Equation) -> tuple[Complex, int]
     n, names = len(model.states), tuple(f"y{k}" for k in range(len(joint)))
     seen = StateSpace(model.A, model.B, joint[:, :n], joint[:, n:], model.states, model.inputs, names, model.time)
     zeros = structure.transmission_zeros(seen)
-    unseen = np.array([m.value for m in zeros.unseen], dtype=np.complex128)
+    unseen = np.array([m.value for m in zeros.unobservable], dtype=np.complex128)
     return np.concatenate([zeros.values, unseen]), zeros.rank
 
 

@@ -114,9 +114,9 @@ def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> No
 def test_casadis_own_c_takes_twice_as_many() -> None:
     pair, build = subject(config.NAME), SHIPPED["gcc, newlib"]
     few = steps.thinned(pair.sequences["motions"], 20)
-    rival = meter.run(baselines.casadi(config.block(), shimmed=True), few, build).cost.instructions
+    baseline = meter.run(baselines.casadi(config.block(), shimmed=True), few, build).cost.instructions
     emitted_cost = meter.run(baselines.emitted_c(pair.emitted), few, build).cost.instructions
-    assert rival.min() > 1.8 * emitted_cost.max()
+    assert baseline.min() > 1.8 * emitted_cost.max()
 
 
 def test_another_design_is_refused() -> None:

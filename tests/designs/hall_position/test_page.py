@@ -116,7 +116,7 @@ def test_the_law_of_decay_is_within_the_intervals() -> None:
         assert isinstance(row[2], float) and isinstance(row[3], float) and row[2] < n * w < row[3]
 
 
-def test_three_sensors_are_told_to_lose_rank_in_six_degrees_of_freedom(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_page_says_that_three_sensors_lose_rank_in_six_degrees_of_freedom(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(six, "POINTS", 8)
     section = six.section(STAGE)
     assert all(row[3] == "on lines" for row in rows_of(six.blocks(STAGE)["six.determinants"]))

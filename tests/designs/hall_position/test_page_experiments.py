@@ -101,5 +101,5 @@ def test_the_loop_is_that_of_the_sections_behind_the_filter(monkeypatch: pytest.
 
     assert difference() < 0.025
     with monkeypatch.context() as patched:  # a filter that is forgotten
-        patched.setattr(hall_chain, "filtered", lambda motors, outputs, chain: motors)
+        patched.setattr(hall_chain, "with_filter", lambda motors, outputs, chain: motors)
         assert difference() > 0.1

@@ -57,7 +57,7 @@ def test_the_basin_is_shown_as_it_is() -> None:
     basin = starts.basin(kind, 400, trust.YAW, 20)
     rows = zip(rows_of(blocks["trust.basins"]), [*basin.first, *basin.last], strict=True)
     for k, (row, expected) in enumerate(rows):
-        assert row[:2] == ("two sensors", 1 if k < len(basin.off) else 20)
+        assert row[:2] == ("two sensors", 1 if k < len(basin.displacement) else 20)
         assert row[3:] == pytest.approx(tuple(100 * expected))
     assert rows_of(blocks["trust.wrong"]) == [("two sensors", basin.samples, basin.wrong)]
     assert isinstance(blocks["trust.capture_radius"], Figure)
@@ -75,7 +75,7 @@ def test_cold_starts_are_shown_as_they_are() -> None:
     grid = Pose(*hall_two_waves.poses(kind.array.pitch, 4, trust.YAWS))
     scores = starts.cold_start(kind, grid, 60)
     took = scores.first_valid
-    assert row[1:3] == pytest.approx((100 * scores.right[-1].mean(), 100 * (took > 0).mean()))
+    assert row[1:3] == pytest.approx((100 * scores.is_correct[-1].mean(), 100 * (took > 0).mean()))
     assert row[4] == pytest.approx(1.25 * took.max())
 
 

@@ -54,7 +54,7 @@ def failed_names(comparison: Comparison | Sequence[Check]) -> list[str]:
 
 def failing_checks(witness: agree.Witness, kind: str = "random", name: str = "casadi") -> list[str]:
     steps = steps_of(kind)
-    c64 = sound().of["c64"](steps.states, steps.inputs)
+    c64 = sound().by_name["c64"](steps.states, steps.inputs)
     return failed_names(verification.compare_double(subject(), steps, (name, witness(steps.states, steps.inputs)), c64))
 
 
@@ -119,7 +119,7 @@ def test_a_missing_fault_is_detected() -> None:
 
 def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     """Planted in ill-conditioned steps only: the checks of the other steps do not see it."""
-    steps, witness = steps_of("random"), sound().of["reference"]
+    steps, witness = steps_of("random"), sound().by_name["reference"]
     monkeypatch.setattr(verification, "ILL_CONDITIONED", 100.0)
     above = steps.severity > verification.ILL_CONDITIONED
     assert 0 < np.mean(above) < 0.5
@@ -132,11 +132,11 @@ def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.Mon
     assert "where magnified" in name and not failing_checks(witness)
     assert not verification.ill_conditioned_share(steps).passed  # too many are compared so
     one = replace(steps, severity=np.ones(len(above)))
-    assert verification.ill_conditioned_share(one).found == 0
+    assert verification.ill_conditioned_share(one).value == 0
 
 
 def test_nan_is_detected() -> None:
-    witness = sound().of["reference"]
+    witness = sound().by_name["reference"]
 
     def corrupted(states: Any, inputs: Any) -> StepResults:
         stepped = witness(states, inputs)
@@ -191,7 +191,7 @@ def test_a_wider_margin_leaves_out_too_many_steps(monkeypatch: pytest.MonkeyPatc
 
 
 def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
-    witness = sound().of["reference"]
+    witness = sound().by_name["reference"]
 
     def corrupted(states: Any, inputs: Any) -> StepResults:
         stepped = witness(states, inputs)
@@ -219,7 +219,7 @@ def test_free_running_witnesses_that_diverge_are_detected(monkeypatch: pytest.Mo
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
     changed = {"deviation": 1.5 * of.setup.deviation, "beta": 1.0001 * of.setup.beta}
     other = partial(reference_guard.step, Setup(of.setup.numbers | changed))
-    by = replace(sound(), of={**sound().of, "reference": agree.reference(other)})
+    by = replace(sound(), by_name={**sound().by_name, "reference": agree.reference(other)})
     assert any("reference" in name for name in failed_names(verification.free_running(of, by, inputs)))
 
 
@@ -229,14 +229,14 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
     start = {s.name: s.initial for s in of.block.states}
-    outputs = agree.run(sound().of["c64"], start, inputs).outputs
+    outputs = agree.run(sound().by_name["c64"], start, inputs).outputs
     valid = outputs["valid"] > 0
     known = np.where(valid, outputs["X"], -np.inf).max(axis=0) - np.where(valid, outputs["X"], np.inf).min(axis=0)
     assert known.max() > 2 * of.array.pitch and np.mean(valid) > 0.2
     steps = steps_of("motions")
     yaw = np.unwrap(steps.states["estimator_yaw"].reshape(n, bodies), axis=0)
     assert np.ptp(yaw[:, 1]) > 2 * np.pi
-    words = sound().of["c64"](steps.states, steps.inputs).faults.reshape(n, bodies)
+    words = sound().by_name["c64"](steps.states, steps.inputs).faults.reshape(n, bodies)
     latched = words >> safety.LATCH_BIT > 0
     assert latched[-1].tolist() == [k % random_steps.BAD_COLUMNS == 0 for k in range(bodies)]
     assert not latched[:305].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}

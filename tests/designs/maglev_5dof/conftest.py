@@ -34,7 +34,7 @@ def double() -> host.Controller:
 
 
 @pytest.fixture(scope="session")
-def shipped() -> Rig:
+def emitted_rig() -> Rig:
     return standard_tasks.rig(DESIGN.stage, np.float32)
 
 

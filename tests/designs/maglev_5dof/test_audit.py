@@ -18,7 +18,7 @@ from synth.report import audit
 from synth.report.audit import Published, Row
 
 PLANT = maglev_stage.plant()
-PRINTS = paper.printed()
+PRINTS = paper.published_rows()
 NAMES = tuple(p.name for p in PLANT.parameters)
 TABLE_I = tuple(p.name for p in PLANT.parameters if p.source.startswith("Table I"))
 TRACKING = ("F-14", "F-15", "F-16")
@@ -212,7 +212,7 @@ def one(name: str, **changed: float) -> Row:
         ("F-1", {"M_y": 100.0}, "N"),  # a platen too heavy to hold
         ("F-3", {"mu_rec": 3.0}, "N"),  # magnets that are no longer charge sheets
         ("F-4", {"tau": 0.12, "t1": 0.04, "b0": 0.03, "w_c": 0.12}, "N"),  # slots wide beside the gap
-        ("F-5b", {"r": 0.1}, "N"),  # an arm so short that the angles hardly matter
+        ("F-5b", {"r": 0.1}, "N"),  # an arm so short that the angles have little effect
         ("F-6", {"H_c": 4e6}, "R"),  # magnets that attract at 10^2 times the acceleration
         ("F-7", {"b0": 0.06}, "N"),  # slots so wide that no tooth is left: the Carter coefficient runs through a pole
         ("F-17", {"r": 0.2}, "N"),

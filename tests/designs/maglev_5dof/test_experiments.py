@@ -23,7 +23,7 @@ def all_runs() -> dict[str, Experiment]:
 
 def test_every_check_passes(all_runs: dict[str, Experiment]) -> None:
     failed = [
-        f"{e.name}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}"
+        f"{e.name}: {c.name} {c.value:.4g} > {c.limit:.4g} {c.unit}"
         for e in all_runs.values()
         for c in e.checks
         if not c.passed
@@ -54,12 +54,12 @@ def test_zero_current_slams_up_and_the_safe_output_does_not(all_runs: dict[str, 
 
 
 @pytest.mark.parametrize("gap", np.arange(0.0181, 0.031, 0.0003).tolist())
-def test_the_safe_output_lets_the_platen_down_from_every_gap(shipped: Rig, gap: float) -> None:
+def test_the_safe_output_lets_the_platen_down_from_every_gap(emitted_rig: Rig, gap: float) -> None:
     """From rest, under the safe output alone; zero current instead slams it up from 28.7 mm and below."""
     safe = {f"i_d{j}": control.SAFE_CURRENT for j in range(1, 5)} | {"u_x": 0.0, "u_z": 0.0}
-    y = shipped.run(2.0, {"y": gap}, {}, actuators={}, forcing=safe)["y"]
+    y = emitted_rig.run(2.0, {"y": gap}, {}, actuators={}, forcing=safe)["y"]
     assert y[-1] == pytest.approx(0.031, abs=1e-9) and np.diff(y).min() > -1e-9
-    y = shipped.run(2.0, {"y": gap}, {}, actuators={}, forcing=dict.fromkeys(safe, 0.0))["y"]
+    y = emitted_rig.run(2.0, {"y": gap}, {}, actuators={}, forcing=dict.fromkeys(safe, 0.0))["y"]
     assert y[-1] == pytest.approx(0.018 if gap < 0.0287 else 0.031, abs=1e-9)
 
 
@@ -69,10 +69,10 @@ def test_limits_have_two_sides() -> None:
 
 
 def _with_gain(block: Block, name: str) -> Block:
-    def turned(c: Constant) -> Constant:
+    def negate(c: Constant) -> Constant:
         return replace(c, value=-c.value) if c.name == name else c
 
-    return replace(block, constants=tuple(turned(c) for c in block.constants))
+    return replace(block, constants=tuple(negate(c) for c in block.constants))
 
 
 def test_a_wrong_sign_in_a_gain_is_caught(stage: Plant) -> None:

@@ -62,12 +62,12 @@ def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("bad", BAD)
-def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(shipped: Rig, name: str, bad: float) -> None:
+def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(emitted_rig: Rig, name: str, bad: float) -> None:
     time = sample_times(1.5, control.TIME.period_s)
     mask = (time >= 0.5) & (time < 0.5015)
     signal = next(g.signal for g in INPUTS if g.signal.name == name)
     in_range = signal.low <= bad <= signal.high
-    trajectory = shipped.run(1.5, {"y": 0.025}, {}, overrides={name: Override(mask, np.full(len(time), bad))})
+    trajectory = emitted_rig.run(1.5, {"y": 0.025}, {}, overrides={name: Override(mask, np.full(len(time), bad))})
     expected = np.where(mask & (not in_range), 1 << NAMES.index(name), 0)
     np.testing.assert_array_equal(trajectory.faults, expected)
     assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
@@ -75,10 +75,10 @@ def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(shipped: Rig, 
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_bad_for_ever_latches_a_measurement_and_never_a_set_point(shipped: Rig, name: str) -> None:
+def test_permanently_bad_latches_a_measurement_and_never_a_set_point(emitted_rig: Rig, name: str) -> None:
     time = sample_times(3.0, control.TIME.period_s)
     lost = Override(time >= 0.5, np.full(len(time), np.nan))
-    trajectory = shipped.run(3.0, {"y": 0.025}, {}, overrides={name: lost})
+    trajectory = emitted_rig.run(3.0, {"y": 0.025}, {}, overrides={name: lost})
     latched = trajectory.faults & LATCHED != 0
     if name in MEASURED:
         assert np.argmax(latched) == np.argmax(time >= 0.5) + control.BAD_SAMPLES - 1 and latched[-1]

@@ -1,4 +1,4 @@
-"""The opened loops: at rest on the currents that hold the platen, with poles of the whole loop, and their margins."""
+"""The open loops: at rest on the currents that hold the platen, with poles of the whole loop, and their margins."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from synth.plant import Plant
 from synth.verify import standard
 from tests import tolerances
 
-Opened = dict[tuple[str, int], robustness.OpenLoop]
+OpenLoops = dict[tuple[str, int], robustness.OpenLoop]
 GAPS = (18, 25, 31)  # mm
 CUT = [*(s.name for s in control.OUTPUTS), "y_out"]
 # axis, gap mm: phase margin in degrees at the fastest crossing, gain margin above 1, peak sensitivity
@@ -41,7 +41,7 @@ def loops() -> robustness.Loops:
 
 
 @pytest.fixture(scope="module")
-def opened(loops: robustness.Loops) -> Opened:
+def open_loops(loops: robustness.Loops) -> OpenLoops:
     return {(o.signal, int(o.point.removesuffix(" mm"))): o for o in robustness.open_loops(loops)}
 
 
@@ -61,7 +61,7 @@ def test_the_controller_rests_on_the_currents_that_hold_the_platen(
 
 
 @pytest.mark.parametrize("gap", GAPS)
-def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, opened: Opened, gap: int) -> None:
+def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, open_loops: OpenLoops, gap: int) -> None:
     """The whole loop is put together here, from the controller as it ships and the plant under its delay."""
     rest = robustness.equilibrium_at(loops, f"{gap} mm")
     K, sensors = rest.controller, {s.name: s.of for s in control.INTERFACE.sensors}
@@ -71,17 +71,17 @@ def test_closing_a_loop_gives_poles_of_the_whole_one(loops: robustness.Loops, op
     A = np.block([[P.A + P.B @ U @ K.D @ S @ P.C, P.B @ U @ K.C], [K.B @ S @ P.C, K.A]])
     poles = np.linalg.eigvals(A)
     for axis in control.AXES:
-        L = opened[axis.name, gap].L
+        L = open_loops[axis.name, gap].L
         closed = np.linalg.eigvals(L.A - L.B @ np.linalg.solve(np.eye(1) + L.D, L.C))
         distance = np.abs(closed[:, None] - poles[None, :]).min(axis=1)
         assert distance.max() < tolerances.of("multiple_root"), axis.name
         assert np.abs(closed).max() < 1
 
 
-def test_margins(opened: Opened) -> None:
-    assert opened.keys() == MARGINS.keys()
+def test_margins(open_loops: OpenLoops) -> None:
+    assert open_loops.keys() == MARGINS.keys()
     for key, (phase, gain, peak) in MARGINS.items():
-        margins = opened[key].margins
+        margins = open_loops[key].margins
         assert margins.stable
         fastest = max(margins.gain_crossings, key=lambda c: c.frequency)
         highest = max(margins.phase_crossings, key=lambda c: c.frequency)
@@ -90,12 +90,12 @@ def test_margins(opened: Opened) -> None:
         assert margins.peak_sensitivity == pytest.approx(peak, abs=6e-3), key
 
 
-def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, opened: Opened) -> None:
+def test_the_compensation_lies_in_the_loop(loops: robustness.Loops, open_loops: OpenLoops) -> None:
     """Cut at the position alone, with the law's gaps left in place, the loop would show another low-frequency gain."""
     rest, of = robustness.equilibrium_at(loops, "25 mm"), loops.closed
     block = compose("cut", loop.cut(DESIGN.stage.controller.parts, "y"), inputs=[*rest.inputs, "y"], outputs=CUT)
     K = loop.linearise_block(block, rest.state, {**rest.inputs, "y": 0.025})
     partial = loop.open_loop(rest.plant, K, "y", of.sensors, of.actuators)
     z = np.exp(1j * np.array([20.0]) * control.TIME.period_s)
-    whole, part = (np.abs(L.response(z)[0, 0, 0]) for L in (opened["y", 25].L, partial))
+    whole, part = (np.abs(L.response(z)[0, 0, 0]) for L in (open_loops["y", 25].L, partial))
     assert abs(whole / part - 1) > 0.1

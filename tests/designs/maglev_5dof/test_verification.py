@@ -26,8 +26,11 @@ def test_every_check_passes(evidence: Evidence) -> None:
     assert evidence.document()["passed"] is True
 
 
+Steps = tuple[verification.Columns, verification.Columns]
+
+
 @pytest.fixture(scope="module")
-def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
+def random_steps(stage: Plant) -> Steps:
     """Random steps of the domain, then as many edge steps: bad inputs, limits, latched states."""
     block = control.controller(stage).block
     rng = np.random.default_rng(verification.SEED + 1)
@@ -36,9 +39,9 @@ def drawn(stage: Plant) -> tuple[verification.Columns, verification.Columns]:
     return joined[0], joined[1]
 
 
-def _worst(controller: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> agree.Agreement:
-    expected = agree.reference(reference.step)(*drawn)
-    block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*drawn)
+def _worst(controller: host.Controller, random_steps: Steps) -> agree.Agreement:
+    expected = agree.reference(reference.step)(*random_steps)
+    block, stepped = DESIGN.stage.controller.block, agree.emitted_c(controller)(*random_steps)
     return agree.compare("planted", ("reference", expected), ("c64", stepped), verification.EDGE_FLOOR, block)
 
 
@@ -69,8 +72,8 @@ def _emitted(block: Block) -> write.EmittedCode:
     return write.emit(block, np.float64, error=control.SURROGATE_ERROR[np.float64])
 
 
-def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.Columns, verification.Columns]) -> None:
-    worst = _worst(double, drawn)
+def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> None:
+    worst = _worst(double, random_steps)
     assert max(worst.worst, worst.state_worst) <= suite.EXACT and worst.faults_differ == 0
 
 
@@ -90,31 +93,25 @@ def test_the_sound_c_agrees(double: host.Controller, drawn: tuple[verification.C
         ("state->safe_output_last_u_x = ", "state->safe_output_last_u_x = -"),
     ],
 )
-def test_a_planted_change_in_the_c_is_caught(
-    stage: Plant, drawn: tuple[verification.Columns, verification.Columns], old: str, new: str
-) -> None:
+def test_a_planted_change_in_the_c_is_caught(stage: Plant, random_steps: Steps, old: str, new: str) -> None:
     emitted = _emitted(control.controller(stage).block)
     text = emitted.files["maglev_5dof.c"]
     assert old in text
     before, _, after = text.rpartition(old)
     files = {**emitted.files, "maglev_5dof.c": before + new + after}
-    assert _disagrees(_worst(host.load(files, emitted.manifest), drawn))
+    assert _disagrees(_worst(host.load(files, emitted.manifest), random_steps))
 
 
-def test_a_planted_sign_in_a_gain_is_caught(
-    stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
-) -> None:
+def test_a_planted_sign_in_a_gain_is_caught(stage: Plant, random_steps: Steps) -> None:
     block = control.controller(stage).block
     constants = tuple(replace(c, value=-c.value) if c.name == "regulator_x_k_p1" else c for c in block.constants)
     emitted = _emitted(replace(block, constants=constants))
-    assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), drawn))
+    assert _disagrees(_worst(host.load(emitted.files, emitted.manifest), random_steps))
 
 
-def test_a_planted_sign_in_the_physics_is_caught(
-    stage: Plant, drawn: tuple[verification.Columns, verification.Columns]
-) -> None:
+def test_a_planted_sign_in_the_physics_is_caught(stage: Plant, random_steps: Steps) -> None:
     wrong = stage.with_parameters(k_s_theta=-stage.parameter("k_s_theta").value)
-    assert _disagrees(_worst(_compiled(wrong), drawn))
+    assert _disagrees(_worst(_compiled(wrong), random_steps))
 
 
 def test_the_plant_agrees_with_the_reference_plant() -> None:

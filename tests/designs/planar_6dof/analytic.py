@@ -72,7 +72,7 @@ def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:
     """Return (21)-(25) by Tustin's rule, from the printed numbers."""
-    print_, part = rows.printed(), 1.0 if published else (leadlag.GAIN_SHARE | vertical.GAIN_SHARE)[axis]
+    print_, part = rows.published_rows(), 1.0 if published else (leadlag.GAIN_SHARE | vertical.GAIN_SHARE)[axis]
 
     def C(z: Array) -> Array:
         s = 2 / time.period_s * (z - 1) / (z + 1)

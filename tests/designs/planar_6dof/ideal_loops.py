@@ -11,7 +11,7 @@ from synth.analyse import linearisation, loop, operating_points, stability_margi
 from synth.block import Block, Exprs, Step, build, clip
 from synth.composition import compose
 from synth.plant import Plant
-from synth.signals import Signal, names
+from synth.signals import Signal, signal_names
 from synth.statespace import StateSpace
 from synth.timing import Discrete
 
@@ -59,7 +59,7 @@ def sensing_blocks(plant: Plant, time: Discrete, filtered: bool) -> list[Block]:
 
 def ready(parts: Sequence[Block]) -> list[str]:
     """Return the flag that says whether every measurement has been good, where a Block reads it."""
-    return ["ready"] if any("ready" in names(b.inputs) for b in parts) else []
+    return ["ready"] if any("ready" in signal_names(b.inputs) for b in parts) else []
 
 
 def of_axis(law: Sequence[Block], time: Discrete, axis: str, filtered: bool, delay: float = 1) -> StateSpace:

@@ -10,7 +10,7 @@ from synth.block import Block, unranged
 from synth.composition import compose
 from synth.emit import write
 from synth.execute import host
-from synth.signals import names
+from synth.signals import signal_names
 from synth.simulate import closed_loop
 from synth.simulate.scenario import Scenario, Trajectory
 from synth.timing import Discrete
@@ -22,7 +22,7 @@ PLANT = ideal_loops.PLANT
 def at_rest() -> dict[str, float]:
     """Return what the sensors read in the middle of the travel."""
     y = np.asarray(PLANT.h(np.zeros(len(PLANT.states)), np.zeros(9), PLANT.values)).ravel()
-    read = dict(zip(names(PLANT.outputs), y.tolist(), strict=True))
+    read = dict(zip(signal_names(PLANT.outputs), y.tolist(), strict=True))
     return {name: read[name] for name in (*planar_stage.HALL, *planar_stage.LASERS)}
 
 

@@ -50,7 +50,7 @@ UNREACHABLE = (
 LATCH = 1 << safety.LATCH_BIT
 
 
-def shipped(name: str) -> EmittedCode:
+def emitted_code(name: str) -> EmittedCode:
     folder = GENERATED / name
     files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
     return EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
@@ -72,7 +72,7 @@ class Subject(NamedTuple):
 
 @cache
 def subject(name: str) -> Subject:
-    emitted = shipped(name)
+    emitted = emitted_code(name)
     controller = host.load(emitted.files, emitted.manifest)
     at_rest = loops.of(BLOCKS[name], controller).at_rest()
     excursions = stimuli.excursions(controller, at_rest, [], bench.stimuli(controller))
@@ -188,7 +188,7 @@ def test_every_decision_is_seen_both_ways(name: str, build: str) -> None:
     assert not unexplained_decisions(coverage.missing), "\n".join(unexplained_decisions(coverage.missing))
 
 
-def test_a_decision_that_nothing_takes_is_told() -> None:
+def test_a_decision_that_nothing_takes_is_reported() -> None:
     """The planted defect: a branch on a value that no step has."""
     (emitted, _, _), every, build = subject("planar_6dof_lqg"), subject("planar_6dof_lqg").every, BUILDS[FIRST]
     text = emitted.files["planar_6dof_lqg.c"].replace(
@@ -199,7 +199,7 @@ def test_a_decision_that_nothing_takes_is_told() -> None:
     assert [line for line in unexplained_decisions(coverage.missing) if "1.2345678f" in line]
 
 
-def test_what_the_failures_are_for_is_told_without_them() -> None:
+def test_decisions_that_only_failures_take_are_reported_without_them() -> None:
     """The planted defect: a meter that leaves the failures out. No channel is named then, and no input refused."""
     lqg, build = subject("planar_6dof_lqg"), BUILDS[FIRST]
     candidate = baselines.emitted_c(lqg.emitted)
@@ -211,7 +211,7 @@ def test_what_the_failures_are_for_is_told_without_them() -> None:
 
 @pytest.mark.parametrize("build", SHIPPED)
 def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject) -> None:
-    costly = [s for s in design.sequences.values() if s.name.endswith(("anew", "again"))]
+    costly = [s for s in design.sequences.values() if s.name.endswith(("resampled", "again"))]
     stimulus = steps.concatenate("costly", [steps.thinned(s, COSTLY) for s in costly])
     run = meter.run(baselines.emitted_c(design.emitted), stimulus, SHIPPED[build])
     most, ceiling = run.cost.instructions.max(), CEILINGS[design.emitted.manifest["design"]][build]

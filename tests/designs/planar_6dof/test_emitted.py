@@ -113,7 +113,7 @@ def test_no_warning(double: bool, compiler: str) -> None:
 
 def test_the_lqg_gains_are_those_of_49_and_of_the_reference() -> None:
     design = lqg_design.gains()
-    K, printed = design["K"], rows.printed()["Y-10"]
+    K, printed = design["K"], rows.published_rows()["Y-10"]
     for current, states in (("i_AQ", ("y", "phi", "z2", "z3")), ("i_CQ", ("x", "z1"))):
         for state in states:
             assert printed[state].agrees(abs(K[current][design["states"].index(state)]))

@@ -55,7 +55,7 @@ def all_runs(lead: Rig, optimal: Rig) -> Runs:
 
 def test_every_experiment_keeps_its_limits(all_runs: Runs) -> None:
     checks = [(n, e.name, c) for n, run in all_runs.items() for e in run.values() for c in e.checks]
-    assert not [f"{n} {e}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
+    assert not [f"{n} {e}: {c.name} {c.value:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
     assert len(checks) >= 80
     assert set(all_runs["leadlag"]) == {*STEPS, "circle", *RESTS, *FAILURES}
     assert set(all_runs["lqg"]) == {*STEPS, "step_x_large", *RESTS, *FAILURES}
@@ -170,10 +170,15 @@ def test_an_amplifier_without_limit_follows_and_one_with_a_limit_slews(lead: Rig
 def test_a_failed_channel_is_the_one_that_is_named(lead: Rig) -> None:
     for channel in failures.HALL:
         f = failures.fail(lead, channel, "nan")
-        assert f.failure.named == 0 and f.failure.latched == 4 and not f.others and f.contradicted is None
+        assert (
+            f.failure.samples_to_detection == 0
+            and f.failure.samples_to_latch == 4
+            and not f.others
+            and f.contradicted is None
+        )
     late = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")
-    assert late.failure.named is None and late.failure.latched is None
-    assert late.failure.left() == 0 == late.failure.slew() == late.isolation_delay
+    assert late.failure.samples_to_detection is None and late.failure.samples_to_latch is None
+    assert late.failure.final_command() == 0 == late.failure.max_slew_rate() == late.isolation_delay
 
 
 def test_noise_is_no_failure(lead: Rig, optimal: Rig) -> None:
@@ -236,7 +241,7 @@ def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch
 def test_a_fault_is_caught(lead: Rig) -> None:
     mask = np.arange(100) == 50
     run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
-    assert experiments.common_checks(run)[0].found == 1 and not experiments.common_checks(run)[0].passed
+    assert experiments.common_checks(run)[0].value == 1 and not experiments.common_checks(run)[0].passed
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
@@ -252,7 +257,7 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: R
     before = np.arange(len(run.time)) < sample + 4
     still = {name: np.full(len(before), 0.1) for name in ACTUATORS}
     gone = {name: np.where(before, 0.5, 0.0) for name in ACTUATORS}
-    assert not caught(good) and 0 < good.failure.slew() <= failures.SLEW
+    assert not caught(good) and 0 < good.failure.max_slew_rate() <= failures.SLEW
     assert caught(changed(good, run=replace(run, commands=gone))) == {"change of a current from the latch on"}
     assert caught(changed(good, run=replace(run, commands=still))) == {"current left at the end after a latch"}
     assert caught(changed(good, sample=sample - 1)) == {"samples until the latch"}

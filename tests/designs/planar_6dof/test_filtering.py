@@ -100,7 +100,7 @@ def test_it_rests_at_the_raw_position_until_it_is_ready(axis: str) -> None:
 
 
 @pytest.mark.parametrize("axis", AXES)
-def test_it_starts_anew_before_a_state_leaves_its_bounds(axis: str) -> None:
+def test_it_restarts_before_a_state_leaves_its_bounds(axis: str) -> None:
     controller = compiled(axis, 800, np.float32)
     raw, box = (next(f for f in controller.manifest["structs"][s]["fields"]) for s in ("input", "state"))
     turns = np.cumsum(np.random.default_rng(0).integers(5, 50, 300))

@@ -44,7 +44,7 @@ def failing_checks(e: Experiment) -> set[str]:
 
 def test_every_experiment_keeps_its_bars(all_runs: Runs) -> None:
     checks = [(n, e.name, c) for n, run in all_runs.items() for e in run.values() for c in e.checks]
-    assert not [f"{n} {e}: {c.name} {c.found:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
+    assert not [f"{n} {e}: {c.name} {c.value:.4g} > {c.limit:.4g} {c.unit}" for n, e, c in checks if not c.passed]
     assert len(checks) >= 75
     assert set(all_runs["leadlag"]) == NAMES | {"circle_finite"} and set(all_runs["lqg"]) == NAMES
 
@@ -88,10 +88,10 @@ def test_the_circle(lead: Rig) -> None:
         assert e.figures[f"error of {axis} truly (blocks as made), um rms"] == pytest.approx(105, abs=2)
         assert e.figures[f"error of {axis} truly (closed law), um rms"] == pytest.approx(5.1, abs=0.2)
     assert np.abs(run["phi"]).max() == pytest.approx(0.0134, abs=5e-4)
-    astray = replace(
+    displaced = replace(
         twins[finite.AS_BUILT], references={a: r + 1.3e-3 for a, r in twins[finite.AS_BUILT].references.items()}
     )
-    assert failing_checks(finite.motion_experiment(there, e, {finite.AS_BUILT: astray})) == {
+    assert failing_checks(finite.motion_experiment(there, e, {finite.AS_BUILT: displaced})) == {
         *(f"error of {a} as shown" for a in "xy"),
         *(f"greatest true error of {a}" for a in "xy"),
     }

@@ -1,4 +1,4 @@
-"""The opened loops: those of the whole controller are the analytic ones and those of the emitted C; planted defects."""
+"""The open loops: those of the whole controller are the analytic ones and those of the emitted C; planted defects."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ from synth.emit import write
 from synth.errors import SignalError
 from synth.execute import host
 from synth.plant import Plant
-from synth.signals import names
+from synth.signals import signal_names
 from synth.timing import Discrete
 from tests.designs.planar_6dof import analytic
 
@@ -43,7 +43,7 @@ def optimal(axis: str) -> C:
 
 
 @pytest.fixture(scope="module")
-def opened(cases: dict[str, Case]) -> dict[str, loops.LoopParts]:
+def parts_of(cases: dict[str, Case]) -> dict[str, loops.LoopParts]:
     return {name: loops.parts(PLANT, block) for name, (block, *_) in cases.items()}
 
 
@@ -66,18 +66,18 @@ def distance(parts: loops.LoopParts, case: Case, axis: str) -> float:
 @pytest.mark.parametrize("axis", allocation.AXES)
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_each_loop_is_the_analytic_one(
-    cases: dict[str, Case], opened: dict[str, loops.LoopParts], name: str, axis: str
+    cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], name: str, axis: str
 ) -> None:
-    assert distance(opened[name], cases[name], axis) < NEAR
+    assert distance(parts_of[name], cases[name], axis) < NEAR
 
 
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_the_loop_at_the_currents_is_the_analytic_one(
-    cases: dict[str, Case], opened: dict[str, loops.LoopParts], name: str
+    cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], name: str
 ) -> None:
     """Three currents, whose loop is a full matrix though that of the positions is diagonal."""
     _, time, filtered, compensator = cases[name]
-    z, whole = circle(time), loops.horizontal(opened[name])
+    z, whole = circle(time), loops.horizontal(parts_of[name])
     single = {a: analytic.loop(PLANT, a, compensator(a), time, filtered) for a in HORIZONTAL}
     expected = analytic.currents(PLANT, single, z)
     response = whole["currents"].response(z)
@@ -108,7 +108,7 @@ def differences(
     controller: host.Controller, block: Block, state: dict[str, float], inputs: dict[str, float]
 ) -> list[np.ndarray]:
     """Return A, B, C, D of the C; flags and counters stay, and their columns are 0."""
-    known, input_names = [s.name for s in block.states], names(block.inputs)
+    known, input_names = [s.name for s in block.states], signal_names(block.inputs)
     moved = [s.name for s in block.states if not s.integer] + list(input_names)
     steps = {s.name: 1e-7 * (s.signal.high - s.signal.low) for s in block.states}
     steps |= {s.name: 1e-7 * (s.high - s.low) for s in block.inputs}
@@ -122,7 +122,7 @@ def differences(
         at[2 * k + 1] -= steps[name]
     batch = controller.batch(records, columns)
     after = np.array([np.asarray(batch.states[s], dtype=float) for s in known])
-    out = np.array([np.asarray(batch.outputs[s], dtype=float) for s in names(block.outputs)])
+    out = np.array([np.asarray(batch.outputs[s], dtype=float) for s in signal_names(block.outputs)])
     matrices = []
     for rows in (after, out):
         slopes = {m: (rows[:, 2 * k] - rows[:, 2 * k + 1]) / (2 * steps[m]) for k, m in enumerate(moved)}
@@ -136,7 +136,7 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
     for block, *_ in cases.values():
         for place in (loops.MIDDLE, {"x": 0.011, "y": -0.02}):
             state, inputs = loops.rest_point(PLANT, block, place)
-            x, u = [state[s.name] for s in block.states], [inputs[n] for n in names(block.inputs)]
+            x, u = [state[s.name] for s in block.states], [inputs[n] for n in signal_names(block.inputs)]
             after, y = (np.asarray(v).ravel() for v in block.function()(x, u))
             size = np.array([s.signal.high - s.signal.low for s in block.states])
             assert np.abs(y).max() < 1e-3 and (np.abs(after - x) / size).max() < 1e-3
@@ -146,19 +146,19 @@ def test_it_is_at_rest_wherever_the_platen_is(cases: dict[str, Case]) -> None:
 # What is made of a loop
 
 
-def test_margins_over_a_pitch_scatter_little(opened: dict[str, loops.LoopParts], cases: dict[str, Case]) -> None:
+def test_margins_over_a_pitch_scatter_little(parts_of: dict[str, loops.LoopParts], cases: dict[str, Case]) -> None:
     """The calibrated slope of x is off by a few per cent at most, and so is the crossover."""
-    middle = stability_margins.of_loop(loops.open_loop(opened["leadlag"], ["x"]))
+    middle = stability_margins.of_loop(loops.open_loop(parts_of["leadlag"], ["x"]))
     by_place = loops.over_pitch(PLANT, cases["leadlag"][0], places=3)
     for each in by_place:
         assert each["x"].stable and each["x"].phase_margin == pytest.approx(middle.phase_margin, abs=3)
     assert len({each["x"].phase_margin for each in by_place}) > 1
 
 
-def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str, loops.LoopParts]) -> None:
-    whole = loops.horizontal(opened["lqg"])
+def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(parts_of: dict[str, loops.LoopParts]) -> None:
+    whole = loops.horizontal(parts_of["lqg"])
     disks = {name: disk.of_loop(L) for name, L in whole.items()}
-    alone = [disk.of_loop(loops.open_loop(opened["lqg"], [a])).lower for a in HORIZONTAL]
+    alone = [disk.of_loop(loops.open_loop(parts_of["lqg"], [a])).lower for a in HORIZONTAL]
     assert disks["positions"].lower == pytest.approx(min(alone), rel=1e-3)
     assert disks["both"].lower < 0.6 * disks["positions"].lower
     assert all(m.certified for m in disks.values())
@@ -168,19 +168,19 @@ def test_disk_margins_of_a_diagonal_loop_are_those_of_its_axes(opened: dict[str,
         assert abs(np.linalg.det(np.eye(len(value)) + value @ np.diag(m.factors))) < 1e-3
 
 
-def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(opened: dict[str, loops.LoopParts]) -> None:
-    L = loops.horizontal(opened["lqg"])["currents"]
+def test_a_scaled_loop_has_the_same_diagonal_and_disk_margin(parts_of: dict[str, loops.LoopParts]) -> None:
+    L = loops.horizontal(parts_of["lqg"])["currents"]
     z, other = circle(lqg.TIME), loops.scaled(L, {"i_CQ": 0.01})
     a, b = L.response(z), other.response(z)
     np.testing.assert_allclose(np.diagonal(a, axis1=1, axis2=2), np.diagonal(b, axis1=1, axis2=2), rtol=1e-9)
     np.testing.assert_allclose(b[:, 2, 0], 0.01 * a[:, 2, 0], rtol=1e-9)
 
 
-def test_a_signal_that_does_not_go_around_is_refused(opened: dict[str, loops.LoopParts]) -> None:
+def test_a_signal_that_does_not_go_around_is_refused(parts_of: dict[str, loops.LoopParts]) -> None:
     with pytest.raises(
         SignalError, match=r"cannot open at 'x_raw', which is neither .*: name one of x, y, phi, z, theta, psi, i_AQ"
     ):
-        loops.open_loop(opened["lqg"], ["x_raw"])
+        loops.open_loop(parts_of["lqg"], ["x_raw"])
 
 
 # Planted defects

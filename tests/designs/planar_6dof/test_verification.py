@@ -100,7 +100,7 @@ def test_decisions_of_single_precision_are_counted() -> None:
     spoilt = drawn[1] | {first: np.where(np.arange(2000) < 10, 5 + 1e-7, drawn[1][first])}
     wide = replace(by, c64=loops.compile_block(replace(subject.block, faults=()), np.float64))
     failed = standard.compare_precisions(wide, drawn[0], spoilt, verification.FLOOR, verification.COUNTS)[1][1]
-    assert failed.found >= 10 / 2000
+    assert failed.value >= 10 / 2000
 
 
 def test_the_tour_starts_at_rest() -> None:

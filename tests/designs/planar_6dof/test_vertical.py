@@ -14,7 +14,7 @@ from synth.block import unranged
 from synth.composition import compose
 from synth.emit import write
 from synth.execute import host
-from synth.signals import names
+from synth.signals import signal_names
 from synth.synthesise.classical import lead_lag
 from synth.timing import Discrete
 from synth.verify import agree
@@ -30,9 +30,9 @@ def test_heights_undo_the_lasers() -> None:
     rng = np.random.default_rng(0)
     pose = {a: rng.uniform(s.low, s.high, 100) for a, s in allocation.BOX.items() if a in allocation.AXES}
     x = np.zeros((len(PLANT.states), 100))
-    x[:6] = [pose[a] for a in names(PLANT.states)[:6]]
+    x[:6] = [pose[a] for a in signal_names(PLANT.states)[:6]]
     y = np.asarray(PLANT.h.map(100)(x, np.zeros((9, 100)), np.tile(PLANT.values[:, None], 100)))
-    distances = dict(zip(names(PLANT.outputs), y, strict=True))
+    distances = dict(zip(signal_names(PLANT.outputs), y, strict=True))
     held = {f"{d}_held": distances[d] for d in planar_stage.LASERS}
     outputs = agree.casadi(vertical.vertical_kinematics(PLANT, RATES[0]))({}, held).outputs
     other = reference_control.vertical_kinematics(distances)

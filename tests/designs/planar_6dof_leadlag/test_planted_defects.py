@@ -37,7 +37,7 @@ def test_every_constant_counts(at: Bench) -> None:
     assert [name for name, witness in planted.constants(few, 1.05) if not planted.is_detected(few, witness)] == []
 
 
-def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
+def test_a_wrong_sign_in_the_c_is_reported(at: Bench) -> None:
     missed = [line for line, witness in planted.mutants(at, 24) if not planted.is_detected(at, witness)]
     assert missed == []
 
@@ -62,7 +62,7 @@ def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
         (reference_sensing, "COUNT", 3),
     ],
 )
-def test_a_wrong_number_in_the_reference_is_told(
+def test_a_wrong_number_in_the_reference_is_reported(
     at: Bench, monkeypatch: pytest.MonkeyPatch, module: Any, name: str, value: object
 ) -> None:
     assert hasattr(module, name)
@@ -84,7 +84,7 @@ def fresh() -> None:
         cached.cache_clear()
 
 
-def test_a_wrong_section_in_the_reference_is_told(at: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_section_in_the_reference_is_reported(at: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     """The other sensor's section is entered at |s| > 1.01 |c|, where both of them tell the position nearly as well."""
     place = reference_sensing.Pair.place.fget
     assert place is not None

@@ -36,7 +36,7 @@ def test_every_constant_counts(at: Bench) -> None:
     assert [name for name, witness in planted.constants(few, 1.05) if not planted.is_detected(few, witness)] == []
 
 
-def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
+def test_a_wrong_sign_in_the_c_is_reported(at: Bench) -> None:
     missed = [line for line, witness in planted.mutants(at, 24) if not planted.is_detected(at, witness)]
     assert missed == []
 
@@ -51,7 +51,7 @@ def test_a_wrong_sign_in_the_c_is_told(at: Bench) -> None:
         (reference_control, "CENTRES", {m: reference_control.CENTRES[n] for m, n in zip("ABC", "BAC", strict=True)}),
     ],
 )
-def test_a_wrong_number_in_the_reference_is_told(
+def test_a_wrong_number_in_the_reference_is_reported(
     at: Bench, monkeypatch: pytest.MonkeyPatch, module: Any, name: str, value: object
 ) -> None:
     assert hasattr(module, name)

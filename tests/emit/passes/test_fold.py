@@ -1,4 +1,4 @@
-"""Folding keeps what is computed: exactly on fractions, to rounding on floats, and also for what is no number.
+"""Folding keeps what is computed: exactly on fractions, to rounding on floats, and also for NaN.
 
 On fractions every rule is an identity, as long as the numbers folded are powers of two, whose products and reciprocals
 a double holds.
@@ -229,7 +229,7 @@ def limit(x: float, h: float) -> float:
 
 def test_a_clamp_equals_minimum_and_maximum_for_any_argument() -> None:
     for x, h in itertools.product(SPECIAL, SPECIAL):
-        low = min(x, h) if not isnan(x) else h  # fmin gives the other argument for what is no number
+        low = min(x, h) if not isnan(x) else h  # fmin gives the other argument for NaN
         low = nan if isnan(h) else low
         assert same(limit(x, h), nan if isnan(h) else max(low, -h)), (x, h)
 

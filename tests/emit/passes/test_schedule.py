@@ -54,7 +54,7 @@ class Machine:
                 self.branch(s, known)
 
     def branch(self, s: Branch, known: ChainMap[int, Any]) -> None:
-        for choice, start in s.declared:
+        for choice, start in s.choices:
             known[choice] = None if start is None else self.read(start, known)
         side = s.then if self.read(s.condition, known) != 0 else s.other
         self.block(side, known.new_child())

@@ -145,7 +145,7 @@ def guard(u: Any) -> ca.SX:
         (lambda u: ca.if_else(u["u"] == 3, u["u"], 0), Range(0, 3)),
         (lambda u: ca.if_else(ca.logic_not(u["u"] != 3), u["u"], 2), Range(2, 3)),
         (lambda u: ca.fmax(ca.fmin(u["u"], 0.75), -0.25), Range(-0.25, 0.75)),
-        # Planted defects: a side that is not limited, a limit on another signal, a clamp that passes what is no number,
+        # Planted defects: a side that is not limited, a limit on another signal, a clamp that passes NaN,
         # and two comparisons that both fail for it.
         (lambda u: ca.if_else(u["u"] <= 0.75, u["u"], u["last"]), Range(-inf, 0.75)),
         (lambda u: ca.if_else(ca.logic_and(u["u"] >= -0.25, u["last"] <= 0.75), u["u"], 0), Range(-0.25, inf)),

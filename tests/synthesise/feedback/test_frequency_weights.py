@@ -115,7 +115,7 @@ def test_what_cannot_be_weighted_is_refused() -> None:
         frequency_weights.augmented(PLANT, [])
     with pytest.raises(TimingError, match="continuous time meets"):
         frequency_weights.augmented(PLANT, [discretise.zero_order_hold(SLOW, 0.1)])
-    with pytest.raises(SignalError, match="a name stands twice"):
+    with pytest.raises(SignalError, match="a name is listed twice"):
         frequency_weights.augmented(PLANT, [SLOW, SLOW])
     # The velocity's transfer function is zero at s = 0, so that nothing moves its integral alone.
     with pytest.raises(ModelError, match="not stabilisable: mode 0 in w"):

@@ -107,8 +107,8 @@ def test_without_a_delay_nothing_changes() -> None:
         plain, none = lqr.lqrd(plant, Q, R, T, N, exact), lqr.lqrd(plant, Q, R, T, N, exact, delay_s=0)
         np.testing.assert_array_equal(none.K, plain.K)
         assert none.states == plain.states == plant.states
-    hardly = lqr.lqrd(plant, Q, R, T, N, delay_s=1e-6 * T)
-    np.testing.assert_allclose(hardly.K[:, :3], lqr.lqrd(plant, Q, R, T, N).K, rtol=1e-5)
+    negligible = lqr.lqrd(plant, Q, R, T, N, delay_s=1e-6 * T)
+    np.testing.assert_allclose(negligible.K[:, :3], lqr.lqrd(plant, Q, R, T, N).K, rtol=1e-5)
 
 
 @pytest.mark.parametrize("samples", [1, 2, 4])

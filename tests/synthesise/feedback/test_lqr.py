@@ -134,7 +134,7 @@ def test_sampled_integrals_are_sums_and_units_cancel() -> None:
         there[:, 3:], 0.1 / (z[:, None, None] - 1) * there[:, [1, 0, 2]], rtol=tolerances.of("double")
     )
     assert [held.units[f"{n}_integral"] for n in ("v", "n", "a")] == ["m", "s", "m/s^2 s"]
-    with pytest.raises(SignalError, match="a name stands twice among the outputs n, n"):
+    with pytest.raises(SignalError, match="a name is listed twice among the outputs n, n"):
         lqr.with_integrators(plant, ("n", "n"))
     with pytest.raises(SignalError, match="'z' is not one of v, n, a"):
         lqr.with_integrators(plant, ("z",))

@@ -113,7 +113,7 @@ def test_the_intervals_catch_a_wrong_derivative() -> None:
         ({"start": [1.0]}, r"start has the shape \(1,\) or is not finite: give 2 values"),
         ({"start": [1.0, np.nan]}, "or is not finite: give 2 values"),
         ({"start": [1.0, 1.0, 1.0]}, r"the start \(3,\)"),
-        ({"parameters": ("a", "a")}, r"'a' stands twice"),
+        ({"parameters": ("a", "a")}, r"'a' is listed twice"),
         ({"outputs": "y"}, r"`outputs` of .* is 'y': give a list of names"),
         ({"noise": 0.1}, r"`noise` of .* is 0\.1: give a mapping"),
         ({"level": "x"}, r"`level` of .* is 'x': give a number"),

@@ -33,7 +33,7 @@ def test_estimates_and_errors_are_those_of_numpy_and_of_curve_fit(seed: int) -> 
     theta, ssr, *_ = np.linalg.lstsq(Phi / size, y, rcond=None)
     np.testing.assert_allclose(estimate.values * size, theta, rtol=1e-9, atol=tolerances.of("double"))
     assert estimate.rms["y"] == pytest.approx(np.sqrt(ssr[0] / len(y)))
-    assert estimate.freedom == len(y) - len(names)
+    assert estimate.residual_freedom == len(y) - len(names)
     fitted, covariance = scipy.optimize.curve_fit(lambda P, *t: P @ np.array(t), Phi / size, y, p0=np.zeros(len(names)))
     np.testing.assert_allclose(estimate.values * size, fitted, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(estimate.covariance * size * size[:, None], covariance, rtol=1e-4, atol=1e-9)
@@ -72,7 +72,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(monkeypatch: pytest.Monke
     def biased(*args: object) -> Estimate:
         estimate = right(*args)
         return replace(
-            estimate, covariance=estimate.covariance * estimate.freedom / (estimate.freedom + len(estimate.names))
+            estimate,
+            covariance=estimate.covariance
+            * estimate.residual_freedom
+            / (estimate.residual_freedom + len(estimate.parameters)),
         )
 
     monkeypatch.setattr(least_squares, "estimate", biased)
@@ -135,7 +138,7 @@ def test_what_the_data_do_not_determine_is_named() -> None:
         ({"Phi": np.ones((3, 2)) * 1j}, r"the regressors are no real numbers \(they are complex\)"),
         ({"y": np.ma.array([1.0, 2.0, 2.5], mask=[0, 1, 0])}, r"`y` of .* is a masked array"),
         ({"parameters": ()}, r"no parameters are named"),
-        ({"parameters": ("k", "k")}, r"'k' stands twice among the parameters"),
+        ({"parameters": ("k", "k")}, r"'k' is listed twice among the parameters"),
         ({"parameters": "kc"}, r"`parameters` of .* is 'kc': give a list of names"),
         ({"Phi": np.zeros((0, 2)), "y": []}, r"0 equations are too few"),
         ({"y": [1e-200, 2e-200, 2.5e-200]}, r"the output 'y' has the size 2\.5e-200: choose units"),

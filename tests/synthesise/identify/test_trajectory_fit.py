@@ -18,7 +18,7 @@ def test_a_trajectory_gives_mass_damping_spring_and_the_start() -> None:
     fit = identify.fit_trajectory(stage(), log, tuple(truth), ("s",), initial={"x": 0.0, "v": 0.0}, free=("x", "v"))
     expected = np.array([*truth.values(), 0.05, -0.1])
     low, high = fit.estimate.intervals.T
-    assert ((low < expected) & (expected < high)).all() and fit.estimate.names == ("m", "d", "k", "x_0", "v_0")
+    assert ((low < expected) & (expected < high)).all() and fit.estimate.parameters == ("m", "d", "k", "x_0", "v_0")
     assert fit.estimate.units["v_0"] == "m/s" and fit.steps < 15
     assert fit.estimate.rms["s"] == pytest.approx(1e-3, rel=0.15)
     np.testing.assert_allclose(fit.estimate.values, scipy_fit(log), rtol=2e-4, atol=1e-5)
@@ -64,11 +64,11 @@ def test_parameters_that_act_together_are_named() -> None:
     ("change", "message"),
     [
         ({"parameters": ()}, "no parameters are named"),
-        ({"parameters": ("k", "k")}, "'k' stands twice among the parameters"),
-        ({"measured": ("s", "s")}, "'s' stands twice among the measured signals"),
+        ({"parameters": ("k", "k")}, "'k' is listed twice among the parameters"),
+        ({"measured": ("s", "s")}, "'s' is listed twice among the measured signals"),
         ({"measured": "s"}, r"`measured` of .* is 's': give a list of names"),
         ({"measured": ()}, "no measured signals are named"),
-        ({"free": ("x", "x")}, "'x' stands twice among the free states"),
+        ({"free": ("x", "x")}, "'x' is listed twice among the free states"),
         ({"noise": 0.1}, r"`noise` of .* is 0\.1: give a mapping"),
         ({"noise": {"s": None}}, r"`noise` of .* is \{'s': None\}"),
         ({"level": "x"}, r"`level` of .* is 'x': give a number"),

@@ -214,7 +214,7 @@ def test_the_levitated_stage_follows_fifteen_integrators() -> None:
     stage = full_stage()
     point = operating_points.trim(stage, {"y": 0.025}, ["i_d1", "i_d2", "i_d3", "i_d4"])
     law = feedback_linearisation.of_plant(stage, list(maglev_stage.RATE), point=point, weight=np.eye(6))
-    assert law.degree.degrees == (3,) * 5 and law.zeros is not None and law.zeros.agreed
+    assert law.degree.degrees == (3,) * 5 and law.zeros is not None and law.zeros.is_consistent
     assert law.check().passed
     assert law.zeros.order == 1 and law.zeros.verdict == "not hyperbolic"  # the sixth current, at rest
     x0 = np.array(point.x)

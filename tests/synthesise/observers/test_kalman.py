@@ -195,14 +195,14 @@ def test_the_errors_of_a_simulation_have_the_covariances() -> None:
     model, G, W, V, S = random_problem(11, Discrete(0.1))
     estimator = kalman.discrete(model, W, V, G, S)
 
-    def apart(covariances: list[np.ndarray]) -> float:
+    def relative_difference(covariances: list[np.ndarray]) -> float:
         designed = (estimator.prior, estimator.posterior)
         return max(float(np.linalg.norm(c - P) / np.linalg.norm(P)) for c, P in zip(covariances, designed, strict=True))
 
     # the entries of a covariance of 20 000 runs scatter by sqrt(2 / 20 000) = 1 %
-    assert apart(simulated_covariances(estimator, W, G, V, S)) < 0.03
+    assert relative_difference(simulated_covariances(estimator, W, G, V, S)) < 0.03
     uncrossed = kalman.discrete(model, W, V, G)
-    assert apart(simulated_covariances(uncrossed, W, G, V, S)) > 0.06
+    assert relative_difference(simulated_covariances(uncrossed, W, G, V, S)) > 0.06
 
 
 def test_both_forms_estimate_what_the_recursion_says_with_a_direct_term_and_cross_covariance() -> None:

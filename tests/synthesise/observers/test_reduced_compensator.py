@@ -266,7 +266,7 @@ def test_what_makes_no_compensator() -> None:
     with pytest.raises(TimingError, match="meets"):
         reduced_compensator.compensator(observer, gain, replace(other, time=Discrete(2 * T)))
     twice = interconnect.integrals(PLAIN, {"d": "x"})
-    with pytest.raises(SignalError, match="a name stands twice among the states"):
+    with pytest.raises(SignalError, match="a name is listed twice among the states"):
         reduced_compensator.augmented(observer, twice)
 
 

@@ -48,7 +48,7 @@ def after_sample(model: StateSpace, W: Array, V: Array) -> Array:
 def of_error(observer: ReducedObserver, W: Array, V: Array) -> Array:
     """Return the covariance (n, n) of x^ - x of plant and observer side by side, by one Lyapunov equation."""
     model, o = observer.model, observer.state_space()
-    p, n, q = len(observer.measured), len(model.A), len(observer.estimated)
+    p, n, q = len(observer.measured_signals), len(model.A), len(observer.estimated_states)
     from_y, through = o.B[:, :p], o.D[:, :p]
     F = np.block([[model.A, np.zeros((n, q))], [from_y @ model.C, o.A]])
     G = np.block([[np.eye(n), np.zeros((n, p))], [np.zeros((q, n)), from_y]])

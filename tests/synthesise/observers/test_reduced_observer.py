@@ -38,8 +38,8 @@ def misses(observer: ReducedObserver, steps: int = 60, seed: int = 0) -> Array:
     rng = np.random.default_rng(seed)
     rows = dict(zip(model.states, np.hstack([np.eye(len(model.A)), 0 * model.B]), strict=True))
     rows |= dict(zip(model.outputs, np.hstack([model.C, model.D]), strict=True))
-    both = np.array([rows[name] for name in observer.measured])
-    x, x3, estimates, size = rng.normal(size=len(model.A)), np.zeros(len(observer.estimated)), [], 0.0
+    both = np.array([rows[name] for name in observer.measured_signals])
+    x, x3, estimates, size = rng.normal(size=len(model.A)), np.zeros(len(observer.estimated_states)), [], 0.0
     for _ in range(steps):
         u = rng.normal(size=len(model.inputs))
         w = np.concatenate([both @ np.concatenate([x, u]), u])
@@ -260,7 +260,7 @@ def test_a_late_input_is_estimated_or_measured() -> None:
     late = discretise.with_delay(HELD)
     observer = reduced_observer.by_poles(late, "x", [0.2, 0.3])
     known = reduced_observer.by_poles(late, ("x", "i_late1"), [0.3])
-    assert (observer.estimated, known.estimated) == (("v", "i_late1"), ("v",))
+    assert (observer.estimated_states, known.estimated_states) == (("v", "i_late1"), ("v",))
     assert max(np.abs(misses(o)[-1]).max() for o in (observer, known)) < tolerances.of("settled")
 
 

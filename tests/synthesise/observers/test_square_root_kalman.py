@@ -196,7 +196,7 @@ def test_a_perfect_measurement_of_what_is_not_known_is_taken_and_of_what_is_know
         square_root_kalman.update(known, m, [0, 0, 0], {"gap": 3e-4})
 
 
-def test_a_belief_prints_names_units_and_deviations() -> None:
+def test_an_estimate_prints_names_units_and_deviations() -> None:
     text = repr(square_root_kalman.initial(model(), [4e-6, 1.0], {"x": 1e-3, "v": 0.0}))
     assert "x [m]" in text
     assert "0.002" in text

@@ -291,7 +291,7 @@ def test_the_recursion_is_of_one_unit_in_each_row() -> None:
 def copy(frequencies: Sequence[float]) -> Block:
     """The sampled model as a Block, its states in the units that it gives."""
     model = internal_model.in_time(frequencies, Discrete(T))
-    names, units, n = model.names(["x"]), model.units(["x"], {"x": "m"}), len(model.Phi)
+    names, units, n = model.state_names(["x"]), model.units(["x"], {"x": "m"}), len(model.Phi)
     system = StateSpace(model.Phi, model.N, np.eye(n), np.zeros((n, 1)), names, ("e",), names, model.time)
     states = [Signal(name, units[name], -1, 1) for name in names]
     return linear_block.block(

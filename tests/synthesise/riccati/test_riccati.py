@@ -309,7 +309,7 @@ def test_the_least_eigenvalue_does_not_depend_on_units(seed: int) -> None:
     assert 0 < scaled.least_eigenvalue == pytest.approx(plain.least_eigenvalue, rel=1e-6)
 
 
-def test_the_mode_that_inputs_hardly_move_is_named_where_nothing_resolves_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_mode_that_inputs_move_least_is_named_where_nothing_resolves_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(riccati, "BALLS", 1)
     with pytest.raises(
         ModelError, match=r"mode 1\+0j in .*x1.*x2 is the least controllable: a change by [2-9]e-09 of A and B"

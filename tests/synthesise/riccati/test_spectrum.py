@@ -41,7 +41,7 @@ def test_what_decays(poles: list[float], time: Continuous | Discrete, expected: 
 
 
 @pytest.mark.parametrize("ratio", [1e6, 1e12, 1e18])
-def test_a_slow_mode_beside_a_fast_one_is_judged_by_its_own_size(ratio: float) -> None:
+def test_a_slow_mode_beside_a_fast_one_is_compared_with_its_own_size(ratio: float) -> None:
     assert spectrum.unstable_pole(np.diag([-1.0, -ratio]), Continuous()) is None
     assert spectrum.unstable_pole(np.diag([1.0, -ratio]), Continuous()) == 1
 

@@ -30,7 +30,7 @@ void hover_init(hover_state_t *state)
 
 uint32_t hover_step(hover_state_t *state, const hover_input_t *in, hover_output_t *out)
 {
-    /* each value is held right where it is judged: Eva remembers two branchings */
+    /* each value is held where it is compared: Eva remembers two branchings */
     const bool good_g1 = (0.0125f <= in->g1) && (in->g1 <= 0.0365f);
     const float g1 = good_g1 ? in->g1 : state->last_g1;
     const bool good_g2 = (0.0125f <= in->g2) && (in->g2 <= 0.0365f);

@@ -51,9 +51,9 @@ def test_seven_corrections_exceed_it() -> None:
 @GCC
 def test_casadis_own_c_takes_twice_as_many() -> None:
     few, build = steps.thinned(sequence(USUAL), 30), Build("gcc -O2", "gcc")
-    rival = meter.run(baselines.casadi(block(TWO), shimmed=True), few, build).cost.instructions
+    baseline = meter.run(baselines.casadi(block(TWO), shimmed=True), few, build).cost.instructions
     emitted_cost = meter.run(baselines.emitted_c(emit_c(TWO, USUAL, np.float32)), few, build).cost.instructions
-    assert rival.max() > 1.9 * emitted_cost.max()
+    assert baseline.max() > 1.9 * emitted_cost.max()
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])

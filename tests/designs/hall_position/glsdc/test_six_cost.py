@@ -49,9 +49,9 @@ def test_four_corrections_take_so_many_instructions(build: Build) -> None:
 @GCC
 def test_casadis_own_c_takes_more() -> None:
     few = steps.thinned(sequence(), 10)
-    rival = meter.run(baselines.casadi(block(FOUR), shimmed=True), few, PLAIN).cost.instructions
+    baseline = meter.run(baselines.casadi(block(FOUR), shimmed=True), few, PLAIN).cost.instructions
     emitted_cost = meter.run(baselines.emitted_c(emit_c(FOUR, USUAL, np.float32)), few, PLAIN).cost.instructions
-    assert rival.max() > 1.5 * emitted_cost.max()
+    assert baseline.max() > 1.5 * emitted_cost.max()
 
 
 def test_there_is_no_function_of_libm_in_the_loop() -> None:

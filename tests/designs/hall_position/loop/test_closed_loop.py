@@ -15,7 +15,7 @@ from synth.block import unranged
 from synth.emit import write
 from synth.errors import ModelError
 from synth.execute import host
-from synth.signals import names
+from synth.signals import signal_names
 
 TIME = lqg.TIME
 N = 60
@@ -130,10 +130,10 @@ def test_the_planar_controllers_law_is_unchanged_except_for_its_ready_input() ->
     blocks = lqg.law(plant)
     *changed, gate = closed_loop.gate_currents(blocks, TIME)
     ready, known = sensing.READY.name, closed_loop.KNOWN.name
-    other = {b.name for b, c in zip(blocks, changed, strict=True) if names(b.inputs) != names(c.inputs)}
+    other = {b.name for b, c in zip(blocks, changed, strict=True) if signal_names(b.inputs) != signal_names(c.inputs)}
     assert other == {"lqg_x", "lqg_y", "lqg_phi"}
     assert all(known in c.symbol and ready not in c.symbol for c in changed if c.name in other)
-    assert gate.name == "known_gate" and names(gate.outputs) == names(allocation.COMPUTED)
+    assert gate.name == "known_gate" and signal_names(gate.outputs) == signal_names(allocation.COMPUTED)
 
 
 def test_a_source_takes_three_sensors() -> None:

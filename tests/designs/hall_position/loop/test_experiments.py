@@ -17,7 +17,7 @@ from designs.planar_6dof import lqg
 from models import planar_stage
 from synth.analyse.loop import sampled
 from synth.execute import cross, host
-from synth.signals import names
+from synth.signals import signal_names
 from synth.simulate.experiment import Experiment
 from synth.simulate.sensors import Override
 
@@ -146,6 +146,8 @@ def test_both_controllers_have_the_same_wires() -> None:
     plant = planar_stage.plant()
     source = loops()["calibrated"].rig.stage.controller.block
     sections = lqg.controller(plant)
-    assert names(source.inputs) == names(sections.inputs) and names(source.outputs) == names(sections.outputs)
+    assert signal_names(source.inputs) == signal_names(sections.inputs) and signal_names(
+        source.outputs
+    ) == signal_names(sections.outputs)
     assert source.faults == sections.faults
     assert planar_stage.hall_places(plant)[1][0] == plant.parameter("spacing").value

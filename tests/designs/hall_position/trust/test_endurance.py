@@ -84,7 +84,7 @@ def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: py
 def test_the_checks_tell_a_body_that_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     kind = EstimatorConfig(TWO.array)
     sound = endurance.checks("two", kind, 500, 50)
-    assert all(c.passed for c in sound) and [c.found for c in sound[:2]] == [0, 0] and "25000 samples" in sound[0].about
+    assert all(c.passed for c in sound) and [c.value for c in sound[:2]] == [0, 0] and "25000 samples" in sound[0].about
     limits = endurance.limits(kind)
     monkeypatch.setattr(endurance, "limits", lambda of: Limits(limits.speed, 3 * limits.acceleration))
     assert not endurance.checks("two", kind, 500, 50)[0].passed

@@ -27,11 +27,11 @@ def grid(points: int, yaws: np.ndarray = YAWS) -> Pose:
 def test_of_three_sensors_every_start_within_a_sixteenth_of_a_pitch_leads_to_the_truth() -> None:
     """In a sample those whose yaw is off by up to 2.5 degrees, as it is held to the expected one; later all."""
     basin = starts.basin(THREE, BODIES, YAW)
-    near, small = basin.off < THREE.array.pitch / 15.9, basin.turned < np.radians(2.6)
+    near, small = basin.displacement < THREE.array.pitch / 15.9, basin.yaw < np.radians(2.6)
     assert basin.wrong == 0 and basin.samples == 60 * BODIES
     assert (basin.first[np.ix_(near, small)] == 1).all() and (basin.last == 1).all()
     # A sample corrects no more than half the reach, 4 mm, along each axis.
-    assert not basin.first[basin.off > 0.2 * THREE.array.pitch].any()
+    assert not basin.first[basin.displacement > 0.2 * THREE.array.pitch].any()
 
 
 def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
@@ -90,16 +90,16 @@ def test_three_sensors_find_every_place_within_forty_samples() -> None:
     """A twentieth of a second. Over 8,000 poses it was 23 samples at most, and 6 in the middle."""
     scores = starts.cold_start(THREE, grid(24), 60)
     took = scores.first_valid
-    assert took.all() and not scores.wrong.any() and took.max() <= 40 and np.median(took) < 10
-    assert scores.right[-1].all() and took.shape == (24 * 24 * 5,)
+    assert took.all() and not scores.is_wrong.any() and took.max() <= 40 and np.median(took) < 10
+    assert scores.is_correct[-1].all() and took.shape == (24 * 24 * 5,)
 
 
 def test_two_sensors_are_unambiguous_in_a_part_of_the_pitch_at_rest_and_nearly_everywhere_in_motion() -> None:
     pose = grid(16, YAWS / 2)
     rest, moving = starts.cold_start(TWO, pose, 60), starts.cold_start(TWO, pose, 400, speed=0.05)
     at_rest, in_motion = ((each.first_valid > 0).mean() for each in (rest, moving))
-    assert rest.right[-1].mean() > 0.9 and 0.2 < at_rest < 0.35 and not rest.wrong.any()
-    assert in_motion > 0.9 and not moving.wrong.any()
+    assert rest.is_correct[-1].mean() > 0.9 and 0.2 < at_rest < 0.35 and not rest.is_wrong.any()
+    assert in_motion > 0.9 and not moving.is_wrong.any()
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
@@ -108,7 +108,7 @@ def test_a_body_that_moves_is_found(kind: EstimatorConfig) -> None:
     speeds, pose = (0.15, 0.2, 0.25, 0.3), grid(24)
     for seed, speed in enumerate(speeds):
         scores = starts.cold_start(kind, pose, 120, speed, seed)
-        assert not scores.wrong.any() and scores.right[-1].mean() >= (0.999 if kind is THREE else 0.95)
+        assert not scores.is_wrong.any() and scores.is_correct[-1].mean() >= (0.999 if kind is THREE else 0.95)
 
 
 @pytest.mark.parametrize("kind", [TWO, THREE], ids=["two", "three"])
@@ -122,13 +122,13 @@ def test_a_search_that_ends_wherever_it_converges_is_seen(
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
     monkeypatch.setattr(estimator_ensemble, "step", careless)
-    assert starts.cold_start(kind, grid(24), 40).wrong.any()
+    assert starts.cold_start(kind, grid(24), 40).is_wrong.any()
 
 
 def test_a_yaw_beyond_the_assumed_ones_is_not_valid() -> None:
     """By 40 degrees: what is found is a quarter turn off, or nothing."""
     scores = starts.cold_start(THREE, grid(12, np.radians([-40.0, 40.0])), 60)
-    assert not scores.valid.any() and not scores.wrong.any()
+    assert not scores.valid.any() and not scores.is_wrong.any()
 
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])

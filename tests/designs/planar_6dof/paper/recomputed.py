@@ -11,7 +11,7 @@ from synth.plant import Plant
 from synth.report import audit
 from synth.report.audit import Published, Row
 
-PLANT, PRINTED = planar_stage.plant(), rows.printed()
+PLANT, PRINTED = planar_stage.plant(), rows.published_rows()
 RECORDED = {"Y-34", "Y-35", "Y-40", "Y-41"}  # rows of a loop's records
 INSENSITIVE = {  # by row: what its formulas name, but 1 % of it moves no figure
     "Y-12": {"Y-5.per_ampere", "Y-6.per_ampere"},  # H is that of an observer: no input enters it
@@ -49,7 +49,7 @@ def recorded(name: str, **functions: Callable[..., object]) -> Row:
 
 def readers(names: Sequence[str]) -> dict[str, set[str]]:
     """Return for each row what its formulas name: it cannot depend on another printed number."""
-    return {name: {n for formula in PRINTED[name].computed.values() for n in formula.names} for name in names}
+    return {name: {n for formula in PRINTED[name].computed.values() for n in formula.identifiers} for name in names}
 
 
 def with_other_digits(texts: Mapping[str, str]) -> dict[str, Published]:

@@ -53,11 +53,11 @@ MAINS = {"hum": Sine(0.2, HUM)}  # N
 EXPERIMENTS = [
     Step("z_ref", 3e-4, overshoot=0.05, settles_s=0.2),
     Step("x_ref", 5e-4, overshoot=0.05, settles_s=0.2),
-    Step("z_ref", 3e-4, 0.10, 0.2, under=Conditions(parameters={"K": 18.0, "F0": 13.7, "M": 1.57}), label="heavy"),
-    Step("x_ref", 5e-4, 0.10, 0.2, under=Conditions(parameters={"k": 7.2, "s": 440.0}), label="stiff"),
+    Step("z_ref", 3e-4, 0.10, 0.2, conditions=Conditions(parameters={"K": 18.0, "F0": 13.7, "M": 1.57}), label="heavy"),
+    Step("x_ref", 5e-4, 0.10, 0.2, conditions=Conditions(parameters={"k": 7.2, "s": 440.0}), label="stiff"),
     Track({"z_ref": Sine(3e-4, COURSE), "x_ref": Sine(5e-4, COURSE, pi / 2)}, mean_error=2e-7),
     Hold({"z_ref": 2e-7, "x_ref": 5e-7}, 2.0, 1.5, Conditions(disturbances=MAINS)),
-    LiftOff({"z_ref": 0.0}, ramp_s=0.2, overshoot=0.05, error=2e-7, under=Conditions(start={"z": -6e-4})),
+    LiftOff({"z_ref": 0.0}, ramp_s=0.2, overshoot=0.05, error=2e-7, conditions=Conditions(start={"z": -6e-4})),
 ]
 
 DESIGN = stage.design(

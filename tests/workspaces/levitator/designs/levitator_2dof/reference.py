@@ -87,7 +87,7 @@ class Gains:
     on_x: Array
     on_late: Array
     on_eta: Array
-    turn: Array
+    propagate: Array
     drive: Array
     E: Array
     on_r: float
@@ -242,9 +242,9 @@ def initial_state() -> dict[str, Array]:
 def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return the values to use, the guard's next state and the fault word."""
     with np.errstate(invalid="ignore"):
-        given = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
-        good = {s: (given[s] >= low) & (given[s] <= high) for s, (low, high) in LIMITS.items()}
-    values = {s: np.where(good[s], given[s], state[f"guard_last_{s}"]) for s in LIMITS}
+        measured = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
+        good = {s: (measured[s] >= low) & (measured[s] <= high) for s, (low, high) in LIMITS.items()}
+    values = {s: np.where(good[s], measured[s], state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items()}
     word = np.sum([np.where(good[s], 0, 1 << bit) for bit, s in enumerate(LIMITS)], axis=0)
     complete = good["z"] & good["x"]
@@ -271,8 +271,8 @@ def servo(s: str, values: Columns, state: Columns) -> tuple[Array, Array, dict[s
     ahead = along(k.A, *now) + along(k.B, late)
     eta = [kept[n] for n in names[:-3]]
     u = (along(k.on_x, *now) + along(k.on_late, late) + along(k.on_eta, *eta))[0] + k.on_r * r
-    turned = along(k.turn, *eta) + along(k.drive, y - r)
-    return u, ahead[0], turned, ahead
+    next_eta = along(k.propagate, *eta) + along(k.drive, y - r)
+    return u, ahead[0], next_eta, ahead
 
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
@@ -280,7 +280,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     values, after, word = guard(state, inputs)
     latched, computed = after["guard_latched"] > 0, {}
     for s, current in (("z", "i1"), ("x", "i2")):
-        u, position, turned, ahead = servo(s, values, state)
+        u, position, next_eta, ahead = servo(s, values, state)
         if s == "z":
             field = np.exp(np.clip(position, *LIMITS["z"]) / ELL)
             demand = (M * (u + G) / field - F0) / K
@@ -290,7 +290,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         else:
             made = computed[current] = np.clip(u, -CURRENTS[current], CURRENTS[current])
             excess = made - u
-        eta = turned + along(gains(s).E, excess)
+        eta = next_eta + along(gains(s).E, excess)
         for (n, bound), value in zip(BOUNDS[s].items(), [*eta, *ahead, made], strict=True):
             after[f"servo_{s}_{n}"] = np.clip(value, -bound, bound)
         after[f"servo_{s}_started"] = np.ones_like(u)

@@ -1,0 +1,199 @@
+"""Fault campaign of the two-axis levitator: derived from its interface, measured on the plant, planted defects fail."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synth import standard_tasks
+from synth.blocks import safety
+from synth.campaign import FaultCampaign, FaultLimit
+from synth.errors import SignalError
+from synth.progress import silent
+from synth.simulate import campaign, fault_rows, injections
+from synth.simulate.campaign import FaultRun, HealthyRun
+from synth.simulate.fault_rows import Campaign
+from synth.simulate.injections import Injection
+from synth.simulate.rig import Rig
+from tests import levitator
+
+SHORT_RUNS = FaultCampaign(period_s=0.2, settle_s=0.1, watch_s=0.3)
+Runs = list[tuple[HealthyRun, list[FaultRun]]]
+
+
+def with_campaign(rig: Rig, faults: FaultCampaign = SHORT_RUNS, **fields: Any) -> Rig:
+    return campaign.with_stops(replace(rig, stage=replace(rig.stage, faults=faults, **fields)))
+
+
+@pytest.fixture(scope="module")
+def bare() -> Rig:
+    stage = levitator.design().DESIGN.stage
+    return standard_tasks.rig(stage, stage.scalar)
+
+
+@pytest.fixture(scope="module")
+def rig(bare: Rig) -> Rig:
+    return with_campaign(bare)
+
+
+@pytest.fixture(scope="module")
+def without_latch(bare: Rig) -> Rig:
+    return with_campaign(standard_tasks.rig_without_latch(bare.stage, bare.stage.scalar))
+
+
+def every_run(rig: Rig) -> Runs:
+    return [campaign.run(rig, 0, condition, silent) for condition in campaign.motion_and_standstill(rig)]
+
+
+@pytest.fixture(scope="module")
+def runs(rig: Rig) -> Runs:
+    return every_run(rig)
+
+
+@pytest.fixture(scope="module")
+def unlatched(without_latch: Rig) -> Runs:
+    return every_run(without_latch)
+
+
+@pytest.fixture(scope="module")
+def control(unlatched: Runs) -> list[FaultRun]:
+    return [run for _, faulty in unlatched for run in faulty]
+
+
+def one(rig: Rig, kind: str, target: str, condition: int = 0, duration: str = "permanent") -> FaultRun:
+    group = "sensor" if target in "zx" else "actuator"
+    chosen = campaign.motion_and_standstill(rig)[condition]
+    return campaign.run(rig, 0, chosen, silent, [Injection(group, target, kind, duration)])[1][0]
+
+
+def test_faults_are_those_of_the_interface(rig: Rig) -> None:
+    derived = injections.derive(rig)
+    assert len(derived) == len(set(derived)) == 2 * (2 * 8 + 2 * 3 + 1)
+    assert {i.target for i in derived if i.group == "actuator"} == {"i1", "i2"}
+    single = rig.with_interface(bad_samples=1)
+    assert {i.duration for i in injections.derive(single)} == {"permanent"}
+
+
+def test_velocities_and_stops_come_from_the_model(bare: Rig) -> None:
+    known = with_campaign(bare, velocities={}, stops={})
+    assert known.stage.velocities == levitator.design().levitator.VELOCITY
+    assert known.stage.stops == levitator.design().levitator.STOPS  # here the domain of the plant ends at them
+
+
+def test_wrong_plants_are_corners_first_and_always_the_same(rig: Rig) -> None:
+    nominal, tolerances = rig.plant, np.array([p.tolerance for p in rig.plant.parameters])
+    assert campaign.plant_number(nominal, 0) is nominal
+    for i in range(1, 17):
+        wrong = campaign.plant_number(nominal, i)
+        change = wrong.values / nominal.values - 1
+        assert np.array_equal(wrong.values, campaign.plant_number(nominal, i).values)
+        if i <= campaign.CORNERS:
+            assert np.allclose(np.abs(change), tolerances, rtol=0, atol=1e-12)
+        else:
+            assert (np.abs(change) <= tolerances).all() and (np.abs(change) < 0.99 * tolerances).any()
+
+
+def test_a_lost_sensor_is_noticed_at_once_named_and_latches(rig: Rig) -> None:
+    for kind in ("not finite", "out of range"):
+        run = one(rig, kind, "z")
+        assert run.notice_s == 0 and run.latch_s == pytest.approx(3 * rig.period_s)
+        assert run.named and not run.wrong_names and run.harms
+        short = one(rig, kind, "z", duration="short")
+        assert short.notice_s == 0 and short.latch_s == np.inf and short.named and not short.harms
+
+
+def test_a_frozen_sensor_in_motion_is_never_noticed_and_harms(rig: Rig) -> None:
+    run = one(rig, "frozen", "z", condition=1)
+    assert run.notice_s == run.latch_s == np.inf and not run.named and run.impacts["z"] > 0.01
+
+
+def test_the_impact_of_a_dead_coil_is_that_of_the_energy(rig: Rig) -> None:
+    """Without current the levitator falls from rest at 0 to its stop under g less the pull of the magnet."""
+    p = {each.name: each.value for each in rig.plant.parameters}
+    stop = rig.stage.stops["z"][0]
+    work = -p["g"] * stop - p["F0"] / p["M"] * p["l"] * (1 - np.exp(stop / p["l"]))
+    assert one(rig, "dead", "i1").impacts["z"] == pytest.approx(np.sqrt(2 * work), rel=0.01)
+
+
+def test_offset_and_drift_displace_the_axis_by_their_size(rig: Rig) -> None:
+    for axis in "zx":
+        offset = 0.02 * (rig.stage.stops[axis][1] - rig.stage.stops[axis][0])
+        assert one(rig, "offset", axis).excursion[axis] > 0.9 * offset
+        longer = with_campaign(rig, replace(SHORT_RUNS, drift_per_s=0.1))
+        assert one(longer, "drift", axis).excursion[axis] > 1.5 * one(rig, "drift", axis).excursion[axis]
+
+
+def test_a_fault_without_effect_is_counted_as_such(bare: Rig) -> None:
+    still = with_campaign(bare).ideal
+    assert not one(still, "frozen", "x").effect and one(still, "offset", "x").effect
+
+
+def test_a_controller_without_latch_still_reports_but_never_latches(unlatched: Runs, runs: Runs) -> None:
+    pairs = [
+        (a, b)
+        for (_, first), (_, second) in zip(runs, unlatched, strict=True)
+        for a, b in zip(first, second, strict=True)
+    ]
+    assert all(b.latch_s == np.inf for _, b in pairs) and any(np.isfinite(a.latch_s) for a, _ in pairs)
+    assert all(a.notice_s == b.notice_s for a, b in pairs if a.notice_s == 0)
+    with pytest.raises(SignalError, match="'pid_z' has no latch"):
+        safety.without_latch(levitator.design().pid("z"))
+
+
+def test_the_campaign_sees_what_the_latch_prevents_or_not(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
+    result = fault_rows.campaign(rig, 1, runs, control)
+    assert result.can_tell and result.alarms == 0 and not result.checks
+    assert all(row.runs == (1 if row.condition == "at rest" else 2) for row in result.rows)
+    assert len(fault_rows.worst_targets(result)) == 2 * 2 * (8 + 3 + 1)
+    assert any("runs that latch" in note for note in fault_rows.notes(result))
+    assert result.document()["rows"][0]["target"] == "z"
+
+
+LIMITS = (
+    FaultLimit("latch_s", 1.5e-3, kind="not finite", duration="permanent"),
+    FaultLimit("wrong_names", 0.0),
+    FaultLimit("impact_z", 0.05, condition="at rest"),
+    FaultLimit("excursion_x", 1e-3, target="z", kind="offset"),
+    FaultLimit("false_alarms", 0.0),
+)
+
+
+def limited(rig: Rig, limits: tuple[FaultLimit, ...] = LIMITS) -> Rig:
+    return with_campaign(rig, replace(SHORT_RUNS, limits=limits))
+
+
+def failures(result: Campaign) -> list[str]:
+    return [check.name for check in result.checks if not check.passed]
+
+
+def test_limits_become_checks(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
+    result = fault_rows.campaign(limited(rig), 1, runs, control)
+    assert len(result.checks) == len(LIMITS) + 1 and failures(result) == []
+
+
+def test_a_planted_detector_that_never_latches_is_caught(rig: Rig, unlatched: Runs, control: list[FaultRun]) -> None:
+    failed = failures(fault_rows.campaign(limited(rig), 1, unlatched, control))
+    assert "latch_s: not finite, permanent" in failed and fault_rows.CONTROL in failed
+
+
+def test_a_control_without_harm_cannot_tell(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
+    harmless = [replace(run, impacts=dict.fromkeys(run.impacts, 0.0)) for run in control]
+    result = fault_rows.campaign(limited(rig), 1, runs, harmless)
+    assert not result.can_tell and failures(result) == [fault_rows.CONTROL]
+    assert "cannot tell" in fault_rows.notes(result)[-1]
+
+
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        (FaultLimit("impact", 0.1, target="y"), "matches no fault"),
+        (FaultLimit("speed", 0.1), "has the measure 'speed'"),
+        (FaultLimit("impact_y", 0.1), "has the measure 'impact_y'"),
+    ],
+)
+def test_a_wrong_limit_is_refused(
+    rig: Rig, runs: Runs, control: list[FaultRun], limit: FaultLimit, message: str
+) -> None:
+    with pytest.raises(SignalError, match=message):
+        fault_rows.campaign(limited(rig, (limit,)), 1, runs, control)

@@ -1,0 +1,63 @@
+"""`synth faults` in a workspace: one document, the same for any number of processes, and its exit status."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from synth import commands, fault_jobs, jobs, workspace
+from synth.campaign import FaultCampaign, FaultLimit
+from synth.errors import DesignError
+from synth.progress import Lines
+from tests import levitator
+
+NAME = "levitator_pid"
+SHORT_RUNS = FaultCampaign(period_s=0.2, settle_s=0.1, watch_s=0.2, onsets=1)
+
+pytestmark = pytest.mark.slow
+
+
+def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit) -> None:
+    """Enter the workspace of the levitator and shorten its fault campaign."""
+    module = levitator.design(NAME)
+    faulty = replace(module.DESIGN.stage, faults=replace(SHORT_RUNS, limits=limits))
+    monkeypatch.setattr(module, "DESIGN", replace(module.DESIGN, stage=faulty))
+    monkeypatch.chdir(levitator.FOLDER)
+
+
+def test_the_document_does_not_depend_on_the_number_of_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    enter_workspace(monkeypatch)
+    lines: list[str] = []
+    documents = []
+    for processes in (1, 3):
+        (design,) = workspace.designs(levitator.FOLDER, [NAME])
+        outcomes = jobs.run(fault_jobs.jobs(design, 2), Lines(lambda about, line: lines.append(line)), processes)
+        documents.append(fault_jobs.result(design, 2, outcomes).document())
+    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 46 * 2
+    assert "faults of sensor z" in lines and "faults of actuator i2" in lines
+
+
+@pytest.mark.parametrize(("most", "status"), [(2e-3, 0), (1e-4, 1)])
+def test_the_exit_status_is_that_of_the_limits(
+    most: float, status: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    enter_workspace(monkeypatch, FaultLimit("latch_s", most, kind="not finite", duration="permanent"))
+    assert commands.faults([NAME], True, False, 1, False) == status
+    (document,) = json.loads(capsys.readouterr().out)
+    assert [check["passed"] for check in document["checks"]] == [status == 0, True]
+
+
+def test_the_table_has_the_worst_rows_and_the_control(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    enter_workspace(monkeypatch)
+    assert commands.faults([NAME], False, False, 1, True) == 0
+    printed = capsys.readouterr().out
+    assert "worst of 1 plants" in printed and "calls missing" in printed and "negative control" in printed
+
+
+def test_a_design_without_a_loop_is_refused() -> None:
+    (design,) = workspace.designs(Path(__file__).parents[1], ["hall_position"])
+    with pytest.raises(DesignError, match="closes no loop"):
+        fault_jobs.jobs(design, 1)
