@@ -158,7 +158,7 @@ def test_a_limit_stays_where_nothing_is_spared(monkeypatch: pytest.MonkeyPatch) 
     tight = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float32, error=1e-6)
     for emitted in (coarse, tight):
         text = emitted.files["commutation.c"]
-        assert "admit" not in text and text.count("_computed = limit(") == 9
+        assert "admit" not in text and text.count("_computed = commutation_limit(") == 9
 
 
 @pytest.mark.parametrize(("parameter", "off"), [("a", 1e-10), ("b", 1e-10), ("c", 1e-9), ("l", 1e-12)])
