@@ -69,7 +69,10 @@ def test_an_invalid_estimate_is_replaced_by_the_prediction() -> None:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("const double valid = in->valid;", "const double valid = 1.0;"), ("= state->x + motion_x;", "= state->x - motion_x;")],
+    [
+        ("const double valid = in->valid;", "const double valid = 1.0;"),
+        ("= state->x + motion_x;", "= state->x - motion_x;"),
+    ],
 )
 def test_a_position_that_is_not_held_is_detected(old: str, new: str) -> None:
     k = np.arange(N)
