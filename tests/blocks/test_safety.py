@@ -152,19 +152,19 @@ def test_long_mixtures_equal_the_recursion(guarded: host.Controller) -> None:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        (" <= reading", " < reading"),
-        ("reading <= ", "reading < "),
-        ("-0.1f <= angle", "-0.2f <= angle"),
-        ("complete = false", "complete = true"),
+        ("(low <= value)", "(low < value)"),
+        ("(value <= high)", "(value < high)"),
+        ("in->angle, -0.1f", "in->angle, -0.2f"),
+        ("(faults & 0x00000003u) == 0u", "(faults & 0x00000001u) == 0u"),
         ("guard_left = 5u", "guard_left = 6u"),
         ("guard_left <= 1u", "guard_left <= 2u"),
         ("guard_left - 1u", "guard_left - 2u"),
         ("latched = guard_latched", "latched = 0u"),
         ("guard_latched = 1u", "guard_latched = 0u"),
-        ("max(min(2.5f", "min(max(2.5f"),
+        ("(target < (last + step))", "(target > (last + step))"),
         ("(fabsf(x) <= high)", "(fabsf(x) <= 2.0f * high)"),
         ("0x80000000u", "0x40000000u"),
-        ("state->guard_last_wish = ", "state->guard_last_wish = 0.5f * "),
+        ("*last = value", "*last = 0.5f * value"),
     ],
 )
 def test_a_planted_change_of_the_c_is_detected(old: str, new: str) -> None:

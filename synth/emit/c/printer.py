@@ -195,7 +195,9 @@ class _Printer:
         self._put("}", depth)
 
     def _store(self, s: Store, depth: int) -> None:
-        if s.struct == "word" or self.p.nodes[s.node].op in ("call", "guard"):
+        node = self.p.nodes[s.node]
+        stores_itself = node.op == "call" or (node.op == "guard" and (s.struct, s.name) == ("state", node.name))
+        if s.struct == "word" or stores_itself:
             return
         kind = "integer" if s.struct == "state" and s.name in self.p.integers else "real"
         place = f"state->{self._path(s.name)}" if s.struct == "state" else f"out->{s.name}"
