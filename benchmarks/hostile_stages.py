@@ -37,6 +37,7 @@ def examples() -> Mapping[str, Call]:
         "axis.servo": asked,
         "axis.decouple": {"axes": [axis.servo(**asked)]},
         "peak_bounds.state_bounds": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(1e-3)), "inputs": [1.0]},
+        "safety.without_latch": {"block": controller.block},
         "robustness.of_controller": {"controller": controller, "plant": maglev, "points": POINTS},
         "robustness.corners": {"plant": maglev, "parameters": ["k"]},
         "robustness.one_at_a_time": {"plant": maglev},

@@ -111,7 +111,7 @@ def test_recorded_rows(lead: Rig, optimal: Rig) -> None:
 
 
 def test_noise_is_that_of_a_position(lead: Rig) -> None:
-    drawn = lead._noise(20000)
+    drawn = lead.sensor_noise(20000)
     assert np.std(drawn["V_ax"]) == pytest.approx(13e-6 * hall_calibration.of(lead.plant).volts_per_metre, rel=0.02)
     assert np.std(drawn["d1"]) == pytest.approx(interface.LASER_NOISE, rel=0.02)
     assert abs(np.corrcoef(drawn["V_ax"], drawn["V_cy"])[0, 1]) < 0.03
