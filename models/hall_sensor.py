@@ -1,13 +1,13 @@
 """Two-axis Hall sensors: voltages from the flux density at a point of a moving platen.
 
-    V_u = V_0 + s (cos(phi) B_X + sin(phi) B_Y)
-    V_v = V_0 + s (cos(phi) B_Y - sin(phi) B_X)
+    V_u = V_0 + S (cos(phi) B_X + sin(phi) B_Y)
+    V_v = V_0 + S (cos(phi) B_Y - sin(phi) B_X)
 
-for a sensor whose axes u, v rotate with the platen by phi about Z; s is the sensitivity of sensor and amplifier, V/T.
-Tilt about X and Y moves the sensor but does not turn its axes.
+for a sensor whose axes u, v rotate with the platen by phi about Z. S is the sensitivity of sensor and amplifier in V/T,
+and V_0 the offset. Tilt about X and Y moves the sensor; the rotation of its axes by the tilt is neglected.
 
 Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", the
-measurement model; Yu, Kim, section 3.
+measurement model; Yu, Kim, "Design of Precision Positioner with Hall-effect Sensors", section 3.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,10 @@
 """Composition of Blocks by signal name: an output drives every input that has its name.
 
-[ a ]--- w --->[ b ]--- u --->        algebraic loops are found signal by signal, from the dependencies
-  ^------ excess ----|                of each expression: a state in a cycle breaks the loop
+[ a ]--- w --->[ b ]--- u --->
+  ^------ excess ----|
+
+A cycle of signals is an algebraic loop unless a state breaks it. The search follows the signals in each expression, so
+two Blocks may exchange signals in both directions, as above, if no signal depends on itself within a sample.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,18 +23,19 @@ from synth.timing import Discrete, common
 def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], outputs: Sequence[str]) -> Block:
     """Wire `blocks` by signal name into one Block with the open `inputs` and the chosen `outputs`.
 
-    The name of its Block precedes each state and constant: ``lag`` of ``filter_y`` becomes ``filter_y_lag``.
+    Each state and constant is prefixed with the name of its Block: ``lag`` of ``filter_y`` becomes ``filter_y_lag``.
 
-    Raises WiringError for a signal with two drivers or with different units, for one that a Block needs and none
-    drives, for a listed input that no Block needs and a listed output that none drives, for an algebraic loop, for a
-    fault bit that is set twice, and for guards that latch after different numbers of bad samples; SignalError for an
-    input or output listed twice; TimingError for different sample periods.
+    Raises WiringError when there is no Block; when a signal has two drivers or different units; when an input of a
+    Block has no driver and is not listed in `inputs`; when no Block needs a listed input or drives a listed output; for
+    an algebraic loop, a name that two Blocks share, or a fault bit that two Blocks set; and for guards that latch after
+    different numbers of bad samples. Raises SignalError for an input or output that is listed twice, and TimingError
+    for different sample periods.
     """
     if not len(blocks):
         raise WiringError(f"'{name}': there is no Block to wire: give at least one")
     time = common(*(b.time for b in blocks))
     assert isinstance(time, Discrete)
-    blocks = [_prefixed(b) for b in blocks]
+    blocks = [_with_prefix(b) for b in blocks]
     driver = _drivers(blocks)
     open_inputs = _open_inputs(name, blocks, driver, inputs)
     _check_fault_bits(blocks, driver)
@@ -40,19 +44,25 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     resolved, inside = _resolve(blocks, definitions, symbol)
     for s in outputs:
         if s not in driver:
-            raise WiringError(f"'{name}': output '{s}' is driven by no Block: drive it or leave it out")
-    keys, values = [symbol[s] for s in resolved], [resolved[s] for s in resolved]
+            raise WiringError(f"'{name}': no Block drives output '{s}': add a Block that does, or leave it out")
+    signal_symbols, exprs_of_signals = [symbol[s] for s in resolved], list(resolved.values())
     states = tuple(s for b in blocks for s in b.states)
-    next: dict[str, ca.SX] = {}
+    next_state: dict[str, ca.SX] = {}
     for b in blocks:
         exprs = _substitute_inputs(b, symbol, [b.next[s.name] for s in b.states])
-        next |= zip((s.name for s in b.states), ca.substitute(exprs, keys, values) if exprs else [], strict=True)
+        next_state |= zip(
+            (s.name for s in b.states),
+            ca.substitute(exprs, signal_symbols, exprs_of_signals) if exprs else [],
+            strict=True,
+        )
     constants = tuple(c for b in blocks for c in b.constants)
-    kept = {s: symbol[s] for s in open_inputs} | {n: b.symbol[n] for b in blocks for n in _private(b)}
+    symbols = {s: symbol[s] for s in open_inputs} | {
+        n: b.symbol[n] for b in blocks for n in _state_and_constant_names(b)
+    }
     signals = {s.name: s for b in blocks for s in b.outputs}
     faults = tuple(f for b in blocks for f in b.faults)
     flags = [e for b in blocks for e in _substitute_inputs(b, symbol, [b.output[f.output] for f in b.faults])]
-    flags = ca.substitute(flags, keys, values) if flags else []
+    flags = ca.substitute(flags, signal_symbols, exprs_of_signals) if flags else []
     return Block(
         name,
         "",
@@ -61,9 +71,9 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         tuple(signals[s] for s in signal_names(signals[s] for s in outputs)),
         states,
         constants,
-        kept,
+        symbols,
         {s: resolved[s] for s in outputs} | dict(zip((f.output for f in faults), flags, strict=True)),
-        next,
+        next_state,
         inside,
         faults,
         _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
@@ -71,7 +81,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
 
 
 def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
-    """Return the signal of which `signal` is a copy."""
+    """Follow a chain of copies back from `signal`, and return the first signal of it that a Block drives."""
     while definitions[signal].is_symbolic():
         by_hash = {symbol[s].element_hash(): s for s in definitions}
         source = by_hash.get(definitions[signal].element_hash())
@@ -82,7 +92,7 @@ def _origin(signal: str, definitions: Exprs, symbol: Exprs) -> str:
 
 
 def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Safety | None:
-    """Return the safety that the Blocks declare, for the outputs that copy a signal with a safe value."""
+    """Merge the `Safety` of the Blocks: safe values and slew rates of the outputs; `origin` maps outputs to signals."""
     declared = [(b.name, b.safety) for b in blocks if b.safety]
     if not declared:
         return None
@@ -96,21 +106,22 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
     values = {n: v for _, s in declared for n, v in s.safe_output.items()}
     rates = {n: v for _, s in declared for n, v in s.slew_per_s.items()}
     reasons = [s.reason for _, s in declared if s.safe_output] or [safety.reason]
-    values, rates = ({o: of[n] for o, n in origin.items() if n in of} for of in (values, rates))
+    values, rates = ({o: by_signal[s] for o, s in origin.items() if s in by_signal} for by_signal in (values, rates))
     return Safety(safety.bad_samples, values, rates, "; ".join(dict.fromkeys(reasons)))
 
 
-def _prefixed(block: Block) -> Block:
-    """Return the Block with its name before each state and constant, which keeps copies of one Block apart."""
-    local = {n: f"{block.name}_{n}" for n in _private(block)}
-    symbol = {local.get(n, n): s for n, s in block.symbol.items()}
-    states = tuple(replace(s, signal=replace(s.signal, name=local[s.name])) for s in block.states)
-    constants = tuple(replace(c, name=local[c.name]) for c in block.constants)
-    next = {local[n]: e for n, e in block.next.items()}
+def _with_prefix(block: Block) -> Block:
+    """Return the Block with its name before each state and constant, so that two copies of a Block share no name."""
+    prefixed = {n: f"{block.name}_{n}" for n in _state_and_constant_names(block)}
+    symbol = {prefixed.get(n, n): s for n, s in block.symbol.items()}
+    states = tuple(replace(s, signal=replace(s.signal, name=prefixed[s.name])) for s in block.states)
+    constants = tuple(replace(c, name=prefixed[c.name]) for c in block.constants)
+    next = {prefixed[n]: e for n, e in block.next.items()}
     return replace(block, symbol=symbol, states=states, constants=constants, next=next)
 
 
-def _private(block: Block) -> list[str]:
+def _state_and_constant_names(block: Block) -> list[str]:
+    """Return the names of the states and constants, which are not signals of the composition."""
     return [s.name for s in block.states] + [c.name for c in block.constants]
 
 
@@ -124,7 +135,7 @@ def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
             driver[s.name] = b
     owners: dict[str, str] = {}
     for b in blocks:
-        for n in _private(b):
+        for n in _state_and_constant_names(b):
             if n in driver or n in owners:
                 owner = owners.get(n) or driver[n].name
                 raise WiringError(f"'{n}' of block '{b.name}' is also a name in '{owner}': rename one of the Blocks")
@@ -133,29 +144,29 @@ def _drivers(blocks: Sequence[Block]) -> dict[str, Block]:
 
 
 def _open_inputs(
-    name: str, blocks: Sequence[Block], driver: Mapping[str, Block], allowed: Sequence[str]
+    name: str, blocks: Sequence[Block], driver: Mapping[str, Block], listed: Sequence[str]
 ) -> dict[str, Signal]:
     open_inputs: dict[str, tuple[Signal, str]] = {}
     for b in blocks:
         for s in b.inputs:
             if s.name in driver:
                 source = next(o for o in driver[s.name].outputs if o.name == s.name)
-                _same_unit(source, driver[s.name].name, s, b.name)
-            elif s.name not in allowed:
+                _check_same_dimension(source, driver[s.name].name, s, b.name)
+            elif s.name not in listed:
                 raise WiringError(
                     f"signal '{s.name}' is needed by '{b.name}' but no Block drives it: "
                     f"add a Block that does, or list it among the inputs of '{name}'"
                 )
             elif s.name in open_inputs:
-                _same_unit(*open_inputs[s.name], s, b.name)
+                _check_same_dimension(*open_inputs[s.name], s, b.name)
             else:
                 open_inputs[s.name] = (s, b.name)
-    for n in allowed:
+    for n in listed:
         if n not in open_inputs:
             why = f"is driven by '{driver[n].name}'" if n in driver else "is needed by no Block"
-            raise WiringError(f"'{name}': input '{n}' {why}: take it off the inputs")
+            raise WiringError(f"'{name}': input '{n}' {why}: remove it from the inputs")
     for b in blocks:
-        for n in _private(b):
+        for n in _state_and_constant_names(b):
             if n in open_inputs:
                 raise WiringError(f"input '{n}' is also a name in block '{b.name}': rename one of them")
     return {n: s for n, (s, _) in open_inputs.items()}
@@ -167,7 +178,8 @@ def _check_fault_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> N
         for f in b.faults:
             if f.bit in taken:
                 raise WiringError(
-                    f"fault bit {f.bit} is set by '{taken[f.bit]}' and by '{b.name}': guard all inputs in one Block"
+                    f"fault bit {f.bit} is set by '{taken[f.bit]}' and by '{b.name}', and each numbers its own inputs: "
+                    "guard all inputs in one Block"
                 )
             if driver.get(f.output, b) is not b:
                 raise WiringError(
@@ -176,7 +188,7 @@ def _check_fault_bits(blocks: Sequence[Block], driver: Mapping[str, Block]) -> N
             taken[f.bit] = b.name
 
 
-def _same_unit(first: Signal, first_block: str, second: Signal, second_block: str) -> None:
+def _check_same_dimension(first: Signal, first_block: str, second: Signal, second_block: str) -> None:
     if dimension(first.unit) != dimension(second.unit):
         raise WiringError(
             f"signal '{first.name}' is in {first.unit} in '{first_block}' but in {second.unit} in '{second_block}': "
@@ -195,9 +207,12 @@ def _substitute_inputs(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> l
 def _resolve(
     blocks: Sequence[Block], definitions: Exprs, symbol: Exprs
 ) -> tuple[dict[str, ca.SX], tuple[tuple[Named, ca.SX], ...]]:
-    """Resolve each driven signal into states, constants and open inputs, in the order of computation."""
+    """Express each driven signal in states, constants and open inputs, in the order of computation.
+
+    Also return the internal signals of the Blocks with their expressions, each as soon as its inputs are available.
+    """
     driven = {s: symbol[s] for s in definitions}
-    needs = {s: sorted(_depends(e, driven)) for s, e in definitions.items()}
+    needs = {s: sorted(_signals_in(e, driven)) for s, e in definitions.items()}
     order: list[str] = []
     path: list[str] = []
 
@@ -222,25 +237,26 @@ def _resolve(
     for signal in order:
         b = owner[signal]
         keys, values = [symbol[s] for s in resolved], list(resolved.values())
-        ready = [pair for pair in waiting[b] if _needs(b, pair[1]) & set(owner) <= set(resolved)]
+        ready = [pair for pair in waiting[b] if _input_names(b, pair[1]) & set(owner) <= set(resolved)]
         waiting[b] = [pair for pair in waiting[b] if all(pair is not r for r in ready)]
         exprs = [definitions[signal], *_substitute_inputs(b, symbol, [e for _, e in ready])]
         exprs = ca.substitute(exprs, keys, values) if keys else exprs
         resolved[signal] = exprs[0]
         inside += zip((n for n, _ in ready), exprs[1:], strict=True)
         inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
-    for b, late in waiting.items():  # signals that only a next state needs
-        exprs = _substitute_inputs(b, symbol, [e for _, e in late])
+    for b, remaining in waiting.items():  # internal signals that need a signal driven after all outputs of their Block
+        exprs = _substitute_inputs(b, symbol, [e for _, e in remaining])
         exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
-        inside += zip((n for n, _ in late), exprs, strict=True)
+        inside += zip((n for n, _ in remaining), exprs, strict=True)
     return resolved, tuple(inside)
 
 
-def _needs(block: Block, expr: ca.SX) -> set[str]:
-    return _depends(expr, {s.name: block.symbol[s.name] for s in block.inputs})
+def _input_names(block: Block, expr: ca.SX) -> set[str]:
+    """Return the names of the Block's inputs in `expr`."""
+    return _signals_in(expr, {s.name: block.symbol[s.name] for s in block.inputs})
 
 
-def _depends(expr: ca.SX, symbol: Exprs) -> set[str]:
+def _signals_in(expr: ca.SX, symbol: Exprs) -> set[str]:
     """Return the names of the symbols in `expr`; symbols are compared by identity, not by name."""
     present = {v.element_hash() for v in ca.symvar(expr)}
     return {name for name, s in symbol.items() if s.element_hash() in present}

@@ -12,12 +12,12 @@ from models import planar_stage
 
 @cache
 def subject() -> Subject:
-    """Return the controller beside its reference."""
+    """Return the controller, its NumPy reference implementation, and the sizes of its random steps."""
     return Subject(control.controller(planar_stage.plant()), reference.step, size=0.3, step=0.06)
 
 
 def gains() -> dict[str, Any]:
-    """Return the six compensators, the gain factors relative to the paper, and the filters."""
+    """Return the six compensators, the gains as fractions of the published ones, and the filters."""
     return {
         "plant": "M q'' = f in x and y, Izz phi'' = m; M z'' = f - Kz z, and so for theta and psi",
         "period_s": control.TIME.period_s,
@@ -28,7 +28,7 @@ def gains() -> dict[str, Any]:
 
 
 def report(*arguments: Any) -> str:
-    """Return the report; what draws it is imported here, since `synth emit` does not need it."""
+    """Return the report. The page is imported here because `synth emit` runs without the plotting libraries."""
     from designs.planar_6dof_leadlag import page
 
     return page.report(*arguments)

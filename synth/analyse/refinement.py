@@ -1,4 +1,9 @@
-"""Adaptive refinement of a frequency grid until a response changes little from point to point."""
+"""Adaptive refinement of a frequency grid: intervals are halved until the frequency response changes little in each.
+
+    |log L(j w_k+1) - log L(j w_k)| <= MAX_STEP, and the same for 1 + L, with complex logarithms
+
+An interval is halved at the geometric mean of its ends, but not below a relative width of 4 NARROW.
+"""
 
 from collections.abc import Callable
 
@@ -8,31 +13,30 @@ from numpy.typing import ArrayLike
 from synth.statespace import Array, Complex
 
 Response = Callable[[ArrayLike], Complex]
-NARROW = 1e-9  # of a frequency: least spacing of nodes; closer to an undamped pole L is rounding error
+NARROW = 1e-9  # least relative spacing of frequencies; L nearer to an undamped pole is only rounding error
+MAX_STEP, ROUNDS = 0.15, 40  # largest step of log L and of log(1 + L) between neighbours, and most rounds of halving
 
 
 def refine(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
-    """Return frequencies (k,) and L there, such that log L and log(1 + L) change little between neighbours.
-
-    They include w, at which L is `value`.
-    """
-    for _ in range(40):
-        wide = (_step(value) > 0.15) | (_step(1 + value) > 0.15)
+    """Return the refined frequencies (k,) and L at each; `value` is L at w, and all of w is kept."""
+    for _ in range(ROUNDS):
+        wide = (_log_step(value) > MAX_STEP) | (_log_step(1 + value) > MAX_STEP)
         wide &= np.diff(w) > 4 * NARROW * w[1:]
         if not wide.any():
             break
-        between = np.sqrt(w[:-1] * w[1:])[wide]
-        order = np.argsort(np.concatenate([w, between]), kind="stable")
-        value = np.concatenate([value, L(between)])[order]
-        w = np.concatenate([w, between])[order]
+        midpoints = np.sqrt(w[:-1] * w[1:])[wide]
+        order = np.argsort(np.concatenate([w, midpoints]), kind="stable")
+        value = np.concatenate([value, L(midpoints)])[order]
+        w = np.concatenate([w, midpoints])[order]
     return w, value
 
 
-def _step(value: Complex) -> Array:
-    turn = np.diff(np.angle(value))
-    return np.hypot(np.diff(log(value)), (turn + np.pi) % (2 * np.pi) - np.pi)
+def _log_step(value: Complex) -> Array:
+    """Return the magnitudes of the differences of the complex logarithm, with phase steps in -pi .. pi."""
+    phase_step = np.diff(np.angle(value))
+    return np.hypot(np.diff(log(value)), (phase_step + np.pi) % (2 * np.pi) - np.pi)
 
 
 def log(value: Complex) -> Array:
-    """Return log |value|, at least log 1e-300."""
+    """Return the natural logarithm of |value|, at least that of 1e-300."""
     return np.log(np.maximum(np.abs(value), 1e-300))

@@ -1,11 +1,13 @@
-"""Input-output linearising inverse as Blocks: demanded output derivatives to actuators, and limited actuators back.
+"""Input-output linearising inverse as Blocks, with the effect of the actuators' limits on the demands (anti-windup).
 
     w ---> [ i = D(x)^-1 (w - a(x)) ] ---> <actuator>_demand ---> limits ---> <actuator>_excess
                                                                                    v
     <w>_limited, <w>_excess  <-----  [ <w>_excess = D(x) <actuator>_excess,  <w>_limited = a(x) + D(x) <actuator> ]
 
-x is the plant's state at the time when the actuators act: predicted by the axes where they estimate it, measured
-otherwise, and limited to the plant's domain, outside which the law is not defined. Source: `feedback_linearisation`.
+The first Block converts the demands w, the r-th derivatives of the outputs, to actuator commands. The second converts
+the limited commands back to the achieved derivatives. x is the plant's state when the actuators act. Its elements are
+predicted by the axes that estimate them, and measured otherwise. They are limited to the plant's domain, outside which
+the law is not defined. Source: `feedback_linearisation`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,14 +27,14 @@ from synth.synthesise.nonlinear.feedback_linearisation import Linearisation
 from synth.timing import Discrete
 
 MARGIN = 1.1  # factor on a bound: room for rounding, and for maxima between the sample points
-POINTS, SEED = 256, 11  # scattered over the plant's box, in addition to its vertices
-DEMAND_FACTOR = 4.0  # largest demand for which the law's inputs are bounded, relative to what the actuators achieve
-UNBOUNDED = 1e30  # of an internal signal without a guaranteed range
+POINTS, SEED = 256, 11  # number of sample points in the plant's box, in addition to its vertices
+DEMAND_FACTOR = 4.0  # largest demand considered for the bounds of the law's inputs, relative to the achievable one
+UNBOUNDED = 1e30  # bound of an internal signal whose range is not known
 
 
 @dataclass(frozen=True)
 class Command:
-    """The names of a command and of its excess, and the signal of the command that the actuators achieve."""
+    """The names of a command and of its excess, and the signal `limited`, the part of the command that is achieved."""
 
     name: str
     excess: str
@@ -43,7 +45,7 @@ class Command:
         return replace(self.limited, name=self.name, low=-bound, high=bound, about="before the limits")
 
     def excess_signal(self, bound: float = UNBOUNDED) -> Signal:
-        """Return the signal of the excess, limited minus commanded, in -bound .. bound."""
+        """Return the signal of the excess, which is the limited minus the commanded value, in -bound .. bound."""
         return replace(self.limited, name=self.excess, low=-bound, high=bound, about="limited less commanded")
 
 
@@ -60,12 +62,14 @@ def command(axis: Axis, interface: Interface) -> Command:
 
 def _inverse(axis: Axis) -> Linearisation:
     if axis.inverse is None:
-        raise SignalError(f"the axis of '{axis.output}' has no inverse: give it a chain of a feedback linearisation")
+        raise SignalError(
+            f"the axis of '{axis.output}' has no inverse: give it a chain of integrators from a feedback linearisation"
+        )
     return axis.inverse
 
 
 def predicted_states(axis: Axis) -> dict[str, Signal]:
-    """Return {plant state: signal} for the states that an axis predicts and the inverse needs."""
+    """Return {plant state: signal of its prediction} for the states that the axis estimates and the inverse needs."""
     if axis.inverse is None:
         return {}
     needed = _states_in_law(axis.inverse)
@@ -80,7 +84,7 @@ def _states_in_law(inverse: Linearisation) -> list[Signal]:
 
 
 def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command], interface: Interface) -> list[Block]:
-    """Return the Blocks from the commands {output: Command} of axes to the actuators' demands, and back.
+    """Return two Blocks: from the commands {output: Command} of the axes to the actuators' demands, and back.
 
     Raises SignalError for an output without an axis, an input without an actuator, or a state that is neither estimated
     by an axis nor measured.
@@ -96,33 +100,33 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
     actuators, bounds = _actuators(inverse, interface), _actuator_bounds(inverse, commands)
     demands = [commands[name].signal() for name in outputs]
     actuator_demands = [interface.demand(a, b) for a, b in zip(actuators, bounds, strict=True)]
-    excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
+    actuator_excess = [interface.excess(a, b) for a, b in zip(actuators, bounds, strict=True)]
     computed = [interface.computed_output(a) for a in actuators]
 
     def invert(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w = ca.vertcat(*(u[s.name] for s in demands))
-        i = ca.substitute(state_signals.signals(inverse.u, u), inverse.w, w)
-        return Step({s.name: i[k] for k, s in enumerate(actuator_demands)})
+        actuator_values = ca.substitute(state_signals.signals(inverse.u, u), inverse.w, w)
+        return Step({s.name: actuator_values[i] for i, s in enumerate(actuator_demands)})
 
-    def limited_demands(u: Exprs, x: Exprs, k: Exprs) -> Step:
+    def achieved_demands(u: Exprs, x: Exprs, k: Exprs) -> Step:
         a, D = (state_signals.signals(e, u) for e in (inverse.degree.drift, inverse.degree.decoupling))
-        excess_demands = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in excess)))
+        excess_demands = ca.mtimes(D, ca.vertcat(*(u[s.name] for s in actuator_excess)))
         achieved = a + ca.mtimes(D, ca.vertcat(*(u[s.name] for s in computed)))
         output = {commands[name].excess: excess_demands[i] for i, name in enumerate(outputs)}
         limited = [commands[name].limited for name in outputs]
         return Step(output | {s.name: clip(achieved[i], s) for i, s in enumerate(limited)})
 
     states, name = list(state_signals.states.values()), "_".join(outputs)
-    limited_signals = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
+    achieved_signals = [s for name in outputs for s in (commands[name].excess_signal(), commands[name].limited)]
     tag = f"feedback linearisation of {', '.join(outputs)}"
     return [
         build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=actuator_demands, tag=tag),
         build(
             f"made_{name}",
             time,
-            limited_demands,
-            inputs=[*states, *excess, *computed],
-            outputs=limited_signals,
+            achieved_demands,
+            inputs=[*states, *actuator_excess, *computed],
+            outputs=achieved_signals,
             tag=tag,
         ),
     ]
@@ -130,13 +134,13 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
 
 @dataclass(frozen=True, eq=False)
 class _StateSignals:
-    """The signal that supplies each of the plant's states to the law, by state."""
+    """The signals from which the law takes the plant's states, by state."""
 
     inverse: Linearisation
     states: Mapping[str, Signal]
 
     def signals(self, expr: ca.SX, u: Exprs) -> ca.SX:
-        """Return an expression of the plant's states in terms of their signals, limited to the plant's domain."""
+        """Replace the plant's states in an expression by their signals, limited to the plant's domain."""
         domain = self.inverse.degree.model.states
         for symbol, state in zip(ca.vertsplit(self.inverse.x), domain, strict=True):
             if state.name in self.states:
@@ -162,13 +166,14 @@ def _actuators(inverse: Linearisation, interface: Interface) -> list[str]:
     actuators = {a.of: a.name for a in interface.actuators}
     if missing := [name for name in inverse.inputs if name not in actuators]:
         raise SignalError(
-            f"the feedback linearisation sends '{missing[0]}', which no actuator drives: hold it, or add an actuator"
+            f"the feedback linearisation has the input '{missing[0]}', which no actuator drives: "
+            "hold it constant, or add an actuator"
         )
     return [actuators[name] for name in inverse.inputs]
 
 
 def _sample_points(inverse: Linearisation, ranges: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
-    """Return k points of the plant's box and of `ranges`: states (n, k) and the other values (m, k), vertices first."""
+    """Return k points, first the vertices of the box: states (n, k) in their ranges, and values (m, k) in `ranges`."""
     states = inverse.degree.model.states
     signals = [*states, *(Signal(name, "1", low, high) for name, (low, high) in ranges.items())]
     corners = np.array(np.meshgrid(*([0.0, 1.0] for _ in signals))).reshape(len(signals), -1)
@@ -189,7 +194,7 @@ def _demand_bound(inverse: Linearisation, output: str, interface: Interface) -> 
 
 
 def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) -> list[float]:
-    """Return the largest inputs of the law in the plant's box, for demands up to DEMAND_FACTOR times the achievable."""
+    """Return bounds of the law's inputs in the plant's box, for demands up to DEMAND_FACTOR times the achievable."""
     outputs = signal_names(inverse.degree.model.outputs)
     largest = {name: DEMAND_FACTOR * commands[name].limited.high for name in outputs}
     x, w = _sample_points(inverse, {f"w_{name}": (-b, b) for name, b in largest.items()})
@@ -197,7 +202,7 @@ def _actuator_bounds(inverse: Linearisation, commands: Mapping[str, Command]) ->
 
 
 def round_up(value: float) -> float:
-    """Return a bound rounded up to two digits, which is the same on every machine; 1e-30 for a bound of 0."""
+    """Return a bound rounded up to two digits, so that it is the same on every machine; 1e-30 for a bound of 0."""
     if not value:
         return 1e-30
     scale = 10.0 ** (np.floor(np.log10(value)) - 1)

@@ -27,8 +27,8 @@ class Measured(NamedTuple):
 class Target:
     """Emitted C with the contract `init(state)`, `faults = step(state, in, out)` on a core; `load` makes one.
 
-    It takes and returns the same records as `host.Controller`. Every run starts from reset. `covered` names
-    the functions whose decisions are reported.
+    It takes and returns the same records as `host.Controller`. Every run starts with the core after reset. `covered`
+    names the functions for which decision coverage is reported.
     """
 
     manifest: Mapping[str, Any]
@@ -68,15 +68,15 @@ class Target:
         host.require_states(self.manifest, self.state, start, ())
         n = host.length(inputs)
         image = boot(self.program, self.core, self.covered)
-        inputs_at = image.place(host.records(self.manifest, self.inputs, inputs, n))
-        state_at, outputs_at = image.place(start), image.reserve(n * self.outputs.itemsize)
+        inputs_address = image.place(host.records(self.manifest, self.inputs, inputs, n))
+        state_address, outputs_address = image.place(start), image.reserve(n * self.outputs.itemsize)
         steps = np.arange(n, dtype=np.int64)
         columns = (
-            np.full(n, state_at),
-            inputs_at + steps * self.inputs.itemsize,
-            outputs_at + steps * self.outputs.itemsize,
+            np.full(n, state_address),
+            inputs_address + steps * self.inputs.itemsize,
+            outputs_address + steps * self.outputs.itemsize,
         )
-        return _Run(image, np.stack(columns, axis=1), state_at, outputs_at)
+        return _Run(image, np.stack(columns, axis=1), state_address, outputs_address)
 
     def _collect(self, run: "_Run", faults: NDArray[np.uint32]) -> host.Replay:
         outputs = _records(run.image, run.outputs, np.zeros(len(faults), self.outputs))
@@ -84,7 +84,7 @@ class Target:
 
 
 class _Run(NamedTuple):
-    """A core prepared for N steps: their arguments (N, 3), and the addresses of the state and the outputs."""
+    """A core prepared for N steps: their arguments (N, 3), and the addresses of state and outputs in its memory."""
 
     image: Image
     arguments: NDArray[np.int64]
@@ -109,15 +109,17 @@ def load(
     code = host.code(files)
     sources = {**code, "synth_layout.c": host.layout(files, manifest)}
     entries = [manifest["functions"][name] for name in ("step", "init")]
-    program, step_program = (
-        elf.read(cross.link(sources, roots, core, compiler, flags)) for roots in (entries, entries[:1])
+    program, step_program = (  # the second one is without init, and shows which functions belong to a step
+        elf.read(cross.link(sources, kept_functions, core, compiler, flags))
+        for kept_functions in (entries, entries[:1])
     )
     for entry in entries:
-        program.address(entry)
+        program.address(entry)  # raises CompileError if the function is missing
     covered = cross.functions(code, core, compiler, flags) & {f.name for f in step_program.functions}
     return Target(manifest, dtypes["input"], dtypes["output"], dtypes["state"], core, program, covered)
 
 
 def _records(image: Image, address: int, like: host.Records) -> host.Records:
+    """Return a copy of the records at an address, with the type and the shape of `like`."""
     content = np.frombuffer(image.read(address, like.nbytes), like.dtype)
     return content.reshape(like.shape).copy()

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 from synth.report import figures, maps
 from synth.report.figures import COLOURS
 
-LEVEL = {"color": "#666666", "ls": "--", "lw": 0.9}
+LEVEL = {"color": "#666666", "ls": "--", "lw": 0.9}  # style of the horizontal lines of a Chart
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve (n,) in the displayed units; `style` is that of matplotlib, default a thin line in the next of COLOURS.
+    """A curve (n,) in the displayed units. Without a label it is not in the legend.
 
-    A curve without a label is not in the legend.
+    `style` holds keyword arguments of `matplotlib.axes.Axes.plot`. The default is a thin line in the next of COLOURS.
     """
 
     x: ArrayLike
@@ -31,8 +31,9 @@ class Line:
 class Chart:
     """Curves that share axes, and horizontal lines at `levels`.
 
-    `log` names the axes with logarithmic scales, "x", "y" or both; `legend` is a location inside the axes, "above",
-    "figure" for one legend above all charts, or ""; `options` are further arguments of `matplotlib.axes.Axes.set`.
+    `log` names the axes with logarithmic scales: "", "x", "y" or "xy". `legend` is "above" the axes, a location in the
+    axes as for matplotlib, or "" for none. "figure" in the first chart puts a legend of its curves above all charts.
+    `options` are further arguments of `matplotlib.axes.Axes.set`.
     """
 
     lines: Sequence[Line]
@@ -46,13 +47,13 @@ class Chart:
 
 
 def draw(charts: Sequence[Chart], height: float, widths: Sequence[float] | None = None) -> Figure:
-    """Draw charts side by side, `height` in inches, of equal or relative `widths`."""
+    """Draw charts side by side, `height` in inches; `widths` are relative, by default equal."""
     with maps.panels(height, 1, len(charts), squeeze=False, width_ratios=widths) as (figure, grid):
         for axes, chart in zip(grid.flat, charts, strict=True):
             _draw(axes, chart)
         if charts[0].legend == "figure":
-            labelled = grid[0, 0].get_legend_handles_labels()
-            figure.legend(*labelled, loc="outside upper right", ncols=len(labelled[0]), frameon=False)
+            handles, labels = grid[0, 0].get_legend_handles_labels()
+            figure.legend(handles, labels, loc="outside upper right", ncols=len(labels), frameon=False)
     return figure
 
 

@@ -1,12 +1,13 @@
 """Fault campaign (fault injection, FMEA): every fault of an interface in closed loop, compared with the healthy run.
 
     excursion of q    max over t >= onset of |q(t) - q_healthy(t)|
-    impact on q       largest speed into a stop of q, where the healthy run has no faster one
-    time to notice    from the onset to the first fault bit that the healthy run does not have
-    time to latch     from the onset to the latch; both times are inf where it does not happen
+    impact on q       largest speed at which q hits a stop; 0 unless it exceeds that of the healthy run
+    time to notice    detection time, from the onset to the first fault bit that the healthy run does not have
+    time to latch     from the onset to the latch; a time is inf if there is no such bit or no latch
 
-The plants are the nominal one and wrong ones, p (1 + tolerance s) with s of random signs first (corners) and later
-uniform in -1 .. 1; plant number i is always the same. Positions without declared stops end at the plant's domain.
+Plant 0 is the nominal one. The others have perturbed parameters p (1 + tolerance s). Each s is -1 or 1 at random for
+the first CORNERS of them, and uniform in -1 .. 1 for the others. Plant i is the same in every campaign. Positions
+without declared stops have stops at the limits of the plant's domain.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,8 +26,8 @@ from synth.simulate.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
 
-CORNERS, SEED = 8, 18  # wrong plants at corners of the tolerances before the first inside, and the seed of all
-SWING = 0.2  # of the distance of a set-point from the nearer end of its range: amplitude of the default motion
+CORNERS, SEED = 8, 18  # number of perturbed plants at corners of the tolerances, and the seed of all
+SWING = 0.2  # amplitude of the default motion, over the distance from rest to the nearer end of the range
 AT_REST, IN_MOTION = "at rest", "in motion"
 Values = Mapping[str, float]
 
@@ -44,10 +45,10 @@ class Condition:
 
 @dataclass(frozen=True)
 class FaultRun:
-    """A run with a fault beside the healthy run of the same plant, condition and noise.
+    """A run with a fault, compared with the healthy run of the same plant, condition and noise.
 
-    `named` says whether a fault bit names the faulty sensor before or at the latch, `wrong_names` which other sensors.
-    Without `effect` neither a state nor a fault word differs.
+    `named` says whether a fault bit of the faulty sensor is set up to the latch, and `wrong_names` lists the other
+    sensors with a fault bit until then. `effect` says whether a state or a fault word differs.
     """
 
     injection: Injection
@@ -64,13 +65,13 @@ class FaultRun:
 
     @property
     def harms(self) -> bool:
-        """Whether a position runs into a stop, or is not finite."""
+        """Whether a position hits a stop faster than in the healthy run, or is not finite."""
         return any(self.impacts.values()) or not all(np.isfinite(list(self.excursion.values())))
 
 
 @dataclass(frozen=True)
 class HealthyRun:
-    """A run without a fault: its samples with a fault bit, and impacts."""
+    """A run without a fault: `alarms`, its number of samples with a fault bit, and its impacts."""
 
     condition: str
     plant: int
@@ -79,7 +80,7 @@ class HealthyRun:
 
 
 def plant_number(plant: Plant, i: int) -> Plant:
-    """Return the nominal plant for i = 0, else wrong plant number i."""
+    """Return the nominal plant for i = 0, otherwise perturbed plant i."""
     tolerances = {p.name: p.value * p.tolerance for p in plant.parameters if p.tolerance > 0}
     if i == 0 or not tolerances:
         return plant
@@ -98,7 +99,7 @@ def velocities(plant: Plant) -> dict[str, str]:
 
 
 def with_stops(rig: Rig) -> Rig:
-    """Return the rig with velocities of all positions, and the plant's domain as stops where none are declared."""
+    """Return the rig with the velocity of each position, and stops at the plant's domain where none are declared."""
     stage, plant = rig.stage, rig.stage.plant
     rates = velocities(plant) | dict(stage.velocities)
     domain = {s.name: (s.low, s.high) for s in plant.states if s.name in rates}
@@ -106,29 +107,30 @@ def with_stops(rig: Rig) -> Rig:
 
 
 def motion_and_standstill(rig: Rig) -> tuple[Condition, ...]:
-    """Return the conditions of the stage's campaign; a stage without set-points has no motion."""
-    campaign, period = rig.stage.faults, rig.period_s
-    first = round(campaign.settle_s / period)
-    still = Condition(AT_REST, campaign.settle_s + campaign.watch_s, {}, {}, (first,))
+    """Return the conditions "at rest" and "in motion"; a stage without set-points has no motion."""
+    campaign, T = rig.stage.faults, rig.period_s
+    first_onset = round(campaign.settle_s / T)
+    still = Condition(AT_REST, campaign.settle_s + campaign.watch_s, {}, {}, (first_onset,))
     if not rig.stage.interface.set_points:
         return (still,)
-    onsets = tuple(first + round(i * campaign.period_s / campaign.onsets / period) for i in range(campaign.onsets))
-    duration = onsets[-1] * period + campaign.watch_s
-    courses = _motion(rig, sample_times(duration, period))
+    onsets = tuple(first_onset + round(i * campaign.period_s / campaign.onsets / T) for i in range(campaign.onsets))
+    duration = onsets[-1] * T + campaign.watch_s
+    courses = _motion(rig, sample_times(duration, T))
     return still, Condition(IN_MOTION, duration, _start(rig, courses), courses, onsets)
 
 
 def _motion(rig: Rig, time: Array) -> dict[str, Array]:
-    """Return the declared motion, or by default sines whose phases differ, from rest."""
+    """Return the declared motion, or by default a sine about rest for each set-point."""
     campaign, points = rig.stage.faults, rig.stage.interface.set_points
     if campaign.motion:
         return {name: conditions.values(course, time) for name, course in campaign.motion.items()}
-    still, frequency = rig.at_rest(), 2 * np.pi / campaign.period_s
-    sizes = {s.name: SWING * max(min(s.high - still[s.name], still[s.name] - s.low), 0.0) for s in points}
-    return {name: still[name] + size * np.sin(frequency * time) for name, size in sizes.items()}
+    rest, frequency = rig.at_rest(), 2 * np.pi / campaign.period_s
+    amplitudes = {s.name: SWING * max(min(s.high - rest[s.name], rest[s.name] - s.low), 0.0) for s in points}
+    return {name: rest[name] + amplitude * np.sin(frequency * time) for name, amplitude in amplitudes.items()}
 
 
 def _start(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:
+    """Return the initial state: each position starts at the first value of its set-point."""
     sensors = {s.name: s.of for s in rig.stage.interface.sensors}
     positions = {s.name: sensors.get(s.of, s.of) for s in rig.stage.interface.set_points}
     states = [s.name for s in rig.plant.states]
@@ -138,33 +140,33 @@ def _start(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:
 def run(
     rig: Rig, plant: int, condition: Condition, progress: Progress, faults: Sequence[Injection] | None = None
 ) -> tuple[HealthyRun, list[FaultRun]]:
-    """Run all faults, or some, in a condition on a plant, given by its number; `rig` is from `with_stops`.
+    """Run `faults`, by default all, in a condition on the plant with this number; `rig` is from `with_stops`.
 
     Raises SignalError and WiringError as `Rig.run`.
     """
-    faulty = replace(rig, plant=plant_number(rig.plant, plant))
-    healthy = faulty.run(condition.duration_s, condition.start, condition.references)
+    perturbed = replace(rig, plant=plant_number(rig.plant, plant))
+    healthy = perturbed.run(condition.duration_s, condition.start, condition.references)
     runs: list[FaultRun] = []
-    chosen = injections.derive(faulty) if faults is None else faults
+    chosen = injections.derive(perturbed) if faults is None else faults
     for k, injection in enumerate(chosen):
         if k == 0 or injection.target != chosen[k - 1].target:
             progress(Counted(f"faults of {injection.group} {injection.target}", k, len(chosen)))
         for onset in condition.onsets:
-            fields = injections.scenario_fields(faulty, rig.stage.faults, injection, healthy, onset)
-            trajectory = faulty.run(condition.duration_s, condition.start, condition.references, **fields)
-            runs.append(_compare(faulty, plant, condition.name, injection, onset, healthy, trajectory))
+            fields = injections.scenario_fields(perturbed, rig.stage.faults, injection, healthy, onset)
+            faulty = perturbed.run(condition.duration_s, condition.start, condition.references, **fields)
+            runs.append(_compare(perturbed, plant, condition.name, injection, onset, healthy, faulty))
     return HealthyRun(condition.name, plant, int(np.count_nonzero(healthy.faults)), healthy.impacts), runs
 
 
 def _compare(
     rig: Rig, plant: int, condition: str, injection: Injection, onset: int, healthy: Trajectory, faulty: Trajectory
 ) -> FaultRun:
-    words = faulty.faults & ~healthy.faults
-    latch, notice = _first(words >> LATCH_BIT & 1), _first(words)
+    new_bits = faulty.faults & ~healthy.faults
+    notice, latch = _first(new_bits), _first(new_bits >> LATCH_BIT & 1)
     notice_s, latch_s = (np.inf if k is None else (k - onset) * rig.period_s for k in (notice, latch))
-    word = int(np.bitwise_or.reduce(words[: None if latch is None else latch + 1], initial=0))
-    sensors = [name for name, bits in failure.bits(rig).items() if word & bits]
-    states = rig.stage.velocities
+    bits_to_latch = int(np.bitwise_or.reduce(new_bits[: None if latch is None else latch + 1], initial=0))
+    sensors = [name for name, bits in failure.bits(rig).items() if bits_to_latch & bits]
+    positions = list(rig.stage.velocities)
     same = np.array_equal(healthy.faults, faulty.faults) and all(
         np.array_equal(healthy.states[s], faulty.states[s]) for s in healthy.states
     )
@@ -173,7 +175,7 @@ def _compare(
         condition,
         plant,
         onset * rig.period_s,
-        {q: _largest(faulty.states[q] - healthy.states[q]) for q in states},
+        {q: _largest(faulty.states[q] - healthy.states[q]) for q in positions},
         {q: v if v > healthy.impacts[q] else 0.0 for q, v in faulty.impacts.items()},
         notice_s,
         latch_s,
@@ -184,10 +186,12 @@ def _compare(
 
 
 def _first(flags: NDArray[Any]) -> int | None:
+    """Return the first sample at which a flag is set."""
     samples = np.flatnonzero(flags)
     return int(samples[0]) if samples.size else None
 
 
 def _largest(difference: Array) -> float:
+    """Return the largest magnitude, inf if a value is not finite."""
     largest = float(np.max(np.abs(difference)))
     return largest if np.isfinite(largest) else np.inf

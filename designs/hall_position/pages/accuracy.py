@@ -1,4 +1,4 @@
-"""Accuracy in the report: over pitch and yaw, lost rank, comparison of layouts, model errors, basins."""
+"""Accuracy in the report: deviations over pitch and yaw, singular points, model errors, regions of convergence."""
 
 from collections.abc import Mapping
 from math import radians
@@ -19,32 +19,32 @@ from synth.report.charts import LEVEL, Chart, Line
 from synth.report.maps import Map
 
 UM = 1e-6
-POINTS = 96  # of a map, along a pitch
-COARSE, TURNS = 48, 121  # of the curve over yaw: positions along a pitch, yaws
+POINTS = 96  # points of a map along each side of the pitch
+COARSE, TURNS = 48, 121  # for the curve over yaw: positions along each side of the pitch, and number of yaws
 YAW = radians(5)  # of the second row of maps
-WIDEST = radians(30)  # of that curve, to either side
-SINGULAR = (0.0, 1.0, 2.0, 5.0, 10.0)  # degrees
-REQUIRED = 5.3e-6  # m, required of the third sensor at yaw 0
-SIDE, PLACES = 25, 16  # starts along a side, from so many positions of the pitch each
-WIDE = 0.5  # pitches: the starts' square
-CORRECTIONS, SCALE = 60, 0.5
-CONVERGED = 1e-6  # m
-OFF = ("off along X, pitches", "off along Y, pitches")
-NEAR = (0.0625, 0.125, 0.25)  # pitches: distances of counted starts
+WIDEST = radians(30)  # largest yaw of that curve, to either side
+SINGULAR = (0.0, 1.0, 2.0, 5.0, 10.0)  # degrees: yaws at which the singular points of two sensors are listed
+REQUIRED = 5.3e-6  # m, largest deviation allowed with the third sensor at yaw 0
+SIDE, PLACES = 25, 16  # starts along each side of a square, and random true positions for each start
+WIDE = 0.5  # pitches, half the side of the square of starts
+CORRECTIONS, SCALE = 60, 0.5  # GLSDC steps from each start, and their largest scale
+CONVERGED = 1e-6  # m, largest final error of a start that counts as converged
+OFF = ("off along X, pitches", "off along Y, pitches")  # labels of the axes: offset of the start
+NEAR = (0.0625, 0.125, 0.25)  # pitches: half sides of the squares over which the table averages
 
 
 def blocks(stage: Stage) -> dict[str, Made]:
-    """Return the accuracy of each layout over the pitch and the yaw, and the errors of the field's model."""
+    """Return the blocks of the section: accuracy of each layout, errors of the field model, regions of convergence."""
     layouts = layouts_by_name(stage)
-    places = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
+    positions = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
     return {
-        "accuracy.places": drawings.layouts(places),
+        "accuracy.places": drawings.layouts(positions),
         "accuracy.maps": _maps(stage, layouts),
         "accuracy.coarse": COARSE,
         "accuracy.required": REQUIRED / UM,
         "accuracy.over_yaw": _over_yaw(layouts),
         "accuracy.worst": _worst(stage),
-        "accuracy.singular": [_singular(stage, turn) for turn in SINGULAR],
+        "accuracy.singular": [_singular(stage, yaw) for yaw in SINGULAR],
         **_errors(stage),
         **_basins(stage),
     }
@@ -52,11 +52,12 @@ def blocks(stage: Stage) -> dict[str, Made]:
 
 def layouts_by_name(stage: Stage) -> dict[str, PlanarArray]:
     """Return the compared layouts, by name."""
-    searched = {f"searched, ±{turn}°": stage.array(places) for turn, places in LAYOUTS.items()}
+    searched = {f"searched, ±{yaw}°": stage.array(positions) for yaw, positions in LAYOUTS.items()}
     return {"two sensors": stage.pair, "third sensor added": stage.array(PUBLISHED)} | searched
 
 
-def _over_pitch(stage: Stage) -> list[tuple[float, float]]:
+def _pitch_extent(stage: Stage) -> list[tuple[float, float]]:
+    """Return the ranges of X and Y of a map over a pitch, mm."""
     return [(0.0, 1e3 * stage.pitch)] * 2
 
 
@@ -65,11 +66,11 @@ def _maps(stage: Stage, layouts: Mapping[str, PlanarArray]) -> Figure:
     for yaw in (0.0, YAW):
         for name in list(layouts)[:3]:
             marks = 1e3 * hall_singular_points.of_pair(stage.pair, yaw) if name == "two sensors" else None
-            shown.append(Map(f"{name}, yaw {np.degrees(yaw):g}°", _larger(layouts[name], yaw) / UM, marks))
-    return maps.maps(shown, _over_pitch(stage), (2.0, 20.0), label="µm")
+            shown.append(Map(f"{name}, yaw {np.degrees(yaw):g}°", _larger_deviation(layouts[name], yaw) / UM, marks))
+    return maps.maps(shown, _pitch_extent(stage), (2.0, 20.0), label="µm")
 
 
-def _larger(of: PlanarArray, yaw: float) -> Array:
+def _larger_deviation(of: PlanarArray, yaw: float) -> Array:
     """Return the larger of the deviations of X and Y (POINTS, POINTS) over the pitch at a yaw, m."""
     q = grid(of, POINTS)
     q[2] = yaw
@@ -89,18 +90,19 @@ def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
 
 def _worst(stage: Stage) -> Rows:
     proofs = {("third sensor added", 0): rank.worst(stage.array(PUBLISHED), 0.0, 0.0)}
-    proofs |= {(f"searched, ±{turn}°", turn): rank.worst_of_optimised_layout(stage, turn) for turn in (5, 15)}
+    proofs |= {(f"searched, ±{yaw}°", yaw): rank.worst_of_optimised_layout(stage, yaw) for yaw in (5, 15)}
     rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
-    for (name, turn), proved in proofs.items():
+    for (name, yaw), proved in proofs.items():
         values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
-        rows.append((name, f"{-turn or 0} .. {turn}".replace("-", "−"), *values))
+        rows.append((name, f"{-yaw or 0} .. {yaw}".replace("-", "−"), *values))
     return rows
 
 
-def _singular(stage: Stage, turn: float) -> tuple[float, ...]:
-    points = hall_singular_points.of_pair(stage.pair, radians(turn))
+def _singular(stage: Stage, yaw: float) -> tuple[float, ...]:
+    """Return the yaw in degrees, the number of singular points, and the first point (X, Y) in mm or NaN."""
+    points = hall_singular_points.of_pair(stage.pair, radians(yaw))
     first = points[0] if len(points) else np.full(2, np.nan)
-    return turn, len(points), *(1e3 * first).tolist()
+    return yaw, len(points), *(1e3 * first).tolist()
 
 
 def _errors(stage: Stage) -> dict[str, Made]:
@@ -109,40 +111,40 @@ def _errors(stage: Stage) -> dict[str, Made]:
         "two sensors, yaw estimated": errors.errors(stage, False),
         "three sensors, searched, yaw estimated": errors.by_waves(stage, stage.array(LAYOUTS[5])),
     }
-    off = {name: 1e3 * np.hypot(*each).reshape(stage.truth.count, -1) for name, each in by_layout.items()}
-    shown = [Map(name, values) for name, values in off.items()]
+    error_mm = {n: 1e3 * np.hypot(*components).reshape(stage.truth.count, -1) for n, components in by_layout.items()}
+    shown = [Map(name, values) for name, values in error_mm.items()]
     return {
-        "errors.figure": maps.maps(shown, _over_pitch(stage), (0.02, 2.0), label="mm"),
-        "errors.table": [(n, errors.rms(v), *np.percentile(v, (99, 100)).tolist()) for n, v in off.items()],
+        "errors.figure": maps.maps(shown, _pitch_extent(stage), (0.02, 2.0), label="mm"),
+        "errors.table": [(n, errors.rms(v), *np.percentile(v, (99, 100)).tolist()) for n, v in error_mm.items()],
     }
 
 
 def _basins(stage: Stage) -> dict[str, Made]:
-    """Return the basins of GLSDC without damping or prediction."""
+    """Return the regions of convergence (basins of attraction) of GLSDC, without damping or prediction."""
     shares = {
         "two sensors, yaw known": basin(stage.pair, True),
         "two sensors, yaw estimated": basin(stage.pair, False),
         "three sensors, searched": basin(stage.array(LAYOUTS[5]), False),
     }
-    away = WIDE * np.abs(np.linspace(-1, 1, SIDE))
-    near = [np.maximum(away[:, None], away) <= distance + 1e-9 for distance in NEAR]
+    distance = WIDE * np.abs(np.linspace(-1, 1, SIDE))
+    squares = [np.maximum(distance[:, None], distance) <= half_side + 1e-9 for half_side in NEAR]
     shown = [Map(n, 100 * share) for n, share in shares.items()]
     return {
         "basin.scale": SCALE,
         "basin.places": PLACES,
         "basin.figure": maps.maps(shown, [(-WIDE, WIDE)] * 2, (0.0, 100.0), log=False, label="%", labels=OFF),
-        "basin.table": [(n, *(100 * float(v[inside].mean()) for inside in near)) for n, v in shares.items()],
+        "basin.table": [(n, *(100 * float(v[inside].mean()) for inside in squares)) for n, v in shares.items()],
     }
 
 
 def basin(of: PlanarArray, yaw_known: bool) -> Array:
-    """Return the share of positions (SIDE, SIDE) at which starts offset by (X, Y) converge."""
-    off = of.pitch * np.linspace(-WIDE, WIDE, SIDE)
-    X, Y = np.meshgrid(off, off, indexing="ij")
-    places = of.pitch * np.random.default_rng(0).uniform(0, 1, (2, PLACES))
+    """Return the share of the true positions for which GLSDC converges from a start offset by (X, Y): (SIDE, SIDE)."""
+    offsets = of.pitch * np.linspace(-WIDE, WIDE, SIDE)
+    X, Y = np.meshgrid(offsets, offsets, indexing="ij")
+    positions = of.pitch * np.random.default_rng(0).uniform(0, 1, (2, PLACES))
     q = np.zeros((3, PLACES, SIDE, SIDE))
-    q[:2] = places[:, :, None, None]
+    q[:2] = positions[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
-    flat, starts = q.reshape(3, -1), start.reshape(3, -1)
-    end = hall_correction.iterate(of, hall_correction.volts(of, flat), starts, SCALE, CORRECTIONS, yaw_known)
-    return np.asarray((np.hypot(*(end - flat)[:2]) < CONVERGED).reshape(PLACES, SIDE, SIDE).mean(axis=0))
+    truth, starts = q.reshape(3, -1), start.reshape(3, -1)
+    end = hall_correction.iterate(of, hall_correction.volts(of, truth), starts, SCALE, CORRECTIONS, yaw_known)
+    return np.asarray((np.hypot(*(end - truth)[:2]) < CONVERGED).reshape(PLACES, SIDE, SIDE).mean(axis=0))

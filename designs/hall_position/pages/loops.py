@@ -1,13 +1,15 @@
-"""Loops of x, y and yaw with the estimate: controller, the filters' lag, a sample of delay, stage.
+"""Loop transfer functions of x, y and yaw with the Hall estimator in the loop, and their margins over the pitch.
 
-    i_AQ .. i_CD                                                          x, y, phi behind their filters, z, theta, psi
+    i_AQ .. i_CD                                                          filtered x, y, phi; z, theta, psi
     ---*--->[ delay, hold, motors, stage ]--->[ 200 Hz, sampler ]-----*--->[ Hall sensors, lasers, controller ]---+
        ^                                                                                                          |
        +----------------------------------------------------------------------------------------------------------+
 
 The loops are opened as in `designs.planar_6dof.loops`. The field is model (2). For small motions the voltages are
-linear, and a first-order filter for each voltage is equivalent to one for each of x, y and yaw. The filters' effect on
-the vertical axes, which move the voltages too, is neglected.
+linear in the positions, and a first-order filter for each voltage is equivalent to one for each of x, y and yaw. The
+vertical axes also change the voltages; the lag of the filters on this path is neglected.
+
+"Sections" is the sensing of `designs.planar_6dof`, which inverts the Hall voltages section by section of the pitch.
 """
 
 import numpy as np
@@ -29,29 +31,29 @@ from synth.statespace import Array
 from synth.verify import agree
 
 ESTIMATE, SECTIONS = "estimate, three sensors", "sections, three sensors"
-PLACES = 3  # over a pitch
-SETTLED = 300  # samples after which the estimate is at rest
+PLACES = 3  # positions over a pitch, at each of which the loops are linearised
+SETTLING_SAMPLES = 300  # samples of constant inputs after which the estimator is in steady state
 SPATIAL = ("x", "y", "z", "theta", "psi", "phi")  # as in hall_array.SPATIAL
 
 
 def section(points: int = PLACES) -> page.Section:
-    """Return the loops with the estimate beside those with the sections."""
+    """Return the loops with the estimator, with the sensing by sections for comparison."""
     source = Source(config.array(config.THREE))
     plant = planar_stage.plant()
     block = closed_loop.controller(lqg.NAME, plant, lqg.TIME, lqg.law(plant), source).rounded(np.float32)
     parts = open_loop(source, block, {})
-    shown = loops.of_parts(parts, HORIZONTAL, ESTIMATE)
+    open_loops = loops.of_parts(parts, HORIZONTAL, ESTIMATE)
     by_sections = loops.rounded_controller(plant, lqg.TIME, lqg.sensing_blocks(plant), lqg.law(plant))
-    shown += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
-    return standard.loops(shown, blocks=(_over_pitch(source, block, points),))
+    open_loops += loops.of_block(plant, by_sections, HORIZONTAL, SECTIONS)
+    return standard.loops(open_loops, blocks=(_over_pitch(source, block, points),))
 
 
 def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
     places = loops.places_over_pitch(source.array.pitch, points)
     by_place = [loops.of_parts(open_loop(source, block, place), HORIZONTAL, ESTIMATE) for place in places]
     rows = []
-    for axis, each in zip(HORIZONTAL, zip(*by_place, strict=True), strict=True):
-        margins = [o.margins for o in each]
+    for axis, axis_loops in zip(HORIZONTAL, zip(*by_place, strict=True), strict=True):
+        margins = [o.margins for o in axis_loops]
         stable = "yes" if all(m.stable for m in margins) else "NO"
         rows.append((SYMBOLS.get(axis, axis), stable, *sections.margins_ranges(margins)))
     caption = f"The loops closed by the estimate at {points} places of a pitch"
@@ -59,23 +61,21 @@ def _over_pitch(source: Source, block: Block, points: int) -> page.Table:
 
 
 def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
-    """Return both parts of the open loop with the platen at rest at a place, m."""
+    """Return stage and controller, linearised about the platen at rest at a place in m and rad."""
     plant, pose = planar_stage.plant(), {**loops.MIDDLE, **place}
-    stage, E = (
-        linearisation.linearise(plant, operating_points.trim(plant, pose, [])),
-        loops.commutation_matrix(plant, pose),
-    )
+    stage = linearisation.linearise(plant, operating_points.trim(plant, pose, []))
+    E = loops.commutation_matrix(plant, pose)
     motors = stage.select(AXES, PHASES)
     volts, slopes = voltages_and_slopes(source.array, pose)
-    upright = stage.select(planar_stage.LASERS, ()).C[:, [stage.states.index(axis) for axis in AXES]]
-    shown = np.vstack([slopes, upright])
-    distances = upright @ [pose[axis] for axis in AXES]
+    laser_matrix = stage.select(planar_stage.LASERS, ()).C[:, [stage.states.index(axis) for axis in AXES]]
+    measurement = np.vstack([slopes, laser_matrix])
+    distances = laser_matrix @ [pose[axis] for axis in AXES]
     inputs = dict(zip(SENSED, [*volts.tolist(), *distances.tolist()], strict=True))
     inputs |= {f"{axis}_ref": pose[axis] for axis in AXES}
-    held = {name: np.full(SETTLED, value) for name, value in inputs.items()}
-    rested = agree.run(agree.casadi(block), initial_states(block, source.array, pose), held).states
-    K = loop.linearise_block(block, {name: float(value[0]) for name, value in rested.items()}, inputs)
-    return loops.in_motor_coordinates(hall_chain.with_filter(motors, HORIZONTAL, Chain()), K, shown, E)
+    constant_inputs = {name: np.full(SETTLING_SAMPLES, value) for name, value in inputs.items()}
+    steady_states = agree.run(agree.casadi(block), initial_states(block, source.array, pose), constant_inputs).states
+    K = loop.linearise_block(block, {name: float(value[0]) for name, value in steady_states.items()}, inputs)
+    return loops.in_motor_coordinates(hall_chain.with_filter(motors, HORIZONTAL, Chain()), K, measurement, E)
 
 
 def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:
@@ -86,9 +86,10 @@ def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:
 
 
 def initial_states(block: Block, of: Sensors, pose: Place) -> dict[str, float]:
-    """Return the initial states of a controller whose estimator is initialised at a place, at yaw 0."""
+    """Return the initial states of a controller whose estimator tracks from a place, at yaw 0, without a search."""
     states = {s.name: s.initial for s in block.states}
     for axis, centre in zip("xy", of.centre, strict=True):
-        at = (pose[axis] + centre) / of.pitch
-        states |= {f"estimator_phase_{axis}": 2 * np.pi * (at - round(at)), f"estimator_pitch_{axis}": round(at)}
+        pitches = (pose[axis] + centre) / of.pitch
+        states |= {f"estimator_phase_{axis}": 2 * np.pi * (pitches - round(pitches))}
+        states[f"estimator_pitch_{axis}"] = round(pitches)
     return states | {"estimator_searching": 0.0}

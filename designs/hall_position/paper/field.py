@@ -1,6 +1,7 @@
-"""Field for the audit's formulas: ideal and fabricated harmonics, spacing (3), residual of model (2) in a scan.
+"""Magnetic field for the audit's formulas: harmonics, the slopes of a pair of sensors, and fits of the field model (2).
 
-Amplitudes A_n are those of sin(n w X) in B_X above the infinite matrix, in T; scans are above six pitches of blocks.
+A_n is the amplitude of sin(n w X) in B_X above the infinite matrix, in T, with w = 2 pi / pitch. Model (2)
+is that of Kawato and Kim with two waves along each axis, n = 1 and 5; the spacing of two sensors is their (3).
 """
 
 from collections.abc import Mapping
@@ -15,20 +16,20 @@ from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage
 from synth.synthesise.identify.logs import Log
 
-KEPT = 8  # cached results of each function
+KEPT = 8  # most cached results of each function
 ODD = (1, 3, 5, 7, 9, 11, 13)
-NONE = 1e-6  # T: smaller amplitudes count as none
-PLACES = 480  # over a pitch
+NONE = 1e-6  # T: a harmonic with a smaller amplitude counts as absent
+PLACES = 480  # positions over a pitch
 
 
 def harmonics(stage: Stage, z: float, ideal: bool = False) -> dict[int, float]:
-    """Return A_n by n of ODD at z in m above the fabricated blocks, or above ideal ones."""
+    """Return {n: A_n} for n in ODD, at z in m above the fabricated blocks, or above ideal ones."""
     return dict(zip(ODD, stage.amplitudes(ODD, z, ideal).tolist(), strict=True))
 
 
 def has_every_nth(step: float, *above: Mapping[int, float]) -> bool:
-    """Return whether at each height exactly the harmonics 1 + k step of the odd ones are present."""
-    return all((abs(a) > NONE) == ((n - 1) % step == 0) for sizes in above for n, a in sizes.items())
+    """Return whether exactly the harmonics n = 1 + k step, k = 0, 1, .., of ODD are present at each height."""
+    return all((abs(a) > NONE) == ((n - 1) % step == 0) for amplitudes in above for n, a in amplitudes.items())
 
 
 def largest_two(sizes: Mapping[int, float]) -> list[int]:
@@ -37,7 +38,7 @@ def largest_two(sizes: Mapping[int, float]) -> list[int]:
 
 
 def halbach_gain() -> float:
-    """Return the fundamental of a Halbach array over that of alternating blocks."""
+    """Return the ratio of the fundamentals of a Halbach array and of alternating blocks, at the sensors' height."""
     m, p = STRONG / 2, concentrated_field.values()
     arrays = concentrated_field.halbach_array(m), concentrated_field.array([0.0, 0.0], [m, -m])
     waves = (concentrated_field.waves(each, [(1, 0)], p)[0] for each in arrays)
@@ -46,19 +47,19 @@ def halbach_gain() -> float:
 
 
 def line_slopes(stage: Stage) -> Array:
-    """Return the slopes of a sensor along X over a pitch, V/m."""
+    """Return the slope dV/dX of a sensor at PLACES + 1 positions over a pitch, V/m."""
     waves = stage.waves([(n, 0) for n in ODD])
     return hall_figures.line(waves, 0.0, PLACES + 1, stage.height).slopes[0]
 
 
 def better_slope(slopes: Array, spacing: float) -> float:
-    """Return the least over a pitch of the larger slope of two sensors, a spacing in pitches apart."""
-    size = np.abs(slopes[:-1])
-    return float(np.maximum(size, np.roll(size, -round(spacing * PLACES))).min())
+    """Return min over X of max(|slope of sensor 1|, |slope of sensor 2|), for sensors at a spacing in pitches."""
+    magnitude = np.abs(slopes[:-1])
+    return float(np.maximum(magnitude, np.roll(magnitude, -round(spacing * PLACES))).min())
 
 
 def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
-    """Return the least slope of a pair at a spacing in pitches, relative to that at the best spacing."""
+    """Return the least slope of a pair with a spacing in pitches, relative to that with the best spacing."""
     least = hall_figures.least_slopes(stage.waves([(n, 0) for n in ODD]), PLACES, stage.height).least
     return float(least[round(spacing * PLACES)] / least.max())
 
@@ -66,18 +67,16 @@ def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
 @lru_cache(KEPT)
 def fit_above_blocks(stage: Stage) -> hall_scan.Fit:
     """Return the fit of model (2) to a scan over a pitch above six pitches of blocks."""
-    of = stage.truth
-    i, j = (v.ravel() for v in np.indices((of.count, of.count)))
-    X, Y = (np.asarray(of.spacing * k, dtype=np.float64) for k in (i, j))
-    log = Log({"X": X, "Y": Y, "V_ax": of.at(i, j)[0]})
+    truth = stage.truth
+    i, j = (v.ravel() for v in np.indices((truth.count, truth.count)))
+    X, Y = (np.asarray(truth.spacing * k, dtype=np.float64) for k in (i, j))
+    log = Log({"X": X, "Y": Y, "V_ax": truth.at(i, j)[0]})
     return hall_scan.fit(log, "V_ax", stage.pitch)
 
 
 def fit_above_infinite_matrix(stage: Stage, points: int = PER_PITCH, highest: int = 9) -> hall_scan.Fit:
     """Return the fit of model (2) over a pitch of the infinite matrix, with orders up to `highest` on each axis."""
     noiseless = hall_array.point_sensors([(0.0, 0.0)], replace(stage.chain, noise=0.0))
-    waves, at = (
-        stage.waves(concentrated_field.orders_up_to(highest)),
-        hall_scan.places(stage.pitch, points, (stage.height,)),
-    )
-    return hall_scan.fit(hall_scan.simulate_scan(noiseless, waves, at, 0), "V_ax", stage.pitch)
+    waves = stage.waves(concentrated_field.orders_up_to(highest))
+    positions = hall_scan.places(stage.pitch, points, (stage.height,))
+    return hall_scan.fit(hall_scan.simulate_scan(noiseless, waves, positions, 0), "V_ax", stage.pitch)

@@ -1,15 +1,16 @@
 """Endurance in random motion: derived limits of speed and acceleration, and simulations up to them.
 
-The prediction is the last motion m, with m <- m + velocity_gain e and the innovation e = d - m, in rad of phase of the
-sensors' centre.
+The estimator predicts a motion m for the next sample, in rad of phase of the sensors' centre. With the estimated motion
+d it corrects m <- m + velocity_gain e by the innovation e = d - m. With the speed v, the acceleration a, the sample
+period T, the wave number w, and the amplitude alpha and the noise deviation of the voltages:
 
     speed           |m| <= max_phase_step / 2 along each axis:    w v T <= max_phase_step / 2
     acceleration    e <- (1 - velocity_gain) e + w a T^2, hence |e| <= w |a| T^2 / velocity_gain; the innovation gate
                     requires alpha sqrt(damping) |e| <= innovation_gate_sigma deviation
 
-For 800 Hz and the shipped tuning the speed limit is 3.23 m/s along each axis. The acceleration limit is 77.9 m/s^2 in
-the plane; MARGIN of it is left to the noise and to the yaw, which moves the sensors by their rms arm: 39.0 m/s^2. At
-the full acceleration, one body in fifty loses position lock with three sensors in 1500 samples.
+At 800 Hz with the shipped tuning, the speed limit is 3.23 m/s along each axis. The acceleration limit in the plane is
+77.9 m/s^2. MARGIN of it is reserved for the noise and for the yaw, which moves the sensors by their rms arm, and
+39.0 m/s^2 remain. At the full 77.9 m/s^2 with three sensors, one body in fifty loses position lock in 1500 samples.
 """
 
 from dataclasses import dataclass, replace
@@ -24,18 +25,19 @@ from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.check import Check
 
-MARGIN = 0.5  # of the acceleration
-PITCHES = 1000  # motions at the limits leave the range that the shipped estimator counts
-MAX_ERROR = 1e-4  # m: ten standard deviations at the worst valid position
-SLOWEST = 1e-3  # share of the speed limit: slow motions are included
-YAW_SHARE = 0.95  # of the valid yaws
+MARGIN = 0.5  # fraction of the acceleration limit that is reserved for noise and yaw
+PITCHES = 1000  # that the estimator counts here; motions at the limits leave the range of the shipped one
+MAX_ERROR = 1e-4  # m: ten standard deviations where the valid position is least accurate
+SLOWEST = 1e-3  # least fraction of the limits, so that slow motions are included
+YAW_SHARE = 0.95  # of the valid yaw limit
 
 
 @dataclass(frozen=True)
 class Endurance:
-    """Result of a simulation: share of `valid` samples, and of bodies that `lost` position lock.
+    """Result of a simulation: the fraction of `valid` samples, and of bodies that have `lost` position lock at the end.
 
-    `wrong` samples were valid at another position; `worst` is the largest error of the valid ones, `off` of all, m.
+    `wrong` is the number of samples that are valid at a wrong position, `worst` the largest position error of the valid
+    samples in m, and `off` that of all samples.
     """
 
     limits: Limits
@@ -48,10 +50,10 @@ class Endurance:
 
 
 def checks(name: str, config: EstimatorConfig, bodies: int, samples: int) -> list[Check]:
-    """Check that no body loses position lock or is valid elsewhere, within the limits."""
+    """Check that within the limits no body loses position lock, or reports a wrong position as valid."""
     outcome = run(config, bodies, samples, limits(config))
-    within = f"{outcome.limits.speed:.3g} m/s, {outcome.limits.acceleration:.3g} m/s^2, {outcome.samples} samples"
-    about = f"{within}, {100 * outcome.valid:.3g} % valid"
+    conditions = f"{outcome.limits.speed:.3g} m/s, {outcome.limits.acceleration:.3g} m/s^2, {outcome.samples} samples"
+    about = f"{conditions}, {100 * outcome.valid:.3g} % valid"
     what = f"{name}, random motion"
     return [
         Check(f"{what}: bodies lost", outcome.lost, 0, "1", about),
@@ -62,29 +64,29 @@ def checks(name: str, config: EstimatorConfig, bodies: int, samples: int) -> lis
 
 def limits(config: EstimatorConfig) -> Limits:
     """Return the limits of speed and acceleration of the sensors' centre, with MARGIN."""
-    t, a, T = config.tuning, config.array, estimator_ensemble.TIME.period_s
-    e = t.innovation_gate_sigma * a.deviation / (a.alpha * sqrt(t.damping))
-    speed = t.max_phase_step / 2 / (a.wave_number * T)
-    acceleration = (1 - MARGIN) * t.velocity_gain * e / (a.wave_number * T**2)
-    return Limits(speed, acceleration, YAW_SHARE * tracking.valid_yaw_limit(a, t))
+    tuning, array, T = config.tuning, config.array, estimator_ensemble.TIME.period_s
+    max_innovation = tuning.innovation_gate_sigma * array.deviation / (array.alpha * sqrt(tuning.damping))
+    speed = tuning.max_phase_step / 2 / (array.wave_number * T)
+    acceleration = (1 - MARGIN) * tuning.velocity_gain * max_innovation / (array.wave_number * T**2)
+    return Limits(speed, acceleration, YAW_SHARE * tracking.valid_yaw_limit(array, tuning))
 
 
 def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
-    """Simulate bodies on random motions within limits, with PITCHES counted.
+    """Simulate an ensemble of bodies on random motions within limits, with an estimator that counts PITCHES.
 
-    Half of the bodies reach the limits, the others a random share of them down to SLOWEST.
+    Half of the bodies reach the limits, the others a random fraction of them, at least SLOWEST.
 
-    Raises ModelError for no sample, and as `random_course`.
+    Raises ModelError for fewer than one sample, and as `random_course`.
     """
     config = replace(config, tuning=replace(config.tuning, pitches=PITCHES))
     rng = np.random.default_rng(seed)
-    at = motions.random_course(config.array, estimator_ensemble.TIME, bodies, within, rng, SLOWEST)
-    state = estimator_ensemble.states_on_course(config, at)
+    course = motions.random_course(config.array, estimator_ensemble.TIME, bodies, within, rng, SLOWEST)
+    state = estimator_ensemble.states_on_course(config, course)
     valid = wrong = 0
     worst = off = 0.0
-    for batch, seen in estimator_ensemble.track(config, state, at, samples, rng):
+    for batch, scores in estimator_ensemble.track(config, state, course, samples, rng):
         state = batch.states
-        valid, wrong = valid + int(seen.valid.sum()), wrong + int(seen.is_wrong.sum())
-        worst, off = max(worst, float(seen.error[seen.valid].max(initial=0))), max(off, float(seen.error.max()))
+        valid, wrong = valid + int(scores.valid.sum()), wrong + int(scores.is_wrong.sum())
+        worst, off = max(worst, float(scores.error[scores.valid].max(initial=0))), max(off, float(scores.error.max()))
     lost = float((state["estimator_lock_lost"] > 0).mean())
     return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)

@@ -1,14 +1,14 @@
-"""Computations of the audit: parameters by group, and loops of a plant, ideal or with encoders, cached.
+"""Computations of the audit: parameters by group, and cached runs of the closed loop, ideal or with encoders.
 
 Ideal loops are those of `models.maglev_loop`, without sampling, filters and encoders. Their currents are not limited,
-and none reaches 7 A peak. The linear loop has e'' = w of (13) instead of law and plant.
+but stay below 7 A peak. In the linear loop, e'' = w of (13) replaces both the law and the plant.
 
 "Encoders" is the compiled controller at 1 kHz with encoders of 10 um, its filters and one sample of delay. Its law is
-(12) as printed, or with `corrected` the shipped law, which includes the squares of i_d that (11) neglects and
-compensates the guide springs in part. Both laws use squares of currents of the sample before, and each motor's own gap.
+(12) as printed, or with `corrected` the shipped law, which includes the squares of i_d that (11) neglects and partly
+compensates the guide springs. Both laws use the squared currents of the previous sample, and the gap of each motor.
 
-Tracking errors are means of |e|, with encoders from 10 to 60 s. Ideal runs are periodic by 12 s, and the mean is over
-the six whole periods up to 20 s. Shorter runs keep these proportions.
+Tracking errors are means of |e|. Runs with encoders take 60 s, and the mean is over the last 50 s. Ideal runs take
+20 s. They are periodic after 12 s, and the mean is over the remaining six periods. Shorter runs keep these proportions.
 """
 
 from collections.abc import Mapping
@@ -42,17 +42,17 @@ GROUPS: dict[str, tuple[str, ...]] = {
 }
 GROUPS["magnets"] = (*GROUPS["field"][:-2], "mu0")
 GROUPS["forces"] = (*GROUPS["magnets"], "W", "w_c", "p", "z1")
-GROUPS["level"] = (*GROUPS["forces"], "M_x", "M_z", "M_y", "G")  # parameters while the platen does not turn
-GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # parameters while it turns by theta
+GROUPS["level"] = (*GROUPS["forces"], "M_x", "M_z", "M_y", "G")  # parameters without rotation
+GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # parameters with a rotation theta
 BY_GROUP = {name: Formula(f"dict({', '.join(f'{n}={n}' for n in group)})") for name, group in GROUPS.items()}
 SPRINGS = ("k_s_phi", "k_s_theta")
-FRICTION = {"x": 1.8, "z": 1.3}  # N of guide friction, fitted to the two printed errors of the ellipse
-CACHED_RUNS = 32  # size of the caches that the rows share
+FRICTION = {"x": 1.8, "z": 1.3}  # N, guide friction by axis, fitted to the two printed errors of the ellipse
+CACHED_RUNS = 32  # most results in each cache; rows of the audit share them
 SAMPLE = 1e-3  # s, sample period of the continuous responses
 
 
 class Poles(NamedTuple):
-    """Closed-loop poles of an axis in 1/s: the real one, and one of each conjugate pair."""
+    """Closed-loop poles of an axis in 1/s: the real one, and of each conjugate pair the one with Im > 0."""
 
     fast: float
     first: complex
@@ -61,7 +61,7 @@ class Poles(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class AuditSetup:
-    """The stage and the plant under audit, and how long tracking runs, s.
+    """The stage and the plant under audit, and the duration of a tracking run with encoders in s.
 
     `cells` is the resolution of the slotted field. Guide springs are "known" (in plant and law (12)), "unknown" (in the
     plant alone) or "absent" (in neither).
@@ -78,14 +78,17 @@ class AuditSetup:
         return self.plant.with_parameters(**dict.fromkeys(SPRINGS, 0.0))
 
     def pair(self, springs: Springs) -> tuple[Plant, Plant]:
-        """Return the plant, and the plant that (12) assumes."""
+        """Return the true plant, and the plant for which the law (12) is computed."""
         plant = self.without_springs if springs == "absent" else self.plant
         return plant, self.plant if springs == "known" else self.without_springs
 
 
 @lru_cache(maxsize=CACHED_RUNS)
 def ideal(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
-    """Return the ideal 4-DOF tracking or ellipse under (12), with this factor in L_v3 in plant and law."""
+    """Return an ideal run under (12): 4-DOF tracking if `four`, otherwise the 3-DOF ellipse.
+
+    `lv3` names the factor in L_v3, of both plant and law.
+    """
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
         courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
@@ -99,13 +102,13 @@ def run(
     duration_s: float,
     lv3: str = "csch2",
 ) -> Motion:
-    """Return the motion of a plant under (12) for an assumed plant, in the ideal loops of the axes with courses."""
+    """Return the motion of the first plant under the law (12) for the second; `courses` gives the controlled axes."""
     regulators = [regulator(axis(name)) for name in courses]
     return maglev_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
 
 
 def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
-    """Return the mean |e| of an ideal run by axis, um or urad; NaN when the gap left its range."""
+    """Return the mean |e| of an ideal run by axis, um or urad; NaN if the gap leaves its range."""
     motion, start = ideal(bench, four, springs, lv3), bench.duration_s / 5
     if np.isfinite(motion.exit_time):
         return dict.fromkeys(motion.error, np.nan)
@@ -113,7 +116,7 @@ def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "cs
 
 
 def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
-    """Return whether tracking errors agree with the printed ones within a tenth of these."""
+    """Return whether tracking errors agree with the printed ones within a tenth of the printed values."""
     return all(is_close(errors[name], 0.1, value) for name, value in printed.items())
 
 
@@ -121,17 +124,20 @@ def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
 def encoder_errors(
     bench: AuditSetup, four: bool, corrected: bool, springs: Springs = "known", guided: bool = False
 ) -> dict[str, float]:
-    """Return the mean |e| by axis of the compiled loop, um or urad; `guided` adds friction and cogging."""
-    plant, known = bench.pair(springs)
-    added = maglev_stage.guide_disturbance(bench.plant, FRICTION, bench.cells) if guided else None
-    rig = Rig(bench.stage, plant, _controller(known, corrected), disturbance=added)
+    """Return the mean |e| by axis of the loop with encoders, um or urad.
+
+    `guided` adds the friction of the guides and the cogging of the slots. `four` is as for `ideal`.
+    """
+    plant, assumed = bench.pair(springs)
+    disturbance = maglev_stage.guide_disturbance(bench.plant, FRICTION, bench.cells) if guided else None
+    rig = Rig(bench.stage, plant, _controller(assumed, corrected), disturbance=disturbance)
     trajectory, courses = experiments.tracking(rig, four, bench.duration_s)
     return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, bench.duration_s / 6).items()}
 
 
 @lru_cache(maxsize=CACHED_RUNS)
-def _controller(known: Plant, corrected: bool) -> host.Controller:
-    emitted = _emit(tuple((p.name, p.value) for p in known.parameters), corrected)
+def _controller(assumed: Plant, corrected: bool) -> host.Controller:
+    emitted = _emit(tuple((p.name, p.value) for p in assumed.parameters), corrected)
     return host.load(emitted.files, emitted.manifest)
 
 
@@ -139,10 +145,10 @@ def _controller(known: Plant, corrected: bool) -> host.Controller:
 def _emit(parameters: tuple[tuple[str, float], ...], corrected: bool) -> write.EmittedCode:
     """Return the C of the controller for these parameters of the plant.
 
-    It calls the functions of the C library, because no polynomials are fitted for new parameters.
+    The C calls sin, exp and so on of the C library; polynomials for them are fitted for the shipped parameters only.
     """
-    known = maglev_stage.plant().with_parameters(**dict(parameters))
-    emitted = write.emit(control.controller(known, corrected).block, np.float64, libm=True)
+    assumed = maglev_stage.plant().with_parameters(**dict(parameters))
+    emitted = write.emit(control.controller(assumed, corrected).block, np.float64, libm=True)
     return replace(emitted, program=None)
 
 
@@ -153,7 +159,7 @@ def axis(name: str) -> control.Axis:
 
 @lru_cache(maxsize=CACHED_RUNS)
 def regulator(axis: control.Axis) -> Regulator:
-    """Return the regulator of an axis."""
+    """Return the state feedback of an axis, with A of its design plant."""
     return Regulator(axis.name, control.gain(axis).K, control.axis_plant(axis).A)
 
 
@@ -165,19 +171,19 @@ def closed_loop(name: str) -> Array:
 
 def poles(name: str) -> Poles:
     """Return the closed-loop poles of an axis that follow from its LQR weights."""
-    poles = np.linalg.eigvals(closed_loop(name))
-    first, second = sorted(poles[poles.imag > 1e-9], key=lambda pole: -pole.imag)
-    return Poles(float(poles[np.abs(poles.imag) < 1e-9].real[0]), first, second)
+    eigenvalues = np.linalg.eigvals(closed_loop(name))
+    first, second = sorted(eigenvalues[eigenvalues.imag > 1e-9], key=lambda pole: -pole.imag)
+    return Poles(float(eigenvalues[np.abs(eigenvalues.imag) < 1e-9].real[0]), first, second)
 
 
 def weights_of(name: str, fast: float, *pairs: complex) -> inverse_lqr.DiagonalWeights:
-    """Return the diagonal weights for which the LQR of an axis has a real pole and pairs of others, in 1/s."""
+    """Return the diagonal weights for which the LQR of an axis has a real pole `fast` and conjugate `pairs`, in 1/s."""
     conjugated = [s for pair in pairs for s in (pair, pair.conjugate())]
     return inverse_lqr.diagonal_weights(control.axis_plant(axis(name)), [complex(fast), *conjugated])
 
 
 def linear_step(name: str, step: float) -> metrics.StepResponse:
-    """Return the metrics over 10 s of a step in m or rad on the linear loop, from rest with xi = 0, de = 0."""
+    """Return the metrics over 10 s of a step in m or rad of the linear loop, from rest, with all but e zero."""
     time = sample_times(10.0, SAMPLE)
     transition = expm(closed_loop(name) * SAMPLE)
     state, error = np.array([-step, 0.0, 0.0, 0.0, 0.0]), np.zeros(len(time))
@@ -188,7 +194,7 @@ def linear_step(name: str, step: float) -> metrics.StepResponse:
 
 
 def gap_step(plant: Plant, low: float, size: float) -> metrics.StepResponse:
-    """Return the metrics over 6 s of a step of the gap from `low` by `size` in m, on the nonlinear plant under (12)."""
+    """Return the metrics over 6 s of a gap step from `low` by `size` in m, for the nonlinear plant under (12)."""
     high = low + size
     motion = run((plant, plant), {"y": Sine(0.0, control.OMEGA0, 0.0, high)}, {"y": low}, 6.0)
     gap = motion.error["y"] + low + size

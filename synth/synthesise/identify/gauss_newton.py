@@ -2,10 +2,11 @@
 
     minimise  sum_j |y_j - g_j(theta)|^2 / w_j^2
 
-by Gauss-Newton steps with Levenberg-Marquardt damping where they do not descend: with J = dg/dtheta and columns of
-length 1, (J'J + m I) d = J' e. The iteration ends when almost nothing of e is in the range of J. The confidence is that
-of the linear problem J theta + e at the minimum (`least_squares`). If the noise of several outputs is unknown, it is
-estimated there and the minimisation is repeated until the noise converges.
+with the standard deviation w_j of output j, up to a common factor. The steps are d in (J'J + mu I) d = J' e, for
+J = dg/dtheta and e = y - g, both divided by w, and columns of J scaled to length 1. The Levenberg-Marquardt damping mu
+grows until a step descends. The iteration ends when the projection of e onto the range of J is below UNEXPLAINED |e|.
+The confidence intervals are those of the problem linearised at the minimum (`least_squares`). If the noise of several
+outputs is unknown, it is estimated from the residuals, and the minimisation is repeated until the noise converges.
 
 Library: no design uses it yet; docs/library.md has an example.
 """
@@ -23,20 +24,20 @@ from synth.synthesise.identify import bordered, least_squares, undetermined
 from synth.synthesise.identify.estimate import Estimate
 
 Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
-"""theta (k,) to g (N, p) and dg/dtheta (N, p, k); in theta, parameters of groups of rows follow the shared ones."""
+"""Maps theta (k,) to g (N, p) and dg/dtheta (N, p, k). In theta, shared parameters precede those of groups of rows."""
 
-STEPS = 100
-UNEXPLAINED = 1e-6  # of the length of e: its component in the range of J at the minimum, about 1e-6 standard errors
-EXACT = 1e-3  # of the length of y: lower bound for the length of e, which gives an exact fit a minimum
-PASSES = 200  # most minimisations until the outputs' noise converges
+STEPS = 100  # most steps of a minimisation
+UNEXPLAINED = 1e-6  # at the minimum: |projection of e onto the range of J| / |e|, about 1e-6 standard errors
+EXACT = 1e-3  # |e| counts as at least this fraction of |y|: an exact fit, e = 0, also meets UNEXPLAINED
+PASSES = 200  # most minimisations, with the noise estimated after each
 
 
 @show.result
 class Fit:
     """The estimate, the number of steps and the optimality of the minimum.
 
-    `theta` is the argument of the model at the minimum; `unexplained` the length of the component of e in the range of
-    J, relative to the length of e.
+    `theta` is the argument of the model at the minimum. `unexplained` is |projection of e onto the range of J| / |e|,
+    which is 0 at an exact minimum.
     """
 
     estimate: Estimate
@@ -53,6 +54,8 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
+    """The model at theta: residual e = y - g, Jacobian J, and the standard deviations `weight` that divide both."""
+
     theta: Array
     e: Array
     J: bordered.Jacobian
@@ -77,9 +80,10 @@ def minimise(
     level: float = 0.95,
     units: Mapping[str, str] | None = None,
 ) -> Fit:
-    """Return theta (k,) of y = g(theta) + e, y (N, p), from a start.
+    """Return the fit of y = g(theta) + e, with theta (k,) and y (N, p), found from a start.
 
     `noise` gives the outputs' standard deviations up to a common factor; without it they are estimated.
+    `level` is that of the confidence intervals.
 
     Raises as `least_squares.solve`; SignalError for a start of another length or that is not finite; ModelError when
     the model is not finite at the start or no minimum is found.
@@ -100,9 +104,9 @@ def minimise(
             linear = least_squares.solve_with_weights(J, point.e + J.shared @ values, weight, parameters, values)
         except ModelError as error:
             raise ModelError(f"{error}; the residual is {_largest_residual(point.e / weight, outputs)}") from error
-        before = weight
+        previous_weight = weight
         weight = least_squares.deviations(linear, y, outputs) if estimated else weight
-        if np.allclose(before, weight, rtol=least_squares.CONVERGED, atol=0.0):
+        if np.allclose(previous_weight, weight, rtol=least_squares.CONVERGED, atol=0.0):
             break
     else:
         raise ModelError(least_squares.no_convergence_text(PASSES))
@@ -127,8 +131,8 @@ def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str
     if shapes != (output_shape, output_shape, (*output_shape, k)) or point.J.parameters != len(theta):
         raise SignalError(
             f"the outputs have the shape {shapes[0]}, the model's {shapes[1]}, its derivative {shapes[2]}, the start "
-            f"{theta.shape}: {len(outputs)} outputs and {k} parameters need {output_shape} twice, "
-            f"{(*output_shape, k)}, {(k,)}"
+            f"{theta.shape}: for {len(outputs)} outputs and {k} parameters give outputs and a model of {output_shape}, "
+            f"a derivative of {(*output_shape, k)} and a start of {(k,)}"
         )
 
 
@@ -137,17 +141,17 @@ def _minimum(model: Model, y: Array, theta: Array, weight: Array, outputs: Seque
     point, damping = _evaluate(model, y, theta, weight), 1e-3
     if not point.cost < np.inf:
         raise ModelError("the model is not finite at the start: start nearer to the truth, or simulate shorter spans")
-    size = float(np.linalg.norm(y / weight)) or 1.0
+    y_norm = float(np.linalg.norm(y / weight)) or 1.0
     for step in range(STEPS):
         J, e = point.J.weighted(weight), (point.e / weight).ravel()
         factors = bordered.factors(J)
-        kept = factors.sigma > undetermined.RANK * max(1.0, factors.sigma.max(initial=0.0))
-        shares = np.concatenate([(factors.U.T @ e)[kept], factors.group_components(e).ravel()])
-        unexplained = float(np.linalg.norm(shares)) / max(float(np.linalg.norm(e)), EXACT * size)
+        determined = factors.sigma > undetermined.RANK * max(1.0, factors.sigma.max(initial=0.0))
+        projection = np.concatenate([(factors.U.T @ e)[determined], factors.group_components(e).ravel()])
+        unexplained = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), EXACT * y_norm)
         if unexplained <= UNEXPLAINED:
             return point, step, unexplained
         while damping < 1e12:
-            shared_step, group_step = factors.step(e, damping, kept)
+            shared_step, group_step = factors.step(e, damping, determined)
             trial = _evaluate(model, y, point.theta + np.concatenate([shared_step, group_step.ravel()]), weight)
             if trial.cost < point.cost:
                 point, damping = trial, damping / 10
@@ -156,9 +160,9 @@ def _minimum(model: Model, y: Array, theta: Array, weight: Array, outputs: Seque
         else:
             break
     raise ModelError(
-        f"no minimum was found in {step + 1} steps: {unexplained:.1e} of the residual is still to be explained, which "
-        f"is {_largest_residual(point.e / weight, outputs)}; start nearer to the truth, leave outliers out, simulate "
-        "shorter spans or estimate fewer parameters"
+        f"no minimum was found in {step + 1} steps: a fraction {unexplained:.1e} of the residual is still in the range "
+        f"of the Jacobian; the residual is {_largest_residual(point.e / weight, outputs)}: start nearer to the truth, "
+        "leave outliers out, simulate shorter spans or estimate fewer parameters"
     )
 
 

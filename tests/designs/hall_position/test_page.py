@@ -89,7 +89,7 @@ def test_without_a_measured_cost_no_other_is_measured(monkeypatch: pytest.Monkey
 
 def test_the_map_is_that_of_the_deviations(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "POINTS", 6)
-    shown = accuracy._larger(STAGE.three, 0.1)
+    shown = accuracy._larger_deviation(STAGE.three, 0.1)
     along = STAGE.pitch * (np.arange(6) + 0.5) / 6
     for i, j in ((0, 0), (2, 5), (4, 1)):
         expected = hall_fisher.deviations(STAGE.three, np.array([[along[i]], [along[j]], [0.1]]))[:2].max()
