@@ -30,7 +30,6 @@ CHANGED_COPIES = frozenset(
         "paired",
         "parenthesised",
         "perturbed",
-        "prefixed",
         "prewarped",
         "renamed",
         "resampled",
