@@ -1,11 +1,11 @@
-"""Words of names: what names between underscores have in common, and what tells them apart."""
+"""Words of names: what several names, split at their underscores, have in common."""
 
 from collections.abc import Sequence
 from itertools import takewhile
 
 
 def common(names: Sequence[str]) -> str:
-    """Return the words that names between underscores have in common in the same places, "" for none.
+    """Return the words that names have in common in the same places, joined by underscores, "" for none.
 
     ``regulator_x_sum`` and ``regulator_z_sum`` have ``regulator_sum`` in common.
     """
@@ -19,12 +19,3 @@ def common(names: Sequence[str]) -> str:
 
 def _leading(words: Sequence[Sequence[str]]) -> list[str]:
     return [column[0] for column in takewhile(lambda column: len(set(column)) == 1, zip(*words, strict=False))]
-
-
-def without(name: str, shared: str) -> str:
-    """Return the words of a name that are not among some shared words: ``held_x`` without ``held`` is ``x``."""
-    rest = name.split("_")
-    for word in shared.split("_"):
-        if word in rest:
-            rest.remove(word)
-    return "_".join(rest)
