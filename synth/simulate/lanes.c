@@ -1,0 +1,146 @@
+/* Sampled controllers around continuous plants, LANES loops side by side; closed_loop.c states the equations of one.
+ *
+ * A row of an array is one vector, the values of a signal in all lanes. lanes.h gives LANES, the numbers of rows N_...,
+ * the vectors `scalar` and `counter` of the controller, and the functions plant_f, plant_h and controller_step.
+ * The caller owns every array. All members of loop_t are eight bytes wide.
+ */
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "lanes.h"
+
+typedef struct {
+    int64_t samples, substeps, delay, stride; /* every `stride`th sample is recorded */
+    double period;
+    const vd *p; /* (N_P) */
+    vd *x;       /* (N_X) */
+    vmd *left;   /* (1): in this lane a variable has left the range of its polynomials */
+
+    int64_t stops;
+    const int64_t *stop_position, *stop_velocity, *locked; /* (stops); locked (N_X): this state keeps its value */
+    const double *stop_low, *stop_high;
+    vd *impact; /* (stops): largest speed of an impact */
+
+    int64_t sensors;
+    const int64_t *sensor_source, *sensor_input; /* plant output; row of the controller's input */
+    const vd *gain, *bias, *resolution, *low, *high;
+    const vd *noise;           /* 0, or (samples, sensors) */
+    const uint8_t *overridden; /* 0, or (samples, sensors): the input holds this sample already */
+
+    int64_t commands;
+    const int64_t *command_output; /* row of the controller's output */
+    const double *mixing;          /* (N_U, commands) */
+    const double *forcing;         /* (samples or 1, substeps, N_U) */
+    int64_t forcing_stride;        /* substeps N_U, or 0 */
+    vd *waiting;                   /* (max(delay, 1), commands): computed and not yet applied */
+
+    scalar *reals; /* (N_REALS) */
+    counter *counters;
+    scalar *in, *out; /* (samples, N_IN), (samples, N_OUT) */
+    counter *faults;  /* (samples) */
+
+    int64_t recorded_states, recorded_outputs, recorded_inputs;
+    const int64_t *state_rows, *output_rows, *input_rows;
+    vd *states, *outputs, *applied;
+} loop_t;
+
+static void derivative(const loop_t *loop, const vd *x, const vd *u, vd *dx) {
+    plant_f(x, u, loop->p, dx);
+    for (int i = 0; i < N_X; i++) {
+        if (loop->locked[i]) dx[i] = vd_all(0.0);
+    }
+    *loop->left |= dx[N_X] != vd_all(0.0);
+}
+
+static void rk4(const loop_t *loop, const vd *u, double h) {
+    const vd half = vd_all(0.5 * h), whole = vd_all(h), sixth = vd_all(h / 6.0), two = vd_all(2.0);
+    vd *const x = loop->x;
+    vd k1[N_X + 1], k2[N_X + 1], k3[N_X + 1], k4[N_X + 1], z[N_X];
+    derivative(loop, x, u, k1);
+    for (int i = 0; i < N_X; i++) z[i] = x[i] + half * k1[i];
+    derivative(loop, z, u, k2);
+    for (int i = 0; i < N_X; i++) z[i] = x[i] + half * k2[i];
+    derivative(loop, z, u, k3);
+    for (int i = 0; i < N_X; i++) z[i] = x[i] + whole * k3[i];
+    derivative(loop, z, u, k4);
+    for (int i = 0; i < N_X; i++) x[i] = x[i] + sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);
+}
+
+static void stop(const loop_t *loop) {
+    for (int64_t i = 0; i < loop->stops; i++) {
+        vd *const position = &loop->x[loop->stop_position[i]], *const velocity = &loop->x[loop->stop_velocity[i]];
+        const vd low = vd_all(loop->stop_low[i]), high = vd_all(loop->stop_high[i]), zero = vd_all(0.0);
+        const vd q = *position, v = *velocity, speed = vd_fabs(v);
+        const vmd below = q < low, above = q > high;
+        const vmd hit = (below & (v < zero)) | (above & (v > zero));
+        *position = vd_choose(below, low, vd_choose(above, high, q));
+        loop->impact[i] = vd_choose(hit & (speed > loop->impact[i]), speed, loop->impact[i]);
+        *velocity = vd_choose(hit, zero, v);
+    }
+}
+
+static vd nearest_whole(vd a) {
+    const vd magic = vd_all(0x1.8p52); /* halves to even, like rint, while |a| < 2^51; beyond, the count is lost */
+    return (a + magic) - magic;
+}
+
+static void measure(const loop_t *loop, int64_t k, const vd *y) {
+    for (int64_t i = 0; i < loop->sensors; i++) {
+        if (loop->overridden && loop->overridden[k * loop->sensors + i]) continue;
+        const vd step = loop->resolution[i];
+        vd seen = loop->gain[i] * y[loop->sensor_source[i]] + loop->bias[i];
+        if (loop->noise) seen += loop->noise[k * loop->sensors + i];
+        const vd value = vd_choose(step > vd_all(0.0), step * nearest_whole(seen / step), seen);
+        const vd held = vd_choose(value > loop->high[i], loop->high[i], value);
+        const vd limited = vd_choose(held < loop->low[i], loop->low[i], held);
+        loop->in[k * N_IN + loop->sensor_input[i]] = __builtin_convertvector(limited, scalar);
+    }
+}
+
+static void command(const loop_t *loop, int64_t k, vd *values) {
+    for (int64_t i = 0; i < loop->commands; i++)
+        values[i] = __builtin_convertvector(loop->out[k * N_OUT + loop->command_output[i]], vd);
+}
+
+static void mix(const loop_t *loop, const vd *commands, int64_t k, int64_t substep, vd *u) {
+    const double *const forcing = loop->forcing + k * loop->forcing_stride + substep * N_U;
+    for (int64_t j = 0; j < N_U; j++) {
+        u[j] = vd_all(forcing[j]);
+        for (int64_t i = 0; i < loop->commands; i++) {
+            const double weight = loop->mixing[j * loop->commands + i];
+            if (weight != 0.0) u[j] += vd_all(weight) * commands[i];
+        }
+    }
+}
+
+static void record(const int64_t *rows, int64_t n, const vd *values, vd *place) {
+    for (int64_t i = 0; i < n; i++) place[i] = values[rows[i]];
+}
+
+void synth_lanes(const loop_t *loop) {
+    const double h = loop->period / (double)loop->substeps;
+    vd u[N_U], y[N_Y];
+    mix(loop, loop->waiting, 0, 0, u);
+    for (int64_t k = 0; k < loop->samples; k++) {
+        const int64_t kept = k % loop->stride ? -1 : k / loop->stride;
+        plant_h(loop->x, u, loop->p, y);
+        if (kept >= 0) {
+            record(loop->state_rows, loop->recorded_states, loop->x, loop->states + kept * loop->recorded_states);
+            record(loop->output_rows, loop->recorded_outputs, y, loop->outputs + kept * loop->recorded_outputs);
+        }
+        measure(loop, k, y);
+        controller_step(loop->reals, loop->counters, loop->in + k * N_IN, loop->out + k * N_OUT, loop->faults + k);
+        vd *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
+        if (loop->delay == 0) command(loop, k, slot);
+        for (int64_t j = 0; j < loop->substeps; j++) {
+            if (j == 0 || loop->forcing_stride) mix(loop, slot, k, j, u);
+            if (j == 0 && kept >= 0)
+                record(loop->input_rows, loop->recorded_inputs, u, loop->applied + kept * loop->recorded_inputs);
+            rk4(loop, u, h);
+            stop(loop);
+        }
+        if (loop->delay > 0) command(loop, k, slot);
+    }
+}
