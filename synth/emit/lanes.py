@@ -75,7 +75,7 @@ def step(name: str, program: Program, rows: Rows, numbers: Mapping[str, float], 
     return _function(name, arguments, [*lines.texts, *stores], program, scalar)
 
 
-def map(name: str, program: Program, rows: Rows) -> str:
+def function(name: str, program: Program, rows: Rows) -> str:
     """Return the C of a memoryless function of states, inputs and parameters, in double."""
     lines = _Lanes(program, rows, {}, np.float64)
     stores = [f"out[{i}] = {lines.real(program.outputs[n])};" for i, n in enumerate(rows.outputs)]
@@ -89,12 +89,11 @@ def _function(name: str, arguments: str, lines: Sequence[str], program: Program,
     return f"static void {name}({arguments}) {{\n{body}\n}}\n"
 
 
-def mathematics(programs: Mapping[type[np.floating], Sequence[Program]]) -> str:
-    """Return the functions of libm that the programs of each scalar type call, lane by lane."""
+def mathematics(programs: Sequence[tuple[Program, type[np.floating]]]) -> str:
+    """Return the functions of libm that the programs call, lane by lane."""
     calls = {
         (TYPES[scalar][0], f"{n.op}{'f' if scalar is np.float32 else ''}")
-        for scalar, each in programs.items()
-        for program in each
+        for program, scalar in programs
         for n in program.nodes
         if n.op in LIBM - {"fabs", "atan2"}
     }

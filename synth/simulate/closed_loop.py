@@ -26,7 +26,7 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
 from synth.simulate import faulty, plant_code
-from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
+from synth.simulate.scenario import Array, Columns, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
@@ -67,12 +67,14 @@ def simulate(
     """
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
-        _plant_arrays(plant, scenario, len(time))
-        | _controller_arrays(controller, scenario, len(time))
-        | _sensor_arrays(plant, controller, scenario, len(time))
-        | _actuator_arrays(plant, controller, scenario, time)
+        plant_arrays(plant, scenario, len(time))
+        | controller_arrays(controller, scenario, len(time))
+        | sensor_arrays(plant, controller, scenario, len(time))
+        | actuator_arrays(plant, controller, scenario, time)
         | faulty.arrays(plant, scenario, len(time))
     )
+    every_sample = (len(time), *arrays["forcing"].shape[1:])
+    arrays["forcing"] = np.ascontiguousarray(np.broadcast_to(arrays["forcing"], every_sample))
     counts = {
         "samples": len(time),
         "substeps": scenario.substeps,
@@ -87,26 +89,33 @@ def simulate(
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, controller, scenario, time, arrays)
-
-
-def _trajectory(
-    plant: Plant, controller: host.Controller, scenario: Scenario, time: Array, arrays: Arrays
-) -> Trajectory:
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
-    for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
-        array.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
+    return trajectory(plant, controller, time, groups, arrays["faults"], impacts)
+
+
+def trajectory(
+    plant: Plant,
+    controller: host.Controller,
+    time: Array,
+    groups: Mapping[str, Columns],
+    faults: NDArray[np.uint32],
+    impacts: dict[str, float],
+) -> Trajectory:
+    """Return a trajectory with read-only columns and the units of the plant's and the controller's signals."""
+    for array in (time, faults, *chain(*(columns.values() for columns in groups.values()))):
+        array.flags.writeable = False
     members = {
         m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
     }
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, units=units, **groups)
+    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
 
 
-def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
+def plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
+    """Return the members of `loop_t` for the plant, its stops and its records of n samples."""
     states, start = signal_names(plant.states), _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
@@ -140,7 +149,8 @@ def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
     return {s.name: float(scenario.x0.get(s.name, 0.0)) for s in plant.states}
 
 
-def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    """Return the state of the controller, and its inputs, outputs and faults over n samples."""
     known, wired = controller.inputs.names or (), (*scenario.sensors, *scenario.references)
     _require_known("sensors and references", wired, known)
     _require_known("overrides", scenario.overrides, known)
@@ -158,7 +168,8 @@ def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) 
     return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
 
 
-def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    """Return the members of `loop_t` for the sensors, with n samples of noise."""
     sensors, outputs = scenario.sensors, {s.name: s for s in plant.outputs}
     _require_known("sensors", sensors.values(), outputs)
     _require_known("encoders", scenario.encoders, sensors)
@@ -189,7 +200,8 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
     }
 
 
-def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
+def actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
+    """Return the members of `loop_t` for the actuators; constant forcing has one row for all samples."""
     inputs, known = {s.name: s for s in plant.inputs}, controller.outputs.names or ()
     rows = {name: {w: 1.0} if isinstance(w, str) else dict(w) for name, w in scenario.actuators.items()}
     commands = tuple(dict.fromkeys(chain(*rows.values())))
@@ -211,11 +223,15 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
 
 
 def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs."""
+    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs.
+
+    Forcing by constants has one row for all samples.
+    """
     n, m = len(time), scenario.substeps
+    varies = any(callable(course) or np.ndim(course) for course in scenario.forcing.values())
     period = scenario.duration_s / n if n == 1 else time[1]
     middles = time[:, None] + period * (np.arange(m) + 0.5) / m
-    forcing = np.zeros((n, m, len(inputs)))
+    forcing = np.zeros((n if varies else 1, m, len(inputs)))
     for j, (name, signal) in enumerate(inputs.items()):
         course = scenario.forcing.get(name, 0.0)
         try:

@@ -70,10 +70,12 @@ class _Expressions:
 class FastPlant:
     """Programs `f` and `h` in the states, the inputs and `parameters`, one form for every set of physical parameters.
 
-    The outputs of `f` are the derivatives by state, and OUTSIDE. `degrees` are those of the polynomials.
+    The outputs of `f` are the derivatives by state, and OUTSIDE. `degrees` are those of the polynomials, `error` bounds
+    their error at the corners of the tolerances.
     """
 
     plant: Plant
+    error: float
     lowered: Program
     fits: tuple[_Fit, ...]
     expressions: tuple[_Expressions, _Expressions]
@@ -131,7 +133,7 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
             replaced |= {each.root: (each.variable, len(fits)) for each in group}
             fits.append(fit)
     expressions = (_hoisted(_rewritten(f, replaced, fits), "f"), _hoisted(h, "h"))
-    return FastPlant(plant, f, tuple(fits), expressions)
+    return FastPlant(plant, error, f, tuple(fits), expressions)
 
 
 def _lowered(plant: Plant, function: ca.Function, results: Sequence[Signal]) -> Program:

@@ -12,20 +12,21 @@
 #include "lanes.h"
 
 typedef struct {
-    int64_t samples, substeps, delay, stride; /* every `stride`th sample is recorded */
+    int64_t samples, substeps, delay;
     double period;
     const vd *p; /* (N_P) */
     vd *x;       /* (N_X) */
     vmd *left;   /* (1): in this lane a variable has left the range of its polynomials */
+    const int64_t *locked; /* (N_X): this state keeps its value */
 
     int64_t stops;
-    const int64_t *stop_position, *stop_velocity, *locked; /* (stops); locked (N_X): this state keeps its value */
+    const int64_t *stop_position, *stop_velocity;
     const double *stop_low, *stop_high;
     vd *impact; /* (stops): largest speed of an impact */
 
     int64_t sensors;
     const int64_t *sensor_source, *sensor_input; /* plant output; row of the controller's input */
-    const vd *gain, *bias, *resolution, *low, *high;
+    const vd *sensor_gain, *sensor_bias, *sensor_resolution, *sensor_low, *sensor_high;
     const vd *noise;           /* 0, or (samples, sensors) */
     const uint8_t *overridden; /* 0, or (samples, sensors): the input holds this sample already */
 
@@ -41,9 +42,7 @@ typedef struct {
     scalar *in, *out; /* (samples, N_IN), (samples, N_OUT) */
     counter *faults;  /* (samples) */
 
-    int64_t recorded_states, recorded_outputs, recorded_inputs;
-    const int64_t *state_rows, *output_rows, *input_rows;
-    vd *states, *outputs, *applied;
+    vd *states, *outputs, *applied; /* (samples, N_X), (samples, N_Y), (samples, N_U) */
 } loop_t;
 
 static void derivative(const loop_t *loop, const vd *x, const vd *u, vd *dx) {
@@ -89,12 +88,12 @@ static vd nearest_whole(vd a) {
 static void measure(const loop_t *loop, int64_t k, const vd *y) {
     for (int64_t i = 0; i < loop->sensors; i++) {
         if (loop->overridden && loop->overridden[k * loop->sensors + i]) continue;
-        const vd step = loop->resolution[i];
-        vd seen = loop->gain[i] * y[loop->sensor_source[i]] + loop->bias[i];
+        const vd step = loop->sensor_resolution[i];
+        vd seen = loop->sensor_gain[i] * y[loop->sensor_source[i]] + loop->sensor_bias[i];
         if (loop->noise) seen += loop->noise[k * loop->sensors + i];
         const vd value = vd_choose(step > vd_all(0.0), step * nearest_whole(seen / step), seen);
-        const vd held = vd_choose(value > loop->high[i], loop->high[i], value);
-        const vd limited = vd_choose(held < loop->low[i], loop->low[i], held);
+        const vd held = vd_choose(value > loop->sensor_high[i], loop->sensor_high[i], value);
+        const vd limited = vd_choose(held < loop->sensor_low[i], loop->sensor_low[i], held);
         loop->in[k * N_IN + loop->sensor_input[i]] = __builtin_convertvector(limited, scalar);
     }
 }
@@ -115,29 +114,21 @@ static void mix(const loop_t *loop, const vd *commands, int64_t k, int64_t subst
     }
 }
 
-static void record(const int64_t *rows, int64_t n, const vd *values, vd *place) {
-    for (int64_t i = 0; i < n; i++) place[i] = values[rows[i]];
-}
-
 void synth_lanes(const loop_t *loop) {
     const double h = loop->period / (double)loop->substeps;
     vd u[N_U], y[N_Y];
     mix(loop, loop->waiting, 0, 0, u);
     for (int64_t k = 0; k < loop->samples; k++) {
-        const int64_t kept = k % loop->stride ? -1 : k / loop->stride;
         plant_h(loop->x, u, loop->p, y);
-        if (kept >= 0) {
-            record(loop->state_rows, loop->recorded_states, loop->x, loop->states + kept * loop->recorded_states);
-            record(loop->output_rows, loop->recorded_outputs, y, loop->outputs + kept * loop->recorded_outputs);
-        }
+        memcpy(loop->states + k * N_X, loop->x, N_X * sizeof *y);
+        memcpy(loop->outputs + k * N_Y, y, N_Y * sizeof *y);
         measure(loop, k, y);
         controller_step(loop->reals, loop->counters, loop->in + k * N_IN, loop->out + k * N_OUT, loop->faults + k);
         vd *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
         if (loop->delay == 0) command(loop, k, slot);
         for (int64_t j = 0; j < loop->substeps; j++) {
             if (j == 0 || loop->forcing_stride) mix(loop, slot, k, j, u);
-            if (j == 0 && kept >= 0)
-                record(loop->input_rows, loop->recorded_inputs, u, loop->applied + kept * loop->recorded_inputs);
+            if (j == 0) memcpy(loop->applied + k * N_U, u, N_U * sizeof *u);
             rk4(loop, u, h);
             stop(loop);
         }

@@ -1,109 +1,62 @@
 """Closed loops side by side: many plants under copies of one controller, one loop in each lane of a vector unit.
 
 The equations are those of `closed_loop`, with two changes: polynomials replace the plant's functions of one variable
-(`interpolants`), and the controller runs as a program without branches, with the same bits. A lane that leaves the
-range of the polynomials has no result.
+(`interpolants`), and the controller runs as a program without branches, with the same bits. Products and sums are
+rounded one by one, so a result depends neither on the width of the processor's vectors nor on the neighbouring lanes.
 """
 
 import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import resources
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from synth.block import Block
 from synth.emit import lanes as lane_code
 from synth.emit import pipeline
+from synth.emit.lanes import Rows
 from synth.emit.lower import Program
+from synth.errors import WiringError
 from synth.execute import compile as host_compiler
+from synth.execute import host
+from synth.plant import Plant
 from synth.signals import signal_names
+from synth.simulate import closed_loop, interpolants
 from synth.simulate.interpolants import OUTSIDE, FastPlant
+from synth.simulate.scenario import Scenario, Trajectory, sample_times
+
+Arrays = dict[str, NDArray[Any]]
 
 LANES = 8
-FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11")
+ALIGNMENT = 64  # bytes: of a vector of 8 doubles
+FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
 HEADER = """#define LANES {lanes}
 #define N_X {x}
 #define N_U {u}
 #define N_Y {y}
-#define N_P {p}
 #define N_IN {inputs}
 #define N_OUT {outputs}
 {functions}
 typedef {scalar} scalar;
 typedef {counter} counter;
 """
-
-
-@dataclass(frozen=True, eq=False)
-class LaneController:
-    """A controller as a program without branches, and the Block that it comes from with rounded constants."""
-
-    block: Block
-    program: Program
-    scalar: type[np.floating]
-
-    @property
-    def rows(self) -> lane_code.Rows:
-        """The rows of its arrays."""
-        states = self.block.states
-        reals, counters = ([s.name for s in states if s.integer == whole] for whole in (False, True))
-        return lane_code.Rows(signal_names(self.block.inputs), reals, counters, (), signal_names(self.block.outputs))
-
-    @property
-    def code(self) -> str:
-        """The C of its step."""
-        numbers = {c.name: c.value for c in self.block.constants}
-        return lane_code.step("controller_step", self.program, self.rows, numbers, self.scalar)
-
-
-def controller(block: Block, scalar: type[np.floating], error: float | None = None) -> LaneController:
-    """Return a controller for lanes; the arguments are those of `write.emit`, whose C has the same bits.
-
-    Raises EmitError as `write.emit`.
-    """
-    reduced = pipeline.reduce(block.rounded(scalar), scalar, error=error)
-    return LaneController(reduced.block, reduced.program, scalar)
-
-
-def compile_loop(fast: FastPlant, controller: LaneController, plant: Any) -> ctypes.CDLL:
-    """Compile lanes.c with a plant and a controller."""
-    states, inputs, outputs = (signal_names(s) for s in (plant.states, plant.inputs, plant.outputs))
-    rows = {"inputs": inputs, "reals": states, "parameters": fast.parameters}
-    functions = [
-        lane_code.SUPPORT,
-        lane_code.mathematics({np.float64: [fast.f, fast.h], controller.scalar: [controller.program]}),
-        lane_code.map("plant_f", fast.f, lane_code.Rows(**rows, outputs=[*states, OUTSIDE])),
-        lane_code.map("plant_h", fast.h, lane_code.Rows(**rows, outputs=outputs)),
-        controller.code,
-    ]
-    header = HEADER.format(
-        lanes=LANES,
-        x=len(states),
-        u=len(inputs),
-        y=len(outputs),
-        p=max(1, len(fast.parameters)),
-        inputs=len(controller.rows.inputs),
-        outputs=len(controller.rows.outputs),
-        scalar=lane_code.TYPES[controller.scalar][0],
-        counter=lane_code.TYPES[controller.scalar][1],
-        functions="\n".join(functions),
-    )
-    loop_c = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
-    return ctypes.CDLL(str(host_compiler.shared_library({"lanes.c": loop_c, "lanes.h": header}, FLAGS)))
-
-
-_COUNTS = {"samples", "substeps", "delay", "stride", "stops", "sensors", "commands", "forcing_stride"}
-_COUNTS |= {"recorded_states", "recorded_outputs", "recorded_inputs"}
+_COUNTS = {"samples", "substeps", "delay", "stops", "sensors", "commands", "forcing_stride"}
 _MEMBERS = (
-    *("samples", "substeps", "delay", "stride", "period", "p", "x", "left"),
-    *("stops", "stop_position", "stop_velocity", "locked", "stop_low", "stop_high", "impact"),
-    *("sensors", "sensor_source", "sensor_input", "gain", "bias", "resolution", "low", "high", "noise", "overridden"),
+    *("samples", "substeps", "delay", "period", "p", "x", "left", "locked"),
+    *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
+    *("sensors", "sensor_source", "sensor_input", "sensor_gain", "sensor_bias", "sensor_resolution"),
+    *("sensor_low", "sensor_high", "noise", "overridden"),
     *("commands", "command_output", "mixing", "forcing", "forcing_stride", "waiting"),
-    *("reals", "counters", "in", "out", "faults"),
-    *("recorded_states", "recorded_outputs", "recorded_inputs", "state_rows", "output_rows", "input_rows"),
-    *("states", "outputs", "applied"),
+    *("reals", "counters", "in", "out", "faults", "states", "outputs", "applied"),
 )
+_SHARED = (
+    *("locked", "stop_position", "stop_velocity", "stop_low", "stop_high", "sensor_source", "overridden"),
+    *("mixing", "forcing"),
+)
+_OF_LANE = ("x", "impact", "sensor_gain", "sensor_bias", "sensor_resolution", "sensor_low", "sensor_high", "waiting")
 
 
 class _Loop(ctypes.Structure):
@@ -112,3 +65,190 @@ class _Loop(ctypes.Structure):
     _fields_ = [
         (m, ctypes.c_int64 if m in _COUNTS else ctypes.c_double if m == "period" else ctypes.c_void_p) for m in _MEMBERS
     ]
+
+
+@dataclass(frozen=True, eq=False)
+class LaneLoop:
+    """A plant and a controller compiled for lanes; `simulate` serves plants with other parameters."""
+
+    fast: FastPlant
+    controller: host.Controller
+    rows: Rows
+    library: ctypes.CDLL
+
+    def simulate(self, plants: Sequence[Plant], scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
+        """Return the trajectory of each plant in its scenario, None where it leaves the range of the polynomials.
+
+        The scenarios may differ in their initial states, references, overridden values, noise and sensor errors.
+
+        Raises SignalError and WiringError as `closed_loop.simulate`, and WiringError where the scenarios differ in
+        anything else, or have a fault of a sensor, an actuator or a call that only `closed_loop` simulates.
+        """
+        results: list[Trajectory | None] = []
+        for first in range(0, len(plants), LANES):
+            batch = slice(first, first + LANES)
+            results += self._batch(list(plants[batch]), list(scenarios[batch]))
+        return results
+
+    def _batch(self, plants: list[Plant], scenarios: list[Scenario]) -> list[Trajectory | None]:
+        used, spare = len(plants), LANES - len(plants)
+        plants, scenarios = plants + plants[:1] * spare, scenarios + scenarios[:1] * spare
+        time = sample_times(scenarios[0].duration_s, self.controller.period_s)
+        lanes = [self._lane(plant, s, time) for plant, s in zip(plants, scenarios, strict=True)]
+        _require_alike(scenarios, lanes)
+        arrays, accurate = self._arrays(plants, scenarios, lanes, len(time))
+        self._run(arrays, scenarios[0], len(time))
+        kept = accurate & (arrays["left"][0] == 0)
+        return [self._trajectory(plants[i], scenarios[i], time, arrays, i) if kept[i] else None for i in range(used)]
+
+    def _lane(self, plant: Plant, scenario: Scenario, time: NDArray[np.float64]) -> Arrays:
+        n = len(time)
+        return (
+            closed_loop.plant_arrays(plant, scenario, n)
+            | closed_loop.controller_arrays(self.controller, scenario, n)
+            | closed_loop.sensor_arrays(plant, self.controller, scenario, n)
+            | closed_loop.actuator_arrays(plant, self.controller, scenario, time)
+        )
+
+    def _arrays(
+        self, plants: Sequence[Plant], scenarios: Sequence[Scenario], lanes: Sequence[Arrays], n: int
+    ) -> tuple[Arrays, NDArray[np.bool_]]:
+        """Return the members of `loop_t`, with the lanes along the last axis, and where the polynomials hold."""
+        coefficients = self.fast.coefficients(plants)
+        arrays = {name: _aligned(lanes[0][name]) for name in _SHARED}
+        arrays |= {name: _aligned(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
+        arrays["locked"] = arrays["locked"].astype(np.int64)
+        noise = np.stack([lane["noise"] for lane in lanes], axis=-1)
+        if noise.any():
+            arrays["noise"] = _aligned(noise)
+        scalar, width = self.controller.scalar, np.uint32 if self.controller.scalar is np.float32 else np.uint64
+        initial, (known_in, known_out) = lanes[0]["state"], (self.rows.inputs, self.rows.outputs)
+        wired = list(scenarios[0].sensors)
+        commands = list(dict.fromkeys(c for row in _weights(scenarios[0]) for c in row))
+        arrays |= {
+            "p": _aligned(coefficients.values),
+            "left": _aligned(np.zeros((1, LANES), np.int64)),
+            "sensor_input": np.array([known_in.index(name) for name in wired], dtype=np.int64),
+            "command_output": np.array([known_out.index(name) for name in commands], dtype=np.int64),
+            "reals": _aligned(
+                np.repeat([[initial[name]] for name in self.rows.reals] or [[0]], LANES, 1).astype(scalar)
+            ),
+            "counters": _aligned(
+                np.repeat([[initial[name]] for name in self.rows.counters] or [[0]], LANES, 1).astype(width)
+            ),
+            "in": _zeros((n, len(known_in), LANES), scalar),
+            "out": _zeros((n, len(known_out), LANES), scalar),
+            "faults": _zeros((n, LANES), width),
+        }
+        for i, lane in enumerate(lanes):
+            for row, name in enumerate(known_in):
+                arrays["in"][:, row, i] = lane["in"][name]
+        sizes = {name: lanes[0][name].shape[1] for name in ("states", "outputs", "applied")}
+        arrays |= {name: _zeros((n, size, LANES), np.float64) for name, size in sizes.items()}
+        return arrays, coefficients.error <= 2 * self.fast.error
+
+    def _run(self, arrays: Arrays, scenario: Scenario, n: int) -> None:
+        substeps, inputs = arrays["forcing"].shape[1:]
+        counts = {
+            "samples": n,
+            "substeps": scenario.substeps,
+            "delay": scenario.delay,
+            "stops": len(scenario.stops),
+            "sensors": len(scenario.sensors),
+            "commands": len(arrays["command_output"]),
+            "forcing_stride": substeps * inputs if len(arrays["forcing"]) > 1 else 0,
+        }
+        addresses = {name: array.ctypes.data for name, array in arrays.items()}
+        loop = _Loop(**counts, **addresses, period=self.controller.period_s)
+        ctypes.CFUNCTYPE(None, ctypes.c_void_p)(("synth_lanes", self.library))(ctypes.byref(loop))
+
+    def _trajectory(
+        self, plant: Plant, scenario: Scenario, time: NDArray[np.float64], arrays: Arrays, lane: int
+    ) -> Trajectory:
+        names = {"states": signal_names(plant.states), "outputs": signal_names(plant.outputs)}
+        names |= {"applied": signal_names(plant.inputs), "in": self.rows.inputs, "out": self.rows.outputs}
+        columns = {g: {name: arrays[g][:, row, lane] for row, name in enumerate(each)} for g, each in names.items()}
+        groups = {"measured": columns.pop("in"), "commands": columns.pop("out"), **columns}
+        impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
+        faults = arrays["faults"][:, lane].astype(np.uint32)
+        return closed_loop.trajectory(plant, self.controller, time, groups, faults, impacts)
+
+
+@lru_cache(maxsize=8)
+def compile_loop(plant: Plant, controller: host.Controller, error: float = interpolants.ERROR) -> LaneLoop:
+    """Return the loop of a plant and a controller for lanes; `error` is that of the plant's polynomials.
+
+    Raises EmitError for an operation without a form in C, WiringError for a controller whose Block is not known, and
+    CompileError as `host.load`.
+    """
+    if controller.source is None:
+        raise WiringError(
+            f"controller '{controller.manifest['design']}' was loaded from C alone: lanes need its Block; "
+            "make it with build.compile_block"
+        )
+    fast = interpolants.fast_plant(plant, error)
+    block, libm, surrogate_error = controller.source
+    reduced = pipeline.reduce(block.rounded(controller.scalar), controller.scalar, libm, surrogate_error)
+    reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
+    rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
+    numbers = {c.name: c.value for c in reduced.block.constants}
+    step = lane_code.step("controller_step", reduced.program, rows, numbers, controller.scalar)
+    loop_c = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
+    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, rows, step, reduced.program, controller.scalar)}
+    return LaneLoop(fast, controller, rows, ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS))))
+
+
+def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: type[np.floating]) -> str:
+    plant = fast.plant
+    states, inputs, outputs = (signal_names(s) for s in (plant.states, plant.inputs, plant.outputs))
+    functions = [
+        lane_code.SUPPORT,
+        lane_code.mathematics([(fast.f, np.float64), (fast.h, np.float64), (program, scalar)]),
+        lane_code.function("plant_f", fast.f, Rows(inputs, states, (), fast.parameters, (*states, OUTSIDE))),
+        lane_code.function("plant_h", fast.h, Rows(inputs, states, (), fast.parameters, outputs)),
+        step,
+    ]
+    reals, counters, _ = lane_code.TYPES[scalar]
+    return HEADER.format(
+        lanes=LANES,
+        x=len(states),
+        u=len(inputs),
+        y=len(outputs),
+        inputs=len(rows.inputs),
+        outputs=len(rows.outputs),
+        functions="\n".join(functions),
+        scalar=reals,
+        counter=counters,
+    )
+
+
+def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> None:
+    """Raise WiringError for scenarios that one loop cannot run side by side."""
+    first = scenarios[0]
+    for scenario, lane in zip(scenarios, lanes, strict=True):
+        faulty = [name for name in ("lags", "input_faults") if getattr(scenario, name)]
+        if faulty or scenario.missed is not None:
+            raise WiringError(f"lanes simulate no {faulty[0] if faulty else 'missed'}: use closed_loop.simulate")
+        scalars = ("duration_s", "delay", "substeps", "sensors", "actuators", "stops", "locked")
+        differing = [name for name in scalars if getattr(scenario, name) != getattr(first, name)]
+        differing += [name for name in _SHARED if not np.array_equal(lane[name], lanes[0][name])]
+        if differing:
+            raise WiringError(f"scenarios differ in {differing[0]}: lanes need it equal; simulate them in groups")
+
+
+def _weights(scenario: Scenario) -> list[dict[str, float]]:
+    return [{wire: 1.0} if isinstance(wire, str) else dict(wire) for wire in scenario.actuators.values()]
+
+
+def _zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
+    """Return zeros that begin at an address which vectors need."""
+    n = int(np.prod(shape)) * np.dtype(scalar).itemsize
+    memory = np.zeros(n + ALIGNMENT, np.uint8)
+    start = -memory.ctypes.data % ALIGNMENT
+    return memory[start : start + n].view(scalar).reshape(shape)
+
+
+def _aligned(values: NDArray[Any]) -> NDArray[Any]:
+    copy = _zeros(values.shape, values.dtype.type)
+    copy[...] = values
+    return copy
