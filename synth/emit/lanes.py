@@ -20,7 +20,10 @@ TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
     np.float32: ("vf", "vuf", "vmf"),  # reals, counters, truth values
     np.float64: ("vd", "vud", "vmd"),
 }
-SUPPORT = """typedef float vf __attribute__((vector_size(4 * LANES)));
+SUPPORT = """#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+typedef float vf __attribute__((vector_size(4 * LANES)));
 typedef uint32_t vuf __attribute__((vector_size(4 * LANES)));
 typedef int32_t vmf __attribute__((vector_size(4 * LANES)));
 typedef double vd __attribute__((vector_size(8 * LANES)));
@@ -39,6 +42,15 @@ typedef int64_t vmd __attribute__((vector_size(8 * LANES)));
     }
 LANE_FUNCTIONS(vf, vuf, vmf, float, uint32_t)
 LANE_FUNCTIONS(vd, vud, vmd, double, uint64_t)
+static inline vd vd_fma(vd a, vd b, vd c) { /* rounded once, on every processor */
+#if defined(__AVX512F__) && LANES == 8
+    return (vd)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#else
+    vd r;
+    for (int l = 0; l < LANES; l++) r[l] = fma(a[l], b[l], c[l]);
+    return r;
+#endif
+}
 #define LANE_MATH(v, f) \\
     static inline v v##_##f(v a) { v r; for (int l = 0; l < LANES; l++) r[l] = f(a[l]); return r; }
 """

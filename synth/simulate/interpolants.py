@@ -101,6 +101,17 @@ class FastPlant:
         coefficients = [_coefficient(i, j) for i, degree in enumerate(self.degrees) for j in range(degree + 1)]
         return (*coefficients, *(name for each in self.expressions for name in each.nodes))
 
+    @property
+    def second_order(self) -> dict[str, str]:
+        """The velocity of each position where the states are q and v = dq/dt, and dv/dt does not depend on v; else {}."""
+        f = self.f
+        pairs = {q: f.nodes[k].name for q, k in f.outputs.items() if f.nodes[k].op == "state"}
+        velocities = {*pairs.values()}
+        accelerations = [f.outputs[v] for v in velocities]
+        loads = {f.nodes[k].name for k in _ancestors(f, accelerations) if f.nodes[k].op == "state"}
+        complete = {*pairs} | velocities == {*signal_names(self.plant.states)} and len(velocities) == len(pairs)
+        return pairs if complete and velocities.isdisjoint(pairs) and velocities.isdisjoint(loads) else {}
+
     def coefficients(self, plants: Sequence[Plant]) -> Coefficients:
         """Return the parameters' values for plants that differ from this one in their physical parameters."""
         p = np.array([plant.values for plant in plants], dtype=np.float64).T
@@ -263,7 +274,7 @@ def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: 
         t = place("mul", centred, place("literal", value=2.0 / (fit.high - fit.low)))
         *lower_powers, value = (place("parameter", name=_coefficient(number, j)) for j in range(fit.degree + 1))
         for c in reversed(lower_powers):
-            value = place("add", c, place("mul", t, value))
+            value = place("fma", t, value, c)
         return value
 
     waiting = list(program.outputs.values())
@@ -285,6 +296,17 @@ def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: 
         outside = place("choose", within, outside, place("literal", value=1.0))
     outputs = {name: index[k] for name, k in program.outputs.items()} | {OUTSIDE: outside}
     return Program(tuple(nodes), (), outputs, {})
+
+
+def _ancestors(program: Program, ends: Sequence[int]) -> set[int]:
+    """Return the nodes from which the ends follow, themselves included."""
+    reached, waiting = set[int](), list(ends)
+    while waiting:
+        k = waiting.pop()
+        if k not in reached:
+            reached.add(k)
+            waiting += program.nodes[k].args
+    return reached
 
 
 def _hoisted(program: Program, prefix: str) -> _Expressions:

@@ -53,7 +53,43 @@ static void derivative(const loop_t *loop, const vd *x, const vd *u, vd *dx) {
     *loop->left |= dx[N_X] != vd_all(0.0);
 }
 
-static void rk4(const loop_t *loop, const vd *u, double h) {
+#if N_POSITIONS > 0
+static const int positions[N_POSITIONS] = {POSITIONS}, velocities[N_POSITIONS] = {VELOCITIES};
+
+/* Nystrom's method of order 5 for q'' = a(q, u), with four stages a period. */
+static void advance(const loop_t *loop, const vd *u, double h) {
+    static const double C[4] = {0.0, 1.0 / 5.0, 2.0 / 3.0, 1.0};
+    static const double A[4][3] = {
+        {0.0, 0.0, 0.0}, {1.0 / 50.0, 0.0, 0.0}, {-1.0 / 27.0, 7.0 / 27.0, 0.0}, {3.0 / 10.0, -2.0 / 35.0, 9.0 / 35.0}};
+    static const double POSITION[4] = {14.0 / 336.0, 100.0 / 336.0, 54.0 / 336.0, 0.0};
+    static const double VELOCITY[4] = {14.0 / 336.0, 125.0 / 336.0, 162.0 / 336.0, 35.0 / 336.0};
+    vd *const x = loop->x;
+    vd k[4][N_X + 1], z[N_X];
+    memcpy(z, x, sizeof z);
+    for (int s = 0; s < 4; s++) {
+        for (int i = 0; i < N_POSITIONS; i++) {
+            const int q = positions[i], v = velocities[i];
+            vd sum = vd_all(0.0);
+            for (int j = 0; j < s; j++) sum += vd_all(A[s][j]) * k[j][v];
+            z[q] = loop->locked[q] ? x[q] : x[q] + vd_all(C[s] * h) * x[v] + vd_all(h * h) * sum;
+        }
+        derivative(loop, z, u, k[s]);
+    }
+    for (int i = 0; i < N_POSITIONS; i++) {
+        const int q = positions[i], v = velocities[i];
+        vd position = vd_all(0.0), velocity = vd_all(0.0);
+        for (int s = 0; s < 4; s++) {
+            position += vd_all(POSITION[s]) * k[s][v];
+            velocity += vd_all(VELOCITY[s]) * k[s][v];
+        }
+        if (loop->locked[q]) continue;
+        x[q] += vd_all(h) * x[v] + vd_all(h * h) * position;
+        x[v] += vd_all(h) * velocity;
+    }
+}
+#else
+/* Runge and Kutta's method of order 4. */
+static void advance(const loop_t *loop, const vd *u, double h) {
     const vd half = vd_all(0.5 * h), whole = vd_all(h), sixth = vd_all(h / 6.0), two = vd_all(2.0);
     vd *const x = loop->x;
     vd k1[N_X + 1], k2[N_X + 1], k3[N_X + 1], k4[N_X + 1], z[N_X];
@@ -66,6 +102,7 @@ static void rk4(const loop_t *loop, const vd *u, double h) {
     derivative(loop, z, u, k4);
     for (int i = 0; i < N_X; i++) x[i] = x[i] + sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]);
 }
+#endif
 
 static void stop(const loop_t *loop) {
     for (int64_t i = 0; i < loop->stops; i++) {
@@ -129,7 +166,7 @@ void synth_lanes(const loop_t *loop) {
         for (int64_t j = 0; j < loop->substeps; j++) {
             if (j == 0 || loop->forcing_stride) mix(loop, slot, k, j, u);
             if (j == 0) memcpy(loop->applied + k * N_U, u, N_U * sizeof *u);
-            rk4(loop, u, h);
+            advance(loop, u, h);
             stop(loop);
         }
         if (loop->delay > 0) command(loop, k, slot);

@@ -39,6 +39,9 @@ HEADER = """#define LANES {lanes}
 #define N_Y {y}
 #define N_IN {inputs}
 #define N_OUT {outputs}
+#define N_POSITIONS {pairs}
+#define POSITIONS {positions}
+#define VELOCITIES {velocities}
 {functions}
 typedef {scalar} scalar;
 typedef {counter} counter;
@@ -209,7 +212,11 @@ def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: ty
         step,
     ]
     reals, counters, _ = lane_code.TYPES[scalar]
+    pairs = fast.second_order
     return HEADER.format(
+        pairs=len(pairs),
+        positions=", ".join(str(states.index(q)) for q in pairs) or "0",
+        velocities=", ".join(str(states.index(v)) for v in pairs.values()) or "0",
         lanes=LANES,
         x=len(states),
         u=len(inputs),
