@@ -11,6 +11,7 @@ plant is left as it is.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import casadi as ca
@@ -103,7 +104,7 @@ class FastPlant:
 
     @property
     def second_order(self) -> dict[str, str]:
-        """The velocity of each position where the states are q and v = dq/dt, and dv/dt does not depend on v; else {}."""
+        """The velocity of each position where the states are q and v = dq/dt, and dv/dt depends on no v; else {}."""
         f = self.f
         pairs = {q: f.nodes[k].name for q, k in f.outputs.items() if f.nodes[k].op == "state"}
         velocities = {*pairs.values()}
@@ -229,8 +230,14 @@ def _fitted(program: Program, fit: _Fit, known: Mapping[int, Array]) -> Array:
     angle = np.pi * (np.arange(n) + 0.5) / n
     values = _values(program, fit, np.cos(angle), known)
     series = [_weighted_sum(np.cos(j * angle), values) * (2.0 if j else 1.0) / n for j in range(n)]
-    powers = np.array([np.pad(chebyshev.cheb2poly(row), (0, n - 1 - j)) for j, row in enumerate(np.eye(n))])
+    powers = _powers(n)
     return np.array([_weighted_sum(powers[:, j], np.array(series)) for j in range(n)])
+
+
+@cache
+def _powers(n: int) -> Array:
+    """Return the coefficients of the first n Chebyshev polynomials in their rows, lowest power first."""
+    return np.array([np.pad(chebyshev.cheb2poly(row), (0, n - 1 - j)) for j, row in enumerate(np.eye(n))])
 
 
 def _weighted_sum(weights: Array, rows: Array) -> Array:
