@@ -51,6 +51,6 @@ def evaluate(program: Program, targets: Iterable[int], known: Mapping[int, Array
             continue
         waiting.pop()
         if k not in values:
-            literal = node.op == "literal"
-            values[k] = np.float64(node.value) if literal else OPERATIONS[node.op](*(values[a] for a in node.args))
+            arguments = [values[a] for a in node.args]
+            values[k] = np.array(node.value) if node.op == "literal" else OPERATIONS[node.op](*arguments)
     return values

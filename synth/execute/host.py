@@ -83,7 +83,7 @@ class Controller:
     """Compiled C with the contract `init(state)`, `faults = step(state, in, out)`; `load` makes one.
 
     `inputs`, `outputs` and `state` are the structs as NumPy dtypes. A state is a record of shape (), owned by the
-    caller: `state = controller.init(); state["xi"] = 0.5`. `source` is what the C was emitted from, where that is known.
+    caller: `state = controller.init(); state["xi"] = 0.5`. `source` is what the C was emitted from, where it is known.
     """
 
     manifest: Mapping[str, Any]

@@ -26,7 +26,7 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
 from synth.simulate import faulty, plant_code
-from synth.simulate.scenario import Array, Columns, Scenario, Trajectory, sample_times
+from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
@@ -67,7 +67,7 @@ def simulate(
     """
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
-        plant_arrays(plant, scenario, len(time))
+        plant_arrays(plant, scenario)
         | controller_arrays(controller, scenario, len(time))
         | sensor_arrays(plant, controller, scenario, len(time))
         | actuator_arrays(plant, controller, scenario, time)
@@ -86,12 +86,15 @@ def simulate(
         "in_size": controller.inputs.itemsize,
         "out_size": controller.outputs.itemsize,
     }
+    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
+    arrays |= {name: np.zeros((len(time), len(group))) for name, group in signals.items()}
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
+    for column in chain(*(columns.values() for columns in groups.values())):
+        column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
     return trajectory(plant, controller, time, groups, arrays["faults"], impacts)
 
@@ -100,13 +103,12 @@ def trajectory(
     plant: Plant,
     controller: host.Controller,
     time: Array,
-    groups: Mapping[str, Columns],
+    groups: Mapping[str, Mapping[str, NDArray[Any]]],
     faults: NDArray[np.uint32],
     impacts: dict[str, float],
 ) -> Trajectory:
-    """Return a trajectory with read-only columns and the units of the plant's and the controller's signals."""
-    for array in (time, faults, *chain(*(columns.values() for columns in groups.values()))):
-        array.flags.writeable = False
+    """Return a trajectory, whose columns are read-only, with the units of the plant's and the controller's signals."""
+    time.flags.writeable = faults.flags.writeable = False
     members = {
         m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
     }
@@ -114,8 +116,8 @@ def trajectory(
     return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
 
 
-def plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
-    """Return the members of `loop_t` for the plant, its stops and its records of n samples."""
+def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
+    """Return the members of `loop_t` for the plant and its stops."""
     states, start = signal_names(plant.states), _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
@@ -135,9 +137,6 @@ def plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
         "stop_low": bounds[:, 0].copy(),
         "stop_high": bounds[:, 1].copy(),
         "impact": np.zeros(len(bounds)),
-        "states": np.zeros((n, len(states))),
-        "outputs": np.zeros((n, len(plant.outputs))),
-        "applied": np.zeros((n, len(plant.inputs))),
     }
 
 
@@ -230,8 +229,9 @@ def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> A
     n, m = len(time), scenario.substeps
     varies = any(callable(course) or np.ndim(course) for course in scenario.forcing.values())
     period = scenario.duration_s / n if n == 1 else time[1]
-    middles = time[:, None] + period * (np.arange(m) + 0.5) / m
-    forcing = np.zeros((n if varies else 1, m, len(inputs)))
+    moments = time if varies else time[:1]
+    middles = moments[:, None] + period * (np.arange(m) + 0.5) / m
+    forcing = np.zeros((*middles.shape, len(inputs)))
     for j, (name, signal) in enumerate(inputs.items()):
         course = scenario.forcing.get(name, 0.0)
         try:

@@ -150,11 +150,15 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
 
 def _lowered(plant: Plant, function: ca.Function, results: Sequence[Signal]) -> Program:
     """Return a function of (x, u, p) as a program; the parameters are its constants."""
-    groups = {"state": plant.states, "input": plant.inputs, "constant": plant.parameters}
-    symbols = [ca.SX.sym(kind, len(signals)) for kind, signals in groups.items()]
-    loads = [(kind, name) for kind, signals in groups.items() for name in signal_names(signals)]
-    ends = ca.cse([ca.densify(function(*symbols))])
-    nodes, ends = lower.walk(ca.Function("plant", [ca.vcat(symbols)], ends), loads, {})
+    groups: dict[str, tuple[str, ...]] = {
+        "state": signal_names(plant.states),
+        "input": signal_names(plant.inputs),
+        "constant": signal_names(plant.parameters),
+    }
+    symbols = [ca.SX.sym(kind, len(names)) for kind, names in groups.items()]
+    loads = [(kind, name) for kind, names in groups.items() for name in names]
+    expressions = ca.cse([ca.densify(function(*symbols))])
+    nodes, ends = lower.walk(ca.Function("plant", [ca.vcat(symbols)], expressions), loads, {})
     return Program(tuple(nodes), (), dict(zip(signal_names(results), ends, strict=True)), {})
 
 

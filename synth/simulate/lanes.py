@@ -6,7 +6,7 @@ rounded one by one, so a result depends neither on the width of the processor's 
 """
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
@@ -31,6 +31,7 @@ from synth.simulate.scenario import Scenario, Trajectory, sample_times
 Arrays = dict[str, NDArray[Any]]
 
 LANES = 8
+ACCURATE = 2.0  # times the error of the corners' polynomials: a plant beyond that has no result
 ALIGNMENT = 64  # bytes: of a vector of 8 doubles
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
 HEADER = """#define LANES {lanes}
@@ -70,6 +71,28 @@ class _Loop(ctypes.Structure):
     ]
 
 
+class _LaneColumns(Mapping[str, NDArray[Any]]):
+    """The columns (N,) of one lane by name; each is gathered from memory when it is first read."""
+
+    def __init__(self, names: Sequence[str], rows: NDArray[Any]) -> None:
+        self._names, self._rows, self._read = tuple(names), rows, dict[str, NDArray[Any]]()
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self._read:
+            if name not in self._names:
+                raise KeyError(name)
+            column = np.ascontiguousarray(self._rows[:, self._names.index(name)])
+            column.flags.writeable = False
+            self._read[name] = column
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
 @dataclass(frozen=True, eq=False)
 class LaneLoop:
     """A plant and a controller compiled for lanes; `simulate` serves plants with other parameters."""
@@ -99,56 +122,52 @@ class LaneLoop:
         time = sample_times(scenarios[0].duration_s, self.controller.period_s)
         lanes = [self._lane(plant, s, time) for plant, s in zip(plants, scenarios, strict=True)]
         _require_alike(scenarios, lanes)
-        arrays, accurate = self._arrays(plants, scenarios, lanes, len(time))
+        coefficients = self.fast.coefficients(plants)
+        arrays = self._arrays(scenarios[0], lanes, len(time)) | {"p": _aligned(coefficients.values)}
         self._run(arrays, scenarios[0], len(time))
-        kept = accurate & (arrays["left"][0] == 0)
+        kept = (coefficients.error <= ACCURATE * self.fast.error) & (arrays["left"][0] == 0)
         return [self._trajectory(plants[i], scenarios[i], time, arrays, i) if kept[i] else None for i in range(used)]
 
     def _lane(self, plant: Plant, scenario: Scenario, time: NDArray[np.float64]) -> Arrays:
         n = len(time)
         return (
-            closed_loop.plant_arrays(plant, scenario, n)
+            closed_loop.plant_arrays(plant, scenario)
             | closed_loop.controller_arrays(self.controller, scenario, n)
             | closed_loop.sensor_arrays(plant, self.controller, scenario, n)
             | closed_loop.actuator_arrays(plant, self.controller, scenario, time)
         )
 
-    def _arrays(
-        self, plants: Sequence[Plant], scenarios: Sequence[Scenario], lanes: Sequence[Arrays], n: int
-    ) -> tuple[Arrays, NDArray[np.bool_]]:
-        """Return the members of `loop_t`, with the lanes along the last axis, and where the polynomials hold."""
-        coefficients = self.fast.coefficients(plants)
+    def _arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
+        """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
         arrays = {name: _aligned(lanes[0][name]) for name in _SHARED}
         arrays |= {name: _aligned(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
-        arrays["locked"] = arrays["locked"].astype(np.int64)
-        noise = np.stack([lane["noise"] for lane in lanes], axis=-1)
-        if noise.any():
-            arrays["noise"] = _aligned(noise)
-        scalar, width = self.controller.scalar, np.uint32 if self.controller.scalar is np.float32 else np.uint64
-        initial, (known_in, known_out) = lanes[0]["state"], (self.rows.inputs, self.rows.outputs)
-        wired = list(scenarios[0].sensors)
-        commands = list(dict.fromkeys(c for row in _weights(scenarios[0]) for c in row))
-        arrays |= {
-            "p": _aligned(coefficients.values),
-            "left": _aligned(np.zeros((1, LANES), np.int64)),
-            "sensor_input": np.array([known_in.index(name) for name in wired], dtype=np.int64),
-            "command_output": np.array([known_out.index(name) for name in commands], dtype=np.int64),
-            "reals": _aligned(
-                np.repeat([[initial[name]] for name in self.rows.reals] or [[0]], LANES, 1).astype(scalar)
-            ),
-            "counters": _aligned(
-                np.repeat([[initial[name]] for name in self.rows.counters] or [[0]], LANES, 1).astype(width)
-            ),
-            "in": _zeros((n, len(known_in), LANES), scalar),
-            "out": _zeros((n, len(known_out), LANES), scalar),
+        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": _zeros((1, LANES), np.int64)}
+        if any(lane["noise"].any() for lane in lanes):
+            arrays["noise"] = _aligned(np.stack([lane["noise"] for lane in lanes], axis=-1))
+        plant = self.fast.plant
+        signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
+        records = {name: _zeros((n, len(group), LANES), np.float64) for name, group in signals.items()}
+        return arrays | self._controller_arrays(scenario, lanes, n) | records
+
+    def _controller_arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
+        """Return the connections of the controllers, their states, and their inputs, outputs and faults."""
+        rows, scalar = self.rows, self.controller.scalar
+        width = np.uint32 if scalar is np.float32 else np.uint64
+        commands = list(dict.fromkeys(c for row in _weights(scenario) for c in row))
+        initial = lanes[0]["state"]
+        inputs = _zeros((n, len(rows.inputs), LANES), scalar)
+        for i, lane in enumerate(lanes):
+            for row, name in enumerate(rows.inputs):
+                inputs[:, row, i] = lane["in"][name]
+        return {
+            "sensor_input": np.array([rows.inputs.index(name) for name in scenario.sensors], dtype=np.int64),
+            "command_output": np.array([rows.outputs.index(name) for name in commands], dtype=np.int64),
+            "reals": _in_every_lane([initial[name] for name in rows.reals], scalar),
+            "counters": _in_every_lane([initial[name] for name in rows.counters], width),
+            "in": inputs,
+            "out": _zeros((n, len(rows.outputs), LANES), scalar),
             "faults": _zeros((n, LANES), width),
         }
-        for i, lane in enumerate(lanes):
-            for row, name in enumerate(known_in):
-                arrays["in"][:, row, i] = lane["in"][name]
-        sizes = {name: lanes[0][name].shape[1] for name in ("states", "outputs", "applied")}
-        arrays |= {name: _zeros((n, size, LANES), np.float64) for name, size in sizes.items()}
-        return arrays, coefficients.error <= 2 * self.fast.error
 
     def _run(self, arrays: Arrays, scenario: Scenario, n: int) -> None:
         substeps, inputs = arrays["forcing"].shape[1:]
@@ -168,10 +187,15 @@ class LaneLoop:
     def _trajectory(
         self, plant: Plant, scenario: Scenario, time: NDArray[np.float64], arrays: Arrays, lane: int
     ) -> Trajectory:
-        names = {"states": signal_names(plant.states), "outputs": signal_names(plant.outputs)}
-        names |= {"applied": signal_names(plant.inputs), "in": self.rows.inputs, "out": self.rows.outputs}
-        columns = {g: {name: arrays[g][:, row, lane] for row, name in enumerate(each)} for g, each in names.items()}
-        groups = {"measured": columns.pop("in"), "commands": columns.pop("out"), **columns}
+        members = {"measured": "in", "commands": "out"} | {g: g for g in ("states", "outputs", "applied")}
+        names: dict[str, Sequence[str]] = {
+            "measured": self.rows.inputs,
+            "commands": self.rows.outputs,
+            "states": signal_names(plant.states),
+            "outputs": signal_names(plant.outputs),
+            "applied": signal_names(plant.inputs),
+        }
+        groups = {g: _LaneColumns(names[g], arrays[member][:, :, lane]) for g, member in members.items()}
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
         faults = arrays["faults"][:, lane].astype(np.uint32)
         return closed_loop.trajectory(plant, self.controller, time, groups, faults, impacts)
@@ -253,6 +277,10 @@ def _zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
     memory = np.zeros(n + ALIGNMENT, np.uint8)
     start = -memory.ctypes.data % ALIGNMENT
     return memory[start : start + n].view(scalar).reshape(shape)
+
+
+def _in_every_lane(values: Sequence[Any], scalar: type[np.generic]) -> NDArray[Any]:
+    return _aligned(np.repeat(np.array(values, scalar).reshape(-1, 1), LANES, axis=1))
 
 
 def _aligned(values: NDArray[Any]) -> NDArray[Any]:
