@@ -10,7 +10,9 @@ from rich.table import Table
 from synth.check import Check
 from synth.report.audit import Row
 from synth.simulate import fault_rows
+from synth.simulate import study as studies
 from synth.simulate.fault_rows import Campaign
+from synth.simulate.study import StudyTable
 from synth.verify import cost as costs
 
 
@@ -41,6 +43,24 @@ def print_campaign(campaign: Campaign, every: bool = False) -> None:
     console.print("\n".join(fault_rows.notes(campaign)), highlight=False, markup=False)
     if campaign.checks:
         print_checks(f"{campaign.design}: limits of faults", campaign.checks)
+
+
+def print_study(design: str, study: StudyTable, row: int | None = None) -> None:
+    """Print the distribution of every check and figure, the yield and the rows without a result; or one `row`."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    many = f"{design}: {len(study.rows)} machines" if row is None else f"{design}: machine of row {row}"
+    table = Table("what", "unit", "nominal", "median", "95 %", "worst", "row", "limit", "kept", "driver", title=many)
+    for s in studies.summarise(study):
+        kept = f"{s.passed:.2%}" if s.limit == s.limit else ""
+        driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""
+        numbers = (f"{v:.4g}" for v in (s.nominal, s.median, s.percentile_95, s.worst))
+        table.add_row(
+            escape(s.name), s.unit, *numbers, str(s.worst_row), f"{s.limit:.4g}" if kept else "", kept, driver
+        )
+    console.print(table)
+    if row is not None:
+        console.print("  ".join(f"{name} {z[0]:+.3f}" for name, z in study.z.items()), highlight=False)
+    console.print("\n".join(studies.notes(study)), highlight=False, markup=False)
 
 
 def print_cost(cost: costs.Cost) -> None:
