@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise.identify import bordered, least_squares, undetermined
+from synth.synthesise.identify import bordered, identifiability, least_squares
 from synth.synthesise.identify.estimate import Estimate
 
 Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
@@ -145,7 +145,7 @@ def _minimum(model: Model, y: Array, theta: Array, weight: Array, outputs: Seque
     for step in range(STEPS):
         J, e = point.J.weighted(weight), (point.e / weight).ravel()
         factors = bordered.factors(J)
-        determined = factors.sigma > undetermined.RANK * max(1.0, factors.sigma.max(initial=0.0))
+        determined = factors.sigma > identifiability.RANK * max(1.0, factors.sigma.max(initial=0.0))
         projection = np.concatenate([(factors.U.T @ e)[determined], factors.group_components(e).ravel()])
         unexplained = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), EXACT * y_norm)
         if unexplained <= UNEXPLAINED:

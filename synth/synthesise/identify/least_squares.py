@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise.identify import bordered, undetermined, variances
+from synth.synthesise.identify import bordered, identifiability, variances
 from synth.synthesise.identify.estimate import Estimate, Residual
 
 PASSES = 500  # most fits until the outputs' noise converges
@@ -89,13 +89,15 @@ def solve_with_weights(
     """Return the solution with output j divided by `weight[j]`; raise ModelError for undetermined parameters."""
     J, b = Phi.weighted(weight), (y / weight).ravel()
     factors = bordered.factors(J)
-    if not (factors.group_sigma > undetermined.RANK).all():
+    if not (factors.group_sigma > identifiability.RANK).all():
         group = int(factors.group_sigma.min(axis=1).argmin())
         raise ModelError(
             f"the data leave initial states of span {group} undetermined: take longer spans, or measure more signals"
         )
-    if not factors.sigma[-1] > undetermined.RANK * max(1.0, factors.sigma[0]):
-        combinations = undetermined.combinations(factors.sigma, factors.V, factors.size, parameters, near)
+    if not factors.sigma[-1] > identifiability.RANK * max(1.0, factors.sigma[0]):
+        combinations = identifiability.undetermined_combinations(
+            factors.sigma, factors.V, factors.size, parameters, near
+        )
         raise ModelError(
             f"the data leave {' and '.join(combinations)} undetermined: log samples in which the "
             "parameters act independently, or hold one of them at a known value"

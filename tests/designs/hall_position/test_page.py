@@ -56,8 +56,8 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    bench = rows.scope(STAGE, rows.published_rows())
-    few = [audit.recompute(bench.published[n], bench) for n in ("K-1", "K-8")]
+    scope = rows.scope(STAGE, rows.published_rows())
+    few = [audit.recompute(scope.published[n], scope) for n in ("K-1", "K-8")]
     html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (
