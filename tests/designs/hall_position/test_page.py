@@ -14,7 +14,7 @@ from models import hall_accuracy, hall_fisher
 from models.hall_stage import Stage, grid
 from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.page import Section, Table, Text
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -36,7 +36,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
 
 
-def rows_of(block: Made) -> Rows:
+def rows_of(block: Content) -> Rows:
     assert isinstance(block, list)
     return block
 
