@@ -66,13 +66,16 @@ def result(plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
 
 def chunk(design: Design, plan: Plan, rows: Sequence[int], progress: Progress) -> StudyTable:
     """Return the rows of a chunk, stored or computed."""
-    stage = stage_of(design)
-    compute = partial(_rows, stage, plan, rows, progress)
+    compute = partial(_rows, stage_of(design), plan, rows, progress)
     try:
-        key = cache.key(_rows, tasks.compilers(), design.simulate, plan, tuple(rows), data=True)
+        return store.fetch(chunk_key(design, plan, rows), compute)
     except ContentError:
         return compute()
-    return store.fetch(key, compute)
+
+
+def chunk_key(design: Design, plan: Plan, rows: Sequence[int]) -> str:
+    """Return the key of a chunk; raise ContentError where the source of a function cannot be read."""
+    return cache.key(_rows, tasks.compilers(), design.simulate, plan, tuple(rows), data=True)
 
 
 def row(design: Design, plan: Plan, number: int, progress: Progress) -> StudyTable:
@@ -93,7 +96,7 @@ def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> 
     done: dict[int, StudyTable] = {}
     with _connect(import_distributed, address) as client:
         call = partial(_remote, str(Path.cwd()), design.name, plan)
-        futures = {client.submit(call, tuple(rows), pure=False, retries=3): k for k, rows in enumerate(plan.chunks)}
+        futures = {client.submit(call, tuple(rows), pure=False): k for k, rows in enumerate(plan.chunks)}
         for future, table in import_distributed.as_completed(futures, with_results=True):
             done[futures[future]] = table
             progress(Counted(f"{len(done)} of {len(futures)} chunks", len(done), len(futures)))

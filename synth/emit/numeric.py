@@ -20,6 +20,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
     "sub": np.subtract,
     "mul": np.multiply,
     "div": np.divide,
+    "fma": lambda a, b, c: a * b + c,  # rounded twice, unlike in C
     "min": np.minimum,
     "max": np.maximum,
     "lt": np.less,

@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 
 import casadi as ca
 
-from synth.errors import EmitError, WiringError
+from synth.errors import SynthError
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate import closed_loop, lanes
@@ -114,8 +114,8 @@ def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
     for group in groups.values():
         try:
             _serve_in_lanes(group, nominal, substeps)
-        except (EmitError, WiringError):
-            pass  # a model or a scenario that only `closed_loop` simulates
+        except SynthError:
+            pass  # a scenario that only `closed_loop` simulates, or an error, which it raises for the call alone
         except Exception as error:
             for call in group:
                 call.error = error
