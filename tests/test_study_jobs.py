@@ -138,7 +138,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_rows(
 
 def test_an_address_where_nothing_answers_is_refused(design: Design) -> None:
     pytest.importorskip("distributed")
-    with pytest.raises(DesignError, match="no dask scheduler answers at 'tcp://127.0.0.1:9'"):
+    with pytest.raises(DesignError, match=r"no dask scheduler answers at 'tcp://127\.0\.0\.1:9'"):
         study_jobs.on_cluster(design, PLAN, "tcp://127.0.0.1:9", silent)
 
 
