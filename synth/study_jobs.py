@@ -92,18 +92,18 @@ def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> 
 
     Raises DesignError where dask is not installed or nothing answers at the address.
     """
-    import_distributed = _distributed()
+    dask = _import_dask()
     done: dict[int, StudyTable] = {}
-    with _connect(import_distributed, address) as client:
+    with _connect(dask, address) as client:
         call = partial(_remote, str(Path.cwd()), design.name, plan)
         futures = {client.submit(call, tuple(rows), pure=False): k for k, rows in enumerate(plan.chunks)}
-        for future, table in import_distributed.as_completed(futures, with_results=True):
+        for future, table in dask.as_completed(futures, with_results=True):
             done[futures[future]] = table
             progress(Counted(f"{len(done)} of {len(futures)} chunks", len(done), len(futures)))
     return study.join([done[k] for k in range(len(plan.chunks))])
 
 
-def _distributed() -> Any:
+def _import_dask() -> Any:
     try:
         import distributed
     except ImportError as error:

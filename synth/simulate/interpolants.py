@@ -117,7 +117,7 @@ class FastPlant:
         """Return the parameters' values for plants that differ from this one in their physical parameters."""
         p = np.array([plant.values for plant in plants], dtype=np.float64).T
         known = _by_node(self.lowered, self.plant, p)
-        rows = [_fitted(self.lowered, fit, known) for fit in self.fits]
+        rows = [_fit_coefficients(self.lowered, fit, known) for fit in self.fits]
         errors = [_error(self.lowered, fit, c, known) for fit, c in zip(self.fits, rows, strict=True)]
         for each in self.expressions:
             values = numeric.evaluate(each.source, each.nodes.values(), _by_node(each.source, self.plant, p))
@@ -133,7 +133,7 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
 
     Raises EmitError for an operation without a form in C.
     """
-    f, h = _lowered(plant, plant.f, plant.states), _lowered(plant, plant.h, plant.outputs)
+    f, h = _lower(plant, plant.f, plant.states), _lower(plant, plant.h, plant.outputs)
     corners = np.array([each.values for each in _corners(plant)]).T
     R = ranges.analyse(f, _bounds(plant, corners), np.float64)
     known = _by_node(f, plant, corners)
@@ -144,11 +144,11 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
         if fit := _least_degree(f, group[0], known, low, high, error):
             replaced |= {each.root: (each.variable, len(fits)) for each in group}
             fits.append(fit)
-    expressions = (_hoisted(_rewritten(f, replaced, fits), "f"), _hoisted(h, "h"))
+    expressions = (_hoist_parameters(_rewritten(f, replaced, fits), "f"), _hoist_parameters(h, "h"))
     return FastPlant(plant, error, f, tuple(fits), expressions)
 
 
-def _lowered(plant: Plant, function: ca.Function, results: Sequence[Signal]) -> Program:
+def _lower(plant: Plant, function: ca.Function, results: Sequence[Signal]) -> Program:
     """Return a function of (x, u, p) as a program; the parameters are its constants."""
     groups: dict[str, tuple[str, ...]] = {
         "state": signal_names(plant.states),
@@ -217,7 +217,7 @@ def _least_degree(
 ) -> _Fit | None:
     for degree in DEGREES:
         fit = _Fit(f, low, high, degree)
-        if _error(program, fit, _fitted(program, fit, known), known).max() <= error:
+        if _error(program, fit, _fit_coefficients(program, fit, known), known).max() <= error:
             return fit
     return None
 
@@ -228,7 +228,7 @@ def _values(program: Program, fit: _Fit, t: Array, known: Mapping[int, Array]) -
     return np.asarray(numeric.evaluate(program, [fit.function.root], {**known, **variable})[fit.function.root])
 
 
-def _fitted(program: Program, fit: _Fit, known: Mapping[int, Array]) -> Array:
+def _fit_coefficients(program: Program, fit: _Fit, known: Mapping[int, Array]) -> Array:
     """Return the coefficients (degree + 1, plants), lowest power first."""
     n = fit.degree + 1
     angle = np.pi * (np.arange(n) + 0.5) / n
@@ -320,7 +320,7 @@ def _ancestors(program: Program, ends: Sequence[int]) -> set[int]:
     return reached
 
 
-def _hoisted(program: Program, prefix: str) -> _Expressions:
+def _hoist_parameters(program: Program, prefix: str) -> _Expressions:
     """Return the program with a load for each expression of parameters alone that the rest reads."""
     varies: list[bool] = []
     for n in program.nodes:

@@ -123,7 +123,7 @@ class LaneLoop:
         lanes = [self._lane(plant, s, time) for plant, s in zip(plants, scenarios, strict=True)]
         _require_alike(scenarios, lanes)
         coefficients = self.fast.coefficients(plants)
-        arrays = self._arrays(scenarios[0], lanes, len(time)) | {"p": _aligned(coefficients.values)}
+        arrays = self._arrays(scenarios[0], lanes, len(time)) | {"p": _align(coefficients.values)}
         self._run(arrays, scenarios[0], len(time))
         kept = (coefficients.error <= ACCURATE * self.fast.error) & (arrays["left"][0] == 0)
         return [self._trajectory(plants[i], scenarios[i], time, arrays, i) if kept[i] else None for i in range(used)]
@@ -139,11 +139,11 @@ class LaneLoop:
 
     def _arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
-        arrays = {name: _aligned(lanes[0][name]) for name in _SHARED}
-        arrays |= {name: _aligned(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
+        arrays = {name: _align(lanes[0][name]) for name in _SHARED}
+        arrays |= {name: _align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
         arrays |= {"locked": arrays["locked"].astype(np.int64), "left": _zeros((1, LANES), np.int64)}
         if any(lane["noise"].any() for lane in lanes):
-            arrays["noise"] = _aligned(np.stack([lane["noise"] for lane in lanes], axis=-1))
+            arrays["noise"] = _align(np.stack([lane["noise"] for lane in lanes], axis=-1))
         plant = self.fast.plant
         signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
         records = {name: _zeros((n, len(group), LANES), np.float64) for name, group in signals.items()}
@@ -280,10 +280,10 @@ def _zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
 
 
 def _in_every_lane(values: Sequence[Any], scalar: type[np.generic]) -> NDArray[Any]:
-    return _aligned(np.repeat(np.array(values, scalar).reshape(-1, 1), LANES, axis=1))
+    return _align(np.repeat(np.array(values, scalar).reshape(-1, 1), LANES, axis=1))
 
 
-def _aligned(values: NDArray[Any]) -> NDArray[Any]:
+def _align(values: NDArray[Any]) -> NDArray[Any]:
     copy = _zeros(values.shape, values.dtype.type)
     copy[...] = values
     return copy

@@ -42,7 +42,7 @@ class _Call:
     error: Exception | None = None
 
     @property
-    def is_served(self) -> bool:
+    def is_answered(self) -> bool:
         return self.trajectory is not None or self.error is not None
 
 
@@ -61,7 +61,7 @@ class _Meeting:
         with self.changed:
             self.calls.append(call)
             self._serve_if_complete()
-            while not call.is_served:
+            while not call.is_answered:
                 self.changed.wait()
         if call.error is not None:
             raise call.error
@@ -120,7 +120,7 @@ def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
             for call in group:
                 call.error = error
     for call in calls:
-        if not call.is_served:
+        if not call.is_answered:
             _serve_alone(call)
 
 

@@ -37,7 +37,7 @@ LOOPS = {
 }
 
 
-def aligned(values: np.ndarray) -> np.ndarray:
+def align(values: np.ndarray) -> np.ndarray:
     memory = np.zeros(values.nbytes + 64, np.uint8)
     start = -memory.ctypes.data % 64
     copy = memory[start : start + values.nbytes].view(values.dtype).reshape(values.shape)
@@ -48,16 +48,16 @@ def aligned(values: np.ndarray) -> np.ndarray:
 def columns(block: Block, scalar: type, rng: np.random.Generator) -> tuple[dict, dict]:
     """Return inputs and states (N,) by name: inside their ranges, at their ends, and inputs that are no numbers."""
 
-    def drawn(low: float, high: float) -> np.ndarray:
+    def draw(low: float, high: float) -> np.ndarray:
         ends = rng.choice([low, high, min(max(0.0, low), high)], N)
         return np.where(rng.uniform(size=N) < 0.2, ends, rng.uniform(low, high, N))
 
-    inputs = {s.name: drawn(s.low, s.high) for s in block.inputs}
+    inputs = {s.name: draw(s.low, s.high) for s in block.inputs}
     for name, column in inputs.items():
         special = rng.uniform(size=N) < 0.03
         inputs[name] = np.where(special, rng.choice(SPECIAL, N), column).astype(scalar)
     states = {
-        s.name: (np.rint(drawn(s.signal.low, s.signal.high)) if s.integer else drawn(s.signal.low, s.signal.high))
+        s.name: (np.rint(draw(s.signal.low, s.signal.high)) if s.integer else draw(s.signal.low, s.signal.high))
         for s in block.states
     }
     return inputs, states
@@ -66,7 +66,7 @@ def columns(block: Block, scalar: type, rng: np.random.Generator) -> tuple[dict,
 def in_lanes(rows: list[np.ndarray], kind: type) -> np.ndarray:
     """Return rows (signals, N) as (N / LANES, signals, LANES)."""
     table = np.array(rows).reshape(-1, N).astype(kind)
-    return aligned(np.ascontiguousarray(table.reshape(len(table), N // LANES, LANES).transpose(1, 0, 2)))
+    return align(np.ascontiguousarray(table.reshape(len(table), N // LANES, LANES).transpose(1, 0, 2)))
 
 
 @pytest.mark.parametrize("scalar", [np.float32, np.float64])
@@ -102,7 +102,7 @@ def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
     c = in_lanes([records[n] for n in counters], width)
     z = in_lanes([inputs[n] for n in rows.inputs], scalar)
     y = in_lanes([np.zeros(N)] * len(rows.outputs), scalar)
-    faults = aligned(np.zeros((N // LANES, LANES), width))
+    faults = align(np.zeros((N // LANES, LANES), width))
     arguments = [array.ctypes.data_as(ctypes.c_void_p) for array in (x, c, z, y, faults)]
     library.run(ctypes.c_long(N // LANES), *arguments)
 

@@ -51,12 +51,12 @@ def test_accelerations_agree_with_the_plant_for_every_set_of_parameters(fast: Fa
     z = low + (high - low) * rng.uniform(size=(len(SIGNALS), len(plants)))
     coefficients = fast.coefficients(plants)
     assert coefficients.error.max() < 1e-10
-    found = evaluate(fast, coefficients.values, z)
+    values = evaluate(fast, coefficients.values, z)
     n = len(STAGE.states)
     truth = np.array([np.asarray(p.f(z[:n, i], z[n:, i], p.values)).ravel() for i, p in enumerate(plants)]).T
     for row, state in zip(truth, STAGE.states, strict=True):
-        assert np.abs(found[state.name] - row).max() <= 2e-9 * max(np.abs(row).max(), 1.0)
-    assert not found[OUTSIDE].any()
+        assert np.abs(values[state.name] - row).max() <= 2e-9 * max(np.abs(row).max(), 1.0)
+    assert not values[OUTSIDE].any()
 
 
 def test_a_wrong_coefficient_is_seen(fast: FastPlant) -> None:
@@ -66,8 +66,8 @@ def test_a_wrong_coefficient_is_seen(fast: FastPlant) -> None:
     for number in range(1, 5):
         wrong = coefficients.copy()
         wrong[fast.parameters.index(f"c{number}_0")] *= 1 + 1e-6
-        found = evaluate(fast, wrong, loaded)
-        assert max(abs(found["vy"] - right), abs(found["vx"] - evaluate(fast, coefficients, loaded)["vx"])) > 1e-8
+        values = evaluate(fast, wrong, loaded)
+        assert max(abs(values["vy"] - right), abs(values["vx"] - evaluate(fast, coefficients, loaded)["vx"])) > 1e-8
 
 
 def test_equal_functions_share_their_coefficients(fast: FastPlant) -> None:

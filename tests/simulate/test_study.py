@@ -102,12 +102,12 @@ def test_a_value_that_is_no_number_keeps_no_limit() -> None:
 
 def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
     mass = rig.plant.parameter("M").value
-    found = study.run(rig, [Fall(lost=mass)], Sampling(10, 1), range(10))
-    heavy = found.z["M"] > 0
-    assert 0 < heavy.sum() < 10 and not found.passed[heavy].any() and found.passed[~heavy].all()
-    assert {row for row, _, _ in found.errors} == set(np.flatnonzero(heavy))
-    assert study.notes(found)[-1] == f"No result of fall on {heavy.sum()} machines: planted"
-    assert study.csv_text(found).count("nan") == 2 * heavy.sum()
+    table = study.run(rig, [Fall(lost=mass)], Sampling(10, 1), range(10))
+    heavy = table.z["M"] > 0
+    assert 0 < heavy.sum() < 10 and not table.passed[heavy].any() and table.passed[~heavy].all()
+    assert {row for row, _, _ in table.errors} == set(np.flatnonzero(heavy))
+    assert study.notes(table)[-1] == f"No result of fall on {heavy.sum()} machines: planted"
+    assert study.csv_text(table).count("nan") == 2 * heavy.sum()
 
 
 def test_experiments_are_chosen_by_patterns() -> None:
