@@ -27,7 +27,7 @@ from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
 from synth.simulate import faulty, plant_code
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Encoder
+from synth.simulate.sensors import Analogue, Encoder
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
@@ -168,25 +168,27 @@ def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -
 
 
 def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
-    """Return the members of `loop_t` for the sensors, with n samples of noise."""
+    """Return the members of `loop_t` for the sensors; noise and overridden samples (n, sensors) where there are any."""
     sensors, outputs = scenario.sensors, {s.name: s for s in plant.outputs}
     _require_known("sensors", sensors.values(), outputs)
     _require_known("encoders", scenario.encoders, sensors)
     _require_known("noise", scenario.noise, sensors)
     for name, source in sensors.items():
         _require_matching_signal(controller, "input", name, outputs[source])
-    overridden = np.zeros((n, len(sensors)), dtype=np.uint8)
-    for i, name in enumerate(sensors):
-        if name in scenario.overrides:
-            overridden[:, i] = scenario.overrides[name].mask
     models = [scenario.encoders.get(name, Encoder()) for name in sensors]
-    noise = np.stack([model.noise_of(n, i) for i, model in enumerate(models)], axis=1, dtype=np.float64).reshape(n, -1)
-    for i, name in enumerate(sensors):
-        if name in scenario.noise:
-            noise[:, i] += _noise(name, scenario.noise[name], n)
+    arrays: Arrays = {}
+    if any(name in scenario.overrides for name in sensors):
+        masks = [scenario.overrides[name].mask if name in scenario.overrides else np.zeros(n) for name in sensors]
+        arrays["overridden"] = np.array(masks, dtype=np.uint8).T.copy()
+    if any(isinstance(model, Analogue) for model in models) or scenario.noise:
+        columns = [model.noise_of(n, i) for i, model in enumerate(models)]
+        noises = [_noise(name, scenario.noise[name], n) if name in scenario.noise else 0.0 for name in sensors]
+        arrays["noise"] = np.array(
+            [c + more for c, more in zip(columns, noises, strict=True)], dtype=np.float64
+        ).T.copy()
     chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
     gain, bias, resolution, low, high = chains
-    return {
+    return arrays | {
         "sensor_source": np.array([signal_names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_gain": gain,
@@ -194,8 +196,6 @@ def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario,
         "sensor_resolution": resolution,
         "sensor_low": low,
         "sensor_high": high,
-        "noise": noise,
-        "overridden": overridden,
     }
 
 

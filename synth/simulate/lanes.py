@@ -6,6 +6,7 @@ rounded one by one, so a result depends neither on the width of the processor's 
 """
 
 import ctypes
+import mmap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -32,7 +33,7 @@ Arrays = dict[str, NDArray[Any]]
 
 LANES = 8
 ACCURATE = 2.0  # times the error of the corners' polynomials: a plant beyond that has no result
-ALIGNMENT = 64  # bytes: of a vector of 8 doubles
+LARGE = 2**21  # bytes: of a large page
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
 HEADER = """#define LANES {lanes}
 #define N_X {x}
@@ -57,8 +58,8 @@ _MEMBERS = (
     *("reals", "counters", "in", "out", "faults", "states", "outputs", "applied"),
 )
 _SHARED = (
-    *("locked", "stop_position", "stop_velocity", "stop_low", "stop_high", "sensor_source", "overridden"),
-    *("mixing", "forcing"),
+    *("locked", "stop_position", "stop_velocity", "stop_low", "stop_high", "sensor_source"),
+    *("mixing", "forcing", "overridden"),
 )
 _OF_LANE = ("x", "impact", "sensor_gain", "sensor_bias", "sensor_resolution", "sensor_low", "sensor_high", "waiting")
 
@@ -99,6 +100,7 @@ class LaneLoop:
 
     fast: FastPlant
     controller: host.Controller
+    lanes: int
     rows: Rows
     library: ctypes.CDLL
 
@@ -111,13 +113,13 @@ class LaneLoop:
         anything else, or have a fault of a sensor, an actuator or a call that only `closed_loop` simulates.
         """
         results: list[Trajectory | None] = []
-        for first in range(0, len(plants), LANES):
-            batch = slice(first, first + LANES)
+        for first in range(0, len(plants), self.lanes):
+            batch = slice(first, first + self.lanes)
             results += self._batch(list(plants[batch]), list(scenarios[batch]))
         return results
 
     def _batch(self, plants: list[Plant], scenarios: list[Scenario]) -> list[Trajectory | None]:
-        used, spare = len(plants), LANES - len(plants)
+        used, spare = len(plants), self.lanes - len(plants)
         plants, scenarios = plants + plants[:1] * spare, scenarios + scenarios[:1] * spare
         time = sample_times(scenarios[0].duration_s, self.controller.period_s)
         lanes = [self._lane(plant, s, time) for plant, s in zip(plants, scenarios, strict=True)]
@@ -139,14 +141,15 @@ class LaneLoop:
 
     def _arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
-        arrays = {name: _align(lanes[0][name]) for name in _SHARED}
+        arrays = {name: _align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
         arrays |= {name: _align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
-        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": _zeros((1, LANES), np.int64)}
-        if any(lane["noise"].any() for lane in lanes):
-            arrays["noise"] = _align(np.stack([lane["noise"] for lane in lanes], axis=-1))
+        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": _zeros((1, self.lanes), np.int64)}
+        if any("noise" in lane for lane in lanes):
+            silent = np.zeros((n, len(scenario.sensors)))
+            arrays["noise"] = _align(np.stack([lane.get("noise", silent) for lane in lanes], axis=-1))
         plant = self.fast.plant
         signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
-        records = {name: _zeros((n, len(group), LANES), np.float64) for name, group in signals.items()}
+        records = {name: _zeros((n, len(group), self.lanes), np.float64) for name, group in signals.items()}
         return arrays | self._controller_arrays(scenario, lanes, n) | records
 
     def _controller_arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
@@ -155,18 +158,18 @@ class LaneLoop:
         width = np.uint32 if scalar is np.float32 else np.uint64
         commands = list(dict.fromkeys(c for row in _weights(scenario) for c in row))
         initial = lanes[0]["state"]
-        inputs = _zeros((n, len(rows.inputs), LANES), scalar)
+        inputs = _zeros((n, len(rows.inputs), self.lanes), scalar)
         for i, lane in enumerate(lanes):
             for row, name in enumerate(rows.inputs):
                 inputs[:, row, i] = lane["in"][name]
         return {
             "sensor_input": np.array([rows.inputs.index(name) for name in scenario.sensors], dtype=np.int64),
             "command_output": np.array([rows.outputs.index(name) for name in commands], dtype=np.int64),
-            "reals": _in_every_lane([initial[name] for name in rows.reals], scalar),
-            "counters": _in_every_lane([initial[name] for name in rows.counters], width),
+            "reals": _repeat([initial[name] for name in rows.reals], self.lanes, scalar),
+            "counters": _repeat([initial[name] for name in rows.counters], self.lanes, width),
             "in": inputs,
-            "out": _zeros((n, len(rows.outputs), LANES), scalar),
-            "faults": _zeros((n, LANES), width),
+            "out": _zeros((n, len(rows.outputs), self.lanes), scalar),
+            "faults": _zeros((n, self.lanes), width),
         }
 
     def _run(self, arrays: Arrays, scenario: Scenario, n: int) -> None:
@@ -202,8 +205,12 @@ class LaneLoop:
 
 
 @lru_cache(maxsize=8)
-def compile_loop(plant: Plant, controller: host.Controller, error: float = interpolants.ERROR) -> LaneLoop:
-    """Return the loop of a plant and a controller for lanes; `error` is that of the plant's polynomials.
+def compile_loop(
+    plant: Plant, controller: host.Controller, error: float = interpolants.ERROR, lanes: int = LANES
+) -> LaneLoop:
+    """Return the loop of a plant and a controller for a number of lanes; `error` is that of the plant's polynomials.
+
+    The number is a power of 2; 8 fill the vectors of AVX-512, and 1 is the fastest for a single machine.
 
     Raises EmitError for an operation without a form in C, WiringError for a controller whose Block is not known, and
     CompileError as `host.load`.
@@ -221,11 +228,11 @@ def compile_loop(plant: Plant, controller: host.Controller, error: float = inter
     numbers = {c.name: c.value for c in reduced.block.constants}
     step = lane_code.step("controller_step", reduced.program, rows, numbers, controller.scalar)
     loop_c = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
-    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, rows, step, reduced.program, controller.scalar)}
-    return LaneLoop(fast, controller, rows, ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS))))
+    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, rows, step, reduced.program, controller.scalar, lanes)}
+    return LaneLoop(fast, controller, lanes, rows, ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS))))
 
 
-def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: type[np.floating]) -> str:
+def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: type[np.floating], lanes: int) -> str:
     plant = fast.plant
     states, inputs, outputs = (signal_names(s) for s in (plant.states, plant.inputs, plant.outputs))
     functions = [
@@ -241,7 +248,7 @@ def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: ty
         pairs=len(pairs),
         positions=", ".join(str(states.index(q)) for q in pairs) or "0",
         velocities=", ".join(str(states.index(v)) for v in pairs.values()) or "0",
-        lanes=LANES,
+        lanes=lanes,
         x=len(states),
         u=len(inputs),
         y=len(outputs),
@@ -262,9 +269,15 @@ def _require_alike(scenarios: Sequence[Scenario], lanes: Sequence[Arrays]) -> No
             raise WiringError(f"lanes simulate no {faulty[0] if faulty else 'missed'}: use closed_loop.simulate")
         scalars = ("duration_s", "delay", "substeps", "sensors", "actuators", "stops", "locked")
         differing = [name for name in scalars if getattr(scenario, name) != getattr(first, name)]
-        differing += [name for name in _SHARED if not np.array_equal(lane[name], lanes[0][name])]
+        differing += [name for name in _SHARED if not _equal(lane.get(name), lanes[0].get(name))]
         if differing:
             raise WiringError(f"scenarios differ in {differing[0]}: lanes need it equal; simulate them in groups")
+
+
+def _equal(first: NDArray[Any] | None, second: NDArray[Any] | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    return np.array_equal(first, second)
 
 
 def _weights(scenario: Scenario) -> list[dict[str, float]]:
@@ -272,15 +285,17 @@ def _weights(scenario: Scenario) -> list[dict[str, float]]:
 
 
 def _zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
-    """Return zeros that begin at an address which vectors need."""
-    n = int(np.prod(shape)) * np.dtype(scalar).itemsize
-    memory = np.zeros(n + ALIGNMENT, np.uint8)
-    start = -memory.ctypes.data % ALIGNMENT
-    return memory[start : start + n].view(scalar).reshape(shape)
+    """Return zeros at an address that vectors need, in large pages: a record is written once, page after page."""
+    n = max(1, int(np.prod(shape)) * np.dtype(scalar).itemsize)
+    memory = mmap.mmap(-1, n)  # page-aligned
+    if n > LARGE and hasattr(memory, "madvise"):
+        memory.madvise(mmap.MADV_HUGEPAGE)
+    return np.frombuffer(memory, scalar, int(np.prod(shape))).reshape(shape)
 
 
-def _in_every_lane(values: Sequence[Any], scalar: type[np.generic]) -> NDArray[Any]:
-    return _align(np.repeat(np.array(values, scalar).reshape(-1, 1), LANES, axis=1))
+def _repeat(values: Sequence[Any], lanes: int, scalar: type[np.generic]) -> NDArray[Any]:
+    """Return the values in every lane (values, lanes)."""
+    return _align(np.repeat(np.array(values, scalar).reshape(-1, 1), lanes, axis=1))
 
 
 def _align(values: NDArray[Any]) -> NDArray[Any]:

@@ -125,7 +125,7 @@ def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
 
 
 def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, substeps: int) -> None:
-    loop = lanes.compile_loop(nominal, group[0].controller)
+    loop = lanes.compile_loop(nominal, group[0].controller, lanes=1 if len(group) == 1 else lanes.LANES)
     scenarios = [replace(call.scenario, substeps=substeps) for call in group]
     for call, trajectory in zip(group, loop.simulate([call.plant for call in group], scenarios), strict=True):
         call.trajectory = trajectory
