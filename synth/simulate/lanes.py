@@ -6,8 +6,7 @@ rounded one by one, so a result depends neither on the width of the processor's 
 """
 
 import ctypes
-import mmap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
@@ -25,7 +24,7 @@ from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import signal_names
-from synth.simulate import closed_loop, interpolants
+from synth.simulate import closed_loop, interpolants, lane_memory
 from synth.simulate.interpolants import OUTSIDE, FastPlant
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
 
@@ -33,7 +32,6 @@ Arrays = dict[str, NDArray[Any]]
 
 LANES = 8
 ACCURATE = 2.0  # times the error of the corners' polynomials: a plant beyond that has no result
-LARGE = 2**21  # bytes: of a large page
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-std=c11", "-Wno-psabi")
 HEADER = """#define LANES {lanes}
 #define N_X {x}
@@ -72,28 +70,6 @@ class _Loop(ctypes.Structure):
     ]
 
 
-class _LaneColumns(Mapping[str, NDArray[Any]]):
-    """The columns (N,) of one lane by name; each is gathered from memory when it is first read."""
-
-    def __init__(self, names: Sequence[str], rows: NDArray[Any]) -> None:
-        self._names, self._rows, self._read = tuple(names), rows, dict[str, NDArray[Any]]()
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self._read:
-            if name not in self._names:
-                raise KeyError(name)
-            column = np.ascontiguousarray(self._rows[:, self._names.index(name)])
-            column.flags.writeable = False
-            self._read[name] = column
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-
 @dataclass(frozen=True, eq=False)
 class LaneLoop:
     """A plant and a controller compiled for lanes; `simulate` serves plants with other parameters."""
@@ -125,7 +101,7 @@ class LaneLoop:
         lanes = [self._lane(plant, s, time) for plant, s in zip(plants, scenarios, strict=True)]
         _require_alike(scenarios, lanes)
         coefficients = self.fast.coefficients(plants)
-        arrays = self._arrays(scenarios[0], lanes, len(time)) | {"p": _align(coefficients.values)}
+        arrays = self._arrays(scenarios[0], lanes, len(time)) | {"p": lane_memory.align(coefficients.values)}
         self._run(arrays, scenarios[0], len(time))
         kept = (coefficients.error <= ACCURATE * self.fast.error) & (arrays["left"][0] == 0)
         return [self._trajectory(plants[i], scenarios[i], time, arrays, i) if kept[i] else None for i in range(used)]
@@ -141,15 +117,15 @@ class LaneLoop:
 
     def _arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
         """Return the members of `loop_t` but for the plants' parameters, with the lanes along the last axis."""
-        arrays = {name: _align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
-        arrays |= {name: _align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
-        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": _zeros((1, self.lanes), np.int64)}
+        arrays = {name: lane_memory.align(lanes[0][name]) for name in _SHARED if name in lanes[0]}
+        arrays |= {name: lane_memory.align(np.stack([lane[name] for lane in lanes], axis=-1)) for name in _OF_LANE}
+        arrays |= {"locked": arrays["locked"].astype(np.int64), "left": lane_memory.zeros((1, self.lanes), np.int64)}
         if any("noise" in lane for lane in lanes):
             silent = np.zeros((n, len(scenario.sensors)))
-            arrays["noise"] = _align(np.stack([lane.get("noise", silent) for lane in lanes], axis=-1))
+            arrays["noise"] = lane_memory.align(np.stack([lane.get("noise", silent) for lane in lanes], axis=-1))
         plant = self.fast.plant
         signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
-        records = {name: _zeros((n, len(group), self.lanes), np.float64) for name, group in signals.items()}
+        records = {name: lane_memory.zeros((n, len(group), self.lanes), np.float64) for name, group in signals.items()}
         return arrays | self._controller_arrays(scenario, lanes, n) | records
 
     def _controller_arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
@@ -158,18 +134,18 @@ class LaneLoop:
         width = np.uint32 if scalar is np.float32 else np.uint64
         commands = list(dict.fromkeys(c for row in _weights(scenario) for c in row))
         initial = lanes[0]["state"]
-        inputs = _zeros((n, len(rows.inputs), self.lanes), scalar)
+        inputs = lane_memory.zeros((n, len(rows.inputs), self.lanes), scalar)
         for i, lane in enumerate(lanes):
             for row, name in enumerate(rows.inputs):
                 inputs[:, row, i] = lane["in"][name]
         return {
             "sensor_input": np.array([rows.inputs.index(name) for name in scenario.sensors], dtype=np.int64),
             "command_output": np.array([rows.outputs.index(name) for name in commands], dtype=np.int64),
-            "reals": _repeat([initial[name] for name in rows.reals], self.lanes, scalar),
-            "counters": _repeat([initial[name] for name in rows.counters], self.lanes, width),
+            "reals": lane_memory.repeat([initial[name] for name in rows.reals], self.lanes, scalar),
+            "counters": lane_memory.repeat([initial[name] for name in rows.counters], self.lanes, width),
             "in": inputs,
-            "out": _zeros((n, len(rows.outputs), self.lanes), scalar),
-            "faults": _zeros((n, self.lanes), width),
+            "out": lane_memory.zeros((n, len(rows.outputs), self.lanes), scalar),
+            "faults": lane_memory.zeros((n, self.lanes), width),
         }
 
     def _run(self, arrays: Arrays, scenario: Scenario, n: int) -> None:
@@ -198,7 +174,7 @@ class LaneLoop:
             "outputs": signal_names(plant.outputs),
             "applied": signal_names(plant.inputs),
         }
-        groups = {g: _LaneColumns(names[g], arrays[member][:, :, lane]) for g, member in members.items()}
+        groups = {g: lane_memory.LaneColumns(names[g], arrays[member][:, :, lane]) for g, member in members.items()}
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
         faults = arrays["faults"][:, lane].astype(np.uint32)
         return closed_loop.trajectory(plant, self.controller, time, groups, faults, impacts)
@@ -282,23 +258,3 @@ def _equal(first: NDArray[Any] | None, second: NDArray[Any] | None) -> bool:
 
 def _weights(scenario: Scenario) -> list[dict[str, float]]:
     return [{wire: 1.0} if isinstance(wire, str) else dict(wire) for wire in scenario.actuators.values()]
-
-
-def _zeros(shape: tuple[int, ...], scalar: type[np.generic]) -> NDArray[Any]:
-    """Return zeros at an address that vectors need, in large pages: a record is written once, page after page."""
-    n = max(1, int(np.prod(shape)) * np.dtype(scalar).itemsize)
-    memory = mmap.mmap(-1, n)  # page-aligned
-    if n > LARGE and hasattr(memory, "madvise"):
-        memory.madvise(mmap.MADV_HUGEPAGE)
-    return np.frombuffer(memory, scalar, int(np.prod(shape))).reshape(shape)
-
-
-def _repeat(values: Sequence[Any], lanes: int, scalar: type[np.generic]) -> NDArray[Any]:
-    """Return the values in every lane (values, lanes)."""
-    return _align(np.repeat(np.array(values, scalar).reshape(-1, 1), lanes, axis=1))
-
-
-def _align(values: NDArray[Any]) -> NDArray[Any]:
-    copy = _zeros(values.shape, values.dtype.type)
-    copy[...] = values
-    return copy
