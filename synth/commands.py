@@ -250,7 +250,7 @@ def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
     if as_json:
         sys.stdout.write(_strict_json(studies.document(table)) + "\n")
     else:
-        tables.print_study(name, table, chosen.row)
+        (tables.print_study if chosen.row is None else tables.print_machine)(name, table)
     return int(not table.passed.all())
 
 

@@ -45,22 +45,29 @@ def print_campaign(campaign: Campaign, every: bool = False) -> None:
         print_checks(f"{campaign.design}: limits of faults", campaign.checks)
 
 
-def print_study(design: str, study: StudyTable, row: int | None = None) -> None:
-    """Print the distribution of every check and figure, the yield and the rows without a result; or one `row`."""
+def print_study(design: str, study: StudyTable) -> None:
+    """Print the distribution of every check and figure, the yield, and why machines have no result."""
     console = Console(width=None if sys.stdout.isatty() else 160)
-    many = f"{design}: {len(study.rows)} machines" if row is None else f"{design}: machine of row {row}"
-    table = Table("what", "unit", "nominal", "median", "95 %", "worst", "row", "limit", "kept", "driver", title=many)
+    columns = ("what", "unit", "nominal", "median", "95 %", "worst", "row", "limit", "kept", "driver")
+    table = Table(*columns, title=f"{design}: {len(study.rows)} machines", title_justify="left")
     for s in studies.summarise(study):
-        kept = f"{s.passed:.2%}" if s.limit == s.limit else ""
+        has_limit = s.name in study.limits
+        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("", "")
         driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""
         numbers = (f"{v:.4g}" for v in (s.nominal, s.median, s.percentile_95, s.worst))
-        table.add_row(
-            escape(s.name), s.unit, *numbers, str(s.worst_row), f"{s.limit:.4g}" if kept else "", kept, driver
-        )
+        table.add_row(escape(s.name), s.unit, *numbers, str(s.worst_row), limit, kept, driver)
     console.print(table)
-    if row is not None:
-        console.print("  ".join(f"{name} {z[0]:+.3f}" for name, z in study.z.items()), highlight=False)
     console.print("\n".join(studies.notes(study)), highlight=False, markup=False)
+
+
+def print_machine(design: str, study: StudyTable) -> None:
+    """Print checks and figures of the only row of a study, and what was drawn for it."""
+    checks = [Check(n, float(v[0]), study.limits[n], study.units[n]) for n, v in study.checks.items()]
+    figures = {name: float(value[0]) for name, value in study.figures.items()}
+    drawn = ", ".join(f"{name} {z[0]:+.3f}" for name, z in study.z.items())
+    errors = [f"no result of {experiment}: {reason}" for _, experiment, reason in study.errors]
+    notes = [f"deviations in tolerances: {drawn}", *errors]
+    print_checks(f"{design}: machine {study.rows[0]}", checks, figures, notes)
 
 
 def print_cost(cost: costs.Cost) -> None:
