@@ -107,7 +107,9 @@ def measure() -> list[Speed]:
         "one lane": (1, lambda: _errors(one, [STAGE.plant], fast)),
         f"lanes, {MACHINES} machines": (MACHINES, lambda: [_errors(many, batch, fast) for batch in batches]),
     }
-    turns = [{name: _speed(machines, run) for name, (machines, run) in runs.items()} for _ in range(TURNS + 1)][1:]
+    turns = [
+        {name: _simulated_per_second(machines, run) for name, (machines, run) in runs.items()} for _ in range(TURNS + 1)
+    ][1:]
     return [
         Speed(
             name,
@@ -125,7 +127,7 @@ def _errors(loop: lanes.LaneLoop, plants: Sequence[Plant], motion: Scenario) -> 
     return [experiments.mean_errors(t, courses, 10.0, DURATION_S) for t in trajectories if t is not None]
 
 
-def _speed(machines: int, run: Callable[[], object]) -> float:
+def _simulated_per_second(machines: int, run: Callable[[], object]) -> float:
     start = process_time()
     run()
     return machines * DURATION_S / (process_time() - start)
