@@ -38,9 +38,13 @@ class FaultCampaign:
     period_s     period of the motion, over which the onsets are spread, and of the default motion
     settle_s     from the start of a run to the first onset; `watch_s` from the last onset to the end
     onsets       number of onsets in motion
+    durations_s  of faults that are neither permanent nor short
     offset, noise, drift_per_s   of a faulty sensor, as fractions of its range; noise as standard deviation
+    bit          the highest bit whose weight is at most this fraction of the sensor's range is flipped or stuck
+    jump         of a set-point, as a fraction of its range
     repeated     samples in which a sensor repeats a reading
     weak         fraction of the command that a weak actuator applies
+    inertias     {position: plant parameter}, its mass or moment of inertia: impacts on its stop have an energy
     """
 
     motion: Mapping[str, Any] = field(default_factory=dict)
@@ -48,9 +52,13 @@ class FaultCampaign:
     settle_s: float = 1.0
     watch_s: float = 1.0
     onsets: int = 2
+    durations_s: Sequence[float] = (0.05,)
     offset: float = 0.02
     noise: float = 0.005
     drift_per_s: float = 0.05
+    bit: float = 0.05
+    jump: float = 0.1
     repeated: int = 10
     weak: float = 0.7
+    inertias: Mapping[str, str] = field(default_factory=dict)
     limits: Sequence[FaultLimit] = ()

@@ -163,12 +163,13 @@ def faults(
     as_json: AsJson = False,
     plants: Annotated[int, typer.Option(min=1, help="the nominal plant and wrong ones; 17 for a full campaign")] = 4,
     every: Annotated[bool, typer.Option("--every", help="a row for every sensor and actuator, not the worst")] = False,
+    sweep: Annotated[bool, typer.Option("--sweep", help="also least magnitudes noticed and times tolerated")] = False,
     fresh: Fresh = False,
 ) -> None:
     """Inject faults of sensors, actuators and calls into the closed loop and measure what they do to the machine."""
     from synth import commands
 
-    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every))
+    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every, sweep))
 
 
 @app.command(epilog="Example: synth audit my_stage")

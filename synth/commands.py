@@ -199,16 +199,16 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     return _finish(as_json, documents, results, not all(c.passed for v in every for c in v.checks))
 
 
-def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool) -> int:
+def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool, sweep: bool = False) -> int:
     """Inject every fault of the interface of each design into its closed loop, and measure what the machine does."""
     designs = workspace.designs(Path.cwd(), names)
-    closed = [d for d in designs if (d.stage and d.stage.interface.actuators) or d.name in names]
-    jobs = {d.name: fault_jobs.jobs(d, plants) for d in closed}
+    closed = [d for d in designs if fault_jobs.closes_loop(d) or d.name in names]
+    jobs = {d.name: fault_jobs.jobs(d, plants, sweep) for d in closed}
     outcomes = _outcomes([job for each in jobs.values() for job in each], as_json, fresh)
     results: dict[str, Any] = {}
     for d in closed:
         error = next((e for job in jobs[d.name] if (e := outcomes[job.name].error)), "")
-        results[d.name] = Failed(d.name, error) if error else fault_jobs.result(d, plants, outcomes)
+        results[d.name] = Failed(d.name, error) if error else fault_jobs.result(d, plants, sweep, outcomes)
     campaigns = _successful(results)
     for campaign in campaigns if not as_json else ():
         tables.print_campaign(campaign, every)

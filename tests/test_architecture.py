@@ -41,7 +41,7 @@ VOCABULARY = (
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "jobs", "tasks", "tables", "standard_tasks", "stage", "testing", "new", "fault_jobs")
+LAYERS += ("workspace", "jobs", "standard_tasks", "fault_jobs", "tasks", "tables", "stage", "testing", "new")
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}

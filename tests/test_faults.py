@@ -3,10 +3,11 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from synth import commands, fault_jobs, jobs, workspace
+from synth import commands, fault_jobs, jobs, store, workspace
 from synth.campaign import FaultCampaign, FaultLimit
 from synth.errors import DesignError
 from synth.progress import Lines
@@ -18,10 +19,10 @@ SHORT_RUNS = FaultCampaign(period_s=0.2, settle_s=0.1, watch_s=0.2, onsets=1)
 pytestmark = pytest.mark.slow
 
 
-def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit) -> None:
+def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit, **fields: Any) -> None:
     """Enter the workspace of the levitator and shorten its fault campaign."""
     module = levitator.design(NAME)
-    faulty = replace(module.DESIGN.stage, faults=replace(SHORT_RUNS, limits=limits))
+    faulty = replace(module.DESIGN.stage, faults=replace(SHORT_RUNS, limits=limits, **fields))
     monkeypatch.setattr(module, "DESIGN", replace(module.DESIGN, stage=faulty))
     monkeypatch.chdir(levitator.FOLDER)
 
@@ -33,8 +34,8 @@ def test_the_document_does_not_depend_on_the_number_of_processes(monkeypatch: py
     for processes in (1, 3):
         (design,) = workspace.designs(levitator.FOLDER, [NAME])
         outcomes = jobs.run(fault_jobs.jobs(design, 2), Lines(lambda about, line: lines.append(line)), processes)
-        documents.append(fault_jobs.result(design, 2, outcomes).document())
-    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 46 * 2
+        documents.append(fault_jobs.result(design, 2, False, outcomes).document())
+    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 101 * 2
     assert "faults of sensor z" in lines and "faults of actuator i2" in lines
 
 
@@ -45,7 +46,7 @@ def test_the_exit_status_is_that_of_the_limits(
     enter_workspace(monkeypatch, FaultLimit("latch_s", most, kind="not finite", duration="permanent"))
     assert commands.faults([NAME], True, False, 1, False) == status
     (document,) = json.loads(capsys.readouterr().out)
-    assert [check["passed"] for check in document["checks"]] == [status == 0, True]
+    assert [check["passed"] for check in document["checks"]] == [status == 0, True, True]
 
 
 def test_the_table_has_the_worst_rows_and_the_control(
@@ -55,6 +56,40 @@ def test_the_table_has_the_worst_rows_and_the_control(
     assert commands.faults([NAME], False, False, 1, True) == 0
     printed = capsys.readouterr().out
     assert "worst of 1 plants" in printed and "calls missing" in printed and "negative control" in printed
+
+
+def test_a_sweep_adds_tolerated_times_and_magnitudes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    enter_workspace(monkeypatch)
+    assert commands.faults([NAME], False, False, 1, True, True) == 0
+    printed = capsys.readouterr().out
+    assert "unlimited" in printed and "noticed from" in printed
+
+
+def test_an_interrupted_campaign_continues_with_the_chunks_that_are_stored(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The chunks of a first run are read; a changed limit changes none of them, a changed magnitude all."""
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path))
+
+    def chunks_computed(*limits: FaultLimit, **fields: Any) -> int:
+        enter_workspace(monkeypatch, *limits, **fields)
+        (design,) = workspace.designs(levitator.FOLDER, [NAME])
+        lines: list[str] = []
+        jobs.run(fault_jobs.jobs(design, 1), Lines(lambda about, line: lines.append(line)))
+        return len([line for line in lines if line.startswith("faults of")])
+
+    whole = chunks_computed()
+    assert whole > 10 and chunks_computed(FaultLimit("false_alarms", 0.0)) == 0
+    (tmp_path / "results").rename(tmp_path / "all")
+    assert chunks_computed() == whole
+    chunks = [path for path in (tmp_path / "results").glob("??/*") if b"FaultRun" in path.read_bytes()]
+    chunks[0].unlink()
+    assert 0 < chunks_computed() < whole / 2
+    assert chunks_computed(offset=0.03) == whole
+    with store.fresh_run():
+        assert chunks_computed(offset=0.03) == whole
 
 
 def test_a_design_without_a_loop_is_refused() -> None:

@@ -19,7 +19,7 @@ def runs(target: str, kind: str, condition: str) -> list[FaultRun]:
     """Return the runs of a permanent fault on the nominal plant and wrong ones."""
     assert DESIGN.stage is not None
     rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
-    faults = [i for i in injections.derive(rig) if (i.target, i.kind, i.duration) == (target, kind, "permanent")]
+    faults = [i for i in injections.derive(rig.stage) if (i.target, i.kind, i.duration) == (target, kind, "permanent")]
     chosen = next(c for c in campaign.motion_and_standstill(rig) if c.name == condition)
     return [run for i in range(PLANTS) for run in campaign.run(rig, i, chosen, silent, faults)[1]]
 
