@@ -7,19 +7,22 @@ runs do not depend on, nor the texts of the safe output, which may quote them.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 from synth import cache, contents, standard_tasks, store
+from synth.campaign import SafeOutput
 from synth.declaration import Stage
 from synth.errors import ContentError, DesignError, SynthError
 from synth.execute import compile as host_compiler
 from synth.jobs import Job, Outcome
 from synth.progress import Counted, Progress, silent
+from synth.signals import per_second
 from synth.simulate import campaign, fault_rows, fault_sweeps, injections
 from synth.simulate.campaign import FaultRun, HealthyRun
+from synth.simulate.fault_rows import Campaign
 from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.injections import Injection
 from synth.simulate.rig import Rig
@@ -27,6 +30,7 @@ from synth.workspace import Design
 
 CHUNK = 12  # faults whose runs are stored together
 PART = 8  # chunks of one job
+RUNS, SWEEPS, LOSSES = "plant", "sweeps of plant", "losses on plant"
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,15 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Part:
-    """Some faults on one plant in one condition; with `swept` the sweeps of these faults instead of their runs."""
+    """The faults from number `first` on, on one plant in one condition.
+
+    `what` is RUNS of all faults, SWEEPS of them, or LOSSES, runs of the sensors that are lost for good.
+    """
 
     plant: int
     condition: str
     first: int
-    swept: bool = False
+    what: str
 
 
 def stage_of(design: Design) -> Stage:
@@ -63,7 +70,25 @@ def closes_loop(design: Design) -> bool:
     return design.stage is not None and bool(design.stage.interface.actuators)
 
 
-def jobs(design: Design, plants: int, sweep: bool = False, after: Sequence[str] = ()) -> list[Job]:
+def parts(design: Design, plants: int, sweep: bool = False) -> list[Part]:
+    """Return the parts of a campaign: of each plant and condition, then the sweeps on the nominal plant.
+
+    Raises DesignError as `stage_of`.
+    """
+    stage = stage_of(design)
+    return [
+        *(part for plant in range(plants) for part in _parts(stage, plant, RUNS)),
+        *(_parts(stage, 0, SWEEPS) if sweep else ()),
+    ]
+
+
+def losses(design: Design, plants: int) -> list[Part]:
+    """Return the parts that `safe_output` needs; raise DesignError as `stage_of`."""
+    stage = stage_of(design)
+    return [part for plant in range(plants) for part in _parts(stage, plant, LOSSES)]
+
+
+def jobs(design: Design, parts: Sequence[Part], after: Sequence[str] = ()) -> list[Job]:
     """Return the jobs of a design: one that compiles, after the jobs in `after`, and one for each part.
 
     A part returns its chunks. Raises DesignError as `stage_of`.
@@ -72,24 +97,20 @@ def jobs(design: Design, plants: int, sweep: bool = False, after: Sequence[str] 
     first = f"{name} compile"
     with suppress(SynthError):  # the job that compiles reports it
         _identity(stage)  # composed here, the controller is composed in every process that is forked
-    parts = [Job(_name(name, p), name, partial(_run_part, stage, p), (first,)) for p in _parts(stage, plants, sweep)]
-    return [Job(first, name, partial(_compile, stage), tuple(after)), *parts]
+    runs = [Job(_name(name, part), name, partial(_run_part, stage, part), (first,)) for part in parts]
+    return [Job(first, name, partial(_compile, stage), tuple(after)), *runs]
 
 
-def result(
-    design: Design, plants: int, sweep: bool = False, outcomes: Mapping[str, Outcome] | None = None
-) -> fault_rows.Campaign:
+def result(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> Campaign:
     """Return the campaign of a design, from the outcomes of all jobs, none of which failed, or from the cache.
 
     Raises DesignError as `stage_of`, SignalError as `fault_rows.campaign`.
     """
-    stage, chunks = stage_of(design), list[Chunk]()
-    for part in _parts(stage, plants, sweep):
-        chunks += outcomes[_name(design.name, part)].value if outcomes else _run_part(stage, part, silent)
+    chunks = _all_chunks(design, parts, outcomes)
     healthy = {(c.healthy.plant, c.healthy.condition): c.healthy for c in chunks}
     return fault_rows.campaign(
-        campaign.with_stops(standard_tasks.rig(stage, stage.scalar)),
-        plants,
+        _rigs(stage_of(design))[0],
+        len({plant for plant, _ in healthy}),
         list(healthy.values()),
         [run for c in chunks for run in c.runs],
         [run for c in chunks for run in c.control],
@@ -97,13 +118,54 @@ def result(
     )
 
 
-def _parts(stage: Stage, plants: int, sweep: bool) -> Iterator[Part]:
-    """Yield the parts of a campaign: of each plant and condition, then the sweeps of the nominal plant."""
-    count = len(injections.derive(stage))
-    cases = [(i, False) for i in range(plants)] + ([(0, True)] if sweep else [])
-    for plant, swept in cases:
-        for condition in _conditions(stage):
-            yield from (Part(plant, condition, first, swept) for first in range(0, count, CHUNK * PART))
+def safe_output(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None = None) -> SafeOutput:
+    """Return what the machine does after the latch, from the parts of `losses`; other arguments as `result`.
+
+    Raises DesignError as `stage_of`, and where no run latches.
+    """
+    stage = stage_of(design)
+    runs = [run for chunk in _all_chunks(design, parts, outcomes) for run in chunk.runs]
+    latched = [run for run in runs if math.isfinite(run.latch_s)]
+    if not latched:
+        raise DesignError(
+            f"design '{design.name}': of {len(runs)} lost sensors none latches; there is nothing to measure"
+        )
+    units = {s.name: per_second(s.unit) for s in stage.plant.states if s.name in latched[0].speeds}
+    conditions = {name: [run for run in latched if run.condition == name] for name in _conditions(stage)}
+    return SafeOutput(
+        f"synth faults {design.name} --write",
+        len({part.plant for part in parts}),
+        len(runs),
+        len(latched),
+        units,
+        {name: _largest([run.speeds for run in each], units) for name, each in conditions.items()},
+        {name: _largest([run.impacts for run in each], stage.stops) for name, each in conditions.items()},
+    )
+
+
+def _largest(values: Sequence[Mapping[str, float]], positions: Iterable[str]) -> dict[str, float]:
+    """Return the largest value of each position to three significant digits."""
+    return {q: float(f"{max((v[q] for v in values), default=0.0):.3g}") for q in positions}
+
+
+def _all_chunks(design: Design, parts: Sequence[Part], outcomes: Mapping[str, Outcome] | None) -> list[Chunk]:
+    stage = stage_of(design)
+    return [
+        chunk
+        for part in parts
+        for chunk in (outcomes[_name(design.name, part)].value if outcomes else _run_part(stage, part, silent))
+    ]
+
+
+def _parts(stage: Stage, plant: int, what: str) -> Iterator[Part]:
+    count = len(_faults(stage, what))
+    for condition in _conditions(stage):
+        yield from (Part(plant, condition, first, what) for first in range(0, count, CHUNK * PART))
+
+
+def _faults(stage: Stage, what: str) -> Sequence[Injection]:
+    derived = injections.derive(stage)
+    return derived if what != LOSSES else [i for i in derived if injections.is_loss(i)]
 
 
 def _conditions(stage: Stage) -> Sequence[str]:
@@ -111,8 +173,7 @@ def _conditions(stage: Stage) -> Sequence[str]:
 
 
 def _name(design: str, part: Part) -> str:
-    what = "sweeps" if part.swept else f"plant {part.plant}"
-    return f"{design} {what} {part.condition} {part.first}"
+    return f"{design} {part.what} {part.plant} {part.condition} {part.first}"
 
 
 def _compile(stage: Stage, progress: Progress) -> None:
@@ -130,7 +191,7 @@ def _rigs(stage: Stage) -> tuple[Rig, Rig]:
 
 def _run_part(stage: Stage, part: Part, progress: Progress) -> list[Chunk]:
     """Return the chunks of a part, from the cache where they are stored."""
-    faults = injections.derive(stage)[part.first : part.first + CHUNK * PART]
+    faults = _faults(stage, part.what)[part.first : part.first + CHUNK * PART]
     chunks = []
     for k in range(0, len(faults), CHUNK):
         chosen = faults[k : k + CHUNK]
@@ -148,7 +209,7 @@ def _report(progress: Progress, done: int, total: int, line: str) -> None:
 def _key(stage: Stage, part: Part, faults: Sequence[Injection]) -> str | None:
     """Return the key of a chunk, None for a stage whose content has no digest."""
     identity = _identity(stage)
-    return contents.digest(identity, part.plant, part.condition, part.swept, tuple(faults)) if identity else None
+    return contents.digest(identity, part.plant, part.condition, part.what, tuple(faults)) if identity else None
 
 
 @lru_cache(maxsize=16)
@@ -175,11 +236,11 @@ def compute_chunk(stage: Stage, part: Part, faults: Sequence[Injection], progres
     """
     rig, without_latch = _rigs(stage)
     condition = next(c for c in campaign.motion_and_standstill(rig) if c.name == part.condition)
-    if part.swept:
+    if part.what == SWEEPS:
         healthy, _ = campaign.run(rig, part.plant, condition, progress, ())
         return Chunk(healthy, (), (), tuple(fault_sweeps.run(rig, without_latch, condition, progress, faults)))
     healthy, runs = campaign.run(rig, part.plant, condition, progress, faults)
     latched = list(dict.fromkeys(run.injection for run in runs if math.isfinite(run.latch_s)))
-    if part.plant != 0 or not latched:
+    if part.plant != 0 or part.what == LOSSES or not latched:
         return Chunk(healthy, tuple(runs))
     return Chunk(healthy, tuple(runs), tuple(campaign.run(without_latch, 0, condition, silent, latched)[1]))

@@ -96,7 +96,11 @@ def faults(design: Design) -> Task[Campaign | None]:
     """Return the task of the fault campaign on the nominal plant; its result is None for a design without a loop."""
     if not fault_jobs.closes_loop(design):
         return Task("faults", _nothing, (_nothing,))
-    return Task("faults", lambda say: fault_jobs.result(design, 1), (fault_jobs.result, design.stage))
+    return Task("faults", lambda say: _campaign(design), (_campaign, design.stage))
+
+
+def _campaign(design: Design) -> Campaign:
+    return fault_jobs.result(design, fault_jobs.parts(design, 1))
 
 
 def audit(design: Design) -> Task[list[Row]]:
@@ -200,7 +204,8 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
         ("audit", audit(design), (first,)),
     )
     jobs = [Job(f"{name} {what}", name, _run_only(task), after) for what, task, after in tasks]
-    jobs += fault_jobs.jobs(design, 1, after=(first,)) if fault_jobs.closes_loop(design) else []
+    if fault_jobs.closes_loop(design):
+        jobs += fault_jobs.jobs(design, fault_jobs.parts(design, 1), (first,))
     last = Job(name, name, whole.result, tuple(job.name for job in jobs))
     return [Job(first, name, save), *jobs, last]
 

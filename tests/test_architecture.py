@@ -26,6 +26,7 @@ VOCABULARY = (
     "arguments",
     "numeric",
     "check",
+    "strict_json",
     "show",
     "signals",
     "timing",

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from synth import commands, fault_jobs, jobs, store, workspace
-from synth.campaign import FaultCampaign, FaultLimit
+from synth import commands, fault_jobs, jobs, standard_tasks, store, workspace
+from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.errors import DesignError
 from synth.progress import Lines
 from tests import levitator
@@ -33,8 +33,9 @@ def test_the_document_does_not_depend_on_the_number_of_processes(monkeypatch: py
     documents = []
     for processes in (1, 3):
         (design,) = workspace.designs(levitator.FOLDER, [NAME])
-        outcomes = jobs.run(fault_jobs.jobs(design, 2), Lines(lambda about, line: lines.append(line)), processes)
-        documents.append(fault_jobs.result(design, 2, False, outcomes).document())
+        parts = fault_jobs.parts(design, 2)
+        outcomes = jobs.run(fault_jobs.jobs(design, parts), Lines(lambda about, line: lines.append(line)), processes)
+        documents.append(fault_jobs.result(design, parts, outcomes).document())
     assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 101 * 2
     assert "faults of sensor z" in lines and "faults of actuator i2" in lines
 
@@ -77,7 +78,8 @@ def test_an_interrupted_campaign_continues_with_the_chunks_that_are_stored(
         enter_workspace(monkeypatch, *limits, **fields)
         (design,) = workspace.designs(levitator.FOLDER, [NAME])
         lines: list[str] = []
-        jobs.run(fault_jobs.jobs(design, 1), Lines(lambda about, line: lines.append(line)))
+        parts = fault_jobs.parts(design, 1)
+        jobs.run(fault_jobs.jobs(design, parts), Lines(lambda about, line: lines.append(line)))
         return len([line for line in lines if line.startswith("faults of")])
 
     whole = chunks_computed()
@@ -95,4 +97,35 @@ def test_an_interrupted_campaign_continues_with_the_chunks_that_are_stored(
 def test_a_design_without_a_loop_is_refused() -> None:
     (design,) = workspace.designs(Path(__file__).parents[1], ["hall_position"])
     with pytest.raises(DesignError, match="closes no loop"):
-        fault_jobs.jobs(design, 1)
+        fault_jobs.parts(design, 1)
+
+
+def test_the_measured_safe_output_goes_to_header_and_manifest(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Written, read and quoted; the runs do not depend on what is quoted."""
+    enter_workspace(monkeypatch)
+    (design,) = workspace.designs(levitator.FOLDER, [NAME])
+    (tmp_path / "designs" / NAME).mkdir(parents=True)
+    monkeypatch.setattr(workspace, "designs", lambda *_: [design])
+    monkeypatch.chdir(tmp_path)
+    assert commands.measure_safe_output([NAME], False, False, 2) == 0
+    measured = read_safe_output(tmp_path / "designs" / NAME / commands.SAFE_OUTPUT)
+    assert measured is not None and (measured.plants, measured.runs, measured.latched) == (2, 8, 8)
+    assert 0.02 < measured.impacts["at rest"]["z"] < 0.06
+    assert measured.text() in " ".join(capsys.readouterr().out.split())
+    assert design.stage is not None
+    quoting = replace(design.stage, safe_output=measured)
+    files = standard_tasks.emit(quoting, design.scalar)[NAME]
+    comment = " ".join(files.files[f"{NAME}.h"].replace(" * ", " ").split())
+    assert measured.text() in comment and measured.text() in files.manifest["safety"]["reason"]
+    parts = fault_jobs.losses(design, 2)
+    assert fault_jobs.safe_output(replace(design, stage=quoting), parts) == measured
+
+
+def test_a_file_with_other_figures_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / commands.SAFE_OUTPUT
+    assert read_safe_output(path) is None
+    path.write_text('{"speed": 1}', encoding="utf-8")
+    with pytest.raises(DesignError, match="need figures: write them by `synth faults NAME --write`"):
+        read_safe_output(path)

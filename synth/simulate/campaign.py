@@ -3,6 +3,7 @@
     excursion of q    max over t >= onset of |q(t) - q_healthy(t)|
     impact on q       largest speed v at which q hits a stop; 0 unless it exceeds that of the healthy run
     energy of it      J v^2 / 2 with the declared mass or moment of inertia J of q
+    speed of q        max over t from the latch on of |dq/dt|, 0 without a latch; the final speed is that at the end
     time to notice    detection time, from the onset to the first fault bit that the healthy run does not have
     time to latch     from the onset to the latch; a time is inf if there is no such bit or no latch
 
@@ -59,6 +60,8 @@ class FaultRun:
     excursion: Values
     impacts: Values
     energies: Values
+    speeds: Values
+    final_speeds: Values
     notice_s: float
     latch_s: float
     named: bool
@@ -183,6 +186,8 @@ def inject(
         {q: _largest(faulty.states[q] - healthy.states[q]) for q in rig.stage.velocities},
         impacts,
         {q: rig.plant.parameter(p).value * impacts[q] ** 2 / 2 for q, p in rig.stage.faults.inertias.items()},
+        {q: 0.0 if latch is None else _largest(faulty.states[v][latch:]) for q, v in rig.stage.velocities.items()},
+        {q: _largest(faulty.states[v][-1:]) for q, v in rig.stage.velocities.items()},
         notice_s,
         latch_s,
         named=named.issuperset(identified) and bool(identified),

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
+from functools import partial
 from typing import Any
 
 from synth.campaign import FaultLimit
@@ -48,6 +49,8 @@ class Row:
     excursion: Values
     impacts: Values
     energies: Values
+    speeds: Values
+    final_speeds: Values
 
     @property
     def impact(self) -> float:
@@ -130,6 +133,8 @@ def _row(runs: Sequence[FaultRun]) -> Row:
         excursion=_worst([r.excursion for r in runs]),
         impacts=_worst([r.impacts for r in runs]),
         energies=_worst([r.energies for r in runs]),
+        speeds=_worst([r.speeds for r in runs]),
+        final_speeds=_worst([r.final_speeds for r in runs]),
     )
 
 
@@ -233,10 +238,17 @@ def _measure(name: str, units: Mapping[str, str]) -> tuple[Callable[[Row], float
     if name in _MEASURES:
         measure, unit = _MEASURES[name]
         return measure, unit or "/".join(sorted({per_second(u) for u in units.values()}))
-    what, _, q = name.partition("_")
-    if q in units and what == "impact":
-        return lambda row: row.impacts[q], per_second(units[q])
-    if q in units and what == "excursion":
-        return lambda row: row.excursion[q], units[q]
-    known = [*_MEASURES, FALSE_ALARMS, *(f"{w}_{q}" for q in units for w in ("impact", "excursion"))]
+    per_position = {
+        **{f"excursion_{q}": (partial(_of, "excursion", q), unit) for q, unit in units.items()},
+        **{f"impact_{q}": (partial(_of, "impacts", q), per_second(unit)) for q, unit in units.items()},
+        **{f"speed_{q}": (partial(_of, "speeds", q), per_second(unit)) for q, unit in units.items()},
+        **{f"final_speed_{q}": (partial(_of, "final_speeds", q), per_second(unit)) for q, unit in units.items()},
+    }
+    if name in per_position:
+        return per_position[name]
+    known = [*_MEASURES, FALSE_ALARMS, *per_position]
     raise SignalError(f"a fault limit has the measure '{name}': use one of {', '.join(known)}")
+
+
+def _of(field: str, position: str, row: Row) -> float:
+    return float(getattr(row, field)[position])

@@ -98,6 +98,11 @@ def sample_count(rig: Rig, injection: Injection, n: int) -> int:
     return max(1, round(float(injection.duration.removesuffix(" s")) / rig.period_s))
 
 
+def is_loss(injection: Injection) -> bool:
+    """Return whether a fault is the loss of one sensor for the rest of the run."""
+    return (injection.group, injection.kind, injection.duration) == (SENSOR, "not finite", PERMANENT)
+
+
 def _connections(stage: Stage) -> Iterable[str]:
     """Return the plant inputs that an actuator drives."""
     return stage.wires or [a.of for a in stage.interface.actuators]
