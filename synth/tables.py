@@ -33,10 +33,8 @@ def print_campaign(campaign: Campaign, every: bool = False) -> None:
     """Print the worst target of each kind of fault, or `every` one, then the checks of declared limits."""
     console = Console(width=None if sys.stdout.isatty() else 160)
     title = f"{campaign.design}: faults on the machine, worst of {campaign.plants} plants"
-    rows = [
-        fault_table.cells(campaign, row) for row in (campaign.rows if every else fault_table.worst_targets(campaign))
-    ]
-    _print(console, title, fault_table.COLUMNS, rows)
+    rows = campaign.rows if every else fault_table.worst_targets(campaign)
+    _print(console, title, *fault_table.table(campaign, rows))
     if magnitudes := fault_table.magnitude_cells(campaign, every):
         title = f"{campaign.design}: smallest magnitude, of the range, from which on every one is noticed, and harms"
         _print(console, title, fault_table.MAGNITUDE_COLUMNS, magnitudes)

@@ -17,13 +17,13 @@ ABOUT = (
 
 def section(result: Campaign) -> Section:
     """Return the section: of each kind of fault the target that ends worst, and all of them in a collapsed table."""
-    worst = tuple(fault_table.cells(result, row) for row in fault_table.worst_targets(result))
-    every = tuple(fault_table.cells(result, row) for row in result.rows)
     plants = "the nominal plant" if result.plants == 1 else f"{result.plants} plants"
-    table = page.Table(f"Faults, worst of their targets on {plants}", fault_table.COLUMNS, worst)
+    caption = f"Faults, worst of their targets on {plants}"
+    table = page.Table(caption, *fault_table.table(result, fault_table.worst_targets(result)))
+    every = page.Table("Faults of every target", *fault_table.table(result, result.rows))
     checks = (page.Checks("Limits of faults", result.checks),) if result.checks else ()
     notes = page.Text("\n\n".join(f"{note[0].upper()}{note[1:]}." for note in fault_table.notes(result)))
-    folded = page.Folded("Every fault", (page.Table("Faults of every target", fault_table.COLUMNS, every),))
+    folded = page.Folded("Every fault", (every,))
     return Section(TITLE, (page.Text(ABOUT), table, *_magnitudes(result), notes, *checks, folded))
 
 

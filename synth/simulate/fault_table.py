@@ -1,6 +1,7 @@
 """Table of a fault campaign as text: rows, magnitudes, and notes on false alarms and the negative control."""
 
 import math
+from collections.abc import Iterable
 from functools import partial
 
 from synth.signals import per_second
@@ -12,6 +13,7 @@ COLUMNS = (
     *("fault", "duration", "condition", "excursion", "impact", "noticed", "latched", "tolerated", "named"),
     "no effect",
 )
+TOLERATED = COLUMNS.index("tolerated")
 MAGNITUDE_COLUMNS = ("fault", "duration", "condition", "noticed from", "harmful from")
 
 
@@ -31,6 +33,14 @@ def _largest(values: Values, spans: Values) -> tuple[str, float]:
     """Return the position with the largest value relative to its span, and that ratio."""
     ratios = {q: value / spans[q] for q, value in values.items()}
     return max(ratios.items(), key=lambda pair: pair[1]) if ratios else ("", 0.0)
+
+
+def table(result: Campaign, rows: Iterable[Row]) -> tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]:
+    """Return the columns and the cells of rows; without sweeps there is no column of tolerated times."""
+    whole = (COLUMNS, *(cells(result, row) for row in rows))
+    if not result.sweeps:
+        whole = tuple((*line[:TOLERATED], *line[TOLERATED + 1 :]) for line in whole)
+    return whole[0], whole[1:]
 
 
 def cells(result: Campaign, row: Row) -> tuple[str, ...]:

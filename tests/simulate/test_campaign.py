@@ -285,3 +285,15 @@ def test_the_tolerated_time_is_the_longest_that_does_no_harm(rig: Rig, without_l
     for samples, harms in ((longest, False), (round(fault_sweeps.REFINEMENT * longest) + 1, True)):
         fault = replace(dead, samples=samples)
         assert campaign.run(without_latch, 0, at_rest, silent, [fault])[1][0].harms == harms
+
+
+def test_a_planted_detector_that_names_the_wrong_sensor_is_caught(rig: Rig) -> None:
+    names = {"z": "x", "x": "z"}
+    swapped = [f | {"input": names.get(f.get("input"), f.get("input"))} for f in rig.controller.manifest["faults"]]
+    planted = replace(rig, controller=replace(rig.controller, manifest={**rig.controller.manifest, "faults": swapped}))
+    run = one(planted, "not finite", "z")
+    assert not run.named and run.wrong_names == ("x",)
+    result = campaign_of(
+        limited(rig, (FaultLimit("wrong_names", 0.0),)), [(HealthyRun("at rest", 0, 0, {}), [run])], []
+    )
+    assert not result.checks[0].passed
