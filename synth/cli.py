@@ -174,12 +174,18 @@ def faults(
     as_json: AsJson = False,
     plants: Annotated[int, typer.Option(min=1, help="the nominal plant and wrong ones; 17 for a full campaign")] = 4,
     every: Annotated[bool, typer.Option("--every", help="a row for every sensor and actuator, not the worst")] = False,
+    sweep: Annotated[bool, typer.Option("--sweep", help="also least magnitudes noticed and times tolerated")] = False,
+    write: Annotated[
+        bool, typer.Option("--write", help="write instead what the machine does after the latch, for the C header")
+    ] = False,
     fresh: Fresh = False,
 ) -> None:
     """Inject faults of sensors, actuators and calls into the closed loop and measure what they do to the machine."""
     from synth import commands
 
-    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every))
+    if write:
+        raise typer.Exit(commands.measure_safe_output(names or (), as_json, fresh, plants))
+    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every, sweep))
 
 
 @app.command(epilog="Example: synth study my_stage --plants 1000 --experiments 'step_*'")

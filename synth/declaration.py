@@ -15,7 +15,7 @@ import numpy as np
 
 from synth import show
 from synth.block import Block
-from synth.campaign import FaultCampaign
+from synth.campaign import FaultCampaign, SafeOutput
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
@@ -255,6 +255,7 @@ class Stage:
     companions        Blocks that are emitted beside the controller
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
+    safe_output       what the machine does after the latch as measured, which header and manifest state
     """
 
     controller: Controller
@@ -278,6 +279,7 @@ class Stage:
     companions: Sequence[Companion] = ()
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)
+    safe_output: SafeOutput | None = None
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""

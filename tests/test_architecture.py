@@ -26,6 +26,7 @@ VOCABULARY = (
     "arguments",
     "numeric",
     "check",
+    "strict_json",
     "show",
     "signals",
     "timing",
@@ -44,14 +45,14 @@ LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "ver
 LAYERS += (
     "workspace",
     "jobs",
-    "tasks",
-    "tables",
     "standard_tasks",
+    "fault_jobs",
+    "tasks",
+    "study_jobs",
+    "tables",
     "stage",
     "testing",
     "new",
-    "fault_jobs",
-    "study_jobs",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
