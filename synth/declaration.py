@@ -234,6 +234,19 @@ class Companion:
     gains: Gains | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Blocks through which the controller drives a plant, one after another, such as the commutation of a motor.
+
+    Each of their inputs is, by name, an output of an earlier Block or of the controller, or else an input of the
+    controller. The outputs of the last Block are the inputs of `plant`, by name. It has the states, outputs and
+    parameters of the stage's plant; experiments and fault campaigns run on it.
+    """
+
+    plant: Plant
+    blocks: tuple[Block, ...]
+
+
 @show.result
 class Stage:
     """A whole stage as declared, before anything is computed from it.
@@ -251,6 +264,7 @@ class Stage:
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
     gains             the document of gains.json, else that of the laws
     companions        Blocks that are emitted beside the controller
+    drive             Blocks between the controller and the plant in experiments, with the plant that they drive
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
     """
@@ -274,6 +288,7 @@ class Stage:
     recording: Callable[[Any], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
+    drive: Drive | None = None
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)
 

@@ -22,6 +22,7 @@ from synth.execute import build, host
 from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
+from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import agree, stimuli
@@ -44,14 +45,13 @@ def _compile(stage: Stage, scalar: str) -> host.Controller:
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under its controller in a scalar type."""
-    return Rig(stage, stage.plant, compiled_controller(stage, scalar))
+    return rigs.of_stage(stage, compiled_controller(stage, scalar))
 
 
 def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under a controller that never latches, the negative control of a fault campaign."""
     block = safety.without_latch(stage.controller.block)
-    controller = build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar))
-    return Rig(stage, stage.plant, controller)
+    return rigs.of_stage(stage, build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar)))
 
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
@@ -59,7 +59,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     error, block = stage.surrogate_error.get(scalar), stage.controller.block
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
-    inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
+    inputs = dict((stage.recording or record)(rigs.of_stage(stage, controller)))
     replay = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, replay)}
     for companion in stage.companions:
@@ -110,10 +110,10 @@ def bench(
     """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
-        return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
+        return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY).measured
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
-        loop = Rig(stage, stage.plant, controller)
+        loop = rigs.of_stage(stage, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
     return Bench(lambda: stage.controller.block, replay, sequences, floor)

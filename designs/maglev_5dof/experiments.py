@@ -65,7 +65,11 @@ class StepRun:
 def step(
     rig: Rig, axis: str, start: float, target: float, gap: float = 0.025, after: float = AFTER, **options: Any
 ) -> StepRun:
-    """Run one step of `axis` from `start` to `target` (m, rad) at a gap in m, followed for `after` seconds."""
+    """Run one step of `axis` from `start` to `target` (m, rad) at a gap in m, followed for `after` seconds.
+
+    With `actuators` among the options the drive is left out.
+    """
+    rig = rig.without_drive if "actuators" in options else rig
     time = sample_times(SETTLE + after, rig.period_s)
     reference = np.where(time < SETTLE, start, target)
     trajectory = rig.run(SETTLE + after, {"y": gap} | {axis: start}, {f"{axis}_ref": reference}, **options)
@@ -80,7 +84,9 @@ def tracking(rig: Rig, four: bool, duration_s: float = TRACK_TO) -> tuple[Trajec
     courses = {axis: course(time) for axis, course in COURSES.items() if four or axis != "theta"}
     start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
     references = {f"{axis}_ref": course for axis, course in courses.items()}
-    return rig.run(duration_s, start, references, actuators=WIRES if four else NO_ROTATION), courses
+    if four:
+        return rig.run(duration_s, start, references), courses
+    return rig.without_drive.run(duration_s, start, references, actuators=NO_ROTATION), courses
 
 
 def mean_errors(
@@ -218,7 +224,7 @@ def _set_down(rig: Rig, gap: float) -> Experiment:
 
 
 def _zero_current(rig: Rig) -> Experiment:
-    trajectory = rig.run(0.5, actuators={}, forcing=dict.fromkeys(WIRES, 0.0))
+    trajectory = rig.without_drive.run(0.5, actuators={}, forcing=dict.fromkeys(WIRES, 0.0))
     hit = metrics.first_exit(trajectory.time, trajectory["y"], control.GAP[0] + 1e-9, control.GAP[1])
     figures = {"time to the upper stop, s": hit, "speed there, m/s": trajectory.impacts["y"]}
     return Experiment("", "", "the platen hits the upper stop", trajectory, ("y",), {}, figures)

@@ -2,7 +2,7 @@
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
     m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the sample of the override
-    c_k = step(state, m_k, references_k)
+    c_k = step(state, m_k, references_k)              followed by the steps of the drive, see `drive`
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
 `faulty` states what faults of sensors, actuators and calls change in these equations.
@@ -26,6 +26,7 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
 from synth.simulate import faulty, plant_code
+from synth.simulate.drive import Followed, Follower, follow
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
@@ -34,13 +35,15 @@ __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 Arrays = dict[str, NDArray[Any]]
 
 _COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
+_COUNTS = (*_COUNTS, "followers", "last_out_size")
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
     *("sensors", "sensor_source", "sensor_offset", "sensor_gain", "sensor_bias", "sensor_resolution"),
     *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
     *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
-    *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
+    *("single", "step", "state", "in_size", "out_size", "in", "out", "faults"),
+    *("followers", "follower", "last_out", "last_out_size", "states", "outputs", "applied"),
 )
 
 
@@ -58,8 +61,11 @@ def simulate(
     scenario: Scenario,
     disturbance: ca.Function | None = None,
     flags: Sequence[str] = (),
+    drive: Sequence[host.Controller] = (),
 ) -> Trajectory:
     """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
+
+    With a `drive` the commands are the outputs of its last Block.
 
     The plant's parameters enter at run time: one compilation, with `flags`, serves every `plant.with_parameters(...)`.
 
@@ -70,9 +76,12 @@ def simulate(
         _plant_arrays(plant, scenario, len(time))
         | _controller_arrays(controller, scenario, len(time))
         | _sensor_arrays(plant, controller, scenario, len(time))
-        | _actuator_arrays(plant, controller, scenario, time)
+        | _actuator_arrays(plant, drive[-1] if drive else controller, scenario, time)
         | faulty.arrays(plant, scenario, len(time))
     )
+    followed = follow(controller, arrays["in"], arrays["out"], drive)
+    followers = (Follower * len(followed))(*(block.struct for block in followed))
+    last = followed[-1].outputs if followed else arrays["out"]
     counts = {
         "samples": len(time),
         "substeps": scenario.substeps,
@@ -83,27 +92,39 @@ def simulate(
         "single": int(controller.scalar is np.float32),
         "in_size": controller.inputs.itemsize,
         "out_size": controller.outputs.itemsize,
+        "followers": len(followed),
+        "last_out_size": last.itemsize,
     }
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
+    addresses |= {"follower": ctypes.addressof(followers), "last_out": last.ctypes.data}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, controller, scenario, time, arrays)
+    return _trajectory(plant, controller, scenario, time, arrays, followed)
 
 
 def _trajectory(
-    plant: Plant, controller: host.Controller, scenario: Scenario, time: Array, arrays: Arrays
+    plant: Plant,
+    controller: host.Controller,
+    scenario: Scenario,
+    time: Array,
+    arrays: Arrays,
+    followed: Sequence[Followed],
 ) -> Trajectory:
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
-    for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
+    groups["driven"] = {name: column for block in followed for name, column in host.columns(block.outputs).items()}
+    drive_faults = {block.name: block.faults for block in followed}
+    for array in (time, arrays["faults"], *drive_faults.values(), *chain(*(columns.values() for columns in groups.values()))):
         array.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    members = {
-        m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
-    }
+    manifests = [controller.manifest, *(block.controller.manifest for block in followed)]
+    fields = [f for m in manifests for role in ("input", "output") for f in m["structs"][role]["fields"]]
+    members = {f["name"]: f["unit"] for f in fields}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, units=units, **groups)
+    return Trajectory(
+        time=time, faults=arrays["faults"], impacts=impacts, units=units, drive_faults=drive_faults, **groups
+    )
 
 
 def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
