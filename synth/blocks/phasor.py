@@ -49,6 +49,10 @@ class Phasor:
         sine = self.sine * by.cosine + self.cosine * by.sine
         return Phasor(self.cosine * by.cosine - self.sine * by.sine, sine)
 
+    def scaled(self, by: ca.SX) -> "Phasor":
+        """Return this phasor times a number."""
+        return Phasor(by * self.cosine, by * self.sine)
+
     def quarter_turn(self) -> "Phasor":
         """Return this phasor rotated by 90 degrees, which costs no operation."""
         return Phasor(-self.sine, self.cosine)
@@ -85,36 +89,42 @@ def by_range_reduction(angle: ca.SX, halvings: int, name: str, named: NamedExpre
     return Phasor(c, clip(s, UNIT))
 
 
-def within_period(position: ca.SX, limit: float, period: float, name: str, unit: str = "m") -> Distance:
-    """Return the distance of a position of at most +-`limit` from the nearest multiple of `period`, in its `unit`.
+def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> Distance:
+    """Return the distance of a position within `bounds` from the nearest whole multiple of a period, in its unit.
 
-    It is within half a period, but for rounding, at most +-period/2 (1 + MARGIN).
+    But for rounding it is within half a period: at most period/2 (1 + MARGIN).
 
-    Raises SignalError for a limit of more than 2^(23 - HIGH_BITS) periods, and for a limit or period that is not
-    positive.
+    Raises SignalError for a period that is not positive, and for a position of more than 2^(23 - HIGH_BITS) periods.
     """
-    whole = ceil(limit / period + 0.5) if limit > 0 and period > 0 else 0
+    limit = max(abs(bounds.low), abs(bounds.high))
+    whole = ceil(limit / period + 0.5) if period > 0 else 0
     if not 0 < whole <= 2 ** (23 - HIGH_BITS):
         raise SignalError(
-            f"'{name}' has a limit of {limit:g} and a period of {period:g}: give positive ones, and at most "
-            f"{2 ** (23 - HIGH_BITS)} periods of travel"
+            f"'{bounds.name}' is up to {limit:g} {bounds.unit} in periods of {period:g}: give a positive period, and at "
+            f"most {2 ** (23 - HIGH_BITS)} periods of travel"
         )
     exponent = frexp(period)[1] - HIGH_BITS
     high = ldexp(round(ldexp(period, -exponent)), exponent)
     n = ca.floor(position * (1 / period) + (whole + 0.5)) - whole
-    signal = Signal(f"distance_{name}", unit, *(sign * period / 2 * (1 + MARGIN) for sign in (-1, 1)))
+    half = period / 2 * (1 + MARGIN)
+    signal = Signal(f"distance_{name}", bounds.unit, -half, half, f"of {bounds.name} from a whole period")
     value = clip((position - n * high) - n * (period - high), signal)
     return Distance(signal, value, lambda u, e: _distance_bound(period, whole, u))
 
 
 def _distance_bound(period: float, whole: int, u: float) -> float:
-    """Return a bound on a distance: position/period has an error of 3 u whole, and each n low one of u whole low."""
+    """Return a bound on a distance, with the rounding of position/period, of n low and of two differences."""
     return period * (0.5 + 8 * whole * u)
 
 
-def by_quarter_angle(distance: ca.SX, period: float, name: str, named: NamedExpressions) -> Phasor:
-    """Return the phasor of 2 pi distance/period for a distance within half a period; `named` receives sin q."""
+def by_quarter_angle(
+    distance: ca.SX, period: float, name: str, named: NamedExpressions, length: float = 1.0
+) -> Phasor:
+    """Return the phasor of `length` at 2 pi distance/period for a distance within half a period.
+
+    `named` receives the sine of a quarter of the angle.
+    """
     sine = ca.sin(pi / (2 * period) * distance)
     h = sine * ca.sqrt(1 - sine**2)
     named.append((Signal(f"quarter_sine_{name}", "1", -1, 1), sine))
-    return Phasor(1 - 8 * h**2, h * (4 - 8 * sine**2))
+    return Phasor(length - 8 * length * h**2, h * (4 * length - 8 * length * sine**2))
