@@ -16,13 +16,13 @@ import numpy as np
 from synth import show
 from synth.block import Block
 from synth.campaign import FaultCampaign
+from synth.companion import Companion, Drive, Gains
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 
 Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
-Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what gains.json says
 
 
 @dataclass(frozen=True)
@@ -219,32 +219,6 @@ class Controller:
     def block(self) -> Block:
         """The whole controller as one Block."""
         return self.composition.block
-
-
-@dataclass(frozen=True, eq=False)
-class Companion:
-    """A Block that is emitted beside the controller, as the commutation of a motor is.
-
-    `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller,
-    and `gains` the document of its gains.json.
-    """
-
-    block: Block
-    inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
-    gains: Gains | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """Blocks through which the controller drives a plant, one after another, such as the commutation of a motor.
-
-    Each of their inputs is, by name, an output of an earlier Block or of the controller, or else an input of the
-    controller. The outputs of the last Block are the inputs of `plant`, by name. It has the states, outputs and
-    parameters of the stage's plant; experiments and fault campaigns run on it.
-    """
-
-    plant: Plant
-    blocks: tuple[Block, ...]
 
 
 @show.result

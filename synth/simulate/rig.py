@@ -105,14 +105,13 @@ class Rig:
         interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
         default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
-        commands = (self.controller, *self.drive)[-1].outputs.names or ()
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
             "references": default_set_points | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
-            "hold": {a.name: a.safe for a in interface.actuators if a.name in commands},
+            "hold": self._first_commands(start),
             "forcing": dict.fromkeys(interface.disturbances, 0.0),
             "velocities": self.stage.velocities,
             "stops": self.stage.stops,
@@ -121,6 +120,21 @@ class Rig:
         }
         scenario = Scenario(duration_s, start, **(fields | options))
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
+
+    def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return the commands before the first sample: the safe values, through the drive at the initial position."""
+        interface, outputs = self.stage.interface, self.controller.outputs.names or ()
+        safe = {a.name: a.safe for a in interface.actuators if a.name in outputs}
+        if not self.drive:
+            return safe
+        positions = self.plant.output_values(start)
+        known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
+        known |= {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
+        known |= dict.fromkeys(outputs, 0.0) | safe
+        for block in self.drive:
+            commands = block.step(block.init(), {name: known[name] for name in block.inputs.names or ()}).outputs
+            known |= commands
+        return {name: float(value) for name, value in commands.items()}
 
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
