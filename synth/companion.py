@@ -1,6 +1,6 @@
 """Blocks beside the controller of a stage: companions, which are emitted with it, and the drive of its plant.
 
-    sensors, set-points --> controller --> drive, such as a commutation --> amplifiers --> plant
+sensors, set-points --> controller --> drive, such as a commutation --> amplifiers --> plant
 """
 
 from collections.abc import Callable, Mapping
@@ -28,7 +28,7 @@ class Companion:
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
     gains: Gains | None = None
 
-    def recorded(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
+    def select_inputs(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs (N,) by name for test vectors; `inputs` and `outputs` are those of the controller."""
         if self.inputs is not None:
             return dict(self.inputs(inputs, outputs))

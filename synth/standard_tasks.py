@@ -65,7 +65,7 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     for companion in stage.companions:
         document = {"design": companion.gains(scalar)} if companion.gains else None
         companion_files = write.emit(companion.block, scalar, document, error=error)
-        recorded = companion.recorded(inputs, replay.outputs)
+        recorded = companion.select_inputs(inputs, replay.outputs)
         companion_outputs = host.load(companion_files.files, companion_files.manifest).replay(recorded)
         folders[companion.block.name] = _with_vectors(companion_files, recorded, companion_outputs)
     return folders

@@ -1,6 +1,6 @@
 """Commutation of the four motors: from direct and quadrature currents and the position to twelve phase currents.
 
-    guard -> advance -> handover -> phase currents       i_a = sqrt(2) (i_d cos th - i_q sin th), b and c at th -+ 120 deg
+    guard -> advance -> commutation        i_a = sqrt(2) (i_d cos th - i_q sin th), b and c at th -+ 120 degrees
 
 Motors 2 and 4 lie along X, motors 1 and 3 along Z; th = pi s/tau + pi/2. The angle is that of the position at which the
 current acts, ADVANCE samples after the measurement; `advance=0` is the commutation at the measured position.
@@ -36,7 +36,7 @@ PEAK = sqrt(2) * hypot(CURRENT, CURRENT) * (1 + ROUNDING)  # A, both inputs at t
 OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
 ALONG = {n: INTERFACE.signals[n] for n in OF_AXIS}
 SPEED = {n: next(s.high for s in maglev_stage.STATES if s.name == f"v{n}") for n in OF_AXIS}  # m/s
-GIVEN = Signal("given", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
+TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
 UNKNOWN = Signal("unknown", "1", 0, DESCENT + FADE, "samples in a row in which both positions are lost")
 PHASES = tuple(replace(s, low=-PEAK, high=PEAK, about=f"{s.about}, instantaneous") for s in maglev_phases.PHASES)
 HELD = {s.name: replace(s, name=f"{s.name}_held") for s in OUTPUTS}
@@ -46,7 +46,10 @@ def positions(samples: float = ADVANCE) -> Block:
     """Return the Block from the guarded positions to those when the currents act; a lost one has its fault bit."""
     along = [advance.Position(s, SPEED[n]) for n, s in ALONG.items()]
     block = advance.block(TIME, along, samples, BAD_SAMPLES)
-    faults = [Fault(len(HELD) + len(ALONG) + i, advance.lost(s).name, about=_meaning(n)) for i, (n, s) in enumerate(ALONG.items())]
+    faults = [
+        Fault(len(HELD) + len(ALONG) + i, advance.lost(s).name, about=_meaning(n))
+        for i, (n, s) in enumerate(ALONG.items())
+    ]
     return replace(block, faults=tuple(faults))
 
 
@@ -67,7 +70,9 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
             distance = phasor.within_period(u[s.name], s, wave, n)
             named.append((distance.signal, distance.value))
             certified[distance.signal.name] = distance.certificate
-            turned = phasor.by_quarter_angle(distance.value, -wave, n, named, sqrt(2))  # th is 90 degrees less its angle
+            turned = phasor.by_quarter_angle(
+                distance.value, -wave, n, named, sqrt(2)
+            )  # th is 90 degrees less its angle
             waves[n] = phasor.Phasor(turned.sine, turned.cosine)
         direct, waves, next = _handover(u, x, [u[s.name] for s in lost.values()], waves)
         output = {}
@@ -83,7 +88,7 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
         law,
         inputs=[*HELD.values(), *acting.values(), *lost.values()],
         outputs=PHASES,
-        states=[State(GIVEN, 0.0), State(UNKNOWN, 0, True)],
+        states=[State(TRANSFER, 0.0), State(UNKNOWN, 0, True)],
         tag="phase currents, inverse Park",
     )
 
@@ -95,10 +100,10 @@ def _handover(
 
     While no position is lost and nothing is handed over, they stay as they are.
     """
-    given, both = x["given"], ca.logic_and(*lost)
-    active = ca.logic_or(ca.logic_or(*lost), given != 0)
-    target = ca.if_else(both, given, ca.if_else(lost[0], 1, ca.if_else(lost[1], -1, 0)))
-    next = ca.fmax(ca.fmin(target, given + 1 / FADE), given - 1 / FADE)
+    transfer, both = x["transfer"], ca.logic_and(*lost)
+    active = ca.logic_or(ca.logic_or(*lost), transfer != 0)
+    target = ca.if_else(both, transfer, ca.if_else(lost[0], 1, ca.if_else(lost[1], -1, 0)))
+    next = ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
     unknown = ca.if_else(both, ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1), 0)
     whole = ca.fmin((DESCENT + FADE - unknown) / FADE, 1)
     parts, direct, kept = {"x": ca.fmax(next, 0), "z": ca.fmax(-next, 0)}, {}, {}
@@ -109,7 +114,7 @@ def _handover(
             direct[j] = ca.if_else(active, ca.fmax(ca.fmin(i_d + handed, room), -room), i_d)
         wave, share = waves[n], whole * (1 - parts[n])
         kept[n] = phasor.Phasor(*(ca.if_else(active, share * v, v) for v in (wave.cosine, wave.sine)))
-    return direct, kept, {"given": ca.if_else(active, next, 0), "unknown": ca.if_else(active, unknown, 0)}
+    return direct, kept, {"transfer": ca.if_else(active, next, 0), "unknown": ca.if_else(active, unknown, 0)}
 
 
 def _phase_bound(u: float, e: float) -> float:

@@ -54,16 +54,16 @@ def advance(state: Columns, measured: Array, refused: NDArray[np.bool_], axis: s
 
 def hand_over(state: Columns, lost_x: Array, lost_z: Array) -> tuple[Array, Array]:
     """Return the next part that is handed over, > 0 along X and < 0 along Z, and the next count of both lost."""
-    given, count = (np.asarray(state[f"commutation_{n}"], dtype=np.float64) for n in ("given", "unknown"))
+    transfer, count = (np.asarray(state[f"commutation_{n}"], dtype=np.float64) for n in ("transfer", "unknown"))
     both = lost_x & lost_z
-    target = np.where(both, given, lost_x.astype(float) - lost_z)
-    given = np.clip(target, given - 1 / FADE, given + 1 / FADE)
-    return given, np.where(both, np.minimum(count + 1, DESCENT + FADE), 0)
+    target = np.where(both, transfer, lost_x.astype(float) - lost_z)
+    transfer = np.clip(target, transfer - 1 / FADE, transfer + 1 / FADE)
+    return transfer, np.where(both, np.minimum(count + 1, DESCENT + FADE), 0)
 
 
-def direct_currents(values: Mapping[str, Array], given: Array, active: NDArray[np.bool_]) -> dict[int, Array]:
+def direct_currents(values: Mapping[str, Array], transfer: Array, active: NDArray[np.bool_]) -> dict[int, Array]:
     """Return i_d of each motor with what the motors of the other axis hand over, within the limit beside its i_q."""
-    parts = {"x": np.maximum(given, 0), "z": np.maximum(-given, 0)}
+    parts = {"x": np.maximum(transfer, 0), "z": np.maximum(-transfer, 0)}
     direct = {}
     for axis, giver in (("x", "z"), ("z", "x")):
         handed = parts[giver] * np.mean([values[f"i_d{j}"] for j in MOTORS[giver]], axis=0)
@@ -82,11 +82,11 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         acting[axis], states = advance(state, values[axis], refused[axis], axis)
         lost[axis] = states[f"advance_left_{axis}"] == 0
         after |= states
-    active = lost["x"] | lost["z"] | (np.asarray(state["commutation_given"]) != 0)
-    given, unknown = hand_over(state, lost["x"], lost["z"])
+    active = lost["x"] | lost["z"] | (np.asarray(state["commutation_transfer"]) != 0)
+    transfer, unknown = hand_over(state, lost["x"], lost["z"])
     whole = np.minimum((DESCENT + FADE - unknown) / FADE, 1)
-    shares = {"x": whole * (1 - np.maximum(given, 0)), "z": whole * (1 - np.maximum(-given, 0))}
-    direct = direct_currents(values, given, active)
+    shares = {"x": whole * (1 - np.maximum(transfer, 0)), "z": whole * (1 - np.maximum(-transfer, 0))}
+    direct = direct_currents(values, transfer, active)
     outputs = {}
     for axis, motors in MOTORS.items():
         share = np.where(active, shares[axis], 1.0)
@@ -95,6 +95,9 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
                 th = pi * acting[axis] / TAU + pi / 2 + shift
                 current = sqrt(2) * share * (direct[j] * np.cos(th) - values[f"i_q{j}"] * np.sin(th))
                 outputs[f"i_{phase}{j}"] = np.clip(current, -PEAK, PEAK)
-    after |= {"commutation_given": np.where(active, given, 0), "commutation_unknown": np.where(active, unknown, 0)}
+    after |= {
+        "commutation_transfer": np.where(active, transfer, 0),
+        "commutation_unknown": np.where(active, unknown, 0),
+    }
     word = BITS @ np.array([*refused.values()]) + 1024 * lost["x"] + 2048 * lost["z"]
     return after, outputs, np.asarray(word).astype(np.uint32)

@@ -79,7 +79,9 @@ def compare_commutations(stage: Stage, runs: Mapping[str, Trajectory]) -> tuple[
     compared = suite.compare("commutation, random steps", by, *random, FLOOR)
     compared += suite.compare("commutation, edge steps", by, *edge, FLOOR)
     companion = Companion(block)
-    recorded = {f"commutation, {what}": companion.recorded(run.measured, run.commands) for what, run in runs.items()}
+    recorded = {
+        f"commutation, {what}": companion.select_inputs(run.measured, run.commands) for what, run in runs.items()
+    }
     double, single = suite.in_both_precisions(by, *random)
     pair = ("c64", double), ("c32", single)
     in_single = agree.compare("commutation, random steps", *pair, FLOOR, block, np.float32)

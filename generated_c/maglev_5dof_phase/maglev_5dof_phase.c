@@ -50,10 +50,10 @@ MAGLEV_5DOF_PHASE_INLINE float maglev_5dof_phase_hold_within(float value, float 
     return held;
 }
 
-/* quarter_sine_x / x; x = distance_x in -0.0571557134 .. 0.0571557134, t = x^2; relative error at most 1.1e-07. */
+/* quarter_sine_x / x; x = distance_x in -0.0572642982 .. 0.0572642982, t = x^2; relative error at most 1.1e-07. */
 static inline float quarter_sine_x_polynomial(float t)
 {
-    return -13.74275f + (t * (432.58295f + (t * (-4084.3818f + (t * 18067.98f)))));
+    return -13.74275f + (t * (432.58292f + (t * (-4084.3542f + (t * 18062.156f)))));
 }
 
 void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
@@ -121,13 +121,13 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     /* commutation: phase currents, inverse Park */
     const float distance_x_part = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
     const float distance_x = x_acting - (0.11428833f * distance_x_part) - (1.1669922e-05f * distance_x_part);
-    /*@ admit -0.057155713f <= distance_x <= 0.057155713f; */
+    /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
     const float distance_z_part = (float)(uint32_t)((8.748906f * z_acting) + 4.5f) - 4.0f;
     const float distance_z = z_acting - (0.11428833f * distance_z_part) - (1.1669922e-05f * distance_z_part);
-    /*@ admit -0.057155713f <= distance_z <= 0.057155713f; */
+    /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
-    const float commutation_given = state->commutation_given;
+    const float commutation_transfer = state->commutation_transfer;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
     const float i_a1_part_2 = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
     const float i_a1_part_3 = i_a1_part_2 * (5.656854f - (11.313708f * quarter_sine_z_squared));
@@ -144,8 +144,8 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     float i_a2_part_6 = i_a2_part_3;
     float i_a3_part = i_d3_held;
     float i_a4_part = i_d4_held;
-    if (lost_x || lost_z || (commutation_given != 0.0f)) {
-        float i_a1_part_8 = commutation_given;
+    if (lost_x || lost_z || (commutation_transfer != 0.0f)) {
+        float i_a1_part_8 = commutation_transfer;
         uint32_t i_a1_part_9 = 0u;
         if (lost_x && lost_z) {
             const uint32_t commutation_unknown = state->commutation_unknown;
@@ -153,7 +153,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         } else {
             i_a1_part_8 = (lost_x) ? 1.0f : i_a1_part;
         }
-        const float i_a1_part_10 = maglev_5dof_phase_slew(commutation_given, i_a1_part_8, 0.04f);
+        const float i_a1_part_10 = maglev_5dof_phase_slew(commutation_transfer, i_a1_part_8, 0.04f);
         const float i_a1_part_11 = maglev_5dof_phase_max(i_a1_part_10, 0.0f);
         const float i_a1_part_12 = 0.5f * (i_a1_part_11 * (i_d2_held + i_d4_held));
         i_a1_part_5 = maglev_5dof_phase_limit(i_d1_held + i_a1_part_12, 4.9497476f - fabsf(i_q1_held));
@@ -169,10 +169,10 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         i_a2_part_6 = i_a2_part_8 * i_a2_part_3;
         i_a3_part = maglev_5dof_phase_limit(i_d3_held + i_a1_part_12, 4.9497476f - fabsf(i_q3_held));
         i_a4_part = maglev_5dof_phase_limit(i_d4_held + i_a2_part_7, 4.9497476f - fabsf(i_q4_held));
-        state->commutation_given = i_a1_part_10;
+        state->commutation_transfer = i_a1_part_10;
         state->commutation_unknown = i_a1_part_9;
     } else {
-        state->commutation_given = 0.0f;
+        state->commutation_transfer = 0.0f;
         state->commutation_unknown = 0u;
     }
     const float i_a1_part_16 = (i_a1_part_5 * i_a1_part_6) - (i_q1_held * i_a1_part_7);

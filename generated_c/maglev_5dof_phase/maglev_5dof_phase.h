@@ -61,7 +61,7 @@ typedef struct {
     float advance_last_z;               /* m, -0.1 .. 0.1: one sample ago */
     uint32_t advance_left_x;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
     uint32_t advance_left_z;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
-    float commutation_given;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float commutation_transfer;         /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
     uint32_t commutation_unknown;       /* 1, 0 .. 105: samples in a row in which both positions are lost */
 } maglev_5dof_phase_state_t;
 

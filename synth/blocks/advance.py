@@ -26,8 +26,10 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 NAME = "advance"
+ROUNDING = 1e-6  # of the range of `acting` beyond that of the position
 
 
+@arguments.checked
 @dataclass(frozen=True)
 class Position:
     """A guarded position along a motor with its largest speed in its unit/s."""
@@ -36,13 +38,15 @@ class Position:
     speed: float
 
 
+@arguments.checked
 def acting(position: Signal, samples: float) -> Signal:
     """Return ``<name>_acting``, which may lie beyond the range of the position by `samples` of its width."""
-    beyond = samples * (position.high - position.low)
+    beyond = samples * (position.high - position.low) * (1 + ROUNDING)
     low, high, about = position.low - beyond, position.high + beyond, f"{position.name} when the current acts"
     return replace(position, name=f"{position.name}_acting", low=low, high=high, about=about)
 
 
+@arguments.checked
 def lost(position: Signal) -> Signal:
     """Return ``lost_<name>``, the flag of a position that is unknown."""
     return Signal(f"lost_{position.name}", "1", 0, 1, f"{position.name} is unknown")

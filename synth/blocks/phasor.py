@@ -33,7 +33,7 @@ from synth.signals import Signal
 
 MAX_ANGLE = 1.2  # rad: the largest angle whose sine and cosine are approximated by polynomials
 HIGH_BITS = 12  # bits of the leading part of a period
-MARGIN = 1e-4  # of half a period: what rounding may add to a distance, see `_distance_bound`
+MARGIN = 2e-3  # of half a period: more than rounding may add to a distance, see `_distance_bound`
 UNIT, TWICE = Signal("unit", "1", -1, 1), Signal("twice", "1", -2, 2)
 
 
@@ -52,10 +52,6 @@ class Phasor:
     def scaled(self, by: ca.SX) -> "Phasor":
         """Return this phasor times a number."""
         return Phasor(by * self.cosine, by * self.sine)
-
-    def quarter_turn(self) -> "Phasor":
-        """Return this phasor rotated by 90 degrees, which costs no operation."""
-        return Phasor(-self.sine, self.cosine)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +96,8 @@ def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> 
     whole = ceil(limit / period + 0.5) if period > 0 else 0
     if not 0 < whole <= 2 ** (23 - HIGH_BITS):
         raise SignalError(
-            f"'{bounds.name}' is up to {limit:g} {bounds.unit} in periods of {period:g}: give a positive period, and at "
-            f"most {2 ** (23 - HIGH_BITS)} periods of travel"
+            f"'{bounds.name}' is up to {limit:g} {bounds.unit} in periods of {period:g}: give a positive period, and "
+            f"at most {2 ** (23 - HIGH_BITS)} periods of travel"
         )
     exponent = frexp(period)[1] - HIGH_BITS
     high = ldexp(round(ldexp(period, -exponent)), exponent)
@@ -113,13 +109,11 @@ def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> 
 
 
 def _distance_bound(period: float, whole: int, u: float) -> float:
-    """Return a bound on a distance, with the rounding of position/period, of n low and of two differences."""
+    """Return a bound on a distance: position/period errs by at most 4 u `whole`, the rest by less than that."""
     return period * (0.5 + 8 * whole * u)
 
 
-def by_quarter_angle(
-    distance: ca.SX, period: float, name: str, named: NamedExpressions, length: float = 1.0
-) -> Phasor:
+def by_quarter_angle(distance: ca.SX, period: float, name: str, named: NamedExpressions, length: float = 1.0) -> Phasor:
     """Return the phasor of `length` at 2 pi distance/period for a distance within half a period.
 
     `named` receives the sine of a quarter of the angle.

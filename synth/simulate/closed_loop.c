@@ -23,7 +23,7 @@ typedef struct {
     int64_t in_size, out_size;
     char *in, *out; /* (samples) structs */
     uint32_t *faults;
-} follower_t;
+} drive_block_t;
 
 typedef struct {
     int64_t samples, substeps, delay;
@@ -62,8 +62,8 @@ typedef struct {
     char *in, *out; /* (samples) structs; `in` holds set-points and overridden samples */
     uint32_t *faults;
 
-    int64_t followers;
-    const follower_t *follower; /* (followers) */
+    int64_t drive_blocks;
+    const drive_block_t *drive; /* (drive_blocks) */
     const char *last_out;       /* (samples) structs: the output of the last Block, which has the commands */
     int64_t last_out_size;
 
@@ -173,7 +173,7 @@ static void mix(const loop_t *loop, const double *commands, int64_t substep, dou
     }
 }
 
-static void follow(const follower_t *block, int64_t k) {
+static void run_block(const drive_block_t *block, int64_t k) {
     char *const in = block->in + k * block->in_size;
     for (int64_t i = 0; i < block->members; i++) {
         memcpy(in + block->offset[i], block->source[i] + k * block->stride[i], (size_t)block->size[i]);
@@ -191,10 +191,10 @@ static void call(const loop_t *loop, int64_t k) {
     const int missed = k > 0 && loop->missed && loop->missed[k];
     if (missed) keep(out, loop->out_size, loop->faults + k);
     else loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, out);
-    for (int64_t i = 0; i < loop->followers; i++) {
-        const follower_t *const block = loop->follower + i;
+    for (int64_t i = 0; i < loop->drive_blocks; i++) {
+        const drive_block_t *const block = loop->drive + i;
         if (missed) keep(block->out + k * block->out_size, block->out_size, block->faults + k);
-        else follow(block, k);
+        else run_block(block, k);
     }
 }
 

@@ -2,7 +2,7 @@
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
     m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the sample of the override
-    c_k = step(state, m_k, references_k)              followed by the steps of the drive, see `drive`
+    c_k = step(state, m_k, references_k)              then the steps of the drive, see `drive`
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
 `faulty` states what faults of sensors, actuators and calls change in these equations.
@@ -26,7 +26,7 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
 from synth.simulate import faulty, plant_code
-from synth.simulate.drive import Followed, Follower, follow
+from synth.simulate.drive import DriveBlock, DriveRecords, connect
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
@@ -35,7 +35,7 @@ __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 Arrays = dict[str, NDArray[Any]]
 
 _COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
-_COUNTS = (*_COUNTS, "followers", "last_out_size")
+_COUNTS = (*_COUNTS, "drive_blocks", "last_out_size")
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
@@ -43,7 +43,7 @@ _MEMBERS = (
     *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
     *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
     *("single", "step", "state", "in_size", "out_size", "in", "out", "faults"),
-    *("followers", "follower", "last_out", "last_out_size", "states", "outputs", "applied"),
+    *("drive_blocks", "drive", "last_out", "last_out_size", "states", "outputs", "applied"),
 )
 
 
@@ -79,9 +79,9 @@ def simulate(
         | _actuator_arrays(plant, drive[-1] if drive else controller, scenario, time)
         | faulty.arrays(plant, scenario, len(time))
     )
-    followed = follow(controller, arrays["in"], arrays["out"], drive)
-    followers = (Follower * len(followed))(*(block.struct for block in followed))
-    last = followed[-1].outputs if followed else arrays["out"]
+    records = connect(controller, arrays["in"], arrays["out"], drive)
+    drive_blocks = (DriveBlock * len(records))(*(block.struct for block in records))
+    last = records[-1].outputs if records else arrays["out"]
     counts = {
         "samples": len(time),
         "substeps": scenario.substeps,
@@ -92,14 +92,14 @@ def simulate(
         "single": int(controller.scalar is np.float32),
         "in_size": controller.inputs.itemsize,
         "out_size": controller.outputs.itemsize,
-        "followers": len(followed),
+        "drive_blocks": len(records),
         "last_out_size": last.itemsize,
     }
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
-    addresses |= {"follower": ctypes.addressof(followers), "last_out": last.ctypes.data}
+    addresses |= {"drive": ctypes.addressof(drive_blocks), "last_out": last.ctypes.data}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, controller, scenario, time, arrays, followed)
+    return _trajectory(plant, controller, scenario, time, arrays, records)
 
 
 def _trajectory(
@@ -108,17 +108,22 @@ def _trajectory(
     scenario: Scenario,
     time: Array,
     arrays: Arrays,
-    followed: Sequence[Followed],
+    records: Sequence[DriveRecords],
 ) -> Trajectory:
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
-    groups["driven"] = {name: column for block in followed for name, column in host.columns(block.outputs).items()}
-    drive_faults = {block.name: block.faults for block in followed}
-    for array in (time, arrays["faults"], *drive_faults.values(), *chain(*(columns.values() for columns in groups.values()))):
+    groups["driven"] = {name: column for block in records for name, column in host.columns(block.outputs).items()}
+    drive_faults = {block.name: block.faults for block in records}
+    for array in (
+        time,
+        arrays["faults"],
+        *drive_faults.values(),
+        *chain(*(columns.values() for columns in groups.values())),
+    ):
         array.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    manifests = [controller.manifest, *(block.controller.manifest for block in followed)]
+    manifests = [controller.manifest, *(block.controller.manifest for block in records)]
     fields = [f for m in manifests for role in ("input", "output") for f in m["structs"][role]["fields"]]
     members = {f["name"]: f["unit"] for f in fields}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}

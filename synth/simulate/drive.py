@@ -3,8 +3,8 @@
     sensors, set-points --> controller --> drive 1 --> ... --> drive n --> delay, hold --> plant
             '-------------------^-----------^--------------------^
 
-All Blocks run in one sample, one after another, before the delay. Each input of a Block of the drive is, by its name, an
-output of the Block before it or of an earlier one, or else an input of the controller. The outputs of the last Block
+All Blocks run in one sample, one after another, before the delay. Each input of a Block of the drive is, by its name,
+an output of the Block before it or of an earlier one, or else an input of the controller. The outputs of the last Block
 are the commands.
 """
 
@@ -26,8 +26,8 @@ _MEMBERS = ("members", "source", "stride", "offset", "size", "step", "state", "i
 _MEMBERS = (*_MEMBERS, "in", "out", "faults")
 
 
-class Follower(ctypes.Structure):
-    """`follower_t` of closed_loop.c, with the same members in the same order."""
+class DriveBlock(ctypes.Structure):
+    """`drive_block_t` of closed_loop.c, with the same members in the same order."""
 
     _fields_ = [(m, ctypes.c_int64 if m in _COUNTS else ctypes.c_void_p) for m in _MEMBERS]
 
@@ -39,8 +39,8 @@ class Source(NamedTuple):
     fields: Sequence[Any]
 
 
-class Followed(NamedTuple):
-    """The arrays of one Block of the drive over N samples; `connections` are those of `follower_t`, which it uses."""
+class DriveRecords(NamedTuple):
+    """The arrays of one Block of the drive over N samples; `connections` are members of `drive_block_t`."""
 
     name: str
     inputs: Records
@@ -51,31 +51,31 @@ class Followed(NamedTuple):
     controller: host.Controller
 
     @property
-    def struct(self) -> Follower:
-        """The `follower_t` of these arrays."""
+    def struct(self) -> DriveBlock:
+        """The `drive_block_t` of these arrays."""
         arrays = {"state": self.state, "in": self.inputs, "out": self.outputs, "faults": self.faults}
         addresses = {name: a.ctypes.data for name, a in (arrays | self.connections).items()}
         sizes = {"in_size": self.inputs.itemsize, "out_size": self.outputs.itemsize}
         members, step = len(self.connections["size"]), self.controller.step_address
-        return Follower(**addresses, **sizes, members=members, step=step)
+        return DriveBlock(**addresses, **sizes, members=members, step=step)
 
 
-def follow(
+def connect(
     controller: host.Controller, inputs: Records, outputs: Records, drive: Sequence[host.Controller]
-) -> list[Followed]:
+) -> list[DriveRecords]:
     """Return the arrays of the Blocks of a drive behind a controller with these inputs and outputs (N,).
 
     Raises WiringError for an input that nothing gives, or of another unit, type or scalar type than what gives it.
     """
     sources = [_source(controller, "output", outputs), _source(controller, "input", inputs)]
-    followed: list[Followed] = []
+    connected: list[DriveRecords] = []
     for block in drive:
-        own, computed = np.zeros(len(inputs), block.inputs), np.zeros(len(inputs), block.outputs)
-        connections = _connect(block, own.dtype, sources)
+        read, computed = np.zeros(len(inputs), block.inputs), np.zeros(len(inputs), block.outputs)
+        connections = _connect(block, read.dtype, sources)
         name, faults = block.manifest["design"], np.zeros(len(inputs), np.uint32)
-        followed.append(Followed(name, own, computed, faults, block.init(), connections, block))
+        connected.append(DriveRecords(name, read, computed, faults, block.init(), connections, block))
         sources.insert(0, _source(block, "output", computed))
-    return followed
+    return connected
 
 
 def _source(block: host.Controller, role: str, records: Records) -> Source:
@@ -88,28 +88,28 @@ def _connect(
     """Return for each input of a Block: the address of its source in sample 0, stride, offset and size in bytes."""
     rows = []
     for field in block.manifest["structs"]["input"]["fields"]:
-        source, given = _find(block.manifest["design"], field, sources)
+        source, member = _find(block.manifest["design"], field, sources)
         records, size = source.records, struct[field["name"]].itemsize
-        rows.append((records.ctypes.data + given["offset"], records.itemsize, field["offset"], size))
+        rows.append((records.ctypes.data + member["offset"], records.itemsize, field["offset"], size))
     columns = np.array(rows, dtype=np.int64).T.copy()
     return dict(zip(("source", "stride", "offset", "size"), columns, strict=True))
 
 
 def _find(block: str, field: Any, sources: Sequence[Source]) -> tuple[Source, Any]:
     for source in sources:
-        for given in source.fields:
-            if given["name"] == field["name"]:
-                _require_like(block, field, given)
-                return source, given
+        for member in source.fields:
+            if member["name"] == field["name"]:
+                _require_like(block, field, member)
+                return source, member
     known = ", ".join(f["name"] for source in sources for f in source.fields)
     raise WiringError(f"drive '{block}': nothing gives its input '{field['name']}': call it like one of {known}")
 
 
-def _require_like(block: str, field: Any, given: Any) -> None:
-    kinds = [(f["ctype"], f["count"], f["unit"]) for f in (field, given)]
-    if kinds[0][:2] != kinds[1][:2] or dimension(field["unit"]) != dimension(given["unit"]):
-        found, needed = (f"{count} {ctype} in {unit}" for ctype, count, unit in kinds)
+def _require_like(block: str, field: Any, member: Any) -> None:
+    kinds = [(f["ctype"], f["count"], f["unit"]) for f in (field, member)]
+    if kinds[0][:2] != kinds[1][:2] or dimension(field["unit"]) != dimension(member["unit"]):
+        input_text, member_text = (f"{count} {ctype} in {unit}" for ctype, count, unit in kinds)
         raise WiringError(
-            f"drive '{block}': its input '{field['name']}' is {found}, what has this name is {needed}: wire like to "
+            f"drive '{block}': its input '{field['name']}' is {input_text}, what has this name is {member_text}: wire like to "
             "like, in one scalar type"
         )
