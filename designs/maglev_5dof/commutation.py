@@ -20,7 +20,7 @@ import casadi as ca
 
 from designs.maglev_5dof.control import BAD_SAMPLES, CURRENT, INTERFACE, MOTORS, NAME, OUTPUTS, SAFE_CURRENT, TIME
 from models import maglev_phases, maglev_stage
-from synth.block import Block, Exprs, State, Step, build, clip
+from synth.block import Block, Certificate, Exprs, State, Step, build, clip
 from synth.blocks import advance, phasor, safety
 from synth.blocks.glsdc import NamedExpressions
 from synth.composition import compose
@@ -65,7 +65,8 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
-        certified, waves = dict.fromkeys(signal_names(PHASES), _phase_bound), {}
+        certified: dict[str, Certificate] = dict.fromkeys(signal_names(PHASES), _phase_bound)
+        waves: dict[str, phasor.Phasor] = {}
         for n, s in acting.items():
             distance = phasor.within_period(u[s.name], s, wave, n)
             named.append((distance.signal, distance.value))
@@ -75,7 +76,7 @@ def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
             )  # th is 90 degrees less its angle
             waves[n] = phasor.Phasor(turned.sine, turned.cosine)
         direct, waves, next = _handover(u, x, [u[s.name] for s in lost.values()], waves)
-        output = {}
+        output: dict[str, ca.SX] = {}
         for j, n in zip(MOTORS, maglev_phases.ALONG, strict=True):
             current = phasor.Phasor(direct[j], u[f"i_q{j}_held"]).times(waves[n])
             half, other = current.cosine / 2, sqrt(3) / 2 * current.sine

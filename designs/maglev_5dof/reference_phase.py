@@ -52,7 +52,7 @@ def advance(state: Columns, measured: Array, refused: NDArray[np.bool_], axis: s
     return position + ADVANCE * (position - before), after
 
 
-def hand_over(state: Columns, lost_x: Array, lost_z: Array) -> tuple[Array, Array]:
+def hand_over(state: Columns, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Return the next part that is handed over, > 0 along X and < 0 along Z, and the next count of both lost."""
     transfer, count = (np.asarray(state[f"commutation_{n}"], dtype=np.float64) for n in ("transfer", "unknown"))
     both = lost_x & lost_z

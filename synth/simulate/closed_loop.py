@@ -13,7 +13,7 @@ position and velocity.
 """
 
 import ctypes
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import chain
 from typing import Any
 
@@ -25,7 +25,7 @@ from synth.errors import SignalError, WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
-from synth.simulate import faulty, plant_code
+from synth.simulate import faulty, forcing, plant_code
 from synth.simulate.drive import DriveBlock, DriveRecords, connect
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
@@ -34,8 +34,10 @@ __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
 Arrays = dict[str, NDArray[Any]]
 
-_COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
-_COUNTS = (*_COUNTS, "drive_blocks", "last_out_size")
+_COUNTS = (
+    *("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size"),
+    *("drive_blocks", "last_out_size"),
+)
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
@@ -231,35 +233,9 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
     return {
         "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
         "mixing": np.array([[rows.get(u, {}).get(c, 0.0) for c in commands] for u in inputs], dtype=np.float64),
-        "forcing": _forcing(inputs, scenario, time),
+        "forcing": forcing.columns(inputs, scenario, time),
         "waiting": np.tile(hold, (max(scenario.delay, 1), 1)),
     }
-
-
-def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs."""
-    n, m = len(time), scenario.substeps
-    period = scenario.duration_s / n if n == 1 else time[1]
-    middles = time[:, None] + period * (np.arange(m) + 0.5) / m
-    forcing = np.zeros((n, m, len(inputs)))
-    for j, (name, signal) in enumerate(inputs.items()):
-        course = scenario.forcing.get(name, 0.0)
-        try:
-            values = np.vectorize(course, otypes=[float])(middles) if callable(course) else np.asarray(course, float)
-        except (TypeError, ValueError) as error:
-            raise SignalError(
-                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_remedy(n, signal)}"
-            ) from error
-        if not callable(course) and values.shape not in ((), (n,)):
-            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_remedy(n, signal)}")
-        if not np.isfinite(values).all():
-            raise SignalError(f"forcing of '{name}' is not finite: {_forcing_remedy(n, signal)}")
-        forcing[:, :, j] = values[:, None] if values.shape == (n,) else values
-    return forcing
-
-
-def _forcing_remedy(n: int, signal: Signal) -> str:
-    return f"give a finite number in {signal.unit}, {n} of them, one a sample, or a function of the time in s"
 
 
 def _offset(struct: np.dtype[np.void], name: str) -> int:

@@ -22,8 +22,10 @@ from synth.signals import dimension
 Records = NDArray[np.void]
 
 _COUNTS = ("members", "in_size", "out_size")
-_MEMBERS = ("members", "source", "stride", "offset", "size", "step", "state", "in_size", "out_size")
-_MEMBERS = (*_MEMBERS, "in", "out", "faults")
+_MEMBERS = (
+    *("members", "source", "stride", "offset", "size"),
+    *("step", "state", "in_size", "out_size", "in", "out", "faults"),
+)
 
 
 class DriveBlock(ctypes.Structure):
@@ -110,6 +112,6 @@ def _require_like(block: str, field: Any, member: Any) -> None:
     if kinds[0][:2] != kinds[1][:2] or dimension(field["unit"]) != dimension(member["unit"]):
         input_text, member_text = (f"{count} {ctype} in {unit}" for ctype, count, unit in kinds)
         raise WiringError(
-            f"drive '{block}': its input '{field['name']}' is {input_text}, what has this name is {member_text}: wire like to "
-            "like, in one scalar type"
+            f"drive '{block}': its input '{field['name']}' is {input_text}, what has this name is {member_text}: "
+            "wire like to like, in one scalar type"
         )
