@@ -134,7 +134,7 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 
     folders = dict(tasks.emission(design, CORES[core]).result(report))
     emitted = folders.pop(design.name)
-    inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
+    inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
     checks = [*on_target.verify(emitted, inputs, core, report)]
     for folder, companion in folders.items():
         recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, design.name)
@@ -144,8 +144,8 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
         report(note)
         return Verified(document, checks, {}, (note,))
-    drift = on_target.drift(emitted, inputs, core, design.bench.floor)
-    floor = design.bench.floor
+    drift = on_target.drift(emitted, inputs, core, design.cost_stimuli.floor)
+    floor = design.cost_stimuli.floor
     least = f"{floor:g}" if isinstance(floor, float) else "floor"
     what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     figures = {what: drift.worst, "fault words that differ": float(drift.faults)}
