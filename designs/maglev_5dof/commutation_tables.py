@@ -34,7 +34,9 @@ def values(
 def errors(runs: Mapping[str, Experiment]) -> page.Table:
     """Return the mean errors of the 4-DOF tracking through both blocks, for each angle of the commutation."""
     columns = [name for name in runs["tracking"].figures if name.startswith("mean |e_")]
-    rows = [(angle, *(runs[name].figures[c] for c in columns)) for name, angle in ANGLES.items()]
+    rows: list[tuple[page.Cell, ...]] = [
+        (angle, *(runs[name].figures[c] for c in columns)) for name, angle in ANGLES.items()
+    ]
     caption = "4-DOF tracking through controller and commutation, one sample late"
     return page.Table(caption, ("angle of the commutation", *columns), tuple(rows))
 
@@ -46,7 +48,9 @@ def instructions(companion: Companion, emitted: EmittedCode, tracking: Experimen
     healthy = steps.record(controller, "4-DOF tracking", recorded)
     recorded["x"][LOST] = recorded["x"][BOTH] = recorded["z"][BOTH] = np.nan
     lost = steps.record(controller, "positions lost", recorded)
-    rows = [(build.name, *_row(emitted, controller, (healthy, lost), build)) for build in meter.builds()]
+    rows: list[tuple[page.Cell, ...]] = [
+        (build.name, *_row(emitted, controller, (healthy, lost), build)) for build in meter.builds()
+    ]
     columns = ("build", "mean", "most", "most, a position lost", "values", "with other bits")
     return page.Table("Instructions of a step of the commutation on a Cortex-M4F", columns, tuple(rows), digits=6)
 
@@ -65,10 +69,10 @@ def _row(
         for run, sequence in zip(runs, sequences, strict=True)
         for name, value in steps.evaluate(controller, sequence).outputs.items()
     ]
-    differing = sum(_differing(*pair) for pair in pairs)
+    differing = sum(_count_differing(*pair) for pair in pairs)
     count = sum(len(value) for value, _ in pairs)
     return float(healthy.mean()), int(healthy.max()), int(lost.max()), count, differing
 
 
-def _differing(expected: NDArray[Any], found: NDArray[Any]) -> int:
-    return int(np.count_nonzero(expected.view(np.uint32) != np.asarray(found, np.float32).view(np.uint32)))
+def _count_differing(expected: NDArray[Any], emulated: NDArray[Any]) -> int:
+    return int(np.count_nonzero(expected.view(np.uint32) != np.asarray(emulated, np.float32).view(np.uint32)))
