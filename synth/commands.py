@@ -156,7 +156,6 @@ def cost(names: Names, as_json: bool, fresh: bool) -> int:
     """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
 
-
     def measure(design: workspace.Design, report: Progress) -> list[Cost]:
         return [tasks.whole_cost(design).result(report), *tasks.companion_costs(design).result(report)]
 

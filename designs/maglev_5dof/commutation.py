@@ -34,7 +34,8 @@ DESCENT = 80  # samples: the safe output reaches the lower stop from 18.1 mm in 
 ROUNDING = 1e-4  # of PEAK: what rounding and polynomials may add to a phase, see `_phase_bound`
 PEAK = sqrt(2) * hypot(CURRENT, CURRENT) * (1 + ROUNDING)  # A, both inputs at their limits
 OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
-ALONG = {n: INTERFACE.signals[n] for n in OF_AXIS}
+SAMPLED = "of the sample of the currents"
+ALONG = {n: replace(INTERFACE.signals[n], about=f"{INTERFACE.signals[n].about}, {SAMPLED}") for n in OF_AXIS}
 SPEED = {n: next(s.high for s in maglev_stage.STATES if s.name == f"v{n}") for n in OF_AXIS}  # m/s
 TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
 UNKNOWN = Signal("unknown", "1", 0, DESCENT + FADE, "samples in a row in which both positions are lost")

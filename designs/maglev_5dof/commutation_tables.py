@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.blocks import phasor
 from synth.companion import Companion
 from synth.declaration import Stage
 from synth.emit.write import EmittedCode
@@ -28,7 +29,9 @@ def values(
     by_name, (companion,) = {run.name: run for run in runs}, stage.companions
     code = files[companion.block.name]
     cost = instructions(companion, code, by_name["tracking"]) if emulated else page.Text(ABSENT)
-    return {"commutation_errors": errors(by_name), "commutation_cost": cost}
+    (polynomial,), roundoff = code.manifest["surrogates"], float(np.finfo(stage.scalar).eps) / 2
+    bound = phasor.quarter_angle_error(roundoff, polynomial["max_relative_error"])
+    return {"commutation_errors": errors(by_name), "commutation_cost": cost, "sine_error": bound}
 
 
 def errors(runs: Mapping[str, Experiment]) -> page.Table:

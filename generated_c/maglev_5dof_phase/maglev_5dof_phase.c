@@ -82,7 +82,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float x_held = maglev_5dof_phase_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
     const float z_held = maglev_5dof_phase_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
-    /* advance: positions when the currents act */
+    /* advance: positions 1.5 samples later, when the currents act */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_part = x_held;
     uint32_t advance_left_x_part = 0u;

@@ -27,8 +27,8 @@ typedef struct {
     float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
     float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
     float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
-    float x;                            /* m, -0.1 .. 0.1: platen along X */
-    float z;                            /* m, -0.1 .. 0.1: platen along Z */
+    float x;                            /* m, -0.1 .. 0.1: platen along X, of the sample of the currents */
+    float z;                            /* m, -0.1 .. 0.1: platen along Z, of the sample of the currents */
 } maglev_5dof_phase_input_t;
 
 typedef struct {

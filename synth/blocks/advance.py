@@ -88,5 +88,5 @@ def block(time: Discrete, positions: Sequence[Position], samples: float, bad_sam
     states += [State(Signal(f"left_{s.name}", "1", 0, bad_samples, about), 0, True) for s in signals]
     inputs = [i for s in signals for i in (replace(s, name=f"{s.name}_held"), Signal(f"fault_{s.name}", "1", 0, 1))]
     outputs = [o for s in signals for o in (acting(s, samples), lost(s))]
-    tag = "positions when the currents act"
+    tag = f"positions {samples:g} samples later, when the currents act" if samples else "measured positions"
     return build(NAME, time, law, inputs=inputs, outputs=outputs, states=states, tag=tag)

@@ -17,8 +17,7 @@ has one rounding. For a quarter q of the angle of a distance within half a perio
 
     h = sin q cos q,   cos 4q = 1 - 8 h^2,   sin 4q = h (4 - 8 sin^2 q)
 
-have an absolute error of at most 4 (e + 6 u), with the relative error e of the polynomial of sin q and the unit
-roundoff u.
+have the absolute error `quarter_angle_error`, although both have zeros.
 """
 
 from dataclasses import dataclass
@@ -106,6 +105,16 @@ def within_period(position: ca.SX, bounds: Signal, period: float, name: str) -> 
     signal = Signal(f"distance_{name}", bounds.unit, -half, half, f"of {bounds.name} from a whole period")
     value = clip((position - n * high) - n * (period - high), signal)
     return Distance(signal, value, lambda u, e: _distance_bound(period, whole, u))
+
+
+def quarter_angle_error(u: float, e: float) -> float:
+    """Return a bound on the absolute error of `by_quarter_angle` of length 1, at the computed distance.
+
+    u is the unit roundoff and e the relative error of the polynomial of sin q, its rounding included. An error e of
+    sin q turns q by e tan q, the angle by up to 4 e (1 + 4 MARGIN). h^2 then has a relative error of 7 u, so 1 - 8 h^2
+    errs by up to 19 u, and the sine by less.
+    """
+    return 4 * e * (1 + 4 * MARGIN) + 24 * u
 
 
 def _distance_bound(period: float, whole: int, u: float) -> float:
