@@ -137,11 +137,11 @@ def compare_precisions(
 
 def compare_paths(stage: Stage, witness_set: Witnesses) -> list[Check]:
     """Compare the path of the plant under both scalar types in each experiment, with ideal sensors."""
-    rigs = [rigs.of_stage(stage, c).ideal for c in (witness_set.c64, witness_set.c32)]
+    precisions = [rigs.of_stage(stage, c).ideal for c in (witness_set.c64, witness_set.c32)]
     return [
         check
         for experiment in stage.experiments
-        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in rigs])
+        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in precisions])
     ]
 
 
