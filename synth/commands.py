@@ -18,7 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from synth import fault_jobs, progress, store, tables, tasks, workspace
+from synth import fault_jobs, progress, store, study_jobs, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.emit.c import vectors
@@ -26,6 +26,8 @@ from synth.errors import CompileError
 from synth.jobs import Job, Outcome, run
 from synth.new import create
 from synth.progress import Progress
+from synth.simulate import sampling
+from synth.simulate import study as studies
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
 from synth.verify.cost import Cost
@@ -224,6 +226,42 @@ def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool) -
         tables.print_campaign(campaign, every)
     failed = not all(check.passed for campaign in campaigns for check in campaign.checks)
     return _finish(as_json, [campaign.document() for campaign in campaigns], results, failed)
+
+
+@dataclass(frozen=True)
+class StudyChoice:
+    """The options of `synth study`."""
+
+    plants: int
+    experiments: tuple[str, ...]
+    seed: int
+    method: str
+    row: int | None
+    csv: Path | None
+    scheduler: str | None
+
+
+def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
+    """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
+    (design,) = workspace.designs(Path.cwd(), [name])
+    drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
+    plan = study_jobs.Plan(drawn, chosen.experiments)
+    jobs = study_jobs.jobs(design, plan)
+    if chosen.row is not None:
+        jobs = [Job(name, name, partial(study_jobs.row, design, plan, chosen.row))]
+    elif chosen.scheduler is not None:
+        jobs = [Job(name, name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
+    outcomes = _outcomes(jobs, as_json, fresh)
+    if any(outcome.error for outcome in outcomes.values()):
+        return 2
+    table = outcomes[name].value if name in outcomes else study_jobs.result(plan, outcomes)
+    if chosen.csv is not None:
+        store.replace_text(chosen.csv, studies.csv_text(table))
+    if as_json:
+        sys.stdout.write(_strict_json(studies.document(table)) + "\n")
+    else:
+        (tables.print_study if chosen.row is None else tables.print_machine)(name, table)
+    return int(not table.passed.all())
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:

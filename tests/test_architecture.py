@@ -42,7 +42,18 @@ VOCABULARY = (
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "jobs", "tasks", "tables", "standard_tasks", "stage", "testing", "new", "fault_jobs")
+LAYERS += (
+    "workspace",
+    "jobs",
+    "tasks",
+    "tables",
+    "standard_tasks",
+    "stage",
+    "testing",
+    "new",
+    "fault_jobs",
+    "study_jobs",
+)
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}

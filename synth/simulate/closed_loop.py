@@ -13,7 +13,8 @@ position and velocity.
 """
 
 import ctypes
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -26,9 +27,9 @@ from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
 from synth.simulate import faulty, forcing, plant_code
-from synth.simulate.drive import DriveBlock, DriveRecords, connect
+from synth.simulate.drive import DriveBlock, connect
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Encoder
+from synth.simulate.sensors import Analogue, Encoder
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
@@ -75,12 +76,14 @@ def simulate(
     """
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
-        _plant_arrays(plant, scenario, len(time))
-        | _controller_arrays(controller, scenario, len(time))
-        | _sensor_arrays(plant, controller, scenario, len(time))
-        | _actuator_arrays(plant, drive[-1] if drive else controller, scenario, time)
+        plant_arrays(plant, scenario)
+        | controller_arrays(controller, scenario, len(time))
+        | sensor_arrays(plant, controller, scenario, len(time))
+        | actuator_arrays(plant, drive[-1] if drive else controller, scenario, time)
         | faulty.arrays(plant, scenario, len(time))
     )
+    every_sample = (len(time), *arrays["forcing"].shape[1:])
+    arrays["forcing"] = np.ascontiguousarray(np.broadcast_to(arrays["forcing"], every_sample))
     records = connect(controller, arrays["in"], arrays["out"], drive)
     drive_blocks = (DriveBlock * len(records))(*(block.struct for block in records))
     last = records[-1].outputs if records else arrays["out"]
@@ -97,44 +100,41 @@ def simulate(
         "drive_blocks": len(records),
         "last_out_size": last.itemsize,
     }
+    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
+    arrays |= {name: np.zeros((len(time), len(group))) for name, group in signals.items()}
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
     addresses |= {"drive": ctypes.addressof(drive_blocks), "last_out": last.ctypes.data}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, controller, scenario, time, arrays, records)
-
-
-def _trajectory(
-    plant: Plant,
-    controller: host.Controller,
-    scenario: Scenario,
-    time: Array,
-    arrays: Arrays,
-    records: Sequence[DriveRecords],
-) -> Trajectory:
-    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
     groups["driven"] = {name: column for block in records for name, column in host.columns(block.outputs).items()}
-    drive_faults = {block.name: block.faults for block in records}
-    for array in (
-        time,
-        arrays["faults"],
-        *drive_faults.values(),
-        *chain(*(columns.values() for columns in groups.values())),
-    ):
-        array.flags.writeable = False
+    for column in chain(*(columns.values() for columns in groups.values())):
+        column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    manifests = [controller.manifest, *(block.controller.manifest for block in records)]
-    fields = [f for m in manifests for role in ("input", "output") for f in m["structs"][role]["fields"]]
-    members = {f["name"]: f["unit"] for f in fields}
+    blocks = controller, *(block.controller for block in records)
+    drive_faults = {block.name: block.faults for block in records}
+    return replace(trajectory(plant, blocks, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
+
+
+def trajectory(
+    plant: Plant,
+    blocks: Sequence[host.Controller],
+    time: Array,
+    groups: Mapping[str, Mapping[str, NDArray[Any]]],
+    faults: NDArray[np.uint32],
+    impacts: dict[str, float],
+) -> Trajectory:
+    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
+    time.flags.writeable = faults.flags.writeable = False
+    structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
+    members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(
-        time=time, faults=arrays["faults"], impacts=impacts, units=units, drive_faults=drive_faults, **groups
-    )
+    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
 
 
-def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
+def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
+    """Return the members of `loop_t` for the plant and its stops."""
     states, start = signal_names(plant.states), _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
@@ -154,9 +154,6 @@ def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
         "stop_low": bounds[:, 0].copy(),
         "stop_high": bounds[:, 1].copy(),
         "impact": np.zeros(len(bounds)),
-        "states": np.zeros((n, len(states))),
-        "outputs": np.zeros((n, len(plant.outputs))),
-        "applied": np.zeros((n, len(plant.inputs))),
     }
 
 
@@ -168,7 +165,8 @@ def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
     return {s.name: float(scenario.x0.get(s.name, 0.0)) for s in plant.states}
 
 
-def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    """Return the state of the controller, and its inputs, outputs and faults over n samples."""
     known, wired = controller.inputs.names or (), (*scenario.sensors, *scenario.references)
     _require_known("sensors and references", wired, known)
     _require_known("overrides", scenario.overrides, known)
@@ -186,25 +184,28 @@ def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) 
     return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
 
 
-def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    """Return the members of `loop_t` for the sensors; noise and overridden samples (n, sensors) where there are any."""
     sensors, outputs = scenario.sensors, {s.name: s for s in plant.outputs}
     _require_known("sensors", sensors.values(), outputs)
     _require_known("encoders", scenario.encoders, sensors)
     _require_known("noise", scenario.noise, sensors)
     for name, source in sensors.items():
         _require_matching_signal(controller, "input", name, outputs[source])
-    overridden = np.zeros((n, len(sensors)), dtype=np.uint8)
-    for i, name in enumerate(sensors):
-        if name in scenario.overrides:
-            overridden[:, i] = scenario.overrides[name].mask
     models = [scenario.encoders.get(name, Encoder()) for name in sensors]
-    noise = np.stack([model.noise_of(n, i) for i, model in enumerate(models)], axis=1, dtype=np.float64).reshape(n, -1)
-    for i, name in enumerate(sensors):
-        if name in scenario.noise:
-            noise[:, i] += _noise(name, scenario.noise[name], n)
+    arrays: Arrays = {}
+    if any(name in scenario.overrides for name in sensors):
+        masks = [scenario.overrides[name].mask if name in scenario.overrides else np.zeros(n) for name in sensors]
+        arrays["overridden"] = np.array(masks, dtype=np.uint8).T.copy()
+    if any(isinstance(model, Analogue) for model in models) or scenario.noise:
+        columns = [model.noise_of(n, i) for i, model in enumerate(models)]
+        noises = [_noise(name, scenario.noise[name], n) if name in scenario.noise else 0.0 for name in sensors]
+        arrays["noise"] = np.array(
+            [c + more for c, more in zip(columns, noises, strict=True)], dtype=np.float64
+        ).T.copy()
     chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
     gain, bias, resolution, low, high = chains
-    return {
+    return arrays | {
         "sensor_source": np.array([signal_names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_gain": gain,
@@ -212,12 +213,11 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
         "sensor_resolution": resolution,
         "sensor_low": low,
         "sensor_high": high,
-        "noise": noise,
-        "overridden": overridden,
     }
 
 
-def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
+def actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
+    """Return the members of `loop_t` for the actuators; constant forcing has one row for all samples."""
     inputs, known = {s.name: s for s in plant.inputs}, controller.outputs.names or ()
     rows = {name: {w: 1.0} if isinstance(w, str) else dict(w) for name, w in scenario.actuators.items()}
     commands = tuple(dict.fromkeys(chain(*rows.values())))

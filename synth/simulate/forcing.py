@@ -10,11 +10,16 @@ from synth.simulate.scenario import Array, Scenario
 
 
 def columns(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs."""
+    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs.
+
+    Forcing by constants has one row for all samples.
+    """
     n, m = len(time), scenario.substeps
+    varies = any(callable(course) or np.ndim(course) for course in scenario.forcing.values())
     period = scenario.duration_s / n if n == 1 else time[1]
-    middles = time[:, None] + period * (np.arange(m) + 0.5) / m
-    forcing = np.zeros((n, m, len(inputs)))
+    moments = time if varies else time[:1]
+    middles = moments[:, None] + period * (np.arange(m) + 0.5) / m
+    forcing = np.zeros((*middles.shape, len(inputs)))
     for j, (name, signal) in enumerate(inputs.items()):
         course = scenario.forcing.get(name, 0.0)
         try:

@@ -3,7 +3,7 @@
 plant --> sensors (noise, resolution) --> compiled controller --> drive --> delay --> hold --> plant
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -19,6 +19,7 @@ from synth.simulate import closed_loop
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
+Simulate = Callable[[Plant, host.Controller, Scenario, ca.Function | None], Trajectory]
 Wires = Mapping[str, str | Mapping[str, float]]
 
 
@@ -42,6 +43,7 @@ class Rig:
     `quantised` False removes the resolution of the sensors; `noise` scales their declared noise, generated from `seed`;
     `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
     `drive` are the compiled Blocks behind the controller; `plant` is then the plant that they drive.
+    `offsets` are errors of the sensors' zeros, in their units. `simulate` runs a scenario.
     """
 
     stage: Stage
@@ -53,6 +55,8 @@ class Rig:
     actuators: Wires = field(default_factory=dict)
     disturbance: ca.Function | None = None
     drive: tuple[host.Controller, ...] = ()
+    offsets: Mapping[str, float] = field(default_factory=dict)
+    simulate: Simulate = closed_loop.simulate
 
     @property
     def period_s(self) -> float:
@@ -119,7 +123,9 @@ class Rig:
             "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
-        return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
+        if self.drive:
+            return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
+        return self.simulate(self.plant, self.controller, scenario, self.disturbance)
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the commands before the first sample: the safe values, through the drive at the initial position."""
@@ -151,7 +157,12 @@ class Rig:
         return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:
-        return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
+        resolutions = {s.name: s.resolution if self.quantised else 0.0 for s in self.stage.interface.sensors}
+        return {
+            name: Encoder(resolution, self.offsets.get(name, 0.0))
+            for name, resolution in resolutions.items()
+            if resolution or name in self.offsets
+        }
 
     def sensor_noise(self, n: int) -> dict[str, Array]:
         """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""
