@@ -27,6 +27,7 @@ from synth.declaration import (
     Companion,
     Composition,
     Controller,
+    Drive,
     Interface,
     Law,
     Sensor,
@@ -49,6 +50,7 @@ from synth.workspace import CostStimuli, Design
 __all__ = [
     "Actuator",
     "Companion",
+    "Drive",
     "FaultCampaign",
     "FaultLimit",
     "Interface",
