@@ -16,7 +16,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
 from synth.synthesise.regulation.servo import Servo
 
-BUMP = 1e-12  # of the terms of a command: a larger difference is no rounding error
+COMMAND_ROUNDING = 1e-12  # of the terms of a command: a larger difference is no rounding error
 
 
 @arguments.checked
@@ -38,7 +38,9 @@ def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
     xi = np.linalg.lstsq(K_xi, command, rcond=None)[0]
     xi = xi + np.linalg.lstsq(K_xi, command - K_xi @ xi, rcond=None)[0]
     jump = K_xi @ xi - command
-    bumps = np.abs(jump) > BUMP * (np.abs(u) + np.abs(regulator.K_x) @ np.abs(x) + np.abs(K_xi) @ np.abs(xi))
+    bumps = np.abs(jump) > COMMAND_ROUNDING * (
+        np.abs(u) + np.abs(regulator.K_x) @ np.abs(x) + np.abs(K_xi) @ np.abs(xi)
+    )
     if bumps.any():
         named = ", ".join(f"{controls[k]} by {jump[k]:.3g}" for k in np.flatnonzero(bumps))
         raise ModelError(
