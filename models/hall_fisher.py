@@ -31,7 +31,7 @@ from synth.statespace import readonly
 Range = tuple[float, float]
 
 START = 24  # cells along a pitch
-MOST = 30_000_000  # cells
+MAX_CELLS = 30_000_000  # cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +120,7 @@ def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
 def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> LargestDeviation:
     """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
-    Raises ModelError if that needs more than MOST cells, as where the rank is lost; the message says where.
+    Raises ModelError if that needs more than MAX_CELLS cells, as where the rank is lost; the message says where.
     """
     low, high = yaw
     if not -pi <= low <= high <= pi:
@@ -130,10 +130,13 @@ def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) 
     cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
     ends = (0.0, 0.0, low), (turn, turn, high)
     proved = worst_deviation.search(
-        partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MOST
+        partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MAX_CELLS
     )
     unit = units(array)
     size = array.deviation * unit
     return replace(
-        proved, met=readonly(size * proved.met), bound=readonly(size * proved.bound), at=readonly(proved.at * unit)
+        proved,
+        attained=readonly(size * proved.attained),
+        bound=readonly(size * proved.bound),
+        at=readonly(proved.at * unit),
     )

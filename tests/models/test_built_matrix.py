@@ -18,7 +18,7 @@ from synth.signals import signal_names
 LATTICE = 1.2e-4  # T: what the other matrices of the lattice add, 9e-5 T at the corners of the reach
 DRAWN = 2e-5  # T: of what errors of blocks add: 1.2e-5 T by the lattice, 1e-6 T by terms of the third order
 EXACT = Tolerances(0.0, 0.0, 0.0)
-AT = np.random.default_rng(1).uniform(-built_matrix.REACH, built_matrix.REACH, (2, 60))
+AT = np.random.default_rng(1).uniform(-built_matrix.MAX_REACH, built_matrix.MAX_REACH, (2, 60))
 
 
 def oracle(as_built: AsBuilt, z: float = 3e-3) -> np.ndarray:
@@ -44,7 +44,7 @@ def ours(spread: Tolerances) -> np.ndarray:
 def test_the_field_is_that_of_the_blocks_as_they_were_made() -> None:
     as_built, meant = built_matrix.draw_blocks(), built_matrix.draw_blocks(EXACT)
     theirs, exact = oracle(as_built), oracle(meant)
-    flux = ours(built_matrix.USUAL)[:2]
+    flux = ours(built_matrix.DEFAULT_TOLERANCES)[:2]
     assert np.abs(flux - theirs).max() < LATTICE
     assert np.abs((flux - ours(EXACT)[:2]) - (theirs - exact)).max() < DRAWN
     # What a defect would be: places counted the other way.
@@ -54,12 +54,14 @@ def test_the_field_is_that_of_the_blocks_as_they_were_made() -> None:
 
 def test_the_slope_is_that_along_z() -> None:
     slope = (oracle(built_matrix.draw_blocks(), 3.01e-3) - oracle(built_matrix.draw_blocks(), 2.99e-3)) / 2e-5
-    np.testing.assert_allclose(ours(built_matrix.USUAL)[2:], slope, rtol=0, atol=2e-3 * np.abs(slope).max())
+    np.testing.assert_allclose(
+        ours(built_matrix.DEFAULT_TOLERANCES)[2:], slope, rtol=0, atol=2e-3 * np.abs(slope).max()
+    )
 
 
 def test_the_tables_add_little() -> None:
     fine = built_matrix.series(built_matrix.draw_blocks(), built_matrix.HARMONICS * 3 // 2)
-    points, true = fine.grid(built_matrix.REACH), built_matrix.tabulate(fine)
+    points, true = fine.grid(built_matrix.MAX_REACH), built_matrix.tabulate(fine)
     X, Y = np.meshgrid(points, points, indexing="ij")
     at = built_matrix.field().at.map(X.size)(X.ravel()[None], Y.ravel()[None]).full()
     error = np.abs(at.reshape(true.shape) - true).max(axis=(1, 2))[:2]

@@ -52,14 +52,14 @@ def controller(name: str = NAME) -> Controller:
     of = array(name)
     volts = channels.voltages(len(of.positions))
     body = hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
-    around = stage.interface(
+    interface = stage.interface(
         body,
         sensors=[Sensor(s.name) for s in body.outputs],
         disturbances=signal_names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
         reason=estimator.REASON,
     )
-    return stage.controller(name, TIME, around, lambda: [estimator.estimator(of, TIME, TUNING)])
+    return stage.controller(name, TIME, interface, lambda: [estimator.estimator(of, TIME, TUNING)])
 
 
 def block(name: str = NAME) -> Block:

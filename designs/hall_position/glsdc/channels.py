@@ -17,7 +17,8 @@ from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
-LEAST = 1e-30  # V^2, added under a root: the range analysis cannot see that the sum of squares is not negative
+# The range analysis cannot see that the sum of squares is not negative.
+ROOT_REGULARISATION = 1e-30  # V^2, added under a root
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage of this sample was accepted")
 
 
@@ -88,4 +89,4 @@ def freedom(sensors: int, unknowns: int, excluded: Vector | None) -> ca.SX:
 
 def residual(squares: ca.SX, freedom: ca.SX) -> ca.SX:
     """Return the root mean square of squared residuals, V."""
-    return ca.sqrt(LEAST + squares / freedom)
+    return ca.sqrt(ROOT_REGULARISATION + squares / freedom)

@@ -59,16 +59,18 @@ def true_motions(off: Array, spacing: float, step: float) -> Array:
 
 
 @lru_cache(CACHED_RESULTS)
-def by_waves(stage: Stage, of: PlanarArray, points: int = PER_PITCH) -> Array:
+def by_waves(stage: Stage, array: PlanarArray, points: int = PER_PITCH) -> Array:
     """Return the errors of GLSDC in X and Y (2, N) in m above the infinite matrix at yaw 0, with the yaw estimated."""
-    q = grid(of, points)
-    predicted = hall_array.planar(hall_array.point_sensors(of.positions, stage.chain), stage.waves(WAVES), stage.height)
+    q = grid(array, points)
+    predicted = hall_array.planar(
+        hall_array.point_sensors(array.positions, stage.chain), stage.waves(WAVES), stage.height
+    )
     volts = predicted.function().map(q.shape[1])(q)[0].full()
-    return _error(of, np.stack([volts[0::2], volts[1::2]]), q, False)
+    return _error(array, np.stack([volts[0::2], volts[1::2]]), q, False)
 
 
-def _error(of: PlanarArray, read: Array, q: Array, yaw_known: bool) -> Array:
-    return readonly(hall_correction.iterate(of, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
+def _error(array: PlanarArray, read: Array, q: Array, yaw_known: bool) -> Array:
+    return readonly(hall_correction.iterate(array, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
 
 
 def rms(values: Array) -> float:
