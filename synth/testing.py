@@ -82,7 +82,7 @@ def undetected_defects(stage: Stage) -> list[str]:
     for name, variant in variants(stage):
         observed = agree.casadi(variant)(states, inputs)
         gap = agree.compare(name, ("reference", expected), ("casadi", observed), None, block)
-        if max(gap.worst, gap.state_worst) <= NOTICED * suite.EXACT and not gap.faults_differ:
+        if max(gap.worst, gap.state_worst) <= NOTICED * suite.DOUBLE_TOLERANCE and not gap.faults_differ:
             undetected.append(name)
     return undetected
 
@@ -107,21 +107,21 @@ def variants(stage: Stage) -> Iterator[tuple[str, Block]]:
         changed = (*block.constants[:k], replace(constant, value=-constant.value), *block.constants[k + 1 :])
         yield f"sign of {constant.name}", replace(block, constants=changed)
     outputs = [s.name for s in block.outputs]
-    for name, around in _interfaces(made):
-        yield name, stages.controller(made.name, made.time, around, made.laws, outputs).block
+    for name, interface in _interfaces(made):
+        yield name, stages.controller(made.name, made.time, interface, made.laws, outputs).block
 
 
 def _interfaces(controller: Controller) -> Iterator[tuple[str, Interface]]:
-    around, driven = (
+    interface, driven = (
         controller.interface,
         {s.name for law in controller.laws for block in law.blocks for s in block.outputs},
     )
-    yield "bad_samples", replace(around, bad_samples=around.bad_samples + 1)
-    for k, a in enumerate(around.actuators):
-        others = around.actuators[:k], around.actuators[k + 1 :]
+    yield "bad_samples", replace(interface, bad_samples=interface.bad_samples + 1)
+    for k, a in enumerate(interface.actuators):
+        others = interface.actuators[:k], interface.actuators[k + 1 :]
         faster = (*others[0], replace(a, slew_per_s=2 * a.slew_per_s), *others[1])
-        yield f"slew of {a.name} doubled", replace(around, actuators=faster)
-    limited = [s for s in around.outputs if f"{s.name}_demand" in driven]  # the laws limit the others
-    for s in (*limited, *around.inputs):
+        yield f"slew of {a.name} doubled", replace(interface, actuators=faster)
+    limited = [s for s in interface.outputs if f"{s.name}_demand" in driven]  # the laws limit the others
+    for s in (*limited, *interface.inputs):
         wider = replace(s, high=s.high + (WIDER - 1) * (s.high - s.low))
-        yield f"range of {s.name} wider", replace(around, signals={**around.signals, s.name: wider})
+        yield f"range of {s.name} wider", replace(interface, signals={**interface.signals, s.name: wider})
