@@ -77,12 +77,14 @@ def rows(array: PlanarArray, q: Array) -> Rows:
 
 def of_phases(array: PlanarArray, q: Array) -> Array:
     """Return the deviations (3, N) in rad per V of noise at phases and yaws q (3, N) in rad; inf where rank is lost."""
-    of = rows(array, q)
-    N = (of.g**2).sum(axis=1)
-    across = of.g[:, :, None] * of.h[:, None] - of.g[:, None] * of.h[:, :, None]
+    jacobian_rows = rows(array, q)
+    N = (jacobian_rows.g**2).sum(axis=1)
+    across = (
+        jacobian_rows.g[:, :, None] * jacobian_rows.h[:, None] - jacobian_rows.g[:, None] * jacobian_rows.h[:, :, None]
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = 1 / ((across**2).sum(axis=(1, 2)) / 2 / N).sum(axis=0)
-        axes = 1 / N + ((of.g * of.h).sum(axis=1) / N) ** 2 * turn
+        axes = 1 / N + ((jacobian_rows.g * jacobian_rows.h).sum(axis=1) / N) ** 2 * turn
     deviations = np.sqrt(np.vstack([axes, turn]))
     return np.where(np.isfinite(deviations), deviations, np.inf)
 

@@ -60,7 +60,7 @@ def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 
     """Return the map at a yaw in rad, known to `doubt` in rad, and a lift in m."""
     x, y = _places(plant, points)
     error, noise = errors(plant, {"x": x, "y": y, "phi": np.full_like(x, yaw), "z": np.full_like(x, lift)}, doubt)
-    squares = ({axis: v.reshape(points, points) for axis, v in of.items()} for of in (error, noise))
+    squares = ({axis: v.reshape(points, points) for axis, v in values.items()} for values in (error, noise))
     return ErrorMap(readonly(y[:points]), *squares)
 
 

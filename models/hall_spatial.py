@@ -90,9 +90,9 @@ def _waves(phasor: Phasor, decay: ca.SX) -> Waves:
 
 def _flux(observed: Observed) -> Vector:
     """Return B, V."""
-    of, x, y = observed.sensor, observed.x, observed.y
-    along = [of.alpha * first.sine + of.beta * fifth.sine for first, fifth in (x, y)]
-    up = of.alpha * (x[0].cosine + y[0].cosine) + of.beta * (x[1].cosine + y[1].cosine)
+    sensor, x, y = observed.sensor, observed.x, observed.y
+    along = [sensor.alpha * first.sine + sensor.beta * fifth.sine for first, fifth in (x, y)]
+    up = sensor.alpha * (x[0].cosine + y[0].cosine) + sensor.beta * (x[1].cosine + y[1].cosine)
     return *along, up
 
 
@@ -104,9 +104,9 @@ def residuals(observed: Observed, body: Attitude) -> list[ca.SX]:
 
 def rows(observed: Observed, body: Attitude) -> tuple[Vector, Vector]:
     """Return the Jacobian's rows of u and v, (6,) each, V by rad."""
-    of, B, fifth = observed.sensor, _flux(observed), 5 * observed.sensor.beta
-    f = [of.alpha * w[0].sine + fifth * w[1].sine for w in (observed.x, observed.y)]
-    g = [of.alpha * w[0].cosine + fifth * w[1].cosine for w in (observed.x, observed.y)]
+    sensor, B, fifth = observed.sensor, _flux(observed), 5 * observed.sensor.beta
+    f = [sensor.alpha * w[0].sine + fifth * w[1].sine for w in (observed.x, observed.y)]
+    g = [sensor.alpha * w[0].cosine + fifth * w[1].cosine for w in (observed.x, observed.y)]
     first, second, _ = body.axes
     p, r = (
         (g[0] * e[0] - f[0] * e[2], g[1] * e[1] - f[1] * e[2], -f[0] * e[0] - f[1] * e[1] - (g[0] + g[1]) * e[2])
@@ -114,7 +114,7 @@ def rows(observed: Observed, body: Attitude) -> tuple[Vector, Vector]:
     )
     p11, p12, p13 = (dot(p, e) for e in body.axes)
     p22, p23 = (dot(r, e) for e in body.axes[1:])
-    b, (a, d, h) = [dot(B, e) for e in body.axes], of.arm
+    b, (a, d, h) = [dot(B, e) for e in body.axes], sensor.arm
     turn_u = d * p13 - h * p12, h * p11 - a * p13 - b[2], a * p12 - d * p11 + b[1]
     turn_v = d * p23 - h * p22 + b[2], h * p12 - a * p23, a * p22 - d * p12 - b[0]
     return (*p, *_angles(turn_u, body)), (*r, *_angles(turn_v, body))

@@ -75,9 +75,9 @@ def verify(progress: Progress, whole: bool) -> Evidence:
     checks: list[Check] = []
     for name in config.PLACES:
         progress(f"{name}: witnesses")
-        of = random_steps.subject(name)
+        subject = random_steps.subject(name)
         for some_agreements, some in compare_witnesses(
-            of, witnesses(of), FULL_STEPS if whole else QUICK_STEPS, progress
+            subject, witnesses(subject), FULL_STEPS if whole else QUICK_STEPS, progress
         ):
             agreements += some_agreements
             checks += some

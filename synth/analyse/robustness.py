@@ -259,8 +259,8 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
     at_rest = equilibrium_at(loops, point, case)
-    break_points = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
-    return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in break_points.items()}
+    groups = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
+    return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in groups.items()}
 
 
 @arguments.checked
@@ -284,13 +284,11 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Se
 
 
 def _failed_check(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
-    requirement, first = REQUIREMENTS[name], unsolved[0]
-    unit = "" if requirement.unit == "1" else f" {requirement.unit}"
+    required, first = REQUIREMENTS[name], unsolved[0]
+    unit = "" if required.unit == "1" else f" {required.unit}"
     others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""
     about = f"no equilibrium {first.label}{others}: {first.reason}; {least:g}{unit} is required"
-    return Check(
-        f"{name.replace('_', ' ')} falls short by", least - requirement.if_unstable, 0.0, requirement.unit, about
-    )
+    return Check(f"{name.replace('_', ' ')} falls short by", least - required.if_unstable, 0.0, required.unit, about)
 
 
 def _check(loops: Sequence[OpenLoop], name: str, least: float) -> Check:

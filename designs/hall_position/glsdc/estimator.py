@@ -56,22 +56,22 @@ def guarded_estimator(
 
 def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING) -> Block:
     """Return the Block from held voltages, ``complete`` or, if redundant, ``fault_V_ax`` .. to X, Y and yaw."""
-    of, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
+    problem, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
-        excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, of)
+        excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, problem)
         heading = phasor.by_range_reduction(prediction["yaw"], 2, "yaw_fraction", named)
-        sensors = planar_model.sensors(u, prediction, k, heading, excluded, of, named)
-        solution = glsdc.descend(planar_model.trial_function(sensors, of, named), of.descent)
+        sensors = planar_model.sensors(u, prediction, k, heading, excluded, problem, named)
+        solution = glsdc.descend(planar_model.trial_function(sensors, problem, named), problem.descent)
         normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
-        integrity = tracking.check_integrity(of, solution, yaw, _prior_weight(normal, of), excluded, u, x)
-        after = tracking.advance(solution, integrity, prediction, x, of)
+        integrity = tracking.check_integrity(problem, solution, yaw, _prior_weight(normal, problem), excluded, u, x)
+        after = tracking.advance(solution, integrity, prediction, x, problem)
         lever = _lever(heading, after.yaw_change, array, named)
         known = ca.logic_and(after.ambiguity_resolved, ca.logic_not(x["lock_lost"]))
         accepted = after.inside if redundant else ca.logic_and(after.inside, u["complete"])
         freedom = channels.freedom(len(array.positions), 3, excluded)
-        output = _position(after.pose, lever, array) | _deviations(normal, lever, of)
+        output = _position(after.pose, lever, array) | _deviations(normal, lever, problem)
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
         output |= {"lock_lost": x["lock_lost"]} | ({"excluded_sensor": x["excluded_sensor"]} if redundant else {})
@@ -83,7 +83,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         law,
         inputs=channels.estimator_inputs(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
-        states=tracking.states(of),
+        states=tracking.states(problem),
         constants=hall_planar.constants(array),
         tag="GLSDC, Fig. 9",
     )

@@ -36,7 +36,9 @@ TABLE_HALF_SIDES = (0.0625, 0.125, 0.25)  # pitches: half sides of the squares o
 def blocks(stage: Stage) -> dict[str, Content]:
     """Return the blocks of the section: accuracy of each layout, errors of the field model, regions of convergence."""
     layouts = layouts_by_name(stage)
-    positions = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
+    positions = {
+        n: [(x / layout.pitch, y / layout.pitch) for x, y in layout.positions] for n, layout in layouts.items()
+    }
     return {
         "accuracy.places": drawings.layouts(positions),
         "accuracy.maps": _maps(stage, layouts),
@@ -79,10 +81,10 @@ def _larger_deviation(array: PlanarArray, yaw: float) -> Array:
 
 def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
     lines, yaws = [], np.linspace(-MAX_YAW, MAX_YAW, CURVE_YAWS)
-    for name, of in list(layouts.items())[1:]:
-        q = np.tile(grid(of, CURVE_POINTS), CURVE_YAWS)
+    for name, layout in list(layouts.items())[1:]:
+        q = np.tile(grid(layout, CURVE_POINTS), CURVE_YAWS)
         q[2] = np.repeat(yaws, CURVE_POINTS**2)
-        largest = hall_fisher.deviations(of, q)[:2].max(axis=0).reshape(CURVE_YAWS, -1).max(axis=1)
+        largest = hall_fisher.deviations(layout, q)[:2].max(axis=0).reshape(CURVE_YAWS, -1).max(axis=1)
         lines.append(Line(np.degrees(yaws), largest / UM, name, {"lw": 1.2}))
     lines.append(Line(np.degrees(yaws), np.full(CURVE_YAWS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
     return charts.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)

@@ -41,8 +41,8 @@ def section(stage: Stage) -> page.Section:
 
 def optimised_layout(stage: Stage, sensors: int) -> SpatialArray:
     """Return the optimised layout of some sensors, in the field of model (2)."""
-    of, any_place = stage.pair, tuple((x, 0.0, 0.0) for x in (0.0, 1.0, 2.0))
-    array = SpatialArray(any_place, of.alpha, of.beta, stage.height, stage.pitch, of.deviation)
+    pair, any_place = stage.pair, tuple((x, 0.0, 0.0) for x in (0.0, 1.0, 2.0))
+    array = SpatialArray(any_place, pair.alpha, pair.beta, stage.height, stage.pitch, pair.deviation)
     return hall_two_waves.with_positions(array, layouts.SPATIAL[sensors])
 
 

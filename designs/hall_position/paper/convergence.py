@@ -52,15 +52,15 @@ def random_starts(array: PlanarArray, distance: float, yaw: float) -> tuple[Arra
 
 def staircase_estimates(stage: Stage, step: float, yaw_known: bool) -> Array:
     """Return the estimates of X in m on a staircase, (stairs, samples, N), without the first half of each stair."""
-    of, time = stage.pair, Discrete(PERIOD)
-    q = grid(of, ALONG)
-    size = 2 * len(of.positions) * q.shape[1]
+    pair, time = stage.pair, Discrete(PERIOD)
+    q = grid(pair, ALONG)
+    size = 2 * len(pair.positions) * q.shape[1]
     noise = hall_chain.noise(stage.chain, time, (size, (STEPS + 1) * TREAD), SEED).T
     estimates, at = [], q
     for stair, more in enumerate(noise.reshape(STEPS + 1, TREAD, 2, -1, q.shape[1])):
         true = q + np.array([[step * stair], [0.0], [0.0]])
-        clean = hall_correction.volts(of, true)
+        clean = hall_correction.volts(pair, true)
         for now in more:
-            at = hall_correction.iterate(of, clean + now, at, SCALE, INNER, yaw_known)
+            at = hall_correction.iterate(pair, clean + now, at, SCALE, INNER, yaw_known)
             estimates.append(at[0])
     return np.array(estimates).reshape(STEPS + 1, TREAD, -1)[:, TREAD // 2 :]

@@ -20,12 +20,12 @@ WAVES = (*concentrated_field.orders_on_axes((1, 3, 5, 9)), *concentrated_field.C
 @lru_cache(CACHED_RESULTS)
 def errors(stage: Stage, yaw_known: bool) -> Array:
     """Return the errors of GLSDC in X and Y (2, N) in m above six pitches of blocks, at yaw 0, X slowest."""
-    of, fit = stage.truth, field.fit_above_blocks(stage).estimate
+    truth, fit = stage.truth, field.fit_above_blocks(stage).estimate
     model = replace(stage.pair, c=fit["c"], alpha=fit["alpha"], beta=fit["beta"])
-    i, j = (v.ravel() for v in np.indices((of.count, of.count)))
-    at = np.rint(np.array(model.positions) / of.spacing).astype(int)
-    read = np.stack([of.at(i + x, j + y) for x, y in at], axis=1)
-    q = of.spacing * np.vstack([i, j, np.zeros(i.size)]).astype(np.float64)
+    i, j = (v.ravel() for v in np.indices((truth.count, truth.count)))
+    at = np.rint(np.array(model.positions) / truth.spacing).astype(int)
+    read = np.stack([truth.at(i + x, j + y) for x, y in at], axis=1)
+    q = truth.spacing * np.vstack([i, j, np.zeros(i.size)]).astype(np.float64)
     return _error(model, read, q, yaw_known)
 
 

@@ -72,9 +72,11 @@ def conditions(stage: Stage) -> Array:
 def deviations_with_ninth_harmonic(stage: Stage) -> Array:
     """Return the largest deviations of X, Y and yaw of three sensors at yaw 0, with the 9th harmonic."""
     waves = stage.waves(concentrated_field.orders_on_axes((1, 5, 9)))
-    of = hall_array.point_sensors(stage.three.positions, stage.chain)
+    sensors = hall_array.point_sensors(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
-    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.rms_radius(of), stage.height).deviations.max(axis=0)
+    return hall_accuracy.of_sensors(sensors, waves, at, hall_accuracy.rms_radius(sensors), stage.height).deviations.max(
+        axis=0
+    )
 
 
 def deviation_at(array: PlanarArray, x: float, y: float, yaw: float) -> float:
