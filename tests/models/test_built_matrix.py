@@ -23,7 +23,7 @@ AT = np.random.default_rng(1).uniform(-built_matrix.MAX_REACH, built_matrix.MAX_
 
 def oracle(as_built: AsBuilt, z: float = 3e-3) -> np.ndarray:
     """Return B_X and B_Y (2, N) in T at AT by magpylib."""
-    blocks, off = as_built.blocks, as_built.off
+    blocks, off = as_built.blocks, as_built.displacements
     cuboids = [
         magpylib.magnet.Cuboid(
             dimension=(SIDE, SIDE, HEIGHT),
@@ -48,7 +48,7 @@ def test_the_field_is_that_of_the_blocks_as_they_were_made() -> None:
     assert np.abs(flux - theirs).max() < LATTICE
     assert np.abs((flux - ours(EXACT)[:2]) - (theirs - exact)).max() < DRAWN
     # What a defect would be: places counted the other way.
-    planted = oracle(replace(as_built, off=-as_built.off))
+    planted = oracle(replace(as_built, displacements=-as_built.displacements))
     assert np.abs((flux - ours(EXACT)[:2]) - (planted - exact)).max() > 50 * DRAWN
 
 
@@ -75,11 +75,11 @@ def test_blocks_are_spread_as_far_as_they_should_be_and_no_further() -> None:
     ratio = sizes[0][there] / sizes[1][there]
     cosine = (as_built.blocks.remanence * meant.remanence).sum(axis=2)[there] / (sizes[0] * sizes[1])[there]
     tilt = np.arccos(np.clip(cosine, -1, 1))
-    for errors, bound in ((np.abs(ratio - 1), 0.02), (tilt, radians(1)), (np.abs(as_built.off), 1e-4)):
+    for errors, bound in ((np.abs(ratio - 1), 0.02), (tilt, radians(1)), (np.abs(as_built.displacements), 1e-4)):
         assert 0.95 * bound < errors.max() <= bound * (1 + 1e-9)
     assert not as_built.blocks.remanence[~there].any()
-    assert np.array_equal(built_matrix.draw_blocks().off, as_built.off)
-    assert not np.array_equal(built_matrix.draw_blocks(Tolerances(seed=1)).off, as_built.off)
+    assert np.array_equal(built_matrix.draw_blocks().displacements, as_built.displacements)
+    assert not np.array_equal(built_matrix.draw_blocks(Tolerances(seed=1)).displacements, as_built.displacements)
 
 
 def test_the_stage_reads_the_field_at_its_sensors_behind_a_filter() -> None:
