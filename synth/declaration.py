@@ -197,10 +197,8 @@ class Controller:
 
     def sheet(self) -> show.Sheet:
         """Return the interface; nothing is composed for it."""
-        around = self.interface.sheet()
-        return show.Sheet(
-            f"Controller {self.name}, {self.time}", (f"{around.title}, {around.lines[0]}",), around.tables
-        )
+        sheet = self.interface.sheet()
+        return show.Sheet(f"Controller {self.name}, {self.time}", (f"{sheet.title}, {sheet.lines[0]}",), sheet.tables)
 
     @cached_property
     def composition(self) -> Composition:

@@ -123,7 +123,7 @@ def compare_precisions(
     `counts` are real states that jump with a decision, each with its least jump; a smaller difference counts as equal.
     """
     double, single = suite.in_both_precisions(witness_set, states, inputs)
-    alike = suite.decide_alike(witness_set.block, double, single)
+    alike = suite.same_decisions(witness_set.block, double, single)
     for name, jump in (counts or {}).items():
         alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
     pair = ("c64", suite.select(double, alike)), ("c32", suite.select(single, alike))
