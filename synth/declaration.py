@@ -32,12 +32,14 @@ class Sensor:
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
     the output's own range where they are left out, and takes `initial` before the first good sample: where it is left
     out, the value in the range that is nearest to 0. One that is not `held` has `initial` whenever it is refused.
+    `offset` is the largest error of its zero, for studies.
     """
 
     name: str
     of: str = ""
     resolution: float = 0.0
     noise: float = 0.0
+    offset: float = 0.0
     low: float | None = None
     high: float | None = None
     initial: float | None = None

@@ -10,7 +10,9 @@ from rich.table import Table
 from synth.check import Check
 from synth.report.audit import Row
 from synth.simulate import fault_table
+from synth.simulate import study as studies
 from synth.simulate.fault_rows import Campaign
+from synth.simulate.study import StudyTable
 from synth.verify import cost as costs
 
 
@@ -48,6 +50,31 @@ def _print(console: Console, title: str, columns: Sequence[str], rows: Iterable[
     for row in rows:
         table.add_row(*map(escape, row))
     console.print(table)
+
+
+def print_study(design: str, study: StudyTable) -> None:
+    """Print the distribution of every check and figure, the yield, and why machines have no result."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    columns = ("what", "unit", "nominal", "median", "95 %", "worst", "row", "limit", "kept", "driver")
+    table = Table(*columns, title=f"{design}: {len(study.rows)} machines", title_justify="left")
+    for s in studies.summarise(study):
+        has_limit = s.name in study.limits
+        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("", "")
+        driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""
+        numbers = (f"{v:.4g}" for v in (s.nominal, s.median, s.percentile_95, s.worst))
+        table.add_row(escape(s.name), s.unit, *numbers, str(s.worst_row), limit, kept, driver)
+    console.print(table)
+    console.print("\n".join(studies.notes(study)), highlight=False, markup=False)
+
+
+def print_machine(design: str, study: StudyTable) -> None:
+    """Print checks and figures of the only row of a study, and what was drawn for it."""
+    checks = [Check(n, float(v[0]), study.limits[n], study.units[n]) for n, v in study.checks.items()]
+    figures = {name: float(value[0]) for name, value in study.figures.items()}
+    drawn = ", ".join(f"{name} {z[0]:+.3f}" for name, z in study.z.items())
+    errors = [f"no result of {experiment}: {reason}" for _, experiment, reason in study.errors]
+    notes = [f"deviations in tolerances: {drawn}", *errors]
+    print_checks(f"{design}: machine {study.rows[0]}", checks, figures, notes)
 
 
 def print_cost(cost: costs.Cost) -> None:

@@ -30,8 +30,8 @@ typedef struct {
     const double *sensor_gain, *sensor_bias;      /* of the reading: gain y + bias + noise */
     const double *sensor_resolution;              /* 0: ideal */
     const double *sensor_low, *sensor_high;       /* saturation limits */
-    const double *noise;                          /* (samples, sensors): added before the encoder */
-    const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
+    const double *noise;                          /* 0, or (samples, sensors): added before the encoder */
+    const uint8_t *overridden;                    /* 0, or (samples, sensors): the input holds this sample already */
     const int64_t *sensor_lag; /* 0, or (samples, sensors): the input is the reading so many samples ago */
     double *readings;          /* with sensor_lag: (samples, sensors), what each sensor reads without a lag */
     const double *word_low, *word_step; /* 0, or (sensors): a word counts steps from low */
@@ -128,9 +128,9 @@ static double with_faulty_bits(const loop_t *loop, int64_t k, int64_t i, double 
 static void measure(const loop_t *loop, int64_t k, const double *y) {
     char *const in = loop->in + k * loop->in_size;
     for (int64_t i = 0; i < loop->sensors; i++) {
-        if (loop->overridden[k * loop->sensors + i]) continue;
+        if (loop->overridden && loop->overridden[k * loop->sensors + i]) continue;
         const double scaled = loop->sensor_gain[i] * y[loop->sensor_source[i]] + loop->sensor_bias[i];
-        const double seen = scaled + loop->noise[k * loop->sensors + i];
+        const double seen = loop->noise ? scaled + loop->noise[k * loop->sensors + i] : scaled;
         const double resolution = loop->sensor_resolution[i];
         const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
         /* Non-finite plant outputs are passed on unchanged. */

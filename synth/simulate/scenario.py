@@ -20,7 +20,7 @@ from synth.statespace import Array
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Columns = dict[str, NDArray[Any]]
+Columns = Mapping[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
