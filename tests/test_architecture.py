@@ -42,8 +42,19 @@ VOCABULARY = (
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "jobs", "standard_tasks", "fault_jobs", "tasks", "tables", "stage", "testing", "new")
-LAYERS += ("study_jobs", "command_results")
+LAYERS += (
+    "workspace",
+    "jobs",
+    "standard_tasks",
+    "fault_jobs",
+    "tasks",
+    "study_jobs",
+    "tables",
+    "stage",
+    "testing",
+    "new",
+    "command_results",
+)
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}
