@@ -54,6 +54,7 @@ LAYERS += (
     "stage",
     "testing",
     "new",
+    "command_results",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
