@@ -26,6 +26,7 @@ from synth.declaration import (
     Companion,
     Composition,
     Controller,
+    Drive,
     Interface,
     Law,
     Sensor,
@@ -48,6 +49,7 @@ from synth.workspace import CostStimuli, Design
 __all__ = [
     "Actuator",
     "Companion",
+    "Drive",
     "FaultCampaign",
     "FaultLimit",
     "Interface",

@@ -17,6 +17,7 @@ from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Reference, Stage
 from synth.errors import DesignError
+from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import agree, sampling, steps, stimuli, suite
@@ -56,7 +57,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     """
     progress("witnesses")
     witness_set = witnesses(stage)
-    rig = Rig(stage, stage.plant, witness_set.c64)
+    rig = rigs.of_stage(stage, witness_set.c64)
     runs = _runs(rig, WHOLE if whole else QUICK)
     progress("random and edge steps")
     agreements, checks = compare_samples(witness_set, runs)
@@ -136,7 +137,7 @@ def compare_precisions(
 
 def compare_paths(stage: Stage, witness_set: Witnesses) -> list[Check]:
     """Compare the path of the plant under both scalar types in each experiment, with ideal sensors."""
-    rigs = [Rig(stage, stage.plant, c).ideal for c in (witness_set.c64, witness_set.c32)]
+    rigs = [rigs.of_stage(stage, c).ideal for c in (witness_set.c64, witness_set.c32)]
     return [
         check
         for experiment in stage.experiments
