@@ -120,9 +120,10 @@ def _count(times: int, runs: int, longest_s: float) -> str:
 
 
 def notes(result: Campaign) -> tuple[str, ...]:
-    """Return lines on false alarms, faults without effect, harm, and the negative control."""
-    counts = ("runs", "without_effect", "harmed", "harmed_unnoticed")
-    runs, idle, harmed, unnoticed = (sum(getattr(row, name) for row in result.rows) for name in counts)
+    """Return lines on false alarms, faults without effect, harm, isolation, and the negative control."""
+    counts = ("runs", "without_effect", "harmed", "harmed_unnoticed", "noticed", "named")
+    runs, idle, harmed, unnoticed, noticed, named = (sum(getattr(r, name) for r in result.rows) for name in counts)
+    wrong = sum(row.wrong_names > 0 for row in result.rows)
     stops = sum(any(h.impacts.values()) for h in result.healthy)
     control = (
         f"of {result.control_runs} runs that latch, {result.control_harmed} run into a stop when the controller never "
@@ -132,5 +133,6 @@ def notes(result: Campaign) -> tuple[str, ...]:
     return (
         f"healthy runs: {len(result.healthy)}, {result.alarms} samples with a fault bit, {stops} run into a stop",
         f"faulty runs: {runs}, {idle} without effect, {harmed} run into a stop, {unnoticed} of these without a bit",
+        f"isolation: of {noticed} runs with a fault bit {named} name every faulty input; {wrong} rows name another input",
         f"negative control: {control}{verdict}",
     )
