@@ -133,6 +133,6 @@ def notes(result: Campaign) -> tuple[str, ...]:
     return (
         f"healthy runs: {len(result.healthy)}, {result.alarms} samples with a fault bit, {stops} run into a stop",
         f"faulty runs: {runs}, {idle} without effect, {harmed} run into a stop, {unnoticed} of these without a bit",
-        f"isolation: of {noticed} runs with a fault bit {named} name every faulty input; {wrong} rows name another input",
+        f"isolation: of {noticed} runs with a fault bit {named} name every faulty input; {wrong} rows name another",
         f"negative control: {control}{verdict}",
     )
