@@ -102,7 +102,7 @@ def _handover(
     While no position is lost and nothing is handed over, they stay as they are.
     """
     transfer, both = x["transfer"], ca.logic_and(*lost)
-    active = ca.logic_or(ca.logic_or(*lost), transfer != 0)
+    active = ca.logic_or(ca.logic_or(*lost), ca.fabs(transfer) > 0)
     target = ca.if_else(both, transfer, ca.if_else(lost[0], 1, ca.if_else(lost[1], -1, 0)))
     next = ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
     unknown = ca.if_else(both, ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1), 0)

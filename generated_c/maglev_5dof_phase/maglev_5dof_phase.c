@@ -144,7 +144,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     float i_a2_part_6 = i_a2_part_3;
     float i_a3_part = i_d3_held;
     float i_a4_part = i_d4_held;
-    if (lost_x || lost_z || (commutation_transfer != 0.0f)) {
+    if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer))) {
         float i_a1_part_8 = commutation_transfer;
         uint32_t i_a1_part_9 = 0u;
         if (lost_x && lost_z) {
