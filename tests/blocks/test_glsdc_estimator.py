@@ -9,6 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchmarks import beacons
+from benchmarks.beacons import Problem
 from synth.block import Block, Constant
 from synth.blocks import glsdc, glsdc_estimator, glsdc_model
 from synth.blocks.glsdc_integrity import Integrity
@@ -20,8 +22,6 @@ from synth.execute.build import compile_block
 from synth.execute.host import Batch, Controller, Records
 from synth.signals import Signal
 from synth.statespace import Array
-from tests.blocks import beacons
-from tests.blocks.beacons import Problem
 
 PROBLEMS = [beacons.ranges(3), beacons.ranges(5, bias=True), beacons.bearings(4)]
 SCALARS: list[type[np.floating]] = [np.float32, np.float64]

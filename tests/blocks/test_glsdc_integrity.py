@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from benchmarks import beacons
+from benchmarks.beacons import Problem
 from synth.block import Block
 from synth.blocks import glsdc_estimator, glsdc_integrity, glsdc_model
 from synth.blocks.glsdc_integrity import Integrity
@@ -16,8 +18,6 @@ from synth.execute.build import compile_block
 from synth.execute.host import Columns, Controller
 from synth.signals import Signal
 from synth.statespace import Array
-from tests.blocks import beacons
-from tests.blocks.beacons import Problem
 
 RISK, FALSE_ALARM, SAMPLES = 1e-2, 1e-3, 10_000
 LIMITS = {"ranges": {"x": 0.8, "y": 0.8}, "bearings": {"x": 0.3, "y": 0.3, "heading": 0.03}}
@@ -145,7 +145,7 @@ def test_a_faulty_channel_is_excluded_and_taken_in_again() -> None:
 
 
 def test_hypotheses_that_disagree_are_not_valid() -> None:
-    """With the fewest beacons that exclusion needs, few faults are separable: the level then covers both explanations."""
+    """With the fewest beacons that exclusion needs, few faults are separable: the level covers both explanations."""
     of = beacons.ranges(5, bias=True)
     result = run(of, compile_block(beacons.block(of, integrity(of, exclude=True))), 12.0)
     wrong = (result.outputs["excluded"] > 0) & (result.outputs["excluded"] != result.channel + 1)

@@ -37,20 +37,24 @@ class Problem:
 
     @property
     def channels(self) -> list[Signal]:
+        """The channels, one a beacon."""
         if self.kind == "ranges":
             return [Signal(f"range_{k}", "m", 0.0, 30.0, "range to a beacon") for k in LETTERS[: self.beacons]]
         return [Signal(f"bearing_{k}", "rad", -pi, pi, "bearing of a beacon") for k in LETTERS[: self.beacons]]
 
     @property
     def sigma(self) -> float:
+        """The standard deviation of a channel."""
         return SIGMA if self.kind == "ranges" else BEARING_NOISE
 
 
 def ranges(beacons: int = 4, bias: bool = False) -> Problem:
+    """Return the problem of ranges to beacons, with a clock bias or without."""
     return Problem("ranges", beacons, ("x", "y", "bias") if bias else ("x", "y"))
 
 
 def bearings(beacons: int = 4) -> Problem:
+    """Return the problem of bearings from a turning body."""
     return Problem("bearings", beacons, ("x", "y", "heading"))
 
 
@@ -85,9 +89,17 @@ def block(
     unknowns = dict(UNKNOWNS) | dict(changed or {})
     R = glsdc_model.covariance([NOISE] * of.beacons, [MODEL_ERROR] * of.beacons)
     R = R if of.kind == "ranges" else BEARING_NOISE**2 * np.eye(of.beacons)
-    angles = [s.name for s in of.channels] if of.kind == "bearings" else []
-    arguments = {"channels": of.channels, "unknowns": [unknowns[n] for n in of.unknowns], "angles": angles}
-    bare = glsdc_estimator.estimator("estimator", TIME, measurement(of), R, integrity=integrity, **arguments, **other)
+    bare = glsdc_estimator.estimator(
+        "estimator",
+        TIME,
+        measurement(of),
+        R,
+        channels=of.channels,
+        unknowns=[unknowns[n] for n in of.unknowns],
+        angles=[s.name for s in of.channels] if of.kind == "bearings" else [],
+        integrity=integrity,
+        **other,
+    )
     return glsdc_estimator.guarded(bare, of.kind, of.channels, bad_samples=5)
 
 
@@ -111,6 +123,7 @@ def jacobian(of: Problem, q: Array) -> Array:
 
 
 def wrap(angle: Array) -> Array:
+    """Return angles wrapped to half a turn."""
     return np.asarray((angle + pi) % (2 * pi) - pi)
 
 
@@ -124,7 +137,7 @@ def solve(of: Problem, y: Array, start: Array, corrections: int = 25) -> tuple[A
     e, H = y - values(of, q), jacobian(of, q)
     e = wrap(e) if of.kind == "bearings" else e
     P = of.sigma**2 * np.linalg.inv(np.swapaxes(H, 1, 2) @ H)
-    return q, P, (e**2).sum(axis=1) / of.sigma**2
+    return q, np.asarray(P, float), np.asarray((e**2).sum(axis=1) / of.sigma**2)
 
 
 def draw(of: Problem, n: int, rng: np.random.Generator) -> Array:
