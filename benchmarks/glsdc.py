@@ -79,19 +79,19 @@ def count_instructions(block: Block, of: Problem) -> int:
     target = load(emitted.files, emitted.manifest, compiler="gcc" if "gcc" in cross.available() else "zig")
     rng = np.random.default_rng(SEED)
     q = beacons.draw(of, COUNTED, rng)
-    y = measured(of, q, np.where(np.arange(COUNTED) < COUNTED // 2, 0.0, LARGEST), rng)
+    y = measurements(of, q, np.where(np.arange(COUNTED) < COUNTED // 2, 0.0, LARGEST), rng)
     inputs = {s.name: y[:, i] for i, s in enumerate(of.channels)}
-    return int(target.measure(inputs, near(of, controller, q[:1], rng).reshape(())).cost.instructions.max())
+    return int(target.measure(inputs, nearby_states(of, controller, q[:1], rng).reshape(())).cost.instructions.max())
 
 
-def measured(of: Problem, q: Array, sizes: Array, rng: np.random.Generator) -> Array:
+def measurements(of: Problem, q: Array, sizes: Array, rng: np.random.Generator) -> Array:
     """Return channels (N, m) with noise, and with a fault of sizes (N,) deviations in a random channel of each row."""
     y = beacons.values(of, q) + of.sigma * rng.standard_normal((len(q), of.beacons))
     y[np.arange(len(q)), rng.integers(of.beacons, size=len(q))] += sizes * of.sigma
     return beacons.wrap(y) if of.kind == "bearings" else y
 
 
-def near(of: Problem, controller: Controller, q: Array, rng: np.random.Generator) -> host.Records:
+def nearby_states(of: Problem, controller: Controller, q: Array, rng: np.random.Generator) -> host.Records:
     """Return states (N,) with estimates near unknowns (N, n)."""
     states = np.repeat(controller.init()[None], len(q))
     for name, values in zip(of.unknowns, q.T, strict=True):
@@ -103,9 +103,9 @@ def trial(of: Problem, monitor: Integrity, samples: int) -> Trial:
     """Return what the float C estimates in the last of three samples of each body."""
     controller, rng = compile_block(beacons.block(of, monitor)), np.random.default_rng(SEED)
     q, sizes = beacons.draw(of, samples, rng), rng.uniform(0, LARGEST, samples)
-    channel, states = rng.integers(of.beacons, size=samples), near(of, controller, q, rng)
+    channel, states = rng.integers(of.beacons, size=samples), nearby_states(of, controller, q, rng)
     for _ in range(3):
-        y = measured(of, q, np.zeros(samples), rng)
+        y = measurements(of, q, np.zeros(samples), rng)
         y[np.arange(samples), channel] += sizes * of.sigma
         batch = controller.batch(states, {s.name: y[:, i] for i, s in enumerate(of.channels)})
         states = batch.states

@@ -5,8 +5,8 @@
     p < |e| <= a                 misleading information
     p <= a < |e|                 hazardously misleading information
 
-Of N samples the fractions of these regions, and counts over |e| and p in steps of a fraction of the limit, are what an
-integrity monitor is judged by: misleading samples may not exceed the risk that was allocated.
+The diagram shows the number of samples in each region, and counts over |e| and p in steps of a fraction of the limit.
+An integrity monitor passes if the fraction of misleading samples is at most the risk that was allocated.
 
 Library: the error and the level come from a Monte Carlo of the user's own stage, as in the how-to of an estimator.
 

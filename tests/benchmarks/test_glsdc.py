@@ -39,6 +39,6 @@ def test_faults_of_every_size_mislead_no_more_than_allocated(monitor: str) -> No
 def test_every_body_has_a_fault_in_one_channel() -> None:
     of, rng = beacons.ranges(5), np.random.default_rng(1)
     q = beacons.draw(of, 1000, rng)
-    y = glsdc.measured(of, q, np.full(1000, 50.0), rng)
+    y = glsdc.measurements(of, q, np.full(1000, 50.0), rng)
     faulty = np.abs(y - beacons.values(of, q)) > 25 * of.sigma
     assert (faulty.sum(axis=1) == 1).all() and faulty.any(axis=0).all()
