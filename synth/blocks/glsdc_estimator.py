@@ -3,7 +3,7 @@
     minimise  (y - h(q))' R^-1 (y - h(q)) + sum over priors of (q_i - p_i)^2 / sigma_i^2
     q <- q + N^-1 (H'e - P (q - p)),   N = H'H + P = L D L',   covariance s^2 N^-1
 
-with e, H whitened as in `glsdc_model` and P = diag(s^2 / sigma_i^2), a fixed number of times a sample, from the last
+with e, H whitened as in `glsdc_jacobian` and P = diag(s^2 / sigma_i^2), a fixed number of times a sample, from the last
 estimate and its motion on. The sum of the corrections of a sample is limited, and so is each estimate, to its range.
 
 A pivot of L D L' is never less than that of the largest deviation which an unknown may have. A limit that acts shows in
@@ -30,10 +30,11 @@ from scipy.stats import qmc
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import glsdc, glsdc_model, glsdc_monitor, glsdc_solution, safety
+from synth.blocks import glsdc, glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_solution, safety
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
 from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_model import Measurement, Model, Unknown
+from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
 from synth.blocks.glsdc_monitor import Monitor
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
 from synth.composition import compose
@@ -57,12 +58,13 @@ REASON = "an estimator moves nothing: once latched it continues, and the fault w
 def estimator(
     name: str,
     time: Discrete,
-    h: Measurement,
+    h: Measurement | Implicit,
     R: ArrayLike,
     *,
     channels: Sequence[Signal],
     unknowns: Sequence[Unknown],
     angles: Sequence[str] = (),
+    phases: Sequence[Phase] = (),
     constants: Sequence[Constant] = (),
     iteration: Iteration | None = None,
     integrity: Integrity | None = None,
@@ -72,7 +74,7 @@ def estimator(
 
     `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q has cos_q and sin_q besides.
     R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model error. `angles`
-    are the channels whose range is one turn.
+    are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`, too.
 
     Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
@@ -82,7 +84,7 @@ def estimator(
     that single precision does not resolve, or integrity without redundancy; SignalError for names that are repeated, an
     h that does not return a value for each channel, or limits that are not those of the unknowns.
     """
-    of = glsdc_model.model(h, arguments.matrix("R", R), channels, angles, unknowns, constants)
+    of = glsdc_jacobian.model(h, arguments.matrix("R", R), channels, angles, unknowns, phases, constants)
     _check_resolution(of, constants)
     monitor = None if integrity is None else glsdc_monitor.monitor(of, integrity)
 
@@ -122,7 +124,7 @@ def _problem(
     values = [v.wrap(x[v.name] + x[_motion(v).name]) if v.velocity_gain else x[v.name] for v in of.unknowns]
     measured = [u[f"{s.name}_held"] for s in of.channels]
     offsets = [v.offset(value) for v, value in zip(of.unknowns, values, strict=True)]
-    return Problem(of, glsdc_model.predict(of, values, measured, constants, named), offsets, weights)
+    return Problem(of, glsdc_linearisation.predict(of, values, measured, constants, named), offsets, weights)
 
 
 def _step(
@@ -192,10 +194,13 @@ def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:
     """Raise ModelError for a largest deviation beyond DYNAMIC_RANGE times that of an unknown with the others known."""
     low, high = ([getattr(u.signal, end) for u in of.unknowns] for end in ("low", "high"))
     points = qmc.scale(qmc.Halton(len(low), scramble=False).random(SAMPLES), low, high).T
-    angles = np.array([2 * np.pi * p / u.width for u, p in zip(of.unknowns, points, strict=True) if u.periodic])
-    angles = angles.reshape(-1, SAMPLES)
+    turns = np.array([2 * np.pi * p / u.width for u, p in zip(of.unknowns, points, strict=True) if u.periodic])
+    turns = turns.reshape(-1, SAMPLES)
     values = np.tile(np.reshape([c.value for c in constants], (-1, 1)), SAMPLES)
-    rows = np.array(of.function.map(SAMPLES)(points, np.cos(angles), np.sin(angles), values)[1].full())
+    phases = of.phase_function.map(SAMPLES)(points, np.cos(turns), np.sin(turns), values).full()
+    middle = np.tile([[(s.low + s.high) / 2] for s in of.channels], SAMPLES)
+    pairs = np.cos(turns), np.sin(turns), np.cos(phases), np.sin(phases)
+    rows = of.function.map(SAMPLES)(points, *pairs, values, middle)[1].full()
     columns = np.nan_to_num(rows.reshape(len(of.channels), SAMPLES, len(low)), posinf=0, neginf=0)
     information = (columns**2).sum(axis=0).max(axis=0) + of.prior_weights
     for u, most in zip(of.unknowns, information, strict=True):

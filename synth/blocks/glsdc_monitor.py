@@ -19,7 +19,7 @@ from synth.block import Exprs, State, clip
 from synth.blocks import glsdc, glsdc_integrity, glsdc_solution
 from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Solution, Vector, dot
 from synth.blocks.glsdc_integrity import ROUNDING, Full, Hypotheses, Integrity, Thresholds
-from synth.blocks.glsdc_model import Model
+from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Normal
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
@@ -51,7 +51,7 @@ def monitor(model: Model, integrity: Integrity) -> Monitor:
     """Return the monitor of a model.
 
     Raises SignalError for limits of other names, and ModelError without redundancy, for a prior about the prediction,
-    or for exclusion with dependent channels.
+    an Implicit model, or exclusion with dependent channels.
     """
     names, priors = [u.name for u in model.unknowns], [u for u in model.unknowns if u.prior < np.inf]
     if not integrity.limits or not set(integrity.limits) <= set(names):
@@ -70,6 +70,8 @@ def monitor(model: Model, integrity: Integrity) -> Monitor:
         )
     if integrity.exclude and not model.is_diagonal:
         raise ModelError("R has covariances: exclusion needs channels whose errors are independent")
+    if model.is_implicit:
+        raise ModelError("the model is Implicit: integrity needs the channels by themselves, give h")
     directions = model.whitening / np.linalg.norm(model.whitening, axis=0)
     return Monitor(
         model, integrity, glsdc_integrity.thresholds(freedom, integrity.false_alarm, integrity.risk), directions

@@ -2,7 +2,7 @@
 
     cost  J(d) = |e(d)|^2 + sum P_i (o_i + d_i)^2,    N = H'H + P = L D L',    d <- d + N^-1 (H'e - P (o + d))
 
-for the displacement d from the prediction, with e, H, P in the scale s of `glsdc_model` and o the offset of the
+for the displacement d from the prediction, with e, H, P in the scale s of `glsdc_jacobian` and o the offset of the
 prediction from the prior's value. An excluded channel has weight 0 in H and e.
 
 Limits that never act while the information is in the dynamic range r, N_ii <= r^2 f_i with the least pivots f:
@@ -18,9 +18,10 @@ import casadi as ca
 import numpy as np
 
 from synth import numeric
-from synth.blocks import glsdc, glsdc_model
+from synth.blocks import glsdc, glsdc_linearisation
 from synth.blocks.glsdc import Descent, LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot, total
-from synth.blocks.glsdc_model import Model, Prediction
+from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.glsdc_linearisation import Prediction
 from synth.signals import Signal
 
 DYNAMIC_RANGE = 500.0  # of deviations: single precision resolves the pivots to 5 %
@@ -76,7 +77,7 @@ def solve(of: Problem, iteration: Iteration) -> Solution[Normal]:
     rows: list[Sequence[Vector]] = []
 
     def trial(i: int, at: Vector) -> Trial[Normal]:
-        residuals, jacobian = glsdc_model.linearise(of.model, of.prediction, at)
+        residuals, jacobian = glsdc_linearisation.linearise(of.model, of.prediction, at)
         if not i or not iteration.held_jacobian:
             rows.append(jacobian)
             factors.append(_factors(of, jacobian))
