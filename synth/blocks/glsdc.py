@@ -34,6 +34,8 @@ import casadi as ca
 from synth.block import clip
 from synth.signals import Signal
 
+UNLIMITED = 3
+
 Vector = Sequence[ca.SX]
 NamedExpressions = list[tuple[Signal, ca.SX]]
 LimitStep = Callable[[int, ca.SX], tuple[ca.SX, ca.SX]]
@@ -144,7 +146,7 @@ class LdlNormalEquations:
     @property
     def decrease(self) -> ca.SX:
         """gradient' N^-1 gradient."""
-        return total(z**2 * d for z, d in zip(self.forward, self.factors.inverse, strict=True))
+        return total(z * (z * d) for z, d in zip(self.forward, self.factors.inverse, strict=True))
 
     @property
     def step(self) -> list[ca.SX]:
@@ -228,11 +230,14 @@ def _eliminate(left: list[list[ca.SX]], least: Sequence[float], squared_ratio: f
 
 
 def substitute_forward(of: LdlFactors, right: Vector, bounds: Sequence[float] = ()) -> list[ca.SX]:
-    """Return z = L^-1 right (n,); where `bounds` are given, from the second on, z_j is limited to +-bounds_j."""
+    """Return z = L^-1 right (n,); with `bounds`, z_j is limited to +-bounds_j from j = UNLIMITED on.
+
+    Interval arithmetic multiplies the bound of z_j by that of L with each j; those before do not overflow.
+    """
     z: list[ca.SX] = []
     for j, (row, value) in enumerate(zip(of.lower, right, strict=True)):
         each = reduce(lambda left, term: left - term[0] * term[1], zip(row, z, strict=True), value)
-        z.append(clip(each, Signal("z", "1", -bounds[j], bounds[j])) if bounds and j else each)
+        z.append(clip(each, Signal("z", "1", -bounds[j], bounds[j])) if bounds and j >= UNLIMITED else each)
     return z
 
 

@@ -16,7 +16,7 @@ from synth.block import clip
 from synth.blocks import phasor
 from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.glsdc_jacobian import Model
-from synth.blocks.phasor import UNIT, Phasor
+from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
 ANY = Phasor(ca.SX(1), ca.SX(0))  # of an angle that the model does not use
@@ -83,5 +83,4 @@ def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:
 
 
 def _rotate(start: Phasor, by: ca.SX) -> Phasor:
-    p = start.times(phasor.of(by))
-    return Phasor(clip(p.cosine, UNIT), clip(p.sine, UNIT))
+    return start.times(phasor.of(by))

@@ -14,7 +14,7 @@ from benchmarks.beacons import Problem
 from synth.block import Block, Constant
 from synth.blocks import glsdc, glsdc_estimator, glsdc_model
 from synth.blocks.glsdc_integrity import Integrity
-from synth.blocks.glsdc_model import Unknown
+from synth.blocks.glsdc_model import Implicit, Phase, Unknown
 from synth.blocks.glsdc_solution import Iteration
 from synth.emit import write
 from synth.errors import EmitError, ModelError, SignalError
@@ -291,6 +291,28 @@ def test_a_pivot_without_a_floor_is_refused_by_emission(monkeypatch: pytest.Monk
         write.emit(beacons.block(beacons.ranges(3)), np.float32)
 
 
+def test_channels_of_very_different_deviations_are_proved_safe() -> None:
+    """Whitened rows reach 1e7 in single precision: the proofs hold whatever the units."""
+    channels = [Signal(n, "m", 0.0, 1e-3) for n in "abcde"]
+    unknowns = [Unknown(Signal(n, "m", -3e-4, 3e-4), 5e-6, 1e-4) for n in "xyzw"]
+
+    def h(q: Any, k: Any) -> Any:
+        x, y, z, w = (q[n] for n in "xyzw")
+        gaps = {"a": x + 200 * y**2, "b": y - x, "c": z + x, "d": w + y, "e": x + y + z + w}
+        return {n: 5e-4 + 0.3 * gap for n, gap in gaps.items()}
+
+    R = glsdc_model.covariance([5e-8, 6e-8, 7e-8, 8e-8, 9e-8], [0.0] * 5)
+    integrity = Integrity({"x": 1e-5, "w": 1e-5})
+    bare = glsdc_estimator.estimator(
+        "estimator", beacons.TIME, h, R, channels=channels, unknowns=unknowns, integrity=integrity
+    )
+    controller = compile_block(glsdc_estimator.guarded(bare, "gauges", channels, 5))
+    q = {"x": 1e-4, "y": -5e-5, "z": 3e-5, "w": -2e-4}
+    out = controller.replay({n: np.full(5, v) for n, v in h(q, {}).items()}).outputs
+    assert out["valid"][2:].all()
+    assert all(abs(out[n][-1] - v) < 0.1 * out[f"deviation_{n}"][-1] for n, v in q.items())
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, -5.0])
 def test_no_channel_makes_the_estimate_leave_its_range(value: float) -> None:
     of = beacons.bearings(4)
@@ -314,7 +336,7 @@ def test_random_states_and_channels_stay_in_the_declared_ranges() -> None:
         assert (out[s.name] >= np.float32(s.low)).all() and (out[s.name] <= np.float32(s.high)).all()
 
 
-UNKNOWN = beacons.UNKNOWNS["x"]
+UNKNOWN, LIMITED = beacons.UNKNOWNS["x"], Integrity({"x": 1.0})
 
 
 @pytest.mark.parametrize(
@@ -326,6 +348,8 @@ UNKNOWN = beacons.UNKNOWNS["x"]
         (lambda: replace(UNKNOWN, start=7.0), "start of 'x' is 7"),
         (lambda: replace(UNKNOWN, prior_value=7.0), "prior value of 'x' is 7"),
         (lambda: replace(UNKNOWN, velocity_gain=2.0), "velocity gain of 'x' is 2"),
+        (lambda: Phase("a", lambda q, k: q["x"], largest=4.0, change=2.0), "change of 'a' is 2"),
+        (lambda: Phase("a", lambda q, k: q["x"], largest=0.0, change=0.1), "largest value of 'a' is 0"),
         (lambda: Iteration(corrections=0), "corrections is 0"),
         (lambda: glsdc_model.covariance([1.0, 0.0], [0.0, 0.0]), "above 0 in each channel"),
         (lambda: glsdc_model.covariance([1.0, 1.0], [0.0]), r"\(2,\).*\(1,\)"),
@@ -348,6 +372,13 @@ def test_a_value_out_of_range_is_refused(make: Any, message: str) -> None:
         ({"h": lambda q, k: dict.fromkeys(("range_a", "range_b", "range_c"), q["z"])}, SignalError, "no 'z'"),
         ({"unknowns": [UNKNOWN, UNKNOWN]}, SignalError, "declared 2 times"),
         ({"integrity": Integrity({"z": 1.0})}, SignalError, "limits are of z"),
+        ({"h": lambda q, k: None}, SignalError, "h returns None"),
+        ({"h": Implicit(lambda q, y, k: {"range_a": y["range_a"]})}, SignalError, "missing"),
+        (
+            {"h": Implicit(lambda q, y, k: {n: v - q["x"] - q["y"] for n, v in y.items()}), "integrity": LIMITED},
+            ModelError,
+            "model is Implicit",
+        ),
     ],
 )
 def test_a_declaration_that_does_not_fit_is_refused(changed: Any, error: type[Exception], message: str) -> None:
