@@ -298,11 +298,11 @@ def test_channels_of_very_different_deviations_are_proved_safe() -> None:
 
     def h(q: Any, k: Any) -> Any:
         x, y, z, w = (q[n] for n in "xyzw")
-        gaps = {"a": x + 200 * y**2, "b": y - x, "c": z + x, "d": w + y, "e": x + y + z + w}
+        gaps = {"a": x + 200 * y**2, "b": y - x, "c": z + x, "d": w + y, "e": 2 * x + 3 * y + z + w}
         return {n: 5e-4 + 0.3 * gap for n, gap in gaps.items()}
 
     R = glsdc_model.covariance([5e-8, 6e-8, 7e-8, 8e-8, 9e-8], [0.0] * 5)
-    integrity = Integrity({"x": 1e-5, "w": 1e-5})
+    integrity = Integrity({"x": 3e-5, "w": 3e-5})
     bare = glsdc_estimator.estimator(
         "estimator", beacons.TIME, h, R, channels=channels, unknowns=unknowns, integrity=integrity
     )
