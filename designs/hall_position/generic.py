@@ -10,7 +10,7 @@ ambiguities here: the first sample must begin near the body.
 
 from collections.abc import Callable
 from functools import partial
-from math import hypot, pi, sqrt
+from math import hypot, inf, pi, sqrt
 from string import ascii_lowercase
 
 import casadi as ca
@@ -21,6 +21,7 @@ from models import hall_planar
 from models.hall_two_waves import PlanarArray
 from synth.block import Block, Exprs, Step, build
 from synth.blocks import glsdc_estimator, safety
+from synth.blocks.glsdc_integrity import Integrity
 from synth.blocks.glsdc_model import Implicit, Phase, Unknown
 from synth.blocks.glsdc_solution import Iteration
 from synth.composition import compose
@@ -34,9 +35,17 @@ DIRECT = ("yaw", "deviation_yaw", "chi_square", "converged", "weak", "valid")
 
 
 def guarded_estimator(
-    array: PlanarArray, time: Discrete, tuning: Tuning = USUAL, iteration: Iteration = USUAL_ITERATION
+    array: PlanarArray,
+    time: Discrete,
+    tuning: Tuning = USUAL,
+    iteration: Iteration = USUAL_ITERATION,
+    integrity: Integrity | None = None,
 ) -> Block:
-    """Return the estimator of an array behind the guard of its voltages."""
+    """Return the estimator of an array behind the guard of its voltages.
+
+    `integrity` limits ``phase_x``, ``phase_y`` and ``yaw``, rad. There are then no priors, which would carry a fault
+    from sample to sample; three sensors are needed.
+    """
     volts = channels.voltages(len(array.positions))
     guard = safety.guard(
         time,
@@ -44,13 +53,16 @@ def guarded_estimator(
         channels.BAD_SAMPLES,
         reason=glsdc_estimator.REASON,
     )
-    phases = phase_estimator(array, time, tuning, iteration)
+    phases = phase_estimator(array, time, tuning, iteration, integrity)
     metres = _in_metres(array, time, phases)
-    outputs = [*signal_names(metres.outputs), *DIRECT]
+    levels = [s.name for s in phases.outputs if s.name.startswith("protection")]
+    outputs = [*signal_names(metres.outputs), *DIRECT, *levels]
     return compose("hall_generic", [guard, phases, metres], inputs=signal_names(volts), outputs=outputs)
 
 
-def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning, iteration: Iteration) -> Block:
+def phase_estimator(
+    array: PlanarArray, time: Discrete, tuning: Tuning, iteration: Iteration, integrity: Integrity | None = None
+) -> Block:
     """Return the estimator of w X, w Y and the yaw."""
     prior = array.deviation / (array.alpha * sqrt(tuning.damping))  # rad of phase
     half, gain = tuning.max_phase_step / 2, tuning.velocity_gain
@@ -58,7 +70,14 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning, iteratio
     sizes = {"phase_x": (prior, half, gain), "phase_y": (prior, half, gain)}
     sizes |= {"yaw": (prior / (array.radius * firmer), turn, gain / firmer)}
     unknowns = [
-        Unknown(Signal(name, "rad", -pi, pi), sigma, step, periodic=True, prior=sigma, velocity_gain=velocity_gain)
+        Unknown(
+            Signal(name, "rad", -pi, pi),
+            sigma,
+            step,
+            periodic=True,
+            prior=inf if integrity else sigma,
+            velocity_gain=velocity_gain,
+        )
         for name, (sigma, step, velocity_gain) in sizes.items()
     ]
     volts = channels.voltages(len(array.positions))
@@ -73,6 +92,7 @@ def phase_estimator(array: PlanarArray, time: Discrete, tuning: Tuning, iteratio
         phases=_phases(array, half, turn),
         constants=[c for c in hall_planar.constants(array) if c.name.startswith("field")],
         iteration=iteration,
+        integrity=integrity,
     )
 
 

@@ -1,7 +1,7 @@
 """Integrity monitoring (RAIM) of a least-squares estimate: chi-square test, protection levels, fault exclusion.
 
-A fault of size b in channel j adds b w_j to the whitened residuals, with w_j column j of W. With N = H'H + P at the
-estimate, x_j = N^-1 H'w_j and s_j = w_j'w_j - (H'w_j)'x_j, and c the least cost over s^2 (weighted sum of squared
+A fault of size b in channel j adds b w_j to the whitened residuals, with w_j column j of W de/dy. With N = H'H + P at
+the estimate, x_j = N^-1 H'w_j and s_j = w_j'w_j - (H'w_j)'x_j, and c the least cost over s^2 (weighted sum of squared
 residuals and priors, WSSE), n degrees of freedom:
 
     no fault           c ~ chi2(n)                          test: c <= T,        P(chi2(n) > T) = false alarm
@@ -39,9 +39,9 @@ from synth import arguments, numeric
 from synth.block import clip
 from synth.blocks import glsdc
 from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Vector
+from synth.blocks.glsdc_linearisation import Linearisation
 from synth.errors import ModelError
 from synth.signals import Signal
-from synth.statespace import Array
 
 DETECTABLE = 1e-3  # least s_j of a unit w_j: below, single precision does not tell a fault from a motion
 ROUNDING = 1e-5  # relative error of c_j by cancellation in single precision, added to T_1
@@ -119,16 +119,14 @@ class Hypotheses:
     detectable: ca.SX
 
 
-def hypotheses(
-    factors: LdlFactors, rows: Sequence[Vector], directions: Array, floors: Sequence[float], ratio: float
-) -> Hypotheses:
-    """Return the hypotheses from rows (m, n) and unit vectors w_j, the columns of `directions` (m, m).
+def hypotheses(factors: LdlFactors, linear: Linearisation, floors: Sequence[float], ratio: float) -> Hypotheses:
+    """Return the hypotheses of each channel.
 
     With least pivots f (n,), |x_ij| <= f_i^(-1/2) and |L^-1 H'w_j| <= ratio f^(1/2) up to rounding: these limit them.
     """
     slopes, moves, gains, detectable = [], [], [], ca.SX(1)
-    for w in directions.T:
-        slope = [dot_sparse(w, [row[i] for row in rows]) for i in range(len(floors))]
+    for w in linear.directions:
+        slope = [dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))]
         forward = glsdc.substitute_forward(factors, slope, [ratio * sqrt(f) for f in floors])
         unit = LdlNormalEquations(factors, forward)
         separable = 1 - unit.decrease
@@ -141,9 +139,9 @@ def hypotheses(
     return Hypotheses(slopes, moves, gains, detectable)
 
 
-def dot_sparse(weights: Array, values: Vector) -> ca.SX:
-    """Return the sum of weight times value; a weight of 0 produces no term, one of 1 no product."""
-    return glsdc.total(v if w == 1 else float(w) * v for w, v in zip(weights, values, strict=True) if w)
+def dot_sparse(weights: Mapping[int, ca.SX], values: Vector) -> ca.SX:
+    """Return the sum of weight times value over the rows that have a weight."""
+    return glsdc.total(w * values[k] for k, w in weights.items())
 
 
 def detected_level(of: Hypotheses, i: int, thresholds: Thresholds, scale: float, sigma: ca.SX) -> ca.SX:

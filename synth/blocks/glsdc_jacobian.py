@@ -38,7 +38,8 @@ class Model:
 
     The residuals of the channels in `angles` are wrapped into half the width of their ranges, which is one turn.
     `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases; `function` maps
-    these, cosines and sines of the phases, and channels, to residuals (m,) and H (m, n).
+    these, cosines and sines of the phases, and channels, to residuals (m,), H (m, n) and the unit vectors (m, m), by
+    columns, along which an error of each channel acts on the whitened residuals.
     """
 
     channels: tuple[Signal, ...]
@@ -113,7 +114,9 @@ def model(
     ]
     H = -(ca.sparsify(ca.DM(whitening)) @ ca.hcat(columns))
     phase_function = ca.Function("phases", [*of.vectors[:3], of.vectors[5]], [ca.vcat(turns)])
-    function = ca.Function("model", of.vectors, [residuals, H])
+    norms = ca.sparsify(ca.DM(np.diag(1 / np.linalg.norm(whitening, axis=0))))
+    directions = ca.sparsify(ca.DM(whitening)) @ ca.jacobian(residuals, ca.vcat(list(of.y.values()))) @ norms
+    function = ca.Function("model", of.vectors, [residuals, H, directions])
     used = frozenset(v.name().partition("_")[2] for v in ca.symvar(ca.vertcat(residuals, *turns)))
     arrays = readonly(whitening), scale, phase_function, function
     return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, isinstance(h, Implicit))

@@ -6,7 +6,7 @@ a is an angle at the prediction, whose phasor takes a range reduction; b is how 
 whose sine and cosine are polynomials of low degree.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -52,8 +52,20 @@ def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named
     return Prediction(values, phases, turns, phasors, measured, constants)
 
 
-def linearise(of: Model, prediction: Prediction, at: Vector) -> tuple[list[ca.SX], list[list[ca.SX]]]:
-    """Return whitened residuals (m,) and Jacobian rows (m, n) at a displacement (n,) from the prediction."""
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """Whitened residuals (m,), Jacobian rows (m, n), and the unit vector (m,) along which each channel acts.
+
+    Of such a vector there are the entries that are not 0, by their rows.
+    """
+
+    residuals: Vector
+    rows: Sequence[Vector]
+    directions: Sequence[Mapping[int, ca.SX]]
+
+
+def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
+    """Return the linearisation at a displacement (n,) from the prediction."""
     values, turns, phasors = prediction.values, prediction.turns, prediction.phasors
     if any(not d.is_zero() for d in at):
         values = [
@@ -68,9 +80,11 @@ def linearise(of: Model, prediction: Prediction, at: Vector) -> tuple[list[ca.SX
             for p, start, a, before in zip(of.phases, phasors, phases, prediction.phases, strict=True)
         ]
     pairs = [*_columns(turns), *_columns(phasors)]
-    e, H = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
-    rows = [[H[i, j] for j in range(len(of.unknowns))] for i in range(len(of.channels))]
-    return of.whiten([e[i] for i in range(len(of.channels))]), rows
+    e, H, D = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
+    channels = range(len(of.channels))
+    rows = [[H[i, j] for j in range(len(of.unknowns))] for i in channels]
+    directions = [{i: D[i, j] for i in channels if D.sparsity().has_nz(i, j)} for j in channels]
+    return Linearisation(of.whiten([e[i] for i in channels]), rows, directions)
 
 
 def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX) -> list[ca.SX]:

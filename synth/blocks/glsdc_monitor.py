@@ -8,7 +8,6 @@ one whose c does not takes every channel in again. c and the hypotheses are of a
 in use. Nothing is valid where a fault of some channel is not detectable.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
@@ -20,22 +19,21 @@ from synth.blocks import glsdc, glsdc_integrity, glsdc_solution
 from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Solution, Vector, dot
 from synth.blocks.glsdc_integrity import ROUNDING, Full, Hypotheses, Integrity, Thresholds
 from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.glsdc_linearisation import Linearisation
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Normal
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
-from synth.statespace import Array
 
 LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
 
 
 @dataclass(frozen=True, eq=False)
 class Monitor:
-    """The monitor of a model: thresholds, and the unit vectors (m, m) along which faults of the channels act."""
+    """The monitor of a model, and its thresholds."""
 
     model: Model
     integrity: Integrity
     thresholds: Thresholds
-    directions: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +49,7 @@ def monitor(model: Model, integrity: Integrity) -> Monitor:
     """Return the monitor of a model.
 
     Raises SignalError for limits of other names, and ModelError without redundancy, for a prior about the prediction,
-    an Implicit model, or exclusion with dependent channels.
+    or exclusion with dependent channels or an Implicit model.
     """
     names, priors = [u.name for u in model.unknowns], [u for u in model.unknowns if u.prior < np.inf]
     if not integrity.limits or not set(integrity.limits) <= set(names):
@@ -62,20 +60,17 @@ def monitor(model: Model, integrity: Integrity) -> Monitor:
                 f"the prior of '{u.name}' is about the prediction, which carries a fault from sample to sample, past "
                 "the test: give a prior_value, or no prior"
             )
+    if integrity.exclude and not model.is_diagonal:
+        raise ModelError("R has covariances: exclusion needs channels whose errors are independent")
+    if integrity.exclude and model.is_implicit:
+        raise ModelError("the model is Implicit: exclusion needs residuals of single channels, give h")
     freedom = len(model.channels) + len(priors) - len(names)
     if freedom < (2 if integrity.exclude else 1):
         raise ModelError(
             f"{len(model.channels)} channels and {len(priors)} priors for {len(names)} unknowns: a test needs one more "
             "channel than unknowns, exclusion two more"
         )
-    if integrity.exclude and not model.is_diagonal:
-        raise ModelError("R has covariances: exclusion needs channels whose errors are independent")
-    if model.is_implicit:
-        raise ModelError("the model is Implicit: integrity needs the channels by themselves, give h")
-    directions = model.whitening / np.linalg.norm(model.whitening, axis=0)
-    return Monitor(
-        model, integrity, glsdc_integrity.thresholds(freedom, integrity.false_alarm, integrity.risk), directions
-    )
+    return Monitor(model, integrity, glsdc_integrity.thresholds(freedom, integrity.false_alarm, integrity.risk))
 
 
 def states(of: Monitor) -> list[State]:
@@ -110,7 +105,7 @@ def judge(of: Monitor, solution: Solution[Normal], cost: ca.SX, sigmas: Vector, 
     if of.integrity.exclude:
         return _judge_hypotheses(of, solution, cost, sigmas, x)
     normal = solution.last.normal
-    faults = _hypotheses(of, normal.factors, normal.rows)
+    faults = _hypotheses(of, normal.factors, normal.linear)
     levels = {
         i: glsdc_integrity.detected_level(faults, i, of.thresholds, of.model.scale, sigmas[i])
         for i in _limit_indices(of)
@@ -121,8 +116,8 @@ def judge(of: Monitor, solution: Solution[Normal], cost: ca.SX, sigmas: Vector, 
 
 def _judge_hypotheses(of: Monitor, solution: Solution[Normal], cost: ca.SX, sigmas: Vector, x: Exprs) -> Judgement:
     model, normal, variance = of.model, solution.last.normal, of.model.scale**2
-    factors, in_range = glsdc_solution.factorise(model, normal.rows, normal.rows)
-    faults = _hypotheses(of, factors, normal.rows)
+    factors, in_range = glsdc_solution.factorise(model, normal.linear.rows, normal.linear.rows)
+    faults = _hypotheses(of, factors, normal.linear)
     full, full_cost = _full(of, factors, normal, faults, solution)
     costs = glsdc_integrity.costs(faults, full.scores, full_cost)
     passing = [c <= of.thresholds.hypothesis * variance + ROUNDING * full_cost for c in costs]
@@ -144,23 +139,23 @@ def _full(
     of: Monitor, factors: LdlFactors, normal: Normal, faults: Hypotheses, solution: Solution[Normal]
 ) -> tuple[Full, ca.SX]:
     """Return the solution with all channels, and its cost c s^2."""
-    e, model = normal.residuals, of.model
-    gradient = glsdc_solution.gradient_of(normal.rows, e, normal.pulls)
+    e, model = normal.linear.residuals, of.model
+    gradient = glsdc_solution.gradient_of(normal.linear.rows, e, normal.pulls)
     forward = glsdc.substitute_forward(factors, gradient, glsdc_solution.forward_bounds(model))
     all_channels = LdlNormalEquations(factors, forward)
     bounds = [glsdc_solution.residual_bound(model) / sqrt(f) for f in model.floors]
     step = [clip(d, Signal("step", "1", -b, b)) for d, b in zip(all_channels.step, bounds, strict=True)]
     scores = [
         glsdc_integrity.dot_sparse(w, e) - dot(slope, step)
-        for w, slope in zip(of.directions.T, faults.slopes, strict=True)
+        for w, slope in zip(normal.linear.directions, faults.slopes, strict=True)
     ]
     prior_cost = solution.last.cost - solution.last.squares
     cost = ca.fmax(dot(e, e) + prior_cost - all_channels.decrease, 0)
     return Full(step, glsdc.variances(factors), scores), cost
 
 
-def _hypotheses(of: Monitor, factors: LdlFactors, rows: Sequence[Vector]) -> Hypotheses:
-    return glsdc_integrity.hypotheses(factors, rows, of.directions, of.model.floors, DYNAMIC_RANGE)
+def _hypotheses(of: Monitor, factors: LdlFactors, linear: Linearisation) -> Hypotheses:
+    return glsdc_integrity.hypotheses(factors, linear, of.model.floors, DYNAMIC_RANGE)
 
 
 def _limit_indices(of: Monitor) -> list[int]:

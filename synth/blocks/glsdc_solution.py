@@ -11,7 +11,7 @@ Limits that never act while the information is in the dynamic range r, N_ii <= r
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import casadi as ca
@@ -21,7 +21,7 @@ from synth import numeric
 from synth.blocks import glsdc, glsdc_linearisation
 from synth.blocks.glsdc import Descent, LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot, total
 from synth.blocks.glsdc_jacobian import Model
-from synth.blocks.glsdc_linearisation import Prediction
+from synth.blocks.glsdc_linearisation import Linearisation, Prediction
 from synth.signals import Signal
 
 DYNAMIC_RANGE = 500.0  # of deviations: single precision resolves the pivots to 5 %
@@ -51,12 +51,11 @@ class Iteration:
 class Normal(LdlNormalEquations):
     """Normal equations of a trial with what they are made of.
 
-    Rows (m, n) and residuals (m,) are of every channel, whatever its weight, and `pulls` P (o + d) (n,) of the priors.
+    The linearisation is of every channel, whatever its weight; the `pulls` P (o + d) (n,) are those of the priors.
     `in_range`: the information is in the dynamic range.
     """
 
-    rows: Sequence[Vector]
-    residuals: Vector
+    linear: Linearisation
     pulls: Vector
     in_range: ca.SX
 
@@ -74,14 +73,14 @@ class Problem:
 def solve(of: Problem, iteration: Iteration) -> Solution[Normal]:
     """Return the solution of a sample."""
     factors: list[tuple[LdlFactors, ca.SX]] = []
-    rows: list[Sequence[Vector]] = []
+    held: list[Linearisation] = []
 
     def trial(i: int, at: Vector) -> Trial[Normal]:
-        residuals, jacobian = glsdc_linearisation.linearise(of.model, of.prediction, at)
+        linearisation = glsdc_linearisation.linearise(of.model, of.prediction, at)
         if not i or not iteration.held_jacobian:
-            rows.append(jacobian)
-            factors.append(_factors(of, jacobian))
-        return _trial(of, at, residuals, rows[-1], factors[-1])
+            held.append(linearisation)
+            factors.append(_factors(of, linearisation.rows))
+        return _trial(of, at, replace(held[-1], residuals=linearisation.residuals), factors[-1])
 
     variance = of.model.scale**2
     bounds = tuple(Signal(f"step_{u.name}", u.signal.unit, -u.step, u.step) for u in of.model.unknowns)
@@ -89,16 +88,15 @@ def solve(of: Problem, iteration: Iteration) -> Solution[Normal]:
     return (glsdc.descend if iteration.descent_check else glsdc.iterate)(trial, descent)
 
 
-def _trial(
-    of: Problem, at: Vector, residuals: Vector, rows: Sequence[Vector], factors: tuple[LdlFactors, ca.SX]
-) -> Trial[Normal]:
+def _trial(of: Problem, at: Vector, linear: Linearisation, factors: tuple[LdlFactors, ca.SX]) -> Trial[Normal]:
+    residuals = linear.residuals
     used = _weighted(of, residuals)
     offsets = [o + d for o, d in zip(of.offsets, at, strict=True)]
     pulls = [p * o for p, o in zip(of.model.prior_weights, offsets, strict=True)]
     squares = dot(used, residuals)
-    gradient = gradient_of(rows, used, pulls)
+    gradient = gradient_of(linear.rows, used, pulls)
     forward = glsdc.substitute_forward(factors[0], gradient, forward_bounds(of.model))
-    normal = Normal(factors[0], forward, rows, residuals, pulls, factors[1])
+    normal = Normal(factors[0], forward, linear, pulls, factors[1])
     return Trial(at, residuals, squares, squares + dot(pulls, offsets), normal)
 
 

@@ -336,7 +336,7 @@ def test_random_states_and_channels_stay_in_the_declared_ranges() -> None:
         assert (out[s.name] >= np.float32(s.low)).all() and (out[s.name] <= np.float32(s.high)).all()
 
 
-UNKNOWN, LIMITED = beacons.UNKNOWNS["x"], Integrity({"x": 1.0})
+UNKNOWN, EXCLUDING = beacons.UNKNOWNS["x"], Integrity({"x": 1.0}, exclude=True)
 
 
 @pytest.mark.parametrize(
@@ -375,7 +375,7 @@ def test_a_value_out_of_range_is_refused(make: Any, message: str) -> None:
         ({"h": lambda q, k: None}, SignalError, "h returns None"),
         ({"h": Implicit(lambda q, y, k: {"range_a": y["range_a"]})}, SignalError, "missing"),
         (
-            {"h": Implicit(lambda q, y, k: {n: v - q["x"] - q["y"] for n, v in y.items()}), "integrity": LIMITED},
+            {"h": Implicit(lambda q, y, k: {n: v - q["x"] - q["y"] for n, v in y.items()}), "integrity": EXCLUDING},
             ModelError,
             "model is Implicit",
         ),

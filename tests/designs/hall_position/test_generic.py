@@ -12,6 +12,7 @@ from scipy import optimize
 from designs.hall_position import config, generic
 from designs.hall_position.glsdc.parameters import Tuning
 from models.hall_two_waves import PlanarArray
+from synth.blocks.glsdc_integrity import Integrity
 from synth.blocks.glsdc_solution import Iteration
 from synth.emit import write
 from synth.emit.write import EmittedCode
@@ -102,6 +103,28 @@ def test_a_sample_minimises_residuals_and_priors() -> None:
         assert np.all(np.abs(pose - best) < 0.1 * sigma)
         checked += 1
     assert checked > 20
+
+
+@pytest.mark.parametrize("fault", [0.0, 6e-3, 1e-2, 0.1])
+def test_three_sensors_mislead_no_more_than_allocated(fault: float) -> None:
+    """A fault in one voltage, V, at rest: errors beyond the level while valid; the field and the noise are its own."""
+    array, N, risk, rng = config.array(config.THREE), 4000, 1e-2, np.random.default_rng(5)
+    limits = {"phase_x": 0.1, "phase_y": 0.1, "yaw": 0.1}
+    block = generic.guarded_estimator(array, config.TIME, integrity=Integrity(limits, false_alarm=1e-3, risk=risk))
+    made = write.emit(block, np.float32)
+    controller = host.load(made.files, made.manifest)
+    at = np.column_stack([rng.uniform(-0.02, 0.02, (N, 2)), rng.uniform(-0.08, 0.08, N)])
+    pose = at * [array.wave_number, array.wave_number, 1]
+    states = np.repeat(controller.init()[None], N)
+    for name, values in zip(("phase_x", "phase_y", "yaw"), pose.T, strict=True):
+        states[f"estimator_{name}"] = values + 0.01 * rng.uniform(-1, 1, N)
+    read, channel = volts(array, at), rng.integers(6, size=N)
+    out = controller.batch(states, {n: v + fault * (channel == j) for j, (n, v) in enumerate(read.items())}).outputs
+    error = np.abs(np.column_stack([out["X"] * array.wave_number, out["Y"] * array.wave_number, out["yaw"]]) - pose)
+    levels = np.column_stack([out[f"protection_{n}"] for n in limits])
+    assert ((error > levels) & (out["valid"] > 0)[:, None]).mean(axis=0).max() <= risk
+    # At some positions a fault of one voltage leaves no residual of the other five: nothing is valid there.
+    assert out["valid"].mean() > 0.9 if not fault else out["valid"].mean() < 0.9
 
 
 @pytest.mark.slow
