@@ -64,7 +64,7 @@ class Task(Generic[T]):
 
 @dataclass(frozen=True)
 class Built:
-    """The results of a build: the report, the evidence as a document, and all checks."""
+    """The results of a build: the report, the evidence with the checks of the experiments as a document, all checks."""
 
     page: str
     evidence: Any
@@ -147,7 +147,7 @@ def build(design: Design) -> Task[Built]:
         parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
         say("report")
         checks = (*evidence.checks, *(_with_title(c, e.title) for e in experiments for c in e.checks))
-        return Built(design.report(*parts), evidence.document(), checks)
+        return Built(design.report(*parts), replace(evidence, checks=checks).document(), checks)
 
     try:
         keys = [task.key() for task in (emit, verify, simulate, rows, cost)]
