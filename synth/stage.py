@@ -20,7 +20,7 @@ from synth import standard_tasks
 from synth.analyse import robustness
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import safety
-from synth.campaign import FaultCampaign, FaultLimit
+from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.composition import compose
 from synth.declaration import (
     Actuator,
@@ -59,6 +59,7 @@ __all__ = [
     "controller",
     "design",
     "interface",
+    "read_safe_output",
 ]
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.block import Block
 from synth.blocks import safety
 from synth.declaration import Stage
 from synth.emit import write
@@ -56,7 +57,7 @@ def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
-    error, block = stage.surrogate_error.get(scalar), stage.controller.block
+    error, block = stage.surrogate_error.get(scalar), _with_measured_safe_output(stage)
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
     inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
@@ -69,6 +70,15 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
         companion_outputs = host.load(companion_files.files, companion_files.manifest).replay(recorded)
         folders[companion.block.name] = _with_vectors(companion_files, recorded, companion_outputs)
     return folders
+
+
+def _with_measured_safe_output(stage: Stage) -> Block:
+    """Return the controller's Block; its reason for the safe output goes on with what was measured."""
+    block = stage.controller.block
+    if stage.safe_output is None or block.safety is None:
+        return block
+    reason = f"{block.safety.reason}; {stage.safe_output.text()}"
+    return replace(block, safety=replace(block.safety, reason=reason))
 
 
 def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:

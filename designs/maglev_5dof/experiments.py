@@ -41,7 +41,10 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
     "z": Sine(0.03, OMEGA0),
     "theta": Sine(0.01, OMEGA0),
 }
-FAULTS = FaultCampaign({f"{n}_ref": course for n, course in COURSES.items()}, period_s=2 * pi / OMEGA0, watch_s=2.0)
+INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
+FAULTS = FaultCampaign(
+    {f"{n}_ref": course for n, course in COURSES.items()}, 2 * pi / OMEGA0, watch_s=2.0, inertias=INERTIAS
+)
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)

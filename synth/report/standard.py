@@ -1,8 +1,9 @@
 """Standard sections of a report, one function per section.
 
-    facts   model   law   gains   loops   experiments   faults   audit   verification   cost   files
+    facts   model   law   gains   loops   experiments   audit   verification   cost   files
 
-`template` combines them for a declared stage; other designs call the functions that they need.
+The section on faults is in `faults`. `template` combines them for a declared stage; other designs call the functions
+that they need.
 """
 
 from collections import defaultdict
@@ -31,7 +32,7 @@ from synth.timing import Discrete
 from synth.verify.evidence import Evidence
 
 MODEL, LAW, GAINS, LOOPS = "Model", "Control law", "Gains and certificates", "Loops and margins"
-EXPERIMENTS, FAULTS, AUDIT = "Experiments", "Faults", "Audit of the paper"
+EXPERIMENTS, AUDIT = "Experiments", "Audit of the paper"
 VERIFICATION, COST, FILES = "Verification", "Cost", "Files"
 WITNESSES = (
     "reference: NumPy, written from the equations, with independently computed gains. casadi: evaluation by CasADi. "
