@@ -7,7 +7,7 @@ design has no result. A terminal shows progress as bars; elsewhere it is written
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from rich.markup import escape
 from synth import fault_jobs, progress, store, strict_json, study_jobs, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
+from synth.emit.c import vectors
 from synth.errors import CompileError
 from synth.jobs import Job, Outcome, run
 from synth.new import create
@@ -27,6 +28,7 @@ from synth.simulate import sampling
 from synth.simulate import study as studies
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
+from synth.verify.cost import Cost
 
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
@@ -131,9 +133,13 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
     from synth.execute import cross, host
     from synth.verify import on_target
 
-    emitted = tasks.emission(design, CORES[core]).result(report)[design.name]
+    folders = dict(tasks.emission(design, CORES[core]).result(report))
+    emitted = folders.pop(design.name)
     inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
-    checks = on_target.verify(emitted, inputs, core, report)
+    checks = [*on_target.verify(emitted, inputs, core, report)]
+    for folder, companion in folders.items():
+        recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, design.name)
+        checks += [replace(c, name=f"{folder}, {c.name}") for c in on_target.verify(companion, recorded, core, count)]
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
@@ -150,11 +156,15 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
     """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
-    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.whole_cost(design).result(report))
-    for measured in _successful(results):
-        if not as_json:
-            tables.print_cost(measured)
-    return _finish(as_json, [measured.document() for measured in _successful(results)], results)
+
+    def measure(design: workspace.Design, report: Progress) -> list[Cost]:
+        return [tasks.whole_cost(design).result(report), *tasks.companion_costs(design).result(report)]
+
+    results = _for_each_design(names, as_json, fresh, measure)
+    costs = [cost for each in _successful(results) for cost in each]
+    for measured in costs if not as_json else ():
+        tables.print_cost(measured)
+    return _finish(as_json, [measured.document() for measured in costs], results)
 
 
 def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:

@@ -39,6 +39,7 @@ VOCABULARY = (
     "block",
     "composition",
     "campaign",
+    "companion",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")

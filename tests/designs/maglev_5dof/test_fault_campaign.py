@@ -28,7 +28,8 @@ def test_an_encoder_of_x_that_freezes_in_motion_is_never_noticed_and_x_ends_at_i
     frozen = runs("x", "frozen", campaign.IN_MOTION)
     assert len(frozen) == 2 * PLANTS
     assert all(run.notice_s == np.inf and not run.named for run in frozen)
-    assert all(run.impacts["x"] > 0.5 for run in frozen) and 1.3 < max(run.impacts["x"] for run in frozen) < 1.9  # m/s
+    # m/s; the commutation stays at the frozen position, too, which takes away thrust
+    assert all(run.impacts["x"] > 0.5 for run in frozen) and 0.9 < max(run.impacts["x"] for run in frozen) < 1.3
 
 
 def test_a_lost_gap_encoder_is_named_at_once_and_the_safe_output_ends_at_the_lower_stop() -> None:
