@@ -104,7 +104,7 @@ def model(
     if strangers := [n for n in angles if n not in signal_names(channels)]:
         raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
     of = _symbols(channels, unknowns, phases, constants)
-    q, k = laws.Named("h: the unknowns", of.known), laws.Named("h: the constants", of.k)
+    q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
     turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
     residuals = _residuals(h, of, q, k)
     whitening, scale = _whitening(R)
@@ -162,7 +162,7 @@ def _symbols(
 
 def _residuals(h: Measurement | Implicit, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
     """Return the residuals (m,): y - h, or those of an Implicit model."""
-    y = laws.Named("h: the channels", of.y)
+    y = laws.NamedSymbols("h: the channels", of.y)
     values = laws.evaluate("h", h.residual, q, y, k) if isinstance(h, Implicit) else laws.evaluate("h", h, q, k)
     if not isinstance(values, Mapping):
         raise SignalError(f"h returns {arguments.describe(values)}: return a mapping of each channel to its value")
