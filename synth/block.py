@@ -91,7 +91,8 @@ class Named:
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
-    `safety` describes the step after a latch, of a Block that can latch.
+    `safety` describes the step after a latch, of a Block that can latch. `numbers` are the numbers in the expressions
+    of a Block of the composition, by its name, that C declares as constants.
     """
 
     name: str
@@ -107,6 +108,7 @@ class Block:
     inside: tuple[tuple[Named, ca.SX], ...] = ()
     faults: tuple[Fault, ...] = field(default=())
     safety: Safety | None = None
+    numbers: tuple[tuple[str, Constant], ...] = ()
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -173,13 +175,14 @@ class Step:
     `certified` gives for outputs and named signals that are limited to +-h a function (u, e) to how large they are
     before the limit while all inputs are in range, as computed with an error of u relative to the result of each
     operation and of e relative to that of each sine and cosine, infinite where libm computes these. Where that is h or
-    less, emission leaves the limit out.
+    less, emission leaves the limit out. `numbers` are values in the expressions, such as a mass, with name and unit.
     """
 
     output: Exprs
     next: Exprs = field(default_factory=dict)
     named: Sequence[tuple[Signal, ca.SX]] = ()
     certified: Mapping[str, Certificate] = field(default_factory=dict)
+    numbers: Sequence[Constant] = ()
 
 
 Law = Callable[[Exprs, Exprs, Exprs], Step]
@@ -226,7 +229,8 @@ def build(
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _check_symbols(name, [*next.values(), *(e for _, e in inside)], symbol)
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
-    return Block(name, tag, time, *declared, symbol, output, next, tuple(inside))
+    numbers = tuple((name, number) for number in step.numbers)
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(inside), numbers=numbers)
 
 
 @arguments.checked

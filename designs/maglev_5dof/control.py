@@ -10,6 +10,7 @@ shipped law differs from F(12) in two points, which `corrected=False` undoes: it
 currents of the sample before, and it compensates only a part of the guide springs.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, sqrt
@@ -19,7 +20,7 @@ import numpy as np
 
 from models import maglev_stage, pmlsm, windings
 from synth import stage
-from synth.block import Block, Exprs, Step, build, clip
+from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.blocks import derivative_filter, regulator, safety
 from synth.composition import compose
 from synth.plant import Plant
@@ -195,6 +196,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
     values |= {n: part * values[n] for n, part in COMPENSATED.items()} if corrected else {}
     angles = [a.position for a in AXES if a.name in ("phi", "theta")]
     before = [INTERFACE.before(s.name) for s in CURRENTS]
+    numbers = _numbers(plant, COMPENSATED if corrected else {})
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
@@ -213,11 +215,29 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
             pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named_forces(j, m, square)
         ]
         named_signals += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
-        return Step(output, named=named_signals)
+        return Step(output, named=named_signals, numbers=numbers)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
     outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
+
+
+def _numbers(plant: Plant, compensated: Mapping[str, float]) -> list[Constant]:
+    """Return the numbers of the decoupling that the C names; `compensated` are the parts of the springs."""
+    half_forces = {
+        "half_M_y": ("kg", lambda p: p["M_y"] / 2),
+        "half_I_x_over_r": ("kg m/rad", lambda p: p["I_x"] / (2 * p["r"])),
+        "half_I_z_over_r": ("kg m/rad", lambda p: p["I_z"] / (2 * p["r"])),
+    }
+    springs = {f"compensated_{n}": ("1/s^2", lambda p, n=n, part=part: part * p[n]) for n, part in compensated.items()}
+    formulas = half_forces | springs
+    return [
+        *(plant.constant(name) for name in ("M_x", "M_z", "G")),
+        *(plant.constant(name, unit, formula) for name, (unit, formula) in formulas.items()),
+        *pmlsm.numbers(plant),
+        Constant("direct_limit", DIRECT, "A", "largest direct current, rms: a little below the current limit"),
+        Constant("squared_current_limit", CURRENT**2, "A^2", "square of the current limit, 7 A peak"),
+    ]
 
 
 def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:
@@ -270,11 +290,13 @@ def phase_currents(plant: Plant) -> Block:
     computes the currents does.
     """
     tau = ca.SX(plant.parameter("tau").value)
+    wave_number = plant.constant("wave_number", "rad/m", lambda p: ca.pi / p["tau"], "pi / tau, pole pitch tau")
     along = [INTERFACE.signals[n] for n in "xz"]
     guarded = [
         safety.GuardedInput(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)
     ]
     peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, with rounding
+    numbers = [wave_number, Constant("max_phase_current", peak, "A", "both currents at their limit")]
     outputs = [
         Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
         for j in MOTORS
@@ -287,7 +309,7 @@ def phase_currents(plant: Plant) -> Block:
             angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], tau)
             phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
             output |= {f"i_{phase}{j}": current for phase, current in phases.items()}
-        return Step({s.name: clip(output[s.name], s) for s in outputs})
+        return Step({s.name: clip(output[s.name], s) for s in outputs}, numbers=numbers)
 
     held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]
     blocks = [

@@ -222,6 +222,43 @@ void hall_position_three_init(hall_position_three_state_t *state)
 
 uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall_position_three_input_t *in, hall_position_three_output_t *out)
 {
+    static const float arm_ax = -1.5812683f; /* rad; w times the place of sensor a from the centre, along x */
+    static const float arm_ay = 1.5833627f; /* rad; w times the place of sensor a from the centre, along y */
+    static const float arm_bx = -0.0858702f; /* rad; w times the place of sensor b from the centre, along x */
+    static const float arm_by = 0.08168141f; /* rad; w times the place of sensor b from the centre, along y */
+    static const float arm_cx = 1.6671385f; /* rad; w times the place of sensor c from the centre, along x */
+    static const float arm_cy = -1.6650441f; /* rad; w times the place of sensor c from the centre, along y */
+    static const float damping = 0.00992376f;                   /* V^2; 0.001 alpha^2: weight of the prior */
+    static const float yaw_damping = 0.87438375f;               /* V^2; damping (5 radius)^2 */
+    static const float max_yaw_step = 0.14022085f;              /* rad; moves no sensor by more than 0.5 rad of phase */
+    static const float squared_yaw_arm = 88.11012f;             /* 1; (5 radius)^2 */
+    static const float cost_factor = 1.000002f;                 /* 1; rise of the cost that rounding may cause */
+    static const float cost_slack = 1e-08f; /* V^2; rise of the cost that rounding may cause, also converged_decrease */
+    static const float squared_residual_limit = 0.01f;          /* V^2; above: a residual fault */
+    static const float innovation_gate = 0.030115018f;          /* rad; 3 deviation / sqrt(damping) */
+    static const float squared_radius = 3.524405f;              /* 1; radius^2 */
+    static const float yaw_window = 0.08726646f;                /* rad; about the last good yaw */
+    static const float pi = 3.1415927f;                         /* 1; pi */
+    static const float two_pi = 6.2831855f;                     /* 1; 2 pi */
+    static const float metre_per_rad = 0.008085071f;            /* m/rad; 1 / w */
+    static const float pitch = 0.0508f;                         /* m; pitch of the magnet matrix */
+    static const float centre_x = 0.0060790665f;                /* m; centre of the sensors */
+    static const float centre_y = -0.0040132f;                  /* m; centre of the sensors */
+    static const float wave_number = 123.68475f;                /* rad/m; w */
+    static const float undamped_yaw = 0.03497535f;              /* V^2; damping radius^2 */
+    static const float deviation_over_w = 8.085071e-06f;        /* V m/rad; deviation / w */
+    static const float deviation = 0.001f;                      /* V; standard deviation of a voltage */
+    static const float least_square = 1e-30f;                   /* V^2; keeps the argument of a root positive */
+    static const float damped_weight = 15.115238f;              /* 1/V^2; above: the pose is damped */
+    static const float unambiguous_weight = 1.612292f;          /* 1/V^2; at most: the pose is unambiguous */
+    static const float yaw_limit = 0.17453292f;                 /* rad; largest yaw that is valid */
+    static const float start_step_x = 1.5401491f;               /* rad; from one start of the search to the next */
+    static const float start_step_y = 2.702773f;                /* rad; from one start of the search to the next */
+    static const float yaw_gain = 0.1f;                         /* 1; of a correction, in the motion */
+    static const float ambiguous_yaw_limit = 0.34906584f;       /* rad; of a pose that is not yet unambiguous */
+    static const float squared_inconsistent = 1.6e-05f;         /* V^2; above: the voltages are inconsistent */
+    static const float others_agree = 0.076f;                   /* V^2; innovations of healthy sensors */
+    static const float contrast = 25.0f;                        /* 1; of squared innovations, to exclude a sensor */
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
     static const float estimator_field_1 = 2.24906f;
     /* V; coefficient of the field alpha sin p + beta sin 5p, by powers of sin p */
@@ -280,7 +317,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float phase_fraction_sine_part_2 = hall_position_three_limit(4.0f * (yaw_fraction_sine_part_3 * yaw_fraction_cosine), 2.0f);
     const float phase_fraction_sine_part_3 = 1.0f - (0.5f * (phase_fraction_sine_part_2 * phase_fraction_sine_part_2));
     const float phase_fraction_sine_part_4 = hall_position_three_limit(phase_fraction_sine_part_2 * (1.0f - (0.125f * (yaw_fraction_sine * yaw_fraction_sine))), 1.0f);
-    const float phase_fraction_sine_part_5 = (-1.5812683f * phase_fraction_sine_part_3) - (1.5833627f * phase_fraction_sine_part_4);
+    const float phase_fraction_sine_part_5 = (arm_ax * phase_fraction_sine_part_3) - (arm_ay * phase_fraction_sine_part_4);
     const float phase_fraction_sine_part_6 = phase_fraction_sine_part + phase_fraction_sine_part_5;
     const float phase_fraction_sine_part_7 = phase_fraction_sine_part_6 * phase_fraction_sine_part_6;
     const float phase_fraction_sine_part_8 = phase_fraction_sine_part_6 * f3_polynomial(phase_fraction_sine_part_7);
@@ -288,31 +325,31 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float phase_fraction_cosine = phase_fraction_cosine_polynomial(phase_fraction_sine_part_7);
     const float estimator_motion_y = state->estimator_motion_y;
     const float phase_fraction_sine_part_9 = state->estimator_phase_y + estimator_motion_y;
-    const float phase_fraction_sine_part_10 = (1.5833627f * phase_fraction_sine_part_3) - (1.5812683f * phase_fraction_sine_part_4);
+    const float phase_fraction_sine_part_10 = (arm_ay * phase_fraction_sine_part_3) - (-arm_ax * phase_fraction_sine_part_4);
     const float phase_fraction_sine_part_11 = phase_fraction_sine_part_9 + phase_fraction_sine_part_10;
     const float phase_fraction_sine_part_12 = phase_fraction_sine_part_11 * phase_fraction_sine_part_11;
     const float phase_fraction_sine_part_13 = phase_fraction_sine_part_11 * f5_polynomial(phase_fraction_sine_part_12);
     const float phase_fraction_sine_2 = 8.0f * phase_fraction_sine_part_13;
     const float phase_fraction_cosine_2 = phase_fraction_cosine_2_polynomial(phase_fraction_sine_part_12);
-    const float phase_fraction_sine_part_14 = (-0.0858702f * phase_fraction_sine_part_3) - (0.08168141f * phase_fraction_sine_part_4);
+    const float phase_fraction_sine_part_14 = (arm_bx * phase_fraction_sine_part_3) - (arm_by * phase_fraction_sine_part_4);
     const float phase_fraction_sine_part_15 = phase_fraction_sine_part + phase_fraction_sine_part_14;
     const float phase_fraction_sine_part_16 = phase_fraction_sine_part_15 * phase_fraction_sine_part_15;
     const float phase_fraction_sine_part_17 = phase_fraction_sine_part_15 * f7_polynomial(phase_fraction_sine_part_16);
     const float phase_fraction_sine_3 = 8.0f * phase_fraction_sine_part_17;
     const float phase_fraction_cosine_3 = phase_fraction_cosine_3_polynomial(phase_fraction_sine_part_16);
-    const float phase_fraction_sine_part_18 = (0.08168141f * phase_fraction_sine_part_3) - (0.0858702f * phase_fraction_sine_part_4);
+    const float phase_fraction_sine_part_18 = (arm_by * phase_fraction_sine_part_3) - (-arm_bx * phase_fraction_sine_part_4);
     const float phase_fraction_sine_part_19 = phase_fraction_sine_part_9 + phase_fraction_sine_part_18;
     const float phase_fraction_sine_part_20 = phase_fraction_sine_part_19 * phase_fraction_sine_part_19;
     const float phase_fraction_sine_part_21 = phase_fraction_sine_part_19 * f9_polynomial(phase_fraction_sine_part_20);
     const float phase_fraction_sine_4 = 8.0f * phase_fraction_sine_part_21;
     const float phase_fraction_cosine_4 = phase_fraction_cosine_4_polynomial(phase_fraction_sine_part_20);
-    const float phase_fraction_sine_part_22 = (1.6671385f * phase_fraction_sine_part_3) + (1.6650441f * phase_fraction_sine_part_4);
+    const float phase_fraction_sine_part_22 = (arm_cx * phase_fraction_sine_part_3) + (-arm_cy * phase_fraction_sine_part_4);
     const float phase_fraction_sine_part_23 = phase_fraction_sine_part + phase_fraction_sine_part_22;
     const float phase_fraction_sine_part_24 = phase_fraction_sine_part_23 * phase_fraction_sine_part_23;
     const float phase_fraction_sine_part_25 = phase_fraction_sine_part_23 * f11_polynomial(phase_fraction_sine_part_24);
     const float phase_fraction_sine_5 = 8.0f * phase_fraction_sine_part_25;
     const float phase_fraction_cosine_5 = phase_fraction_cosine_5_polynomial(phase_fraction_sine_part_24);
-    const float phase_fraction_sine_part_26 = (1.6671385f * phase_fraction_sine_part_4) - (1.6650441f * phase_fraction_sine_part_3);
+    const float phase_fraction_sine_part_26 = (arm_cx * phase_fraction_sine_part_4) - (-arm_cy * phase_fraction_sine_part_3);
     const float phase_fraction_sine_part_27 = phase_fraction_sine_part_9 + phase_fraction_sine_part_26;
     const float phase_fraction_sine_part_28 = phase_fraction_sine_part_27 * phase_fraction_sine_part_27;
     const float phase_fraction_sine_part_29 = phase_fraction_sine_part_27 * f11_polynomial(phase_fraction_sine_part_28);
@@ -415,9 +452,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_change_sine_part_18 = cost_0_part_57 - (yaw_change_sine_part_17 * phase_fraction_sine_part_26);
     const float yaw_change_sine_part_19 = (yaw_change_sine_part_5 * yaw_change_sine_part_12) - (yaw_change_sine_part_11 * yaw_change_sine_part_6);
     const float yaw_change_sine_part_20 = (yaw_change_sine_part_5 * yaw_change_sine_part_18) - (yaw_change_sine_part_17 * yaw_change_sine_part_6);
-    const float yaw_change_sine_part_21 = (0.00992376f * ((yaw_change_sine_part_6 * cost_0_part_11) + (yaw_change_sine_part_12 * cost_0_part_24) + (yaw_change_sine_part_18 * cost_0_part_37))) + (yaw_change_sine_part_19 * ((yaw_change_sine_part_5 * cost_0_part_24) - (yaw_change_sine_part_11 * cost_0_part_11))) + (yaw_change_sine_part_20 * ((yaw_change_sine_part_5 * cost_0_part_37) - (yaw_change_sine_part_17 * cost_0_part_11)));
+    const float yaw_change_sine_part_21 = (damping * ((yaw_change_sine_part_6 * cost_0_part_11) + (yaw_change_sine_part_12 * cost_0_part_24) + (yaw_change_sine_part_18 * cost_0_part_37))) + (yaw_change_sine_part_19 * ((yaw_change_sine_part_5 * cost_0_part_24) - (yaw_change_sine_part_11 * cost_0_part_11))) + (yaw_change_sine_part_20 * ((yaw_change_sine_part_5 * cost_0_part_37) - (yaw_change_sine_part_17 * cost_0_part_11)));
     const float yaw_change_sine_part_22 = (yaw_change_sine_part_11 * yaw_change_sine_part_18) - (yaw_change_sine_part_17 * yaw_change_sine_part_12);
-    const float yaw_change_sine_part_23 = 1.0f / (0.00992376f + ((yaw_change_sine_part_5 * yaw_change_sine_part_5) + (yaw_change_sine_part_11 * yaw_change_sine_part_11) + (yaw_change_sine_part_17 * yaw_change_sine_part_17)));
+    const float yaw_change_sine_part_23 = 1.0f / (damping + ((yaw_change_sine_part_5 * yaw_change_sine_part_5) + (yaw_change_sine_part_11 * yaw_change_sine_part_11) + (yaw_change_sine_part_17 * yaw_change_sine_part_17)));
     const float yaw_change_sine_part_24 = 1.0f - (0.5f * (cost_0_part_40 * cost_0_part_40));
     const float yaw_change_sine_part_25 = yaw_change_sine_part_24 * (yaw_change_sine_part_2 + (cost_0_part_42_squared * (yaw_change_sine_part_3 + (cost_0_part_42_squared * yaw_change_sine_part_4))));
     const float yaw_change_sine_part_26 = (yaw_change_sine_part_25 * phase_fraction_sine_part_5) - cost_0_part_10;
@@ -429,12 +466,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_change_sine_part_32 = (yaw_change_sine_part_31 * phase_fraction_sine_part_22) - cost_0_part_36;
     const float yaw_change_sine_part_33 = (yaw_change_sine_part_25 * yaw_change_sine_part_29) - (yaw_change_sine_part_28 * yaw_change_sine_part_26);
     const float yaw_change_sine_part_34 = (yaw_change_sine_part_25 * yaw_change_sine_part_32) - (yaw_change_sine_part_31 * yaw_change_sine_part_26);
-    const float yaw_change_sine_part_35 = (0.00992376f * ((yaw_change_sine_part_26 * cost_0_part_44) + (yaw_change_sine_part_29 * cost_0_part_51) + (yaw_change_sine_part_32 * cost_0_part_58))) + (yaw_change_sine_part_33 * ((yaw_change_sine_part_25 * cost_0_part_51) - (yaw_change_sine_part_28 * cost_0_part_44))) + (yaw_change_sine_part_34 * ((yaw_change_sine_part_25 * cost_0_part_58) - (yaw_change_sine_part_31 * cost_0_part_44)));
+    const float yaw_change_sine_part_35 = (damping * ((yaw_change_sine_part_26 * cost_0_part_44) + (yaw_change_sine_part_29 * cost_0_part_51) + (yaw_change_sine_part_32 * cost_0_part_58))) + (yaw_change_sine_part_33 * ((yaw_change_sine_part_25 * cost_0_part_51) - (yaw_change_sine_part_28 * cost_0_part_44))) + (yaw_change_sine_part_34 * ((yaw_change_sine_part_25 * cost_0_part_58) - (yaw_change_sine_part_31 * cost_0_part_44)));
     const float yaw_change_sine_part_36 = (yaw_change_sine_part_28 * yaw_change_sine_part_32) - (yaw_change_sine_part_31 * yaw_change_sine_part_29);
-    const float yaw_change_sine_part_37 = 1.0f / (0.00992376f + ((yaw_change_sine_part_25 * yaw_change_sine_part_25) + (yaw_change_sine_part_28 * yaw_change_sine_part_28) + (yaw_change_sine_part_31 * yaw_change_sine_part_31)));
-    const float yaw_change_sine_part_38 = (((0.00992376f * ((yaw_change_sine_part_6 * yaw_change_sine_part_6) + (yaw_change_sine_part_12 * yaw_change_sine_part_12) + (yaw_change_sine_part_18 * yaw_change_sine_part_18))) + (yaw_change_sine_part_19 * yaw_change_sine_part_19) + (yaw_change_sine_part_20 * yaw_change_sine_part_20) + (yaw_change_sine_part_22 * yaw_change_sine_part_22)) * yaw_change_sine_part_23) + (((0.00992376f * ((yaw_change_sine_part_26 * yaw_change_sine_part_26) + (yaw_change_sine_part_29 * yaw_change_sine_part_29) + (yaw_change_sine_part_32 * yaw_change_sine_part_32))) + (yaw_change_sine_part_33 * yaw_change_sine_part_33) + (yaw_change_sine_part_34 * yaw_change_sine_part_34) + (yaw_change_sine_part_36 * yaw_change_sine_part_36)) * yaw_change_sine_part_37);
-    const float yaw_change_sine_part_39 = (((yaw_change_sine_part_21 + (yaw_change_sine_part_22 * ((yaw_change_sine_part_11 * cost_0_part_37) - (yaw_change_sine_part_17 * cost_0_part_24)))) * yaw_change_sine_part_23) + ((yaw_change_sine_part_35 + (yaw_change_sine_part_36 * ((yaw_change_sine_part_28 * cost_0_part_58) - (yaw_change_sine_part_31 * cost_0_part_51)))) * yaw_change_sine_part_37)) / (0.87438375f + yaw_change_sine_part_38);
-    const float yaw_change_sine_part_40 = hall_position_three_limit(yaw_change_sine_part_39, 0.14022085f);
+    const float yaw_change_sine_part_37 = 1.0f / (damping + ((yaw_change_sine_part_25 * yaw_change_sine_part_25) + (yaw_change_sine_part_28 * yaw_change_sine_part_28) + (yaw_change_sine_part_31 * yaw_change_sine_part_31)));
+    const float yaw_change_sine_part_38 = (((damping * ((yaw_change_sine_part_6 * yaw_change_sine_part_6) + (yaw_change_sine_part_12 * yaw_change_sine_part_12) + (yaw_change_sine_part_18 * yaw_change_sine_part_18))) + (yaw_change_sine_part_19 * yaw_change_sine_part_19) + (yaw_change_sine_part_20 * yaw_change_sine_part_20) + (yaw_change_sine_part_22 * yaw_change_sine_part_22)) * yaw_change_sine_part_23) + (((damping * ((yaw_change_sine_part_26 * yaw_change_sine_part_26) + (yaw_change_sine_part_29 * yaw_change_sine_part_29) + (yaw_change_sine_part_32 * yaw_change_sine_part_32))) + (yaw_change_sine_part_33 * yaw_change_sine_part_33) + (yaw_change_sine_part_34 * yaw_change_sine_part_34) + (yaw_change_sine_part_36 * yaw_change_sine_part_36)) * yaw_change_sine_part_37);
+    const float yaw_change_sine_part_39 = (((yaw_change_sine_part_21 + (yaw_change_sine_part_22 * ((yaw_change_sine_part_11 * cost_0_part_37) - (yaw_change_sine_part_17 * cost_0_part_24)))) * yaw_change_sine_part_23) + ((yaw_change_sine_part_35 + (yaw_change_sine_part_36 * ((yaw_change_sine_part_28 * cost_0_part_58) - (yaw_change_sine_part_31 * cost_0_part_51)))) * yaw_change_sine_part_37)) / (yaw_damping + yaw_change_sine_part_38);
+    const float yaw_change_sine_part_40 = hall_position_three_limit(yaw_change_sine_part_39, max_yaw_step);
     const float yaw_change_sine_part_41 = yaw_change_sine_part_40 * yaw_change_sine_part_40;
     const float yaw_change_sine = yaw_change_sine_part_40 * yaw_change_sine_polynomial(yaw_change_sine_part_41);
     const float half_yaw_change_sine = yaw_change_sine_part_40 * half_yaw_change_sine_polynomial(yaw_change_sine_part_41);
@@ -496,8 +533,8 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float cost_1_part_44_squared = cost_1_part_44 * cost_1_part_44;
     const float cost_1_part_45 = cost_1_part_44 * (cost_0_part_33 + (cost_1_part_44_squared * (cost_0_part_34 + (cost_1_part_44_squared * cost_0_part_35))));
     const float cost_1_part_46 = (cost_0_part_52 * cost_1_part_2) + (cost_0_part_28 * yaw_change_sine) - cost_1_part_45;
-    const float cost_1 = (cost_1_part_10 * cost_1_part_10) + (cost_1_part_17 * cost_1_part_17) + (cost_1_part_24 * cost_1_part_24) + (cost_1_part_32 * cost_1_part_32) + (cost_1_part_39 * cost_1_part_39) + (cost_1_part_46 * cost_1_part_46) + (0.00992376f * ((cost_1_part_3 * cost_1_part_3) + (cost_1_part_25 * cost_1_part_25) + (88.11012f * yaw_change_sine_part_41)));
-    const bool yaw_change_sine_test = cost_1 <= ((1.000002f * cost_0) + 1e-08f);
+    const float cost_1 = (cost_1_part_10 * cost_1_part_10) + (cost_1_part_17 * cost_1_part_17) + (cost_1_part_24 * cost_1_part_24) + (cost_1_part_32 * cost_1_part_32) + (cost_1_part_39 * cost_1_part_39) + (cost_1_part_46 * cost_1_part_46) + (damping * ((cost_1_part_3 * cost_1_part_3) + (cost_1_part_25 * cost_1_part_25) + (squared_yaw_arm * yaw_change_sine_part_41)));
+    const bool yaw_change_sine_test = cost_1 <= ((cost_factor * cost_0) + cost_slack);
     const float yaw_change_sine_part_42 = ((yaw_change_sine_part * cost_1_part_6) - (cost_0_part_6 * cost_1_part_7)) * (yaw_change_sine_part_2 + (cost_1_part_8_squared * (yaw_change_sine_part_3 + (cost_1_part_8_squared * yaw_change_sine_part_4))));
     const float yaw_change_sine_part_43 = cost_1_part_31 - (yaw_change_sine_part_42 * (phase_fraction_sine_part_10 + cost_1_part_26));
     const float yaw_change_sine_part_44 = ((yaw_change_sine_part_7 * cost_1_part_13) - (cost_0_part_19 * cost_1_part_14)) * (yaw_change_sine_part_8 + (cost_1_part_15_squared * (yaw_change_sine_part_9 + (cost_1_part_15_squared * yaw_change_sine_part_10))));
@@ -507,9 +544,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_change_sine_part_48 = (yaw_change_sine_part_42 * yaw_change_sine_part_43) + (yaw_change_sine_part_44 * yaw_change_sine_part_45) + (yaw_change_sine_part_46 * yaw_change_sine_part_47);
     const float yaw_change_sine_part_49 = (yaw_change_sine_part_42 * yaw_change_sine_part_45) - (yaw_change_sine_part_44 * yaw_change_sine_part_43);
     const float yaw_change_sine_part_50 = (yaw_change_sine_part_42 * yaw_change_sine_part_47) - (yaw_change_sine_part_46 * yaw_change_sine_part_43);
-    const float yaw_change_sine_part_51 = (0.00992376f * ((yaw_change_sine_part_43 * cost_1_part_10) + (yaw_change_sine_part_45 * cost_1_part_17) + (yaw_change_sine_part_47 * cost_1_part_24) + (cost_1_part_3 * yaw_change_sine_part_48))) + (yaw_change_sine_part_49 * ((yaw_change_sine_part_42 * cost_1_part_17) - (yaw_change_sine_part_44 * cost_1_part_10))) + (yaw_change_sine_part_50 * ((yaw_change_sine_part_42 * cost_1_part_24) - (yaw_change_sine_part_46 * cost_1_part_10)));
+    const float yaw_change_sine_part_51 = (damping * ((yaw_change_sine_part_43 * cost_1_part_10) + (yaw_change_sine_part_45 * cost_1_part_17) + (yaw_change_sine_part_47 * cost_1_part_24) + (cost_1_part_3 * yaw_change_sine_part_48))) + (yaw_change_sine_part_49 * ((yaw_change_sine_part_42 * cost_1_part_17) - (yaw_change_sine_part_44 * cost_1_part_10))) + (yaw_change_sine_part_50 * ((yaw_change_sine_part_42 * cost_1_part_24) - (yaw_change_sine_part_46 * cost_1_part_10)));
     const float yaw_change_sine_part_52 = (yaw_change_sine_part_44 * yaw_change_sine_part_47) - (yaw_change_sine_part_46 * yaw_change_sine_part_45);
-    const float yaw_change_sine_part_53 = 1.0f / (0.00992376f + ((yaw_change_sine_part_42 * yaw_change_sine_part_42) + (yaw_change_sine_part_44 * yaw_change_sine_part_44) + (yaw_change_sine_part_46 * yaw_change_sine_part_46)));
+    const float yaw_change_sine_part_53 = 1.0f / (damping + ((yaw_change_sine_part_42 * yaw_change_sine_part_42) + (yaw_change_sine_part_44 * yaw_change_sine_part_44) + (yaw_change_sine_part_46 * yaw_change_sine_part_46)));
     const float yaw_change_sine_part_54 = ((yaw_change_sine_part_24 * cost_1_part_28) - (cost_0_part_42 * cost_1_part_29)) * (yaw_change_sine_part_2 + (cost_1_part_30_squared * (yaw_change_sine_part_3 + (cost_1_part_30_squared * yaw_change_sine_part_4))));
     const float yaw_change_sine_part_55 = (yaw_change_sine_part_54 * (phase_fraction_sine_part_5 - cost_1_part_4)) - cost_1_part_9;
     const float yaw_change_sine_part_56 = ((yaw_change_sine_part_27 * cost_1_part_35) - (cost_0_part_49 * cost_1_part_36)) * (yaw_change_sine_part_8 + (cost_1_part_37_squared * (yaw_change_sine_part_9 + (cost_1_part_37_squared * yaw_change_sine_part_10))));
@@ -519,11 +556,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_change_sine_part_60 = (yaw_change_sine_part_54 * yaw_change_sine_part_55) + (yaw_change_sine_part_56 * yaw_change_sine_part_57) + (yaw_change_sine_part_58 * yaw_change_sine_part_59);
     const float yaw_change_sine_part_61 = (yaw_change_sine_part_54 * yaw_change_sine_part_57) - (yaw_change_sine_part_56 * yaw_change_sine_part_55);
     const float yaw_change_sine_part_62 = (yaw_change_sine_part_54 * yaw_change_sine_part_59) - (yaw_change_sine_part_58 * yaw_change_sine_part_55);
-    const float yaw_change_sine_part_63 = (0.00992376f * ((yaw_change_sine_part_55 * cost_1_part_32) + (yaw_change_sine_part_57 * cost_1_part_39) + (yaw_change_sine_part_59 * cost_1_part_46) + (cost_1_part_25 * yaw_change_sine_part_60))) + (yaw_change_sine_part_61 * ((yaw_change_sine_part_54 * cost_1_part_39) - (yaw_change_sine_part_56 * cost_1_part_32))) + (yaw_change_sine_part_62 * ((yaw_change_sine_part_54 * cost_1_part_46) - (yaw_change_sine_part_58 * cost_1_part_32)));
+    const float yaw_change_sine_part_63 = (damping * ((yaw_change_sine_part_55 * cost_1_part_32) + (yaw_change_sine_part_57 * cost_1_part_39) + (yaw_change_sine_part_59 * cost_1_part_46) + (cost_1_part_25 * yaw_change_sine_part_60))) + (yaw_change_sine_part_61 * ((yaw_change_sine_part_54 * cost_1_part_39) - (yaw_change_sine_part_56 * cost_1_part_32))) + (yaw_change_sine_part_62 * ((yaw_change_sine_part_54 * cost_1_part_46) - (yaw_change_sine_part_58 * cost_1_part_32)));
     const float yaw_change_sine_part_64 = (yaw_change_sine_part_56 * yaw_change_sine_part_59) - (yaw_change_sine_part_58 * yaw_change_sine_part_57);
-    const float yaw_change_sine_part_65 = 1.0f / (0.00992376f + ((yaw_change_sine_part_54 * yaw_change_sine_part_54) + (yaw_change_sine_part_56 * yaw_change_sine_part_56) + (yaw_change_sine_part_58 * yaw_change_sine_part_58)));
-    const float yaw_change_sine_part_66 = ((yaw_change_sine_part_51 + (yaw_change_sine_part_52 * ((yaw_change_sine_part_44 * cost_1_part_24) - (yaw_change_sine_part_46 * cost_1_part_17)))) * yaw_change_sine_part_53) + ((yaw_change_sine_part_63 + (yaw_change_sine_part_64 * ((yaw_change_sine_part_56 * cost_1_part_46) - (yaw_change_sine_part_58 * cost_1_part_39)))) * yaw_change_sine_part_65) - (0.87438375f * yaw_change_sine_part_40);
-    const float yaw_change_sine_part_67 = (((0.00992376f * ((yaw_change_sine_part_43 * yaw_change_sine_part_43) + (yaw_change_sine_part_45 * yaw_change_sine_part_45) + (yaw_change_sine_part_47 * yaw_change_sine_part_47))) + (yaw_change_sine_part_49 * yaw_change_sine_part_49) + (yaw_change_sine_part_50 * yaw_change_sine_part_50) + (yaw_change_sine_part_52 * yaw_change_sine_part_52)) * yaw_change_sine_part_53) + (((0.00992376f * ((yaw_change_sine_part_55 * yaw_change_sine_part_55) + (yaw_change_sine_part_57 * yaw_change_sine_part_57) + (yaw_change_sine_part_59 * yaw_change_sine_part_59))) + (yaw_change_sine_part_61 * yaw_change_sine_part_61) + (yaw_change_sine_part_62 * yaw_change_sine_part_62) + (yaw_change_sine_part_64 * yaw_change_sine_part_64)) * yaw_change_sine_part_65);
+    const float yaw_change_sine_part_65 = 1.0f / (damping + ((yaw_change_sine_part_54 * yaw_change_sine_part_54) + (yaw_change_sine_part_56 * yaw_change_sine_part_56) + (yaw_change_sine_part_58 * yaw_change_sine_part_58)));
+    const float yaw_change_sine_part_66 = ((yaw_change_sine_part_51 + (yaw_change_sine_part_52 * ((yaw_change_sine_part_44 * cost_1_part_24) - (yaw_change_sine_part_46 * cost_1_part_17)))) * yaw_change_sine_part_53) + ((yaw_change_sine_part_63 + (yaw_change_sine_part_64 * ((yaw_change_sine_part_56 * cost_1_part_46) - (yaw_change_sine_part_58 * cost_1_part_39)))) * yaw_change_sine_part_65) - (yaw_damping * yaw_change_sine_part_40);
+    const float yaw_change_sine_part_67 = (((damping * ((yaw_change_sine_part_43 * yaw_change_sine_part_43) + (yaw_change_sine_part_45 * yaw_change_sine_part_45) + (yaw_change_sine_part_47 * yaw_change_sine_part_47))) + (yaw_change_sine_part_49 * yaw_change_sine_part_49) + (yaw_change_sine_part_50 * yaw_change_sine_part_50) + (yaw_change_sine_part_52 * yaw_change_sine_part_52)) * yaw_change_sine_part_53) + (((damping * ((yaw_change_sine_part_55 * yaw_change_sine_part_55) + (yaw_change_sine_part_57 * yaw_change_sine_part_57) + (yaw_change_sine_part_59 * yaw_change_sine_part_59))) + (yaw_change_sine_part_61 * yaw_change_sine_part_61) + (yaw_change_sine_part_62 * yaw_change_sine_part_62) + (yaw_change_sine_part_64 * yaw_change_sine_part_64)) * yaw_change_sine_part_65);
     float yaw_change_sine_part_68 = yaw_change_sine_part_40;
     float cost_2_part = cost_1_part_3;
     float cost_2_part_2 = cost_1_part_25;
@@ -534,102 +571,100 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         cost_2_part_2 = 0.0f;
         yaw_change_sine_part_69 = cost_0;
     }
-    const float yaw_change_sine_part_70 = hall_position_three_limit((yaw_change_sine_test) ? (yaw_change_sine_part_40 + (yaw_change_sine_part_66 / (0.87438375f + yaw_change_sine_part_67))) : (0.5f * (yaw_change_sine_part_40 + yaw_change_sine_part_68)), 0.14022085f);
+    const float yaw_change_sine_part_70 = hall_position_three_limit((yaw_change_sine_test) ? (yaw_change_sine_part_40 + (yaw_change_sine_part_66 / (yaw_damping + yaw_change_sine_part_67))) : (0.5f * (yaw_change_sine_part_40 + yaw_change_sine_part_68)), max_yaw_step);
     const float yaw_change_sine_part_71 = yaw_change_sine_part_70 * yaw_change_sine_part_70;
     const float yaw_change_sine_2 = yaw_change_sine_part_70 * yaw_change_sine_polynomial(yaw_change_sine_part_71);
     const float half_yaw_change_sine_2 = yaw_change_sine_part_70 * half_yaw_change_sine_polynomial(yaw_change_sine_part_71);
     const float cost_2_part_3 = half_yaw_change_sine_2 * half_yaw_change_sine_2;
     const float cost_2_part_4 = 1.0f - cost_2_part_3;
     const float cost_2_part_5 = yaw_change_sine_part_70 - yaw_change_sine_part_40;
-    const float cost_2_part_6 = (yaw_change_sine_test) ? (cost_1_part_3 + (((yaw_change_sine_part_42 * cost_1_part_10) + (yaw_change_sine_part_44 * cost_1_part_17) + (yaw_change_sine_part_46 * cost_1_part_24) - (0.00992376f * cost_1_part_3) - (yaw_change_sine_part_48 * cost_2_part_5)) * yaw_change_sine_part_53)) : (0.5f * (cost_1_part_3 + cost_2_part));
-    const float cost_2_part_7 = hall_position_three_limit(cost_2_part_6, 0.5f);
-    const float cost_2_part_8 = (phase_fraction_sine_part_5 * cost_2_part_3) + (phase_fraction_sine_part_10 * yaw_change_sine_2);
-    const float cost_2_part_9 = cost_2_part_7 - cost_2_part_8;
-    const float cost_2_part_9_squared = cost_2_part_9 * cost_2_part_9;
-    const float cost_2_part_10 = f15_polynomial(cost_2_part_9_squared);
-    const float cost_2_part_11 = cost_2_part_9 * f16_polynomial(cost_2_part_9_squared);
-    const float cost_2_part_12 = (cost_0_part_6 * cost_2_part_10) + (yaw_change_sine_part * cost_2_part_11);
-    const float cost_2_part_12_squared = cost_2_part_12 * cost_2_part_12;
-    const float cost_2_part_13 = cost_2_part_12 * (cost_0_part_7 + (cost_2_part_12_squared * (cost_0_part_8 + (cost_2_part_12_squared * cost_0_part_9))));
-    const float cost_2_part_14 = (cost_0_part_2 * cost_2_part_4) - (cost_0_part_38 * yaw_change_sine_2) - cost_2_part_13;
-    const float cost_2_part_15 = (phase_fraction_sine_part_14 * cost_2_part_3) + (phase_fraction_sine_part_18 * yaw_change_sine_2);
-    const float cost_2_part_16 = cost_2_part_7 - cost_2_part_15;
-    const float cost_2_part_16_squared = cost_2_part_16 * cost_2_part_16;
-    const float cost_2_part_17 = f17_polynomial(cost_2_part_16_squared);
-    const float cost_2_part_18 = cost_2_part_16 * f18_polynomial(cost_2_part_16_squared);
-    const float cost_2_part_19 = (cost_0_part_19 * cost_2_part_17) + (yaw_change_sine_part_7 * cost_2_part_18);
-    const float cost_2_part_19_squared = cost_2_part_19 * cost_2_part_19;
-    const float cost_2_part_20 = cost_2_part_19 * (cost_0_part_20 + (cost_2_part_19_squared * (cost_0_part_21 + (cost_2_part_19_squared * cost_0_part_22))));
-    const float cost_2_part_21 = (cost_0_part_15 * cost_2_part_4) - (cost_0_part_45 * yaw_change_sine_2) - cost_2_part_20;
-    const float cost_2_part_22 = (phase_fraction_sine_part_22 * cost_2_part_3) + (phase_fraction_sine_part_26 * yaw_change_sine_2);
-    const float cost_2_part_23 = cost_2_part_7 - cost_2_part_22;
-    const float cost_2_part_23_squared = cost_2_part_23 * cost_2_part_23;
-    const float cost_2_part_24 = f19_polynomial(cost_2_part_23_squared);
-    const float cost_2_part_25 = cost_2_part_23 * f20_polynomial(cost_2_part_23_squared);
-    const float cost_2_part_26 = (cost_0_part_32 * cost_2_part_24) + (yaw_change_sine_part_13 * cost_2_part_25);
-    const float cost_2_part_26_squared = cost_2_part_26 * cost_2_part_26;
-    const float cost_2_part_27 = cost_2_part_26 * (cost_0_part_33 + (cost_2_part_26_squared * (cost_0_part_34 + (cost_2_part_26_squared * cost_0_part_35))));
-    const float cost_2_part_28 = (cost_0_part_28 * cost_2_part_4) - (cost_0_part_52 * yaw_change_sine_2) - cost_2_part_27;
-    const float cost_2_part_29 = (yaw_change_sine_test) ? (cost_1_part_25 + (((yaw_change_sine_part_54 * cost_1_part_32) + (yaw_change_sine_part_56 * cost_1_part_39) + (yaw_change_sine_part_58 * cost_1_part_46) - (0.00992376f * cost_1_part_25) - (yaw_change_sine_part_60 * cost_2_part_5)) * yaw_change_sine_part_65)) : (0.5f * (cost_1_part_25 + cost_2_part_2));
-    const float cost_2_part_30 = hall_position_three_limit(cost_2_part_29, 0.5f);
-    const float cost_2_part_31 = (phase_fraction_sine_part_5 * yaw_change_sine_2) - (phase_fraction_sine_part_10 * cost_2_part_3);
-    const float cost_2_part_32 = cost_2_part_30 + cost_2_part_31;
-    const float cost_2_part_32_squared = cost_2_part_32 * cost_2_part_32;
-    const float cost_2_part_33 = f15_polynomial(cost_2_part_32_squared);
-    const float cost_2_part_34 = cost_2_part_32 * f16_polynomial(cost_2_part_32_squared);
-    const float cost_2_part_35 = (cost_0_part_42 * cost_2_part_33) + (yaw_change_sine_part_24 * cost_2_part_34);
-    const float cost_2_part_35_squared = cost_2_part_35 * cost_2_part_35;
-    const float cost_2_part_36 = cost_2_part_35 * (cost_0_part_7 + (cost_2_part_35_squared * (cost_0_part_8 + (cost_2_part_35_squared * cost_0_part_9))));
-    const float cost_2_part_37 = (cost_0_part_38 * cost_2_part_4) + (cost_0_part_2 * yaw_change_sine_2) - cost_2_part_36;
-    const float cost_2_part_38 = (phase_fraction_sine_part_14 * yaw_change_sine_2) - (phase_fraction_sine_part_18 * cost_2_part_3);
-    const float cost_2_part_39 = cost_2_part_30 + cost_2_part_38;
-    const float cost_2_part_39_squared = cost_2_part_39 * cost_2_part_39;
-    const float cost_2_part_40 = f17_polynomial(cost_2_part_39_squared);
-    const float cost_2_part_41 = cost_2_part_39 * f18_polynomial(cost_2_part_39_squared);
-    const float cost_2_part_42 = (cost_0_part_49 * cost_2_part_40) + (yaw_change_sine_part_27 * cost_2_part_41);
-    const float cost_2_part_42_squared = cost_2_part_42 * cost_2_part_42;
-    const float cost_2_part_43 = cost_2_part_42 * (cost_0_part_20 + (cost_2_part_42_squared * (cost_0_part_21 + (cost_2_part_42_squared * cost_0_part_22))));
-    const float cost_2_part_44 = (cost_0_part_45 * cost_2_part_4) + (cost_0_part_15 * yaw_change_sine_2) - cost_2_part_43;
-    const float cost_2_part_45 = (phase_fraction_sine_part_22 * yaw_change_sine_2) - (phase_fraction_sine_part_26 * cost_2_part_3);
-    const float cost_2_part_46 = cost_2_part_30 + cost_2_part_45;
-    const float cost_2_part_46_squared = cost_2_part_46 * cost_2_part_46;
-    const float cost_2_part_47 = f19_polynomial(cost_2_part_46_squared);
-    const float cost_2_part_48 = cost_2_part_46 * f20_polynomial(cost_2_part_46_squared);
-    const float cost_2_part_49 = (cost_0_part_56 * cost_2_part_47) + (yaw_change_sine_part_30 * cost_2_part_48);
-    const float cost_2_part_49_squared = cost_2_part_49 * cost_2_part_49;
-    const float cost_2_part_50 = cost_2_part_49 * (cost_0_part_33 + (cost_2_part_49_squared * (cost_0_part_34 + (cost_2_part_49_squared * cost_0_part_35))));
-    const float cost_2_part_51 = (cost_0_part_52 * cost_2_part_4) + (cost_0_part_28 * yaw_change_sine_2) - cost_2_part_50;
-    const float cost_2 = (cost_2_part_14 * cost_2_part_14) + (cost_2_part_21 * cost_2_part_21) + (cost_2_part_28 * cost_2_part_28) + (cost_2_part_37 * cost_2_part_37) + (cost_2_part_44 * cost_2_part_44) + (cost_2_part_51 * cost_2_part_51) + (0.00992376f * ((cost_2_part_7 * cost_2_part_7) + (cost_2_part_30 * cost_2_part_30) + (88.11012f * yaw_change_sine_part_71)));
-    const bool yaw_change_sine_test_2 = cost_2 <= ((1.000002f * yaw_change_sine_part_69) + 1e-08f);
-    const float yaw_change_sine_part_72 = ((yaw_change_sine_part * cost_2_part_10) - (cost_0_part_6 * cost_2_part_11)) * (yaw_change_sine_part_2 + (cost_2_part_12_squared * (yaw_change_sine_part_3 + (cost_2_part_12_squared * yaw_change_sine_part_4))));
-    const float yaw_change_sine_part_73 = cost_2_part_36 - (yaw_change_sine_part_72 * (phase_fraction_sine_part_10 + cost_2_part_31));
-    const float yaw_change_sine_part_74 = ((yaw_change_sine_part_7 * cost_2_part_17) - (cost_0_part_19 * cost_2_part_18)) * (yaw_change_sine_part_8 + (cost_2_part_19_squared * (yaw_change_sine_part_9 + (cost_2_part_19_squared * yaw_change_sine_part_10))));
-    const float yaw_change_sine_part_75 = cost_2_part_43 - (yaw_change_sine_part_74 * (phase_fraction_sine_part_18 + cost_2_part_38));
-    const float yaw_change_sine_part_76 = ((yaw_change_sine_part_13 * cost_2_part_24) - (cost_0_part_32 * cost_2_part_25)) * (yaw_change_sine_part_14 + (cost_2_part_26_squared * (yaw_change_sine_part_15 + (cost_2_part_26_squared * yaw_change_sine_part_16))));
-    const float yaw_change_sine_part_77 = cost_2_part_50 - (yaw_change_sine_part_76 * (phase_fraction_sine_part_26 + cost_2_part_45));
+    const float cost_2_part_6 = hall_position_three_limit((yaw_change_sine_test) ? (cost_1_part_3 + (((yaw_change_sine_part_42 * cost_1_part_10) + (yaw_change_sine_part_44 * cost_1_part_17) + (yaw_change_sine_part_46 * cost_1_part_24) - (damping * cost_1_part_3) - (yaw_change_sine_part_48 * cost_2_part_5)) * yaw_change_sine_part_53)) : (0.5f * (cost_1_part_3 + cost_2_part)), 0.5f);
+    const float cost_2_part_7 = (phase_fraction_sine_part_5 * cost_2_part_3) + (phase_fraction_sine_part_10 * yaw_change_sine_2);
+    const float cost_2_part_8 = cost_2_part_6 - cost_2_part_7;
+    const float cost_2_part_8_squared = cost_2_part_8 * cost_2_part_8;
+    const float cost_2_part_9 = f15_polynomial(cost_2_part_8_squared);
+    const float cost_2_part_10 = cost_2_part_8 * f16_polynomial(cost_2_part_8_squared);
+    const float cost_2_part_11 = (cost_0_part_6 * cost_2_part_9) + (yaw_change_sine_part * cost_2_part_10);
+    const float cost_2_part_11_squared = cost_2_part_11 * cost_2_part_11;
+    const float cost_2_part_12 = cost_2_part_11 * (cost_0_part_7 + (cost_2_part_11_squared * (cost_0_part_8 + (cost_2_part_11_squared * cost_0_part_9))));
+    const float cost_2_part_13 = (cost_0_part_2 * cost_2_part_4) - (cost_0_part_38 * yaw_change_sine_2) - cost_2_part_12;
+    const float cost_2_part_14 = (phase_fraction_sine_part_14 * cost_2_part_3) + (phase_fraction_sine_part_18 * yaw_change_sine_2);
+    const float cost_2_part_15 = cost_2_part_6 - cost_2_part_14;
+    const float cost_2_part_15_squared = cost_2_part_15 * cost_2_part_15;
+    const float cost_2_part_16 = f17_polynomial(cost_2_part_15_squared);
+    const float cost_2_part_17 = cost_2_part_15 * f18_polynomial(cost_2_part_15_squared);
+    const float cost_2_part_18 = (cost_0_part_19 * cost_2_part_16) + (yaw_change_sine_part_7 * cost_2_part_17);
+    const float cost_2_part_18_squared = cost_2_part_18 * cost_2_part_18;
+    const float cost_2_part_19 = cost_2_part_18 * (cost_0_part_20 + (cost_2_part_18_squared * (cost_0_part_21 + (cost_2_part_18_squared * cost_0_part_22))));
+    const float cost_2_part_20 = (cost_0_part_15 * cost_2_part_4) - (cost_0_part_45 * yaw_change_sine_2) - cost_2_part_19;
+    const float cost_2_part_21 = (phase_fraction_sine_part_22 * cost_2_part_3) + (phase_fraction_sine_part_26 * yaw_change_sine_2);
+    const float cost_2_part_22 = cost_2_part_6 - cost_2_part_21;
+    const float cost_2_part_22_squared = cost_2_part_22 * cost_2_part_22;
+    const float cost_2_part_23 = f19_polynomial(cost_2_part_22_squared);
+    const float cost_2_part_24 = cost_2_part_22 * f20_polynomial(cost_2_part_22_squared);
+    const float cost_2_part_25 = (cost_0_part_32 * cost_2_part_23) + (yaw_change_sine_part_13 * cost_2_part_24);
+    const float cost_2_part_25_squared = cost_2_part_25 * cost_2_part_25;
+    const float cost_2_part_26 = cost_2_part_25 * (cost_0_part_33 + (cost_2_part_25_squared * (cost_0_part_34 + (cost_2_part_25_squared * cost_0_part_35))));
+    const float cost_2_part_27 = (cost_0_part_28 * cost_2_part_4) - (cost_0_part_52 * yaw_change_sine_2) - cost_2_part_26;
+    const float cost_2_part_28 = hall_position_three_limit((yaw_change_sine_test) ? (cost_1_part_25 + (((yaw_change_sine_part_54 * cost_1_part_32) + (yaw_change_sine_part_56 * cost_1_part_39) + (yaw_change_sine_part_58 * cost_1_part_46) - (damping * cost_1_part_25) - (yaw_change_sine_part_60 * cost_2_part_5)) * yaw_change_sine_part_65)) : (0.5f * (cost_1_part_25 + cost_2_part_2)), 0.5f);
+    const float cost_2_part_29 = (phase_fraction_sine_part_5 * yaw_change_sine_2) - (phase_fraction_sine_part_10 * cost_2_part_3);
+    const float cost_2_part_30 = cost_2_part_28 + cost_2_part_29;
+    const float cost_2_part_30_squared = cost_2_part_30 * cost_2_part_30;
+    const float cost_2_part_31 = f15_polynomial(cost_2_part_30_squared);
+    const float cost_2_part_32 = cost_2_part_30 * f16_polynomial(cost_2_part_30_squared);
+    const float cost_2_part_33 = (cost_0_part_42 * cost_2_part_31) + (yaw_change_sine_part_24 * cost_2_part_32);
+    const float cost_2_part_33_squared = cost_2_part_33 * cost_2_part_33;
+    const float cost_2_part_34 = cost_2_part_33 * (cost_0_part_7 + (cost_2_part_33_squared * (cost_0_part_8 + (cost_2_part_33_squared * cost_0_part_9))));
+    const float cost_2_part_35 = (cost_0_part_38 * cost_2_part_4) + (cost_0_part_2 * yaw_change_sine_2) - cost_2_part_34;
+    const float cost_2_part_36 = (phase_fraction_sine_part_14 * yaw_change_sine_2) - (phase_fraction_sine_part_18 * cost_2_part_3);
+    const float cost_2_part_37 = cost_2_part_28 + cost_2_part_36;
+    const float cost_2_part_37_squared = cost_2_part_37 * cost_2_part_37;
+    const float cost_2_part_38 = f17_polynomial(cost_2_part_37_squared);
+    const float cost_2_part_39 = cost_2_part_37 * f18_polynomial(cost_2_part_37_squared);
+    const float cost_2_part_40 = (cost_0_part_49 * cost_2_part_38) + (yaw_change_sine_part_27 * cost_2_part_39);
+    const float cost_2_part_40_squared = cost_2_part_40 * cost_2_part_40;
+    const float cost_2_part_41 = cost_2_part_40 * (cost_0_part_20 + (cost_2_part_40_squared * (cost_0_part_21 + (cost_2_part_40_squared * cost_0_part_22))));
+    const float cost_2_part_42 = (cost_0_part_45 * cost_2_part_4) + (cost_0_part_15 * yaw_change_sine_2) - cost_2_part_41;
+    const float cost_2_part_43 = (phase_fraction_sine_part_22 * yaw_change_sine_2) - (phase_fraction_sine_part_26 * cost_2_part_3);
+    const float cost_2_part_44 = cost_2_part_28 + cost_2_part_43;
+    const float cost_2_part_44_squared = cost_2_part_44 * cost_2_part_44;
+    const float cost_2_part_45 = f19_polynomial(cost_2_part_44_squared);
+    const float cost_2_part_46 = cost_2_part_44 * f20_polynomial(cost_2_part_44_squared);
+    const float cost_2_part_47 = (cost_0_part_56 * cost_2_part_45) + (yaw_change_sine_part_30 * cost_2_part_46);
+    const float cost_2_part_47_squared = cost_2_part_47 * cost_2_part_47;
+    const float cost_2_part_48 = cost_2_part_47 * (cost_0_part_33 + (cost_2_part_47_squared * (cost_0_part_34 + (cost_2_part_47_squared * cost_0_part_35))));
+    const float cost_2_part_49 = (cost_0_part_52 * cost_2_part_4) + (cost_0_part_28 * yaw_change_sine_2) - cost_2_part_48;
+    const float cost_2 = (cost_2_part_13 * cost_2_part_13) + (cost_2_part_20 * cost_2_part_20) + (cost_2_part_27 * cost_2_part_27) + (cost_2_part_35 * cost_2_part_35) + (cost_2_part_42 * cost_2_part_42) + (cost_2_part_49 * cost_2_part_49) + (damping * ((cost_2_part_6 * cost_2_part_6) + (cost_2_part_28 * cost_2_part_28) + (squared_yaw_arm * yaw_change_sine_part_71)));
+    const bool yaw_change_sine_test_2 = cost_2 <= ((cost_factor * yaw_change_sine_part_69) + cost_slack);
+    const float yaw_change_sine_part_72 = ((yaw_change_sine_part * cost_2_part_9) - (cost_0_part_6 * cost_2_part_10)) * (yaw_change_sine_part_2 + (cost_2_part_11_squared * (yaw_change_sine_part_3 + (cost_2_part_11_squared * yaw_change_sine_part_4))));
+    const float yaw_change_sine_part_73 = cost_2_part_34 - (yaw_change_sine_part_72 * (phase_fraction_sine_part_10 + cost_2_part_29));
+    const float yaw_change_sine_part_74 = ((yaw_change_sine_part_7 * cost_2_part_16) - (cost_0_part_19 * cost_2_part_17)) * (yaw_change_sine_part_8 + (cost_2_part_18_squared * (yaw_change_sine_part_9 + (cost_2_part_18_squared * yaw_change_sine_part_10))));
+    const float yaw_change_sine_part_75 = cost_2_part_41 - (yaw_change_sine_part_74 * (phase_fraction_sine_part_18 + cost_2_part_36));
+    const float yaw_change_sine_part_76 = ((yaw_change_sine_part_13 * cost_2_part_23) - (cost_0_part_32 * cost_2_part_24)) * (yaw_change_sine_part_14 + (cost_2_part_25_squared * (yaw_change_sine_part_15 + (cost_2_part_25_squared * yaw_change_sine_part_16))));
+    const float yaw_change_sine_part_77 = cost_2_part_48 - (yaw_change_sine_part_76 * (phase_fraction_sine_part_26 + cost_2_part_43));
     const float yaw_change_sine_part_78 = (yaw_change_sine_part_72 * yaw_change_sine_part_73) + (yaw_change_sine_part_74 * yaw_change_sine_part_75) + (yaw_change_sine_part_76 * yaw_change_sine_part_77);
     const float yaw_change_sine_part_79 = (yaw_change_sine_part_72 * yaw_change_sine_part_75) - (yaw_change_sine_part_74 * yaw_change_sine_part_73);
     const float yaw_change_sine_part_80 = (yaw_change_sine_part_72 * yaw_change_sine_part_77) - (yaw_change_sine_part_76 * yaw_change_sine_part_73);
-    const float yaw_change_sine_part_81 = (0.00992376f * ((yaw_change_sine_part_73 * cost_2_part_14) + (yaw_change_sine_part_75 * cost_2_part_21) + (yaw_change_sine_part_77 * cost_2_part_28) + (cost_2_part_7 * yaw_change_sine_part_78))) + (yaw_change_sine_part_79 * ((yaw_change_sine_part_72 * cost_2_part_21) - (yaw_change_sine_part_74 * cost_2_part_14))) + (yaw_change_sine_part_80 * ((yaw_change_sine_part_72 * cost_2_part_28) - (yaw_change_sine_part_76 * cost_2_part_14)));
+    const float yaw_change_sine_part_81 = (damping * ((yaw_change_sine_part_73 * cost_2_part_13) + (yaw_change_sine_part_75 * cost_2_part_20) + (yaw_change_sine_part_77 * cost_2_part_27) + (cost_2_part_6 * yaw_change_sine_part_78))) + (yaw_change_sine_part_79 * ((yaw_change_sine_part_72 * cost_2_part_20) - (yaw_change_sine_part_74 * cost_2_part_13))) + (yaw_change_sine_part_80 * ((yaw_change_sine_part_72 * cost_2_part_27) - (yaw_change_sine_part_76 * cost_2_part_13)));
     const float yaw_change_sine_part_82 = (yaw_change_sine_part_74 * yaw_change_sine_part_77) - (yaw_change_sine_part_76 * yaw_change_sine_part_75);
-    const float yaw_change_sine_part_83 = 1.0f / (0.00992376f + ((yaw_change_sine_part_72 * yaw_change_sine_part_72) + (yaw_change_sine_part_74 * yaw_change_sine_part_74) + (yaw_change_sine_part_76 * yaw_change_sine_part_76)));
-    const float yaw_change_sine_part_84 = ((yaw_change_sine_part_24 * cost_2_part_33) - (cost_0_part_42 * cost_2_part_34)) * (yaw_change_sine_part_2 + (cost_2_part_35_squared * (yaw_change_sine_part_3 + (cost_2_part_35_squared * yaw_change_sine_part_4))));
-    const float yaw_change_sine_part_85 = (yaw_change_sine_part_84 * (phase_fraction_sine_part_5 - cost_2_part_8)) - cost_2_part_13;
-    const float yaw_change_sine_part_86 = ((yaw_change_sine_part_27 * cost_2_part_40) - (cost_0_part_49 * cost_2_part_41)) * (yaw_change_sine_part_8 + (cost_2_part_42_squared * (yaw_change_sine_part_9 + (cost_2_part_42_squared * yaw_change_sine_part_10))));
-    const float yaw_change_sine_part_87 = (yaw_change_sine_part_86 * (phase_fraction_sine_part_14 - cost_2_part_15)) - cost_2_part_20;
-    const float yaw_change_sine_part_88 = ((yaw_change_sine_part_30 * cost_2_part_47) - (cost_0_part_56 * cost_2_part_48)) * (yaw_change_sine_part_14 + (cost_2_part_49_squared * (yaw_change_sine_part_15 + (cost_2_part_49_squared * yaw_change_sine_part_16))));
-    const float yaw_change_sine_part_89 = (yaw_change_sine_part_88 * (phase_fraction_sine_part_22 - cost_2_part_22)) - cost_2_part_27;
+    const float yaw_change_sine_part_83 = 1.0f / (damping + ((yaw_change_sine_part_72 * yaw_change_sine_part_72) + (yaw_change_sine_part_74 * yaw_change_sine_part_74) + (yaw_change_sine_part_76 * yaw_change_sine_part_76)));
+    const float yaw_change_sine_part_84 = ((yaw_change_sine_part_24 * cost_2_part_31) - (cost_0_part_42 * cost_2_part_32)) * (yaw_change_sine_part_2 + (cost_2_part_33_squared * (yaw_change_sine_part_3 + (cost_2_part_33_squared * yaw_change_sine_part_4))));
+    const float yaw_change_sine_part_85 = (yaw_change_sine_part_84 * (phase_fraction_sine_part_5 - cost_2_part_7)) - cost_2_part_12;
+    const float yaw_change_sine_part_86 = ((yaw_change_sine_part_27 * cost_2_part_38) - (cost_0_part_49 * cost_2_part_39)) * (yaw_change_sine_part_8 + (cost_2_part_40_squared * (yaw_change_sine_part_9 + (cost_2_part_40_squared * yaw_change_sine_part_10))));
+    const float yaw_change_sine_part_87 = (yaw_change_sine_part_86 * (phase_fraction_sine_part_14 - cost_2_part_14)) - cost_2_part_19;
+    const float yaw_change_sine_part_88 = ((yaw_change_sine_part_30 * cost_2_part_45) - (cost_0_part_56 * cost_2_part_46)) * (yaw_change_sine_part_14 + (cost_2_part_47_squared * (yaw_change_sine_part_15 + (cost_2_part_47_squared * yaw_change_sine_part_16))));
+    const float yaw_change_sine_part_89 = (yaw_change_sine_part_88 * (phase_fraction_sine_part_22 - cost_2_part_21)) - cost_2_part_26;
     const float yaw_change_sine_part_90 = (yaw_change_sine_part_84 * yaw_change_sine_part_85) + (yaw_change_sine_part_86 * yaw_change_sine_part_87) + (yaw_change_sine_part_88 * yaw_change_sine_part_89);
     const float yaw_change_sine_part_91 = (yaw_change_sine_part_84 * yaw_change_sine_part_87) - (yaw_change_sine_part_86 * yaw_change_sine_part_85);
     const float yaw_change_sine_part_92 = (yaw_change_sine_part_84 * yaw_change_sine_part_89) - (yaw_change_sine_part_88 * yaw_change_sine_part_85);
-    const float yaw_change_sine_part_93 = (0.00992376f * ((yaw_change_sine_part_85 * cost_2_part_37) + (yaw_change_sine_part_87 * cost_2_part_44) + (yaw_change_sine_part_89 * cost_2_part_51) + (cost_2_part_30 * yaw_change_sine_part_90))) + (yaw_change_sine_part_91 * ((yaw_change_sine_part_84 * cost_2_part_44) - (yaw_change_sine_part_86 * cost_2_part_37))) + (yaw_change_sine_part_92 * ((yaw_change_sine_part_84 * cost_2_part_51) - (yaw_change_sine_part_88 * cost_2_part_37)));
+    const float yaw_change_sine_part_93 = (damping * ((yaw_change_sine_part_85 * cost_2_part_35) + (yaw_change_sine_part_87 * cost_2_part_42) + (yaw_change_sine_part_89 * cost_2_part_49) + (cost_2_part_28 * yaw_change_sine_part_90))) + (yaw_change_sine_part_91 * ((yaw_change_sine_part_84 * cost_2_part_42) - (yaw_change_sine_part_86 * cost_2_part_35))) + (yaw_change_sine_part_92 * ((yaw_change_sine_part_84 * cost_2_part_49) - (yaw_change_sine_part_88 * cost_2_part_35)));
     const float yaw_change_sine_part_94 = (yaw_change_sine_part_86 * yaw_change_sine_part_89) - (yaw_change_sine_part_88 * yaw_change_sine_part_87);
-    const float yaw_change_sine_part_95 = 1.0f / (0.00992376f + ((yaw_change_sine_part_84 * yaw_change_sine_part_84) + (yaw_change_sine_part_86 * yaw_change_sine_part_86) + (yaw_change_sine_part_88 * yaw_change_sine_part_88)));
-    const float yaw_change_sine_part_96 = ((yaw_change_sine_part_81 + (yaw_change_sine_part_82 * ((yaw_change_sine_part_74 * cost_2_part_28) - (yaw_change_sine_part_76 * cost_2_part_21)))) * yaw_change_sine_part_83) + ((yaw_change_sine_part_93 + (yaw_change_sine_part_94 * ((yaw_change_sine_part_86 * cost_2_part_51) - (yaw_change_sine_part_88 * cost_2_part_44)))) * yaw_change_sine_part_95) - (0.87438375f * yaw_change_sine_part_70);
-    const float yaw_change_sine_part_97 = (((0.00992376f * ((yaw_change_sine_part_73 * yaw_change_sine_part_73) + (yaw_change_sine_part_75 * yaw_change_sine_part_75) + (yaw_change_sine_part_77 * yaw_change_sine_part_77))) + (yaw_change_sine_part_79 * yaw_change_sine_part_79) + (yaw_change_sine_part_80 * yaw_change_sine_part_80) + (yaw_change_sine_part_82 * yaw_change_sine_part_82)) * yaw_change_sine_part_83) + (((0.00992376f * ((yaw_change_sine_part_85 * yaw_change_sine_part_85) + (yaw_change_sine_part_87 * yaw_change_sine_part_87) + (yaw_change_sine_part_89 * yaw_change_sine_part_89))) + (yaw_change_sine_part_91 * yaw_change_sine_part_91) + (yaw_change_sine_part_92 * yaw_change_sine_part_92) + (yaw_change_sine_part_94 * yaw_change_sine_part_94)) * yaw_change_sine_part_95);
+    const float yaw_change_sine_part_95 = 1.0f / (damping + ((yaw_change_sine_part_84 * yaw_change_sine_part_84) + (yaw_change_sine_part_86 * yaw_change_sine_part_86) + (yaw_change_sine_part_88 * yaw_change_sine_part_88)));
+    const float yaw_change_sine_part_96 = ((yaw_change_sine_part_81 + (yaw_change_sine_part_82 * ((yaw_change_sine_part_74 * cost_2_part_27) - (yaw_change_sine_part_76 * cost_2_part_20)))) * yaw_change_sine_part_83) + ((yaw_change_sine_part_93 + (yaw_change_sine_part_94 * ((yaw_change_sine_part_86 * cost_2_part_49) - (yaw_change_sine_part_88 * cost_2_part_42)))) * yaw_change_sine_part_95) - (yaw_damping * yaw_change_sine_part_70);
+    const float yaw_change_sine_part_97 = (((damping * ((yaw_change_sine_part_73 * yaw_change_sine_part_73) + (yaw_change_sine_part_75 * yaw_change_sine_part_75) + (yaw_change_sine_part_77 * yaw_change_sine_part_77))) + (yaw_change_sine_part_79 * yaw_change_sine_part_79) + (yaw_change_sine_part_80 * yaw_change_sine_part_80) + (yaw_change_sine_part_82 * yaw_change_sine_part_82)) * yaw_change_sine_part_83) + (((damping * ((yaw_change_sine_part_85 * yaw_change_sine_part_85) + (yaw_change_sine_part_87 * yaw_change_sine_part_87) + (yaw_change_sine_part_89 * yaw_change_sine_part_89))) + (yaw_change_sine_part_91 * yaw_change_sine_part_91) + (yaw_change_sine_part_92 * yaw_change_sine_part_92) + (yaw_change_sine_part_94 * yaw_change_sine_part_94)) * yaw_change_sine_part_95);
     float yaw_change_sine_part_98 = yaw_change_sine_part_70;
-    float cost_3_part = cost_2_part_7;
-    float cost_3_part_2 = cost_2_part_30;
+    float cost_3_part = cost_2_part_6;
+    float cost_3_part_2 = cost_2_part_28;
     float yaw_change_sine_part_99 = cost_2;
     if (!yaw_change_sine_test_2) {
         yaw_change_sine_part_98 = yaw_change_sine_part_68;
@@ -637,102 +672,100 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         cost_3_part_2 = cost_2_part_2;
         yaw_change_sine_part_99 = yaw_change_sine_part_69;
     }
-    const float yaw_change_sine_part_100 = hall_position_three_limit((yaw_change_sine_test_2) ? (yaw_change_sine_part_70 + (yaw_change_sine_part_96 / (0.87438375f + yaw_change_sine_part_97))) : (0.5f * (yaw_change_sine_part_70 + yaw_change_sine_part_98)), 0.14022085f);
+    const float yaw_change_sine_part_100 = hall_position_three_limit((yaw_change_sine_test_2) ? (yaw_change_sine_part_70 + (yaw_change_sine_part_96 / (yaw_damping + yaw_change_sine_part_97))) : (0.5f * (yaw_change_sine_part_70 + yaw_change_sine_part_98)), max_yaw_step);
     const float yaw_change_sine_part_101 = yaw_change_sine_part_100 * yaw_change_sine_part_100;
     const float yaw_change_sine_3 = yaw_change_sine_part_100 * yaw_change_sine_polynomial(yaw_change_sine_part_101);
     const float half_yaw_change_sine_3 = yaw_change_sine_part_100 * half_yaw_change_sine_polynomial(yaw_change_sine_part_101);
     const float cost_3_part_3 = half_yaw_change_sine_3 * half_yaw_change_sine_3;
     const float cost_3_part_4 = 1.0f - cost_3_part_3;
     const float cost_3_part_5 = yaw_change_sine_part_100 - yaw_change_sine_part_70;
-    const float cost_3_part_6 = (yaw_change_sine_test_2) ? (cost_2_part_7 + (((yaw_change_sine_part_72 * cost_2_part_14) + (yaw_change_sine_part_74 * cost_2_part_21) + (yaw_change_sine_part_76 * cost_2_part_28) - (0.00992376f * cost_2_part_7) - (yaw_change_sine_part_78 * cost_3_part_5)) * yaw_change_sine_part_83)) : (0.5f * (cost_2_part_7 + cost_3_part));
-    const float cost_3_part_7 = hall_position_three_limit(cost_3_part_6, 0.5f);
-    const float cost_3_part_8 = (phase_fraction_sine_part_5 * cost_3_part_3) + (phase_fraction_sine_part_10 * yaw_change_sine_3);
-    const float cost_3_part_9 = cost_3_part_7 - cost_3_part_8;
-    const float cost_3_part_9_squared = cost_3_part_9 * cost_3_part_9;
-    const float cost_3_part_10 = f15_polynomial(cost_3_part_9_squared);
-    const float cost_3_part_11 = cost_3_part_9 * f16_polynomial(cost_3_part_9_squared);
-    const float cost_3_part_12 = (cost_0_part_6 * cost_3_part_10) + (yaw_change_sine_part * cost_3_part_11);
-    const float cost_3_part_12_squared = cost_3_part_12 * cost_3_part_12;
-    const float cost_3_part_13 = cost_3_part_12 * (cost_0_part_7 + (cost_3_part_12_squared * (cost_0_part_8 + (cost_3_part_12_squared * cost_0_part_9))));
-    const float cost_3_part_14 = (cost_0_part_2 * cost_3_part_4) - (cost_0_part_38 * yaw_change_sine_3) - cost_3_part_13;
-    const float cost_3_part_15 = (phase_fraction_sine_part_14 * cost_3_part_3) + (phase_fraction_sine_part_18 * yaw_change_sine_3);
-    const float cost_3_part_16 = cost_3_part_7 - cost_3_part_15;
-    const float cost_3_part_16_squared = cost_3_part_16 * cost_3_part_16;
-    const float cost_3_part_17 = f17_polynomial(cost_3_part_16_squared);
-    const float cost_3_part_18 = cost_3_part_16 * f18_polynomial(cost_3_part_16_squared);
-    const float cost_3_part_19 = (cost_0_part_19 * cost_3_part_17) + (yaw_change_sine_part_7 * cost_3_part_18);
-    const float cost_3_part_19_squared = cost_3_part_19 * cost_3_part_19;
-    const float cost_3_part_20 = cost_3_part_19 * (cost_0_part_20 + (cost_3_part_19_squared * (cost_0_part_21 + (cost_3_part_19_squared * cost_0_part_22))));
-    const float cost_3_part_21 = (cost_0_part_15 * cost_3_part_4) - (cost_0_part_45 * yaw_change_sine_3) - cost_3_part_20;
-    const float cost_3_part_22 = (phase_fraction_sine_part_22 * cost_3_part_3) + (phase_fraction_sine_part_26 * yaw_change_sine_3);
-    const float cost_3_part_23 = cost_3_part_7 - cost_3_part_22;
-    const float cost_3_part_23_squared = cost_3_part_23 * cost_3_part_23;
-    const float cost_3_part_24 = f19_polynomial(cost_3_part_23_squared);
-    const float cost_3_part_25 = cost_3_part_23 * f20_polynomial(cost_3_part_23_squared);
-    const float cost_3_part_26 = (cost_0_part_32 * cost_3_part_24) + (yaw_change_sine_part_13 * cost_3_part_25);
-    const float cost_3_part_26_squared = cost_3_part_26 * cost_3_part_26;
-    const float cost_3_part_27 = cost_3_part_26 * (cost_0_part_33 + (cost_3_part_26_squared * (cost_0_part_34 + (cost_3_part_26_squared * cost_0_part_35))));
-    const float cost_3_part_28 = (cost_0_part_28 * cost_3_part_4) - (cost_0_part_52 * yaw_change_sine_3) - cost_3_part_27;
-    const float cost_3_part_29 = (yaw_change_sine_test_2) ? (cost_2_part_30 + (((yaw_change_sine_part_84 * cost_2_part_37) + (yaw_change_sine_part_86 * cost_2_part_44) + (yaw_change_sine_part_88 * cost_2_part_51) - (0.00992376f * cost_2_part_30) - (yaw_change_sine_part_90 * cost_3_part_5)) * yaw_change_sine_part_95)) : (0.5f * (cost_2_part_30 + cost_3_part_2));
-    const float cost_3_part_30 = hall_position_three_limit(cost_3_part_29, 0.5f);
-    const float cost_3_part_31 = (phase_fraction_sine_part_5 * yaw_change_sine_3) - (phase_fraction_sine_part_10 * cost_3_part_3);
-    const float cost_3_part_32 = cost_3_part_30 + cost_3_part_31;
-    const float cost_3_part_32_squared = cost_3_part_32 * cost_3_part_32;
-    const float cost_3_part_33 = f15_polynomial(cost_3_part_32_squared);
-    const float cost_3_part_34 = cost_3_part_32 * f16_polynomial(cost_3_part_32_squared);
-    const float cost_3_part_35 = (cost_0_part_42 * cost_3_part_33) + (yaw_change_sine_part_24 * cost_3_part_34);
-    const float cost_3_part_35_squared = cost_3_part_35 * cost_3_part_35;
-    const float cost_3_part_36 = cost_3_part_35 * (cost_0_part_7 + (cost_3_part_35_squared * (cost_0_part_8 + (cost_3_part_35_squared * cost_0_part_9))));
-    const float cost_3_part_37 = (cost_0_part_38 * cost_3_part_4) + (cost_0_part_2 * yaw_change_sine_3) - cost_3_part_36;
-    const float cost_3_part_38 = (phase_fraction_sine_part_14 * yaw_change_sine_3) - (phase_fraction_sine_part_18 * cost_3_part_3);
-    const float cost_3_part_39 = cost_3_part_30 + cost_3_part_38;
-    const float cost_3_part_39_squared = cost_3_part_39 * cost_3_part_39;
-    const float cost_3_part_40 = f17_polynomial(cost_3_part_39_squared);
-    const float cost_3_part_41 = cost_3_part_39 * f18_polynomial(cost_3_part_39_squared);
-    const float cost_3_part_42 = (cost_0_part_49 * cost_3_part_40) + (yaw_change_sine_part_27 * cost_3_part_41);
-    const float cost_3_part_42_squared = cost_3_part_42 * cost_3_part_42;
-    const float cost_3_part_43 = cost_3_part_42 * (cost_0_part_20 + (cost_3_part_42_squared * (cost_0_part_21 + (cost_3_part_42_squared * cost_0_part_22))));
-    const float cost_3_part_44 = (cost_0_part_45 * cost_3_part_4) + (cost_0_part_15 * yaw_change_sine_3) - cost_3_part_43;
-    const float cost_3_part_45 = (phase_fraction_sine_part_22 * yaw_change_sine_3) - (phase_fraction_sine_part_26 * cost_3_part_3);
-    const float cost_3_part_46 = cost_3_part_30 + cost_3_part_45;
-    const float cost_3_part_46_squared = cost_3_part_46 * cost_3_part_46;
-    const float cost_3_part_47 = f19_polynomial(cost_3_part_46_squared);
-    const float cost_3_part_48 = cost_3_part_46 * f20_polynomial(cost_3_part_46_squared);
-    const float cost_3_part_49 = (cost_0_part_56 * cost_3_part_47) + (yaw_change_sine_part_30 * cost_3_part_48);
-    const float cost_3_part_49_squared = cost_3_part_49 * cost_3_part_49;
-    const float cost_3_part_50 = cost_3_part_49 * (cost_0_part_33 + (cost_3_part_49_squared * (cost_0_part_34 + (cost_3_part_49_squared * cost_0_part_35))));
-    const float cost_3_part_51 = (cost_0_part_52 * cost_3_part_4) + (cost_0_part_28 * yaw_change_sine_3) - cost_3_part_50;
-    const float cost_3 = (cost_3_part_14 * cost_3_part_14) + (cost_3_part_21 * cost_3_part_21) + (cost_3_part_28 * cost_3_part_28) + (cost_3_part_37 * cost_3_part_37) + (cost_3_part_44 * cost_3_part_44) + (cost_3_part_51 * cost_3_part_51) + (0.00992376f * ((cost_3_part_7 * cost_3_part_7) + (cost_3_part_30 * cost_3_part_30) + (88.11012f * yaw_change_sine_part_101)));
-    const bool yaw_change_sine_test_3 = cost_3 <= ((1.000002f * yaw_change_sine_part_99) + 1e-08f);
-    const float yaw_change_sine_part_102 = ((yaw_change_sine_part * cost_3_part_10) - (cost_0_part_6 * cost_3_part_11)) * (yaw_change_sine_part_2 + (cost_3_part_12_squared * (yaw_change_sine_part_3 + (cost_3_part_12_squared * yaw_change_sine_part_4))));
-    const float yaw_change_sine_part_103 = cost_3_part_36 - (yaw_change_sine_part_102 * (phase_fraction_sine_part_10 + cost_3_part_31));
-    const float yaw_change_sine_part_104 = ((yaw_change_sine_part_7 * cost_3_part_17) - (cost_0_part_19 * cost_3_part_18)) * (yaw_change_sine_part_8 + (cost_3_part_19_squared * (yaw_change_sine_part_9 + (cost_3_part_19_squared * yaw_change_sine_part_10))));
-    const float yaw_change_sine_part_105 = cost_3_part_43 - (yaw_change_sine_part_104 * (phase_fraction_sine_part_18 + cost_3_part_38));
-    const float yaw_change_sine_part_106 = ((yaw_change_sine_part_13 * cost_3_part_24) - (cost_0_part_32 * cost_3_part_25)) * (yaw_change_sine_part_14 + (cost_3_part_26_squared * (yaw_change_sine_part_15 + (cost_3_part_26_squared * yaw_change_sine_part_16))));
-    const float yaw_change_sine_part_107 = cost_3_part_50 - (yaw_change_sine_part_106 * (phase_fraction_sine_part_26 + cost_3_part_45));
+    const float cost_3_part_6 = hall_position_three_limit((yaw_change_sine_test_2) ? (cost_2_part_6 + (((yaw_change_sine_part_72 * cost_2_part_13) + (yaw_change_sine_part_74 * cost_2_part_20) + (yaw_change_sine_part_76 * cost_2_part_27) - (damping * cost_2_part_6) - (yaw_change_sine_part_78 * cost_3_part_5)) * yaw_change_sine_part_83)) : (0.5f * (cost_2_part_6 + cost_3_part)), 0.5f);
+    const float cost_3_part_7 = (phase_fraction_sine_part_5 * cost_3_part_3) + (phase_fraction_sine_part_10 * yaw_change_sine_3);
+    const float cost_3_part_8 = cost_3_part_6 - cost_3_part_7;
+    const float cost_3_part_8_squared = cost_3_part_8 * cost_3_part_8;
+    const float cost_3_part_9 = f15_polynomial(cost_3_part_8_squared);
+    const float cost_3_part_10 = cost_3_part_8 * f16_polynomial(cost_3_part_8_squared);
+    const float cost_3_part_11 = (cost_0_part_6 * cost_3_part_9) + (yaw_change_sine_part * cost_3_part_10);
+    const float cost_3_part_11_squared = cost_3_part_11 * cost_3_part_11;
+    const float cost_3_part_12 = cost_3_part_11 * (cost_0_part_7 + (cost_3_part_11_squared * (cost_0_part_8 + (cost_3_part_11_squared * cost_0_part_9))));
+    const float cost_3_part_13 = (cost_0_part_2 * cost_3_part_4) - (cost_0_part_38 * yaw_change_sine_3) - cost_3_part_12;
+    const float cost_3_part_14 = (phase_fraction_sine_part_14 * cost_3_part_3) + (phase_fraction_sine_part_18 * yaw_change_sine_3);
+    const float cost_3_part_15 = cost_3_part_6 - cost_3_part_14;
+    const float cost_3_part_15_squared = cost_3_part_15 * cost_3_part_15;
+    const float cost_3_part_16 = f17_polynomial(cost_3_part_15_squared);
+    const float cost_3_part_17 = cost_3_part_15 * f18_polynomial(cost_3_part_15_squared);
+    const float cost_3_part_18 = (cost_0_part_19 * cost_3_part_16) + (yaw_change_sine_part_7 * cost_3_part_17);
+    const float cost_3_part_18_squared = cost_3_part_18 * cost_3_part_18;
+    const float cost_3_part_19 = cost_3_part_18 * (cost_0_part_20 + (cost_3_part_18_squared * (cost_0_part_21 + (cost_3_part_18_squared * cost_0_part_22))));
+    const float cost_3_part_20 = (cost_0_part_15 * cost_3_part_4) - (cost_0_part_45 * yaw_change_sine_3) - cost_3_part_19;
+    const float cost_3_part_21 = (phase_fraction_sine_part_22 * cost_3_part_3) + (phase_fraction_sine_part_26 * yaw_change_sine_3);
+    const float cost_3_part_22 = cost_3_part_6 - cost_3_part_21;
+    const float cost_3_part_22_squared = cost_3_part_22 * cost_3_part_22;
+    const float cost_3_part_23 = f19_polynomial(cost_3_part_22_squared);
+    const float cost_3_part_24 = cost_3_part_22 * f20_polynomial(cost_3_part_22_squared);
+    const float cost_3_part_25 = (cost_0_part_32 * cost_3_part_23) + (yaw_change_sine_part_13 * cost_3_part_24);
+    const float cost_3_part_25_squared = cost_3_part_25 * cost_3_part_25;
+    const float cost_3_part_26 = cost_3_part_25 * (cost_0_part_33 + (cost_3_part_25_squared * (cost_0_part_34 + (cost_3_part_25_squared * cost_0_part_35))));
+    const float cost_3_part_27 = (cost_0_part_28 * cost_3_part_4) - (cost_0_part_52 * yaw_change_sine_3) - cost_3_part_26;
+    const float cost_3_part_28 = hall_position_three_limit((yaw_change_sine_test_2) ? (cost_2_part_28 + (((yaw_change_sine_part_84 * cost_2_part_35) + (yaw_change_sine_part_86 * cost_2_part_42) + (yaw_change_sine_part_88 * cost_2_part_49) - (damping * cost_2_part_28) - (yaw_change_sine_part_90 * cost_3_part_5)) * yaw_change_sine_part_95)) : (0.5f * (cost_2_part_28 + cost_3_part_2)), 0.5f);
+    const float cost_3_part_29 = (phase_fraction_sine_part_5 * yaw_change_sine_3) - (phase_fraction_sine_part_10 * cost_3_part_3);
+    const float cost_3_part_30 = cost_3_part_28 + cost_3_part_29;
+    const float cost_3_part_30_squared = cost_3_part_30 * cost_3_part_30;
+    const float cost_3_part_31 = f15_polynomial(cost_3_part_30_squared);
+    const float cost_3_part_32 = cost_3_part_30 * f16_polynomial(cost_3_part_30_squared);
+    const float cost_3_part_33 = (cost_0_part_42 * cost_3_part_31) + (yaw_change_sine_part_24 * cost_3_part_32);
+    const float cost_3_part_33_squared = cost_3_part_33 * cost_3_part_33;
+    const float cost_3_part_34 = cost_3_part_33 * (cost_0_part_7 + (cost_3_part_33_squared * (cost_0_part_8 + (cost_3_part_33_squared * cost_0_part_9))));
+    const float cost_3_part_35 = (cost_0_part_38 * cost_3_part_4) + (cost_0_part_2 * yaw_change_sine_3) - cost_3_part_34;
+    const float cost_3_part_36 = (phase_fraction_sine_part_14 * yaw_change_sine_3) - (phase_fraction_sine_part_18 * cost_3_part_3);
+    const float cost_3_part_37 = cost_3_part_28 + cost_3_part_36;
+    const float cost_3_part_37_squared = cost_3_part_37 * cost_3_part_37;
+    const float cost_3_part_38 = f17_polynomial(cost_3_part_37_squared);
+    const float cost_3_part_39 = cost_3_part_37 * f18_polynomial(cost_3_part_37_squared);
+    const float cost_3_part_40 = (cost_0_part_49 * cost_3_part_38) + (yaw_change_sine_part_27 * cost_3_part_39);
+    const float cost_3_part_40_squared = cost_3_part_40 * cost_3_part_40;
+    const float cost_3_part_41 = cost_3_part_40 * (cost_0_part_20 + (cost_3_part_40_squared * (cost_0_part_21 + (cost_3_part_40_squared * cost_0_part_22))));
+    const float cost_3_part_42 = (cost_0_part_45 * cost_3_part_4) + (cost_0_part_15 * yaw_change_sine_3) - cost_3_part_41;
+    const float cost_3_part_43 = (phase_fraction_sine_part_22 * yaw_change_sine_3) - (phase_fraction_sine_part_26 * cost_3_part_3);
+    const float cost_3_part_44 = cost_3_part_28 + cost_3_part_43;
+    const float cost_3_part_44_squared = cost_3_part_44 * cost_3_part_44;
+    const float cost_3_part_45 = f19_polynomial(cost_3_part_44_squared);
+    const float cost_3_part_46 = cost_3_part_44 * f20_polynomial(cost_3_part_44_squared);
+    const float cost_3_part_47 = (cost_0_part_56 * cost_3_part_45) + (yaw_change_sine_part_30 * cost_3_part_46);
+    const float cost_3_part_47_squared = cost_3_part_47 * cost_3_part_47;
+    const float cost_3_part_48 = cost_3_part_47 * (cost_0_part_33 + (cost_3_part_47_squared * (cost_0_part_34 + (cost_3_part_47_squared * cost_0_part_35))));
+    const float cost_3_part_49 = (cost_0_part_52 * cost_3_part_4) + (cost_0_part_28 * yaw_change_sine_3) - cost_3_part_48;
+    const float cost_3 = (cost_3_part_13 * cost_3_part_13) + (cost_3_part_20 * cost_3_part_20) + (cost_3_part_27 * cost_3_part_27) + (cost_3_part_35 * cost_3_part_35) + (cost_3_part_42 * cost_3_part_42) + (cost_3_part_49 * cost_3_part_49) + (damping * ((cost_3_part_6 * cost_3_part_6) + (cost_3_part_28 * cost_3_part_28) + (squared_yaw_arm * yaw_change_sine_part_101)));
+    const bool yaw_change_sine_test_3 = cost_3 <= ((cost_factor * yaw_change_sine_part_99) + cost_slack);
+    const float yaw_change_sine_part_102 = ((yaw_change_sine_part * cost_3_part_9) - (cost_0_part_6 * cost_3_part_10)) * (yaw_change_sine_part_2 + (cost_3_part_11_squared * (yaw_change_sine_part_3 + (cost_3_part_11_squared * yaw_change_sine_part_4))));
+    const float yaw_change_sine_part_103 = cost_3_part_34 - (yaw_change_sine_part_102 * (phase_fraction_sine_part_10 + cost_3_part_29));
+    const float yaw_change_sine_part_104 = ((yaw_change_sine_part_7 * cost_3_part_16) - (cost_0_part_19 * cost_3_part_17)) * (yaw_change_sine_part_8 + (cost_3_part_18_squared * (yaw_change_sine_part_9 + (cost_3_part_18_squared * yaw_change_sine_part_10))));
+    const float yaw_change_sine_part_105 = cost_3_part_41 - (yaw_change_sine_part_104 * (phase_fraction_sine_part_18 + cost_3_part_36));
+    const float yaw_change_sine_part_106 = ((yaw_change_sine_part_13 * cost_3_part_23) - (cost_0_part_32 * cost_3_part_24)) * (yaw_change_sine_part_14 + (cost_3_part_25_squared * (yaw_change_sine_part_15 + (cost_3_part_25_squared * yaw_change_sine_part_16))));
+    const float yaw_change_sine_part_107 = cost_3_part_48 - (yaw_change_sine_part_106 * (phase_fraction_sine_part_26 + cost_3_part_43));
     const float yaw_change_sine_part_108 = (yaw_change_sine_part_102 * yaw_change_sine_part_103) + (yaw_change_sine_part_104 * yaw_change_sine_part_105) + (yaw_change_sine_part_106 * yaw_change_sine_part_107);
     const float yaw_change_sine_part_109 = (yaw_change_sine_part_102 * yaw_change_sine_part_105) - (yaw_change_sine_part_104 * yaw_change_sine_part_103);
     const float yaw_change_sine_part_110 = (yaw_change_sine_part_102 * yaw_change_sine_part_107) - (yaw_change_sine_part_106 * yaw_change_sine_part_103);
-    const float yaw_change_sine_part_111 = (0.00992376f * ((yaw_change_sine_part_103 * cost_3_part_14) + (yaw_change_sine_part_105 * cost_3_part_21) + (yaw_change_sine_part_107 * cost_3_part_28) + (cost_3_part_7 * yaw_change_sine_part_108))) + (yaw_change_sine_part_109 * ((yaw_change_sine_part_102 * cost_3_part_21) - (yaw_change_sine_part_104 * cost_3_part_14))) + (yaw_change_sine_part_110 * ((yaw_change_sine_part_102 * cost_3_part_28) - (yaw_change_sine_part_106 * cost_3_part_14)));
+    const float yaw_change_sine_part_111 = (damping * ((yaw_change_sine_part_103 * cost_3_part_13) + (yaw_change_sine_part_105 * cost_3_part_20) + (yaw_change_sine_part_107 * cost_3_part_27) + (cost_3_part_6 * yaw_change_sine_part_108))) + (yaw_change_sine_part_109 * ((yaw_change_sine_part_102 * cost_3_part_20) - (yaw_change_sine_part_104 * cost_3_part_13))) + (yaw_change_sine_part_110 * ((yaw_change_sine_part_102 * cost_3_part_27) - (yaw_change_sine_part_106 * cost_3_part_13)));
     const float yaw_change_sine_part_112 = (yaw_change_sine_part_104 * yaw_change_sine_part_107) - (yaw_change_sine_part_106 * yaw_change_sine_part_105);
-    const float yaw_change_sine_part_113 = 1.0f / (0.00992376f + ((yaw_change_sine_part_102 * yaw_change_sine_part_102) + (yaw_change_sine_part_104 * yaw_change_sine_part_104) + (yaw_change_sine_part_106 * yaw_change_sine_part_106)));
-    const float yaw_change_sine_part_114 = ((yaw_change_sine_part_24 * cost_3_part_33) - (cost_0_part_42 * cost_3_part_34)) * (yaw_change_sine_part_2 + (cost_3_part_35_squared * (yaw_change_sine_part_3 + (cost_3_part_35_squared * yaw_change_sine_part_4))));
-    const float yaw_change_sine_part_115 = (yaw_change_sine_part_114 * (phase_fraction_sine_part_5 - cost_3_part_8)) - cost_3_part_13;
-    const float yaw_change_sine_part_116 = ((yaw_change_sine_part_27 * cost_3_part_40) - (cost_0_part_49 * cost_3_part_41)) * (yaw_change_sine_part_8 + (cost_3_part_42_squared * (yaw_change_sine_part_9 + (cost_3_part_42_squared * yaw_change_sine_part_10))));
-    const float yaw_change_sine_part_117 = (yaw_change_sine_part_116 * (phase_fraction_sine_part_14 - cost_3_part_15)) - cost_3_part_20;
-    const float yaw_change_sine_part_118 = ((yaw_change_sine_part_30 * cost_3_part_47) - (cost_0_part_56 * cost_3_part_48)) * (yaw_change_sine_part_14 + (cost_3_part_49_squared * (yaw_change_sine_part_15 + (cost_3_part_49_squared * yaw_change_sine_part_16))));
-    const float yaw_change_sine_part_119 = (yaw_change_sine_part_118 * (phase_fraction_sine_part_22 - cost_3_part_22)) - cost_3_part_27;
+    const float yaw_change_sine_part_113 = 1.0f / (damping + ((yaw_change_sine_part_102 * yaw_change_sine_part_102) + (yaw_change_sine_part_104 * yaw_change_sine_part_104) + (yaw_change_sine_part_106 * yaw_change_sine_part_106)));
+    const float yaw_change_sine_part_114 = ((yaw_change_sine_part_24 * cost_3_part_31) - (cost_0_part_42 * cost_3_part_32)) * (yaw_change_sine_part_2 + (cost_3_part_33_squared * (yaw_change_sine_part_3 + (cost_3_part_33_squared * yaw_change_sine_part_4))));
+    const float yaw_change_sine_part_115 = (yaw_change_sine_part_114 * (phase_fraction_sine_part_5 - cost_3_part_7)) - cost_3_part_12;
+    const float yaw_change_sine_part_116 = ((yaw_change_sine_part_27 * cost_3_part_38) - (cost_0_part_49 * cost_3_part_39)) * (yaw_change_sine_part_8 + (cost_3_part_40_squared * (yaw_change_sine_part_9 + (cost_3_part_40_squared * yaw_change_sine_part_10))));
+    const float yaw_change_sine_part_117 = (yaw_change_sine_part_116 * (phase_fraction_sine_part_14 - cost_3_part_14)) - cost_3_part_19;
+    const float yaw_change_sine_part_118 = ((yaw_change_sine_part_30 * cost_3_part_45) - (cost_0_part_56 * cost_3_part_46)) * (yaw_change_sine_part_14 + (cost_3_part_47_squared * (yaw_change_sine_part_15 + (cost_3_part_47_squared * yaw_change_sine_part_16))));
+    const float yaw_change_sine_part_119 = (yaw_change_sine_part_118 * (phase_fraction_sine_part_22 - cost_3_part_21)) - cost_3_part_26;
     const float yaw_change_sine_part_120 = (yaw_change_sine_part_114 * yaw_change_sine_part_115) + (yaw_change_sine_part_116 * yaw_change_sine_part_117) + (yaw_change_sine_part_118 * yaw_change_sine_part_119);
     const float yaw_change_sine_part_121 = (yaw_change_sine_part_114 * yaw_change_sine_part_117) - (yaw_change_sine_part_116 * yaw_change_sine_part_115);
     const float yaw_change_sine_part_122 = (yaw_change_sine_part_114 * yaw_change_sine_part_119) - (yaw_change_sine_part_118 * yaw_change_sine_part_115);
-    const float yaw_change_sine_part_123 = (0.00992376f * ((yaw_change_sine_part_115 * cost_3_part_37) + (yaw_change_sine_part_117 * cost_3_part_44) + (yaw_change_sine_part_119 * cost_3_part_51) + (cost_3_part_30 * yaw_change_sine_part_120))) + (yaw_change_sine_part_121 * ((yaw_change_sine_part_114 * cost_3_part_44) - (yaw_change_sine_part_116 * cost_3_part_37))) + (yaw_change_sine_part_122 * ((yaw_change_sine_part_114 * cost_3_part_51) - (yaw_change_sine_part_118 * cost_3_part_37)));
+    const float yaw_change_sine_part_123 = (damping * ((yaw_change_sine_part_115 * cost_3_part_35) + (yaw_change_sine_part_117 * cost_3_part_42) + (yaw_change_sine_part_119 * cost_3_part_49) + (cost_3_part_28 * yaw_change_sine_part_120))) + (yaw_change_sine_part_121 * ((yaw_change_sine_part_114 * cost_3_part_42) - (yaw_change_sine_part_116 * cost_3_part_35))) + (yaw_change_sine_part_122 * ((yaw_change_sine_part_114 * cost_3_part_49) - (yaw_change_sine_part_118 * cost_3_part_35)));
     const float yaw_change_sine_part_124 = (yaw_change_sine_part_116 * yaw_change_sine_part_119) - (yaw_change_sine_part_118 * yaw_change_sine_part_117);
-    const float yaw_change_sine_part_125 = 1.0f / (0.00992376f + ((yaw_change_sine_part_114 * yaw_change_sine_part_114) + (yaw_change_sine_part_116 * yaw_change_sine_part_116) + (yaw_change_sine_part_118 * yaw_change_sine_part_118)));
-    const float yaw_change_sine_part_126 = ((yaw_change_sine_part_111 + (yaw_change_sine_part_112 * ((yaw_change_sine_part_104 * cost_3_part_28) - (yaw_change_sine_part_106 * cost_3_part_21)))) * yaw_change_sine_part_113) + ((yaw_change_sine_part_123 + (yaw_change_sine_part_124 * ((yaw_change_sine_part_116 * cost_3_part_51) - (yaw_change_sine_part_118 * cost_3_part_44)))) * yaw_change_sine_part_125) - (0.87438375f * yaw_change_sine_part_100);
-    const float yaw_change_sine_part_127 = (((0.00992376f * ((yaw_change_sine_part_103 * yaw_change_sine_part_103) + (yaw_change_sine_part_105 * yaw_change_sine_part_105) + (yaw_change_sine_part_107 * yaw_change_sine_part_107))) + (yaw_change_sine_part_109 * yaw_change_sine_part_109) + (yaw_change_sine_part_110 * yaw_change_sine_part_110) + (yaw_change_sine_part_112 * yaw_change_sine_part_112)) * yaw_change_sine_part_113) + (((0.00992376f * ((yaw_change_sine_part_115 * yaw_change_sine_part_115) + (yaw_change_sine_part_117 * yaw_change_sine_part_117) + (yaw_change_sine_part_119 * yaw_change_sine_part_119))) + (yaw_change_sine_part_121 * yaw_change_sine_part_121) + (yaw_change_sine_part_122 * yaw_change_sine_part_122) + (yaw_change_sine_part_124 * yaw_change_sine_part_124)) * yaw_change_sine_part_125);
+    const float yaw_change_sine_part_125 = 1.0f / (damping + ((yaw_change_sine_part_114 * yaw_change_sine_part_114) + (yaw_change_sine_part_116 * yaw_change_sine_part_116) + (yaw_change_sine_part_118 * yaw_change_sine_part_118)));
+    const float yaw_change_sine_part_126 = ((yaw_change_sine_part_111 + (yaw_change_sine_part_112 * ((yaw_change_sine_part_104 * cost_3_part_27) - (yaw_change_sine_part_106 * cost_3_part_20)))) * yaw_change_sine_part_113) + ((yaw_change_sine_part_123 + (yaw_change_sine_part_124 * ((yaw_change_sine_part_116 * cost_3_part_49) - (yaw_change_sine_part_118 * cost_3_part_42)))) * yaw_change_sine_part_125) - (yaw_damping * yaw_change_sine_part_100);
+    const float yaw_change_sine_part_127 = (((damping * ((yaw_change_sine_part_103 * yaw_change_sine_part_103) + (yaw_change_sine_part_105 * yaw_change_sine_part_105) + (yaw_change_sine_part_107 * yaw_change_sine_part_107))) + (yaw_change_sine_part_109 * yaw_change_sine_part_109) + (yaw_change_sine_part_110 * yaw_change_sine_part_110) + (yaw_change_sine_part_112 * yaw_change_sine_part_112)) * yaw_change_sine_part_113) + (((damping * ((yaw_change_sine_part_115 * yaw_change_sine_part_115) + (yaw_change_sine_part_117 * yaw_change_sine_part_117) + (yaw_change_sine_part_119 * yaw_change_sine_part_119))) + (yaw_change_sine_part_121 * yaw_change_sine_part_121) + (yaw_change_sine_part_122 * yaw_change_sine_part_122) + (yaw_change_sine_part_124 * yaw_change_sine_part_124)) * yaw_change_sine_part_125);
     float yaw_change_sine_part_128 = yaw_change_sine_part_100;
-    float cost_4_part = cost_3_part_7;
-    float cost_4_part_2 = cost_3_part_30;
+    float cost_4_part = cost_3_part_6;
+    float cost_4_part_2 = cost_3_part_28;
     float converged_part = cost_3;
     if (!yaw_change_sine_test_3) {
         yaw_change_sine_part_128 = yaw_change_sine_part_98;
@@ -740,124 +773,122 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         cost_4_part_2 = cost_3_part_2;
         converged_part = yaw_change_sine_part_99;
     }
-    const float yaw_change_sine_part_129 = hall_position_three_limit((yaw_change_sine_test_3) ? (yaw_change_sine_part_100 + (yaw_change_sine_part_126 / (0.87438375f + yaw_change_sine_part_127))) : (0.5f * (yaw_change_sine_part_100 + yaw_change_sine_part_128)), 0.14022085f);
+    const float yaw_change_sine_part_129 = hall_position_three_limit((yaw_change_sine_test_3) ? (yaw_change_sine_part_100 + (yaw_change_sine_part_126 / (yaw_damping + yaw_change_sine_part_127))) : (0.5f * (yaw_change_sine_part_100 + yaw_change_sine_part_128)), max_yaw_step);
     const float yaw_change_sine_part_130 = yaw_change_sine_part_129 * yaw_change_sine_part_129;
     const float yaw_change_sine_4 = yaw_change_sine_part_129 * yaw_change_sine_polynomial(yaw_change_sine_part_130);
     const float half_yaw_change_sine_4 = yaw_change_sine_part_129 * half_yaw_change_sine_polynomial(yaw_change_sine_part_130);
     const float cost_4_part_3 = half_yaw_change_sine_4 * half_yaw_change_sine_4;
     const float cost_4_part_4 = 1.0f - cost_4_part_3;
     const float cost_4_part_5 = yaw_change_sine_part_129 - yaw_change_sine_part_100;
-    const float cost_4_part_6 = (yaw_change_sine_test_3) ? (cost_3_part_7 + (((yaw_change_sine_part_102 * cost_3_part_14) + (yaw_change_sine_part_104 * cost_3_part_21) + (yaw_change_sine_part_106 * cost_3_part_28) - (0.00992376f * cost_3_part_7) - (yaw_change_sine_part_108 * cost_4_part_5)) * yaw_change_sine_part_113)) : (0.5f * (cost_3_part_7 + cost_4_part));
-    const float cost_4_part_7 = hall_position_three_limit(cost_4_part_6, 0.5f);
-    const float cost_4_part_8 = (phase_fraction_sine_part_5 * cost_4_part_3) + (phase_fraction_sine_part_10 * yaw_change_sine_4);
-    const float cost_4_part_9 = cost_4_part_7 - cost_4_part_8;
-    const float cost_4_part_9_squared = cost_4_part_9 * cost_4_part_9;
-    const float cost_4_part_10 = f15_polynomial(cost_4_part_9_squared);
-    const float cost_4_part_11 = cost_4_part_9 * f16_polynomial(cost_4_part_9_squared);
-    const float cost_4_part_12 = (cost_0_part_6 * cost_4_part_10) + (yaw_change_sine_part * cost_4_part_11);
-    const float cost_4_part_12_squared = cost_4_part_12 * cost_4_part_12;
-    const float cost_4_part_13 = cost_4_part_12 * (cost_0_part_7 + (cost_4_part_12_squared * (cost_0_part_8 + (cost_4_part_12_squared * cost_0_part_9))));
-    const float cost_4_part_14 = (cost_0_part_2 * cost_4_part_4) - (cost_0_part_38 * yaw_change_sine_4) - cost_4_part_13;
-    const float cost_4_part_15 = (phase_fraction_sine_part_14 * cost_4_part_3) + (phase_fraction_sine_part_18 * yaw_change_sine_4);
-    const float cost_4_part_16 = cost_4_part_7 - cost_4_part_15;
-    const float cost_4_part_16_squared = cost_4_part_16 * cost_4_part_16;
-    const float cost_4_part_17 = f17_polynomial(cost_4_part_16_squared);
-    const float cost_4_part_18 = cost_4_part_16 * f18_polynomial(cost_4_part_16_squared);
-    const float cost_4_part_19 = (cost_0_part_19 * cost_4_part_17) + (yaw_change_sine_part_7 * cost_4_part_18);
-    const float cost_4_part_19_squared = cost_4_part_19 * cost_4_part_19;
-    const float cost_4_part_20 = cost_4_part_19 * (cost_0_part_20 + (cost_4_part_19_squared * (cost_0_part_21 + (cost_4_part_19_squared * cost_0_part_22))));
-    const float cost_4_part_21 = (cost_0_part_15 * cost_4_part_4) - (cost_0_part_45 * yaw_change_sine_4) - cost_4_part_20;
-    const float cost_4_part_22 = (phase_fraction_sine_part_22 * cost_4_part_3) + (phase_fraction_sine_part_26 * yaw_change_sine_4);
-    const float cost_4_part_23 = cost_4_part_7 - cost_4_part_22;
-    const float cost_4_part_23_squared = cost_4_part_23 * cost_4_part_23;
-    const float cost_4_part_24 = f19_polynomial(cost_4_part_23_squared);
-    const float cost_4_part_25 = cost_4_part_23 * f20_polynomial(cost_4_part_23_squared);
-    const float cost_4_part_26 = (cost_0_part_32 * cost_4_part_24) + (yaw_change_sine_part_13 * cost_4_part_25);
-    const float cost_4_part_26_squared = cost_4_part_26 * cost_4_part_26;
-    const float cost_4_part_27 = cost_4_part_26 * (cost_0_part_33 + (cost_4_part_26_squared * (cost_0_part_34 + (cost_4_part_26_squared * cost_0_part_35))));
-    const float cost_4_part_28 = (cost_0_part_28 * cost_4_part_4) - (cost_0_part_52 * yaw_change_sine_4) - cost_4_part_27;
-    const float cost_4_part_29 = (yaw_change_sine_test_3) ? (cost_3_part_30 + (((yaw_change_sine_part_114 * cost_3_part_37) + (yaw_change_sine_part_116 * cost_3_part_44) + (yaw_change_sine_part_118 * cost_3_part_51) - (0.00992376f * cost_3_part_30) - (yaw_change_sine_part_120 * cost_4_part_5)) * yaw_change_sine_part_125)) : (0.5f * (cost_3_part_30 + cost_4_part_2));
-    const float cost_4_part_30 = hall_position_three_limit(cost_4_part_29, 0.5f);
-    const float cost_4_part_31 = (phase_fraction_sine_part_5 * yaw_change_sine_4) - (phase_fraction_sine_part_10 * cost_4_part_3);
-    const float cost_4_part_32 = cost_4_part_30 + cost_4_part_31;
-    const float cost_4_part_32_squared = cost_4_part_32 * cost_4_part_32;
-    const float cost_4_part_33 = f15_polynomial(cost_4_part_32_squared);
-    const float cost_4_part_34 = cost_4_part_32 * f16_polynomial(cost_4_part_32_squared);
-    const float cost_4_part_35 = (cost_0_part_42 * cost_4_part_33) + (yaw_change_sine_part_24 * cost_4_part_34);
-    const float cost_4_part_35_squared = cost_4_part_35 * cost_4_part_35;
-    const float cost_4_part_36 = cost_4_part_35 * (cost_0_part_7 + (cost_4_part_35_squared * (cost_0_part_8 + (cost_4_part_35_squared * cost_0_part_9))));
-    const float cost_4_part_37 = (cost_0_part_38 * cost_4_part_4) + (cost_0_part_2 * yaw_change_sine_4) - cost_4_part_36;
-    const float cost_4_part_38 = (phase_fraction_sine_part_14 * yaw_change_sine_4) - (phase_fraction_sine_part_18 * cost_4_part_3);
-    const float cost_4_part_39 = cost_4_part_30 + cost_4_part_38;
-    const float cost_4_part_39_squared = cost_4_part_39 * cost_4_part_39;
-    const float cost_4_part_40 = f17_polynomial(cost_4_part_39_squared);
-    const float cost_4_part_41 = cost_4_part_39 * f18_polynomial(cost_4_part_39_squared);
-    const float cost_4_part_42 = (cost_0_part_49 * cost_4_part_40) + (yaw_change_sine_part_27 * cost_4_part_41);
-    const float cost_4_part_42_squared = cost_4_part_42 * cost_4_part_42;
-    const float cost_4_part_43 = cost_4_part_42 * (cost_0_part_20 + (cost_4_part_42_squared * (cost_0_part_21 + (cost_4_part_42_squared * cost_0_part_22))));
-    const float cost_4_part_44 = (cost_0_part_45 * cost_4_part_4) + (cost_0_part_15 * yaw_change_sine_4) - cost_4_part_43;
-    const float cost_4_part_45 = (phase_fraction_sine_part_22 * yaw_change_sine_4) - (phase_fraction_sine_part_26 * cost_4_part_3);
-    const float cost_4_part_46 = cost_4_part_30 + cost_4_part_45;
-    const float cost_4_part_46_squared = cost_4_part_46 * cost_4_part_46;
-    const float cost_4_part_47 = f19_polynomial(cost_4_part_46_squared);
-    const float cost_4_part_48 = cost_4_part_46 * f20_polynomial(cost_4_part_46_squared);
-    const float cost_4_part_49 = (cost_0_part_56 * cost_4_part_47) + (yaw_change_sine_part_30 * cost_4_part_48);
-    const float cost_4_part_49_squared = cost_4_part_49 * cost_4_part_49;
-    const float cost_4_part_50 = cost_4_part_49 * (cost_0_part_33 + (cost_4_part_49_squared * (cost_0_part_34 + (cost_4_part_49_squared * cost_0_part_35))));
-    const float cost_4_part_51 = (cost_0_part_52 * cost_4_part_4) + (cost_0_part_28 * yaw_change_sine_4) - cost_4_part_50;
-    const float cost_4_part_52 = (cost_4_part_14 * cost_4_part_14) + (cost_4_part_21 * cost_4_part_21) + (cost_4_part_28 * cost_4_part_28) + (cost_4_part_37 * cost_4_part_37) + (cost_4_part_44 * cost_4_part_44) + (cost_4_part_51 * cost_4_part_51);
-    const float cost_4_part_53 = (cost_4_part_7 * cost_4_part_7) + (cost_4_part_30 * cost_4_part_30);
-    const float cost_4 = cost_4_part_52 + (0.00992376f * (cost_4_part_53 + (88.11012f * yaw_change_sine_part_130)));
+    const float cost_4_part_6 = hall_position_three_limit((yaw_change_sine_test_3) ? (cost_3_part_6 + (((yaw_change_sine_part_102 * cost_3_part_13) + (yaw_change_sine_part_104 * cost_3_part_20) + (yaw_change_sine_part_106 * cost_3_part_27) - (damping * cost_3_part_6) - (yaw_change_sine_part_108 * cost_4_part_5)) * yaw_change_sine_part_113)) : (0.5f * (cost_3_part_6 + cost_4_part)), 0.5f);
+    const float cost_4_part_7 = (phase_fraction_sine_part_5 * cost_4_part_3) + (phase_fraction_sine_part_10 * yaw_change_sine_4);
+    const float cost_4_part_8 = cost_4_part_6 - cost_4_part_7;
+    const float cost_4_part_8_squared = cost_4_part_8 * cost_4_part_8;
+    const float cost_4_part_9 = f15_polynomial(cost_4_part_8_squared);
+    const float cost_4_part_10 = cost_4_part_8 * f16_polynomial(cost_4_part_8_squared);
+    const float cost_4_part_11 = (cost_0_part_6 * cost_4_part_9) + (yaw_change_sine_part * cost_4_part_10);
+    const float cost_4_part_11_squared = cost_4_part_11 * cost_4_part_11;
+    const float cost_4_part_12 = cost_4_part_11 * (cost_0_part_7 + (cost_4_part_11_squared * (cost_0_part_8 + (cost_4_part_11_squared * cost_0_part_9))));
+    const float cost_4_part_13 = (cost_0_part_2 * cost_4_part_4) - (cost_0_part_38 * yaw_change_sine_4) - cost_4_part_12;
+    const float cost_4_part_14 = (phase_fraction_sine_part_14 * cost_4_part_3) + (phase_fraction_sine_part_18 * yaw_change_sine_4);
+    const float cost_4_part_15 = cost_4_part_6 - cost_4_part_14;
+    const float cost_4_part_15_squared = cost_4_part_15 * cost_4_part_15;
+    const float cost_4_part_16 = f17_polynomial(cost_4_part_15_squared);
+    const float cost_4_part_17 = cost_4_part_15 * f18_polynomial(cost_4_part_15_squared);
+    const float cost_4_part_18 = (cost_0_part_19 * cost_4_part_16) + (yaw_change_sine_part_7 * cost_4_part_17);
+    const float cost_4_part_18_squared = cost_4_part_18 * cost_4_part_18;
+    const float cost_4_part_19 = cost_4_part_18 * (cost_0_part_20 + (cost_4_part_18_squared * (cost_0_part_21 + (cost_4_part_18_squared * cost_0_part_22))));
+    const float cost_4_part_20 = (cost_0_part_15 * cost_4_part_4) - (cost_0_part_45 * yaw_change_sine_4) - cost_4_part_19;
+    const float cost_4_part_21 = (phase_fraction_sine_part_22 * cost_4_part_3) + (phase_fraction_sine_part_26 * yaw_change_sine_4);
+    const float cost_4_part_22 = cost_4_part_6 - cost_4_part_21;
+    const float cost_4_part_22_squared = cost_4_part_22 * cost_4_part_22;
+    const float cost_4_part_23 = f19_polynomial(cost_4_part_22_squared);
+    const float cost_4_part_24 = cost_4_part_22 * f20_polynomial(cost_4_part_22_squared);
+    const float cost_4_part_25 = (cost_0_part_32 * cost_4_part_23) + (yaw_change_sine_part_13 * cost_4_part_24);
+    const float cost_4_part_25_squared = cost_4_part_25 * cost_4_part_25;
+    const float cost_4_part_26 = cost_4_part_25 * (cost_0_part_33 + (cost_4_part_25_squared * (cost_0_part_34 + (cost_4_part_25_squared * cost_0_part_35))));
+    const float cost_4_part_27 = (cost_0_part_28 * cost_4_part_4) - (cost_0_part_52 * yaw_change_sine_4) - cost_4_part_26;
+    const float cost_4_part_28 = hall_position_three_limit((yaw_change_sine_test_3) ? (cost_3_part_28 + (((yaw_change_sine_part_114 * cost_3_part_35) + (yaw_change_sine_part_116 * cost_3_part_42) + (yaw_change_sine_part_118 * cost_3_part_49) - (damping * cost_3_part_28) - (yaw_change_sine_part_120 * cost_4_part_5)) * yaw_change_sine_part_125)) : (0.5f * (cost_3_part_28 + cost_4_part_2)), 0.5f);
+    const float cost_4_part_29 = (phase_fraction_sine_part_5 * yaw_change_sine_4) - (phase_fraction_sine_part_10 * cost_4_part_3);
+    const float cost_4_part_30 = cost_4_part_28 + cost_4_part_29;
+    const float cost_4_part_30_squared = cost_4_part_30 * cost_4_part_30;
+    const float cost_4_part_31 = f15_polynomial(cost_4_part_30_squared);
+    const float cost_4_part_32 = cost_4_part_30 * f16_polynomial(cost_4_part_30_squared);
+    const float cost_4_part_33 = (cost_0_part_42 * cost_4_part_31) + (yaw_change_sine_part_24 * cost_4_part_32);
+    const float cost_4_part_33_squared = cost_4_part_33 * cost_4_part_33;
+    const float cost_4_part_34 = cost_4_part_33 * (cost_0_part_7 + (cost_4_part_33_squared * (cost_0_part_8 + (cost_4_part_33_squared * cost_0_part_9))));
+    const float cost_4_part_35 = (cost_0_part_38 * cost_4_part_4) + (cost_0_part_2 * yaw_change_sine_4) - cost_4_part_34;
+    const float cost_4_part_36 = (phase_fraction_sine_part_14 * yaw_change_sine_4) - (phase_fraction_sine_part_18 * cost_4_part_3);
+    const float cost_4_part_37 = cost_4_part_28 + cost_4_part_36;
+    const float cost_4_part_37_squared = cost_4_part_37 * cost_4_part_37;
+    const float cost_4_part_38 = f17_polynomial(cost_4_part_37_squared);
+    const float cost_4_part_39 = cost_4_part_37 * f18_polynomial(cost_4_part_37_squared);
+    const float cost_4_part_40 = (cost_0_part_49 * cost_4_part_38) + (yaw_change_sine_part_27 * cost_4_part_39);
+    const float cost_4_part_40_squared = cost_4_part_40 * cost_4_part_40;
+    const float cost_4_part_41 = cost_4_part_40 * (cost_0_part_20 + (cost_4_part_40_squared * (cost_0_part_21 + (cost_4_part_40_squared * cost_0_part_22))));
+    const float cost_4_part_42 = (cost_0_part_45 * cost_4_part_4) + (cost_0_part_15 * yaw_change_sine_4) - cost_4_part_41;
+    const float cost_4_part_43 = (phase_fraction_sine_part_22 * yaw_change_sine_4) - (phase_fraction_sine_part_26 * cost_4_part_3);
+    const float cost_4_part_44 = cost_4_part_28 + cost_4_part_43;
+    const float cost_4_part_44_squared = cost_4_part_44 * cost_4_part_44;
+    const float cost_4_part_45 = f19_polynomial(cost_4_part_44_squared);
+    const float cost_4_part_46 = cost_4_part_44 * f20_polynomial(cost_4_part_44_squared);
+    const float cost_4_part_47 = (cost_0_part_56 * cost_4_part_45) + (yaw_change_sine_part_30 * cost_4_part_46);
+    const float cost_4_part_47_squared = cost_4_part_47 * cost_4_part_47;
+    const float cost_4_part_48 = cost_4_part_47 * (cost_0_part_33 + (cost_4_part_47_squared * (cost_0_part_34 + (cost_4_part_47_squared * cost_0_part_35))));
+    const float cost_4_part_49 = (cost_0_part_52 * cost_4_part_4) + (cost_0_part_28 * yaw_change_sine_4) - cost_4_part_48;
+    const float cost_4_part_50 = (cost_4_part_13 * cost_4_part_13) + (cost_4_part_20 * cost_4_part_20) + (cost_4_part_27 * cost_4_part_27) + (cost_4_part_35 * cost_4_part_35) + (cost_4_part_42 * cost_4_part_42) + (cost_4_part_49 * cost_4_part_49);
+    const float cost_4_part_51 = (cost_4_part_6 * cost_4_part_6) + (cost_4_part_28 * cost_4_part_28);
+    const float cost_4 = cost_4_part_50 + (damping * (cost_4_part_51 + (squared_yaw_arm * yaw_change_sine_part_130)));
     const float yaw_change_sine_part_131 = (cost_0_test || cost_0_test_2 || cost_0_test_3) ? 1.0f : 3.0f;
     const uint32_t estimator_ambiguity_resolved = state->estimator_ambiguity_resolved;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
-    const float yaw_change_sine_part_132 = 0.030115018f + (0.030115018f * (float)estimator_residual_faults);
-    const bool yaw_change_sine_test_4 = (yaw_change_sine_part_132 * yaw_change_sine_part_132) < (cost_4_part_53 + (3.524405f * yaw_change_sine_part_130));
-    const bool converged_test = cost_4 <= ((1.000002f * converged_part) + 1e-08f);
-    const float converged_part_2 = ((yaw_change_sine_part * cost_4_part_10) - (cost_0_part_6 * cost_4_part_11)) * (yaw_change_sine_part_2 + (cost_4_part_12_squared * (yaw_change_sine_part_3 + (cost_4_part_12_squared * yaw_change_sine_part_4))));
-    const float converged_part_3 = cost_4_part_36 - (converged_part_2 * (phase_fraction_sine_part_10 + cost_4_part_31));
-    const float converged_part_4 = ((yaw_change_sine_part_7 * cost_4_part_17) - (cost_0_part_19 * cost_4_part_18)) * (yaw_change_sine_part_8 + (cost_4_part_19_squared * (yaw_change_sine_part_9 + (cost_4_part_19_squared * yaw_change_sine_part_10))));
-    const float converged_part_5 = cost_4_part_43 - (converged_part_4 * (phase_fraction_sine_part_18 + cost_4_part_38));
-    const float converged_part_6 = ((yaw_change_sine_part_13 * cost_4_part_24) - (cost_0_part_32 * cost_4_part_25)) * (yaw_change_sine_part_14 + (cost_4_part_26_squared * (yaw_change_sine_part_15 + (cost_4_part_26_squared * yaw_change_sine_part_16))));
-    const float converged_part_7 = cost_4_part_50 - (converged_part_6 * (phase_fraction_sine_part_26 + cost_4_part_45));
+    const float yaw_change_sine_part_132 = innovation_gate + (innovation_gate * (float)estimator_residual_faults);
+    const bool yaw_change_sine_test_4 = (yaw_change_sine_part_132 * yaw_change_sine_part_132) < (cost_4_part_51 + (squared_radius * yaw_change_sine_part_130));
+    const bool converged_test = cost_4 <= ((cost_factor * converged_part) + cost_slack);
+    const float converged_part_2 = ((yaw_change_sine_part * cost_4_part_9) - (cost_0_part_6 * cost_4_part_10)) * (yaw_change_sine_part_2 + (cost_4_part_11_squared * (yaw_change_sine_part_3 + (cost_4_part_11_squared * yaw_change_sine_part_4))));
+    const float converged_part_3 = cost_4_part_34 - (converged_part_2 * (phase_fraction_sine_part_10 + cost_4_part_29));
+    const float converged_part_4 = ((yaw_change_sine_part_7 * cost_4_part_16) - (cost_0_part_19 * cost_4_part_17)) * (yaw_change_sine_part_8 + (cost_4_part_18_squared * (yaw_change_sine_part_9 + (cost_4_part_18_squared * yaw_change_sine_part_10))));
+    const float converged_part_5 = cost_4_part_41 - (converged_part_4 * (phase_fraction_sine_part_18 + cost_4_part_36));
+    const float converged_part_6 = ((yaw_change_sine_part_13 * cost_4_part_23) - (cost_0_part_32 * cost_4_part_24)) * (yaw_change_sine_part_14 + (cost_4_part_25_squared * (yaw_change_sine_part_15 + (cost_4_part_25_squared * yaw_change_sine_part_16))));
+    const float converged_part_7 = cost_4_part_48 - (converged_part_6 * (phase_fraction_sine_part_26 + cost_4_part_43));
     const float converged_part_8 = (converged_part_2 * converged_part_3) + (converged_part_4 * converged_part_5) + (converged_part_6 * converged_part_7);
     const float converged_part_9 = (converged_part_2 * converged_part_5) - (converged_part_4 * converged_part_3);
     const float converged_part_10 = (converged_part_2 * converged_part_7) - (converged_part_6 * converged_part_3);
-    const float converged_part_11 = (0.00992376f * ((converged_part_3 * cost_4_part_14) + (converged_part_5 * cost_4_part_21) + (converged_part_7 * cost_4_part_28) + (cost_4_part_7 * converged_part_8))) + (converged_part_9 * ((converged_part_2 * cost_4_part_21) - (converged_part_4 * cost_4_part_14))) + (converged_part_10 * ((converged_part_2 * cost_4_part_28) - (converged_part_6 * cost_4_part_14)));
+    const float converged_part_11 = (damping * ((converged_part_3 * cost_4_part_13) + (converged_part_5 * cost_4_part_20) + (converged_part_7 * cost_4_part_27) + (cost_4_part_6 * converged_part_8))) + (converged_part_9 * ((converged_part_2 * cost_4_part_20) - (converged_part_4 * cost_4_part_13))) + (converged_part_10 * ((converged_part_2 * cost_4_part_27) - (converged_part_6 * cost_4_part_13)));
     const float converged_part_12 = (converged_part_4 * converged_part_7) - (converged_part_6 * converged_part_5);
-    const float converged_part_13 = 1.0f / (0.00992376f + ((converged_part_2 * converged_part_2) + (converged_part_4 * converged_part_4) + (converged_part_6 * converged_part_6)));
-    const float converged_part_14 = ((yaw_change_sine_part_24 * cost_4_part_33) - (cost_0_part_42 * cost_4_part_34)) * (yaw_change_sine_part_2 + (cost_4_part_35_squared * (yaw_change_sine_part_3 + (cost_4_part_35_squared * yaw_change_sine_part_4))));
-    const float converged_part_15 = (converged_part_14 * (phase_fraction_sine_part_5 - cost_4_part_8)) - cost_4_part_13;
-    const float converged_part_16 = ((yaw_change_sine_part_27 * cost_4_part_40) - (cost_0_part_49 * cost_4_part_41)) * (yaw_change_sine_part_8 + (cost_4_part_42_squared * (yaw_change_sine_part_9 + (cost_4_part_42_squared * yaw_change_sine_part_10))));
-    const float converged_part_17 = (converged_part_16 * (phase_fraction_sine_part_14 - cost_4_part_15)) - cost_4_part_20;
-    const float converged_part_18 = ((yaw_change_sine_part_30 * cost_4_part_47) - (cost_0_part_56 * cost_4_part_48)) * (yaw_change_sine_part_14 + (cost_4_part_49_squared * (yaw_change_sine_part_15 + (cost_4_part_49_squared * yaw_change_sine_part_16))));
-    const float converged_part_19 = (converged_part_18 * (phase_fraction_sine_part_22 - cost_4_part_22)) - cost_4_part_27;
+    const float converged_part_13 = 1.0f / (damping + ((converged_part_2 * converged_part_2) + (converged_part_4 * converged_part_4) + (converged_part_6 * converged_part_6)));
+    const float converged_part_14 = ((yaw_change_sine_part_24 * cost_4_part_31) - (cost_0_part_42 * cost_4_part_32)) * (yaw_change_sine_part_2 + (cost_4_part_33_squared * (yaw_change_sine_part_3 + (cost_4_part_33_squared * yaw_change_sine_part_4))));
+    const float converged_part_15 = (converged_part_14 * (phase_fraction_sine_part_5 - cost_4_part_7)) - cost_4_part_12;
+    const float converged_part_16 = ((yaw_change_sine_part_27 * cost_4_part_38) - (cost_0_part_49 * cost_4_part_39)) * (yaw_change_sine_part_8 + (cost_4_part_40_squared * (yaw_change_sine_part_9 + (cost_4_part_40_squared * yaw_change_sine_part_10))));
+    const float converged_part_17 = (converged_part_16 * (phase_fraction_sine_part_14 - cost_4_part_14)) - cost_4_part_19;
+    const float converged_part_18 = ((yaw_change_sine_part_30 * cost_4_part_45) - (cost_0_part_56 * cost_4_part_46)) * (yaw_change_sine_part_14 + (cost_4_part_47_squared * (yaw_change_sine_part_15 + (cost_4_part_47_squared * yaw_change_sine_part_16))));
+    const float converged_part_19 = (converged_part_18 * (phase_fraction_sine_part_22 - cost_4_part_21)) - cost_4_part_26;
     const float converged_part_20 = (converged_part_14 * converged_part_15) + (converged_part_16 * converged_part_17) + (converged_part_18 * converged_part_19);
     const float converged_part_21 = (converged_part_14 * converged_part_17) - (converged_part_16 * converged_part_15);
     const float converged_part_22 = (converged_part_14 * converged_part_19) - (converged_part_18 * converged_part_15);
-    const float converged_part_23 = (0.00992376f * ((converged_part_15 * cost_4_part_37) + (converged_part_17 * cost_4_part_44) + (converged_part_19 * cost_4_part_51) + (cost_4_part_30 * converged_part_20))) + (converged_part_21 * ((converged_part_14 * cost_4_part_44) - (converged_part_16 * cost_4_part_37))) + (converged_part_22 * ((converged_part_14 * cost_4_part_51) - (converged_part_18 * cost_4_part_37)));
+    const float converged_part_23 = (damping * ((converged_part_15 * cost_4_part_35) + (converged_part_17 * cost_4_part_42) + (converged_part_19 * cost_4_part_49) + (cost_4_part_28 * converged_part_20))) + (converged_part_21 * ((converged_part_14 * cost_4_part_42) - (converged_part_16 * cost_4_part_35))) + (converged_part_22 * ((converged_part_14 * cost_4_part_49) - (converged_part_18 * cost_4_part_35)));
     const float converged_part_24 = (converged_part_16 * converged_part_19) - (converged_part_18 * converged_part_17);
-    const float converged_part_25 = 1.0f / (0.00992376f + ((converged_part_14 * converged_part_14) + (converged_part_16 * converged_part_16) + (converged_part_18 * converged_part_18)));
-    const float converged_part_26 = ((converged_part_11 + (converged_part_12 * ((converged_part_4 * cost_4_part_28) - (converged_part_6 * cost_4_part_21)))) * converged_part_13) + ((converged_part_23 + (converged_part_24 * ((converged_part_16 * cost_4_part_51) - (converged_part_18 * cost_4_part_44)))) * converged_part_25) - (0.87438375f * yaw_change_sine_part_129);
-    const float converged_part_27 = (((0.00992376f * ((converged_part_3 * converged_part_3) + (converged_part_5 * converged_part_5) + (converged_part_7 * converged_part_7))) + (converged_part_9 * converged_part_9) + (converged_part_10 * converged_part_10) + (converged_part_12 * converged_part_12)) * converged_part_13) + (((0.00992376f * ((converged_part_15 * converged_part_15) + (converged_part_17 * converged_part_17) + (converged_part_19 * converged_part_19))) + (converged_part_21 * converged_part_21) + (converged_part_22 * converged_part_22) + (converged_part_24 * converged_part_24)) * converged_part_25);
-    const float converged_part_28 = 1.0f / (0.87438375f + converged_part_27);
-    const float converged_part_29 = (converged_part_2 * cost_4_part_14) + (converged_part_4 * cost_4_part_21) + (converged_part_6 * cost_4_part_28) - (0.00992376f * cost_4_part_7);
-    const float converged_part_30 = (converged_part_14 * cost_4_part_37) + (converged_part_16 * cost_4_part_44) + (converged_part_18 * cost_4_part_51) - (0.00992376f * cost_4_part_30);
-    const bool converged = converged_test && (((converged_part_26 * converged_part_26 * converged_part_28) + (converged_part_29 * converged_part_29 * converged_part_13) + (converged_part_30 * converged_part_30 * converged_part_25)) <= 1e-08f);
+    const float converged_part_25 = 1.0f / (damping + ((converged_part_14 * converged_part_14) + (converged_part_16 * converged_part_16) + (converged_part_18 * converged_part_18)));
+    const float converged_part_26 = ((converged_part_11 + (converged_part_12 * ((converged_part_4 * cost_4_part_27) - (converged_part_6 * cost_4_part_20)))) * converged_part_13) + ((converged_part_23 + (converged_part_24 * ((converged_part_16 * cost_4_part_49) - (converged_part_18 * cost_4_part_42)))) * converged_part_25) - (yaw_damping * yaw_change_sine_part_129);
+    const float converged_part_27 = (((damping * ((converged_part_3 * converged_part_3) + (converged_part_5 * converged_part_5) + (converged_part_7 * converged_part_7))) + (converged_part_9 * converged_part_9) + (converged_part_10 * converged_part_10) + (converged_part_12 * converged_part_12)) * converged_part_13) + (((damping * ((converged_part_15 * converged_part_15) + (converged_part_17 * converged_part_17) + (converged_part_19 * converged_part_19))) + (converged_part_21 * converged_part_21) + (converged_part_22 * converged_part_22) + (converged_part_24 * converged_part_24)) * converged_part_25);
+    const float converged_part_28 = 1.0f / (yaw_damping + converged_part_27);
+    const float converged_part_29 = (converged_part_2 * cost_4_part_13) + (converged_part_4 * cost_4_part_20) + (converged_part_6 * cost_4_part_27) - (damping * cost_4_part_6);
+    const float converged_part_30 = (converged_part_14 * cost_4_part_35) + (converged_part_16 * cost_4_part_42) + (converged_part_18 * cost_4_part_49) - (damping * cost_4_part_28);
+    const bool converged = converged_test && (((converged_part_26 * converged_part_26 * converged_part_28) + (converged_part_29 * converged_part_29 * converged_part_13) + (converged_part_30 * converged_part_30 * converged_part_25)) <= cost_slack);
     float yaw_change_sine_part_133;
     float X_part;
     float Y_part;
     if (converged) {
-        const float yaw_change_sine_part_134 = hall_position_three_limit(yaw_change_sine_part_129 + (converged_part_26 * converged_part_28), 0.14022085f);
+        const float yaw_change_sine_part_134 = hall_position_three_limit(yaw_change_sine_part_129 + (converged_part_26 * converged_part_28), max_yaw_step);
         yaw_change_sine_part_133 = yaw_change_sine_part_134;
         const float X_part_2 = yaw_change_sine_part_134 - yaw_change_sine_part_129;
-        X_part = hall_position_three_limit(cost_4_part_7 + ((converged_part_29 - (converged_part_8 * X_part_2)) * converged_part_13), 0.5f);
-        Y_part = hall_position_three_limit(cost_4_part_30 + ((converged_part_30 - (converged_part_20 * X_part_2)) * converged_part_25), 0.5f);
+        X_part = hall_position_three_limit(cost_4_part_6 + ((converged_part_29 - (converged_part_8 * X_part_2)) * converged_part_13), 0.5f);
+        Y_part = hall_position_three_limit(cost_4_part_28 + ((converged_part_30 - (converged_part_20 * X_part_2)) * converged_part_25), 0.5f);
     } else {
         if (converged_test) {
             yaw_change_sine_part_133 = yaw_change_sine_part_129;
-            X_part = cost_4_part_7;
-            Y_part = cost_4_part_30;
+            X_part = cost_4_part_6;
+            Y_part = cost_4_part_28;
         } else {
             yaw_change_sine_part_133 = yaw_change_sine_part_128;
             X_part = cost_4_part;
@@ -868,9 +899,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const uint32_t estimator_searching = state->estimator_searching;
     bool yaw_change_sine_test_5 = yaw_change_sine_test_4;
     if (!(estimator_ambiguity_resolved != 0u)) {
-        yaw_change_sine_test_5 = (estimator_searching != 0u) && !(fabsf(yaw_fraction_sine_part + yaw_change_sine_part_133 - estimator_yaw_last_good) <= 0.08726646f);
+        yaw_change_sine_test_5 = (estimator_searching != 0u) && !(fabsf(yaw_fraction_sine_part + yaw_change_sine_part_133 - estimator_yaw_last_good) <= yaw_window);
     }
-    const bool yaw_change_sine_test_6 = ((0.01f * yaw_change_sine_part_131) < cost_4_part_52) || yaw_change_sine_test_5;
+    const bool yaw_change_sine_test_6 = ((squared_residual_limit * yaw_change_sine_part_131) < cost_4_part_50) || yaw_change_sine_test_5;
     const bool yaw_change_sine_test_7 = !(estimator_searching != 0u);
     float yaw_change_sine_part_135 = 0.0f;
     float X_part_3 = 0.0f;
@@ -884,7 +915,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         Y_part_2 = Y_part;
         estimator_motion_x_part = 0.5f * X_part;
         estimator_motion_y_part = 0.5f * Y_part;
-        estimator_motion_yaw_part = 0.1f * yaw_change_sine_part_133;
+        estimator_motion_yaw_part = yaw_gain * yaw_change_sine_part_133;
     }
     const float yaw_change_sine_part_136 = yaw_change_sine_part_135 * yaw_change_sine_part_135;
     const float yaw_change_sine_5 = yaw_change_sine_part_135 * yaw_change_sine_polynomial(yaw_change_sine_part_136);
@@ -892,15 +923,15 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float X_part_4 = phase_fraction_sine_part + X_part_3;
     float X_part_5 = X_part_4;
     bool X_part_6 = true;
-    if (3.1415927f < X_part_4) {
-        X_part_5 = X_part_4 - 6.2831855f;
+    if (pi < X_part_4) {
+        X_part_5 = X_part_4 - two_pi;
     } else {
         X_part_6 = false;
     }
     float X_part_7 = X_part_5;
     float X_part_8 = -1.0f;
-    if (X_part_5 < -3.1415927f) {
-        X_part_7 = X_part_5 + 6.2831855f;
+    if (X_part_5 < -pi) {
+        X_part_7 = X_part_5 + two_pi;
     } else {
         X_part_8 = X_part_6 ? 1.0f : 0.0f;
     }
@@ -908,51 +939,51 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float X_part_9 = 1.0f - (half_yaw_change_sine_5 * half_yaw_change_sine_5);
     const float X_part_10 = (phase_fraction_sine_part_3 * X_part_9) - (phase_fraction_sine_part_4 * yaw_change_sine_5);
     const float X_part_11 = (phase_fraction_sine_part_4 * X_part_9) + (phase_fraction_sine_part_3 * yaw_change_sine_5);
-    const float X_part_12 = (0.0060790665f * X_part_10) + (0.0040132f * X_part_11);
-    const float X = (0.008085071f * X_part_7) + (0.0508f * pitch_x_plus_X_part_8) - X_part_12;
+    const float X_part_12 = (centre_x * X_part_10) + (-centre_y * X_part_11);
+    const float X = (metre_per_rad * X_part_7) + (pitch * pitch_x_plus_X_part_8) - X_part_12;
     const float Y_part_3 = phase_fraction_sine_part_9 + Y_part_2;
     float Y_part_4 = Y_part_3;
     bool Y_part_5 = true;
-    if (3.1415927f < Y_part_3) {
-        Y_part_4 = Y_part_3 - 6.2831855f;
+    if (pi < Y_part_3) {
+        Y_part_4 = Y_part_3 - two_pi;
     } else {
         Y_part_5 = false;
     }
     float Y_part_6 = Y_part_4;
     float Y_part_7 = -1.0f;
-    if (Y_part_4 < -3.1415927f) {
-        Y_part_6 = Y_part_4 + 6.2831855f;
+    if (Y_part_4 < -pi) {
+        Y_part_6 = Y_part_4 + two_pi;
     } else {
         Y_part_7 = Y_part_5 ? 1.0f : 0.0f;
     }
     const float pitch_y_plus_Y_part_7 = state->estimator_pitch_y + Y_part_7;
-    const float Y_part_8 = (0.0060790665f * X_part_11) - (0.0040132f * X_part_10);
-    const float Y = (0.008085071f * Y_part_6) + (0.0508f * pitch_y_plus_Y_part_7) - Y_part_8;
+    const float Y_part_8 = (centre_x * X_part_11) - (-centre_y * X_part_10);
+    const float Y = (metre_per_rad * Y_part_6) + (pitch * pitch_y_plus_Y_part_7) - Y_part_8;
     const float yaw_part = yaw_fraction_sine_part + yaw_change_sine_part_135;
     float yaw_part_2 = yaw_part;
-    if (3.1415927f < yaw_part) {
-        yaw_part_2 = yaw_part - 6.2831855f;
+    if (pi < yaw_part) {
+        yaw_part_2 = yaw_part - two_pi;
     }
     float yaw = yaw_part_2;
-    if (yaw_part_2 < -3.1415927f) {
-        yaw = yaw_part_2 + 6.2831855f;
+    if (yaw_part_2 < -pi) {
+        yaw = yaw_part_2 + two_pi;
     }
     const float deviation_X_part = converged_part_8 * converged_part_13;
-    const float deviation_X_part_2 = deviation_X_part - (123.68475f * Y_part_8);
-    const float deviation_X_part_3 = 1.0f / (converged_part_27 + 0.03497535f);
-    const float deviation_X = 8.085071e-06f * sqrtf(converged_part_13 + (deviation_X_part_2 * deviation_X_part_2 * deviation_X_part_3));
+    const float deviation_X_part_2 = deviation_X_part - (wave_number * Y_part_8);
+    const float deviation_X_part_3 = 1.0f / (converged_part_27 + undamped_yaw);
+    const float deviation_X = deviation_over_w * sqrtf(converged_part_13 + (deviation_X_part_2 * deviation_X_part_2 * deviation_X_part_3));
     const float deviation_Y_part = converged_part_20 * converged_part_25;
-    const float deviation_Y_part_2 = deviation_Y_part + (123.68475f * X_part_12);
-    const float deviation_Y = 8.085071e-06f * sqrtf(converged_part_25 + (deviation_Y_part_2 * deviation_Y_part_2 * deviation_X_part_3));
-    const float deviation_yaw = 0.001f * sqrtf(deviation_X_part_3);
-    const float residual = sqrtf(1e-30f + (cost_4_part_52 / yaw_change_sine_part_131));
-    const float damped_part = ((3.524405f + (deviation_X_part * deviation_X_part) + (deviation_Y_part * deviation_Y_part)) * deviation_X_part_3) + (converged_part_13 + converged_part_25);
-    const bool damped = 15.115238f < damped_part;
+    const float deviation_Y_part_2 = deviation_Y_part + (wave_number * X_part_12);
+    const float deviation_Y = deviation_over_w * sqrtf(converged_part_25 + (deviation_Y_part_2 * deviation_Y_part_2 * deviation_X_part_3));
+    const float deviation_yaw = deviation * sqrtf(deviation_X_part_3);
+    const float residual = sqrtf(least_square + (cost_4_part_50 / yaw_change_sine_part_131));
+    const float damped_part = ((squared_radius + (deviation_X_part * deviation_X_part) + (deviation_Y_part * deviation_Y_part)) * deviation_X_part_3) + (converged_part_13 + converged_part_25);
+    const bool damped = damped_weight < damped_part;
     const bool valid_test = converged && !(damped || yaw_change_sine_test_6 || yaw_change_sine_test_4);
     const bool valid_test_2 = (fabsf(pitch_x_plus_X_part_8) <= 8.0f) && (fabsf(pitch_y_plus_Y_part_7) <= 8.0f);
     const float yaw_size = fabsf(yaw);
-    const bool valid_test_3 = valid_test_2 && (yaw_size <= 0.17453292f);
-    const bool valid_test_4 = (valid_test && (((cost_0_test ? 1.0f : 0.0f) + (cost_0_test_2 ? 1.0f : 0.0f) + (cost_0_test_3 ? 1.0f : 0.0f)) < 1.0f) && (damped_part <= 1.612292f) && yaw_change_sine_test_7 && valid_test_3) || ((estimator_ambiguity_resolved != 0u) && !damped);
+    const bool valid_test_3 = valid_test_2 && (yaw_size <= yaw_limit);
+    const bool valid_test_4 = (valid_test && (((cost_0_test ? 1.0f : 0.0f) + (cost_0_test_2 ? 1.0f : 0.0f) + (cost_0_test_3 ? 1.0f : 0.0f)) < 1.0f) && (damped_part <= unambiguous_weight) && yaw_change_sine_test_7 && valid_test_3) || ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
     const bool valid = valid_test && valid_test_4 && !(estimator_lock_lost != 0u) && valid_test_3;
     out->lock_lost = (float)estimator_lock_lost;
@@ -960,17 +991,17 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool estimator_phase_x_test_2 = yaw_change_sine_test_6 && estimator_phase_x_test;
     const bool estimator_yaw_last_good_test = !yaw_change_sine_test_6;
     if (estimator_phase_x_test_2) {
-        const float estimator_phase_x_part = state->estimator_start_x + -1.5401491f;
-        if (estimator_phase_x_part < -3.1415927f) {
-            state->estimator_phase_x = estimator_phase_x_part + 6.2831855f;
+        const float estimator_phase_x_part = state->estimator_start_x + -start_step_x;
+        if (estimator_phase_x_part < -pi) {
+            state->estimator_phase_x = estimator_phase_x_part + two_pi;
             state->estimator_start_x = state->estimator_phase_x;
         } else {
             state->estimator_phase_x = estimator_phase_x_part;
             state->estimator_start_x = estimator_phase_x_part;
         }
-        const float estimator_phase_y_part = state->estimator_start_y + -2.702773f;
-        if (estimator_phase_y_part < -3.1415927f) {
-            state->estimator_phase_y = estimator_phase_y_part + 6.2831855f;
+        const float estimator_phase_y_part = state->estimator_start_y + -start_step_y;
+        if (estimator_phase_y_part < -pi) {
+            state->estimator_phase_y = estimator_phase_y_part + two_pi;
             state->estimator_start_y = state->estimator_phase_y;
         } else {
             state->estimator_phase_y = estimator_phase_y_part;
@@ -993,7 +1024,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         const float estimator_excluded_sensor_part_3 = cost_0_part_37_squared + cost_0_part_58_squared;
         const float estimator_excluded_sensor_part_4 = hall_position_three_max(estimator_excluded_sensor_part, estimator_excluded_sensor_part_2);
         const float estimator_excluded_sensor_part_5 = hall_position_three_min(estimator_excluded_sensor_part, estimator_excluded_sensor_part_2) + hall_position_three_min(estimator_excluded_sensor_part_3, estimator_excluded_sensor_part_4);
-        if (yaw_change_sine_test_6 && ((1.6e-05f * yaw_change_sine_part_131) < cost_4_part_52) && (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (estimator_excluded_sensor_part_5 <= 0.076f) && ((25.0f * estimator_excluded_sensor_part_5) <= hall_position_three_max(estimator_excluded_sensor_part_3, estimator_excluded_sensor_part_4))) {
+        if (yaw_change_sine_test_6 && ((squared_inconsistent * yaw_change_sine_part_131) < cost_4_part_50) && (estimator_ambiguity_resolved != 0u) && (1u <= estimator_residual_faults) && (estimator_excluded_sensor_part_5 <= others_agree) && ((contrast * estimator_excluded_sensor_part_5) <= hall_position_three_max(estimator_excluded_sensor_part_3, estimator_excluded_sensor_part_4))) {
             state->estimator_excluded_sensor = (uint32_t)((estimator_excluded_sensor_part_4 < estimator_excluded_sensor_part_3) ? 3.0f : ((estimator_excluded_sensor_part_2 < estimator_excluded_sensor_part) ? 2.0f : 1.0f));
         }
     }
@@ -1012,11 +1043,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     }
     state->estimator_motion_x = hall_position_three_limit(estimator_motion_x_part_2, 0.5f);
     state->estimator_motion_y = hall_position_three_limit(estimator_motion_y_part_2, 0.5f);
-    state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, 0.14022085f);
+    state->estimator_motion_yaw = hall_position_three_limit(estimator_motion_yaw_part_2, max_yaw_step);
     state->estimator_residual_faults = (yaw_change_sine_test_6) ? ((estimator_phase_x_test) ? 0u : (estimator_residual_faults + 1u)) : 0u;
     const uint32_t estimator_acquired = state->estimator_acquired;
     state->estimator_acquired = hall_position_three_flag(valid_test_4 || (estimator_acquired != 0u));
-    state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (estimator_phase_x_test_2 || !valid_test_2 || (((valid_test_4) ? 0.17453292f : 0.34906584f) < yaw_size))));
+    state->estimator_lock_lost = hall_position_three_flag((estimator_lock_lost != 0u) || ((estimator_acquired != 0u) && (estimator_phase_x_test_2 || !valid_test_2 || (((valid_test_4) ? yaw_limit : ambiguous_yaw_limit) < yaw_size))));
     out->X = X;
     out->Y = Y;
     out->yaw = yaw;

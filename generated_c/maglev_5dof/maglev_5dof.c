@@ -205,6 +205,22 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
 
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 {
+    static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
+    static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
+    /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
+    static const float half_c_over_h2 = 0.0007232277f;
+    static const float M_x = 10.6f;                             /* kg; Table I */
+    static const float M_z = 8.6f;                              /* kg; Table I */
+    static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
+    static const float half_M_y = 3.45f;                        /* kg; M_y / 2, M_y = 6.9 kg */
+    static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
+    /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad, also half_I_x_over_r, also half_I_z_over_r */
+    static const float half_I_over_r = 0.66347605f;
+    static const float compensated_k_s_phi = 11250.0f;          /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+    static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
+    static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
+    static const float safe_i_d1 = 2.5f;                        /* A; safe output */
+    static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
     static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {-1699.6849f, -48291.37f, -2.251582f,
         122.7319f, -5.5538764f};
     static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
@@ -249,18 +265,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
     if (latched != 0u) {
-        state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, 2.5f, 0.1f);
+        state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
-        state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, 2.5f, 0.1f);
+        state->safe_output_last_i_d2 = maglev_5dof_slew(safe_output_last_i_d2, safe_i_d1, slew_i_d1);
         out->i_d2 = state->safe_output_last_i_d2;
-        state->safe_output_last_i_d3 = maglev_5dof_slew(safe_output_last_i_d3, 2.5f, 0.1f);
+        state->safe_output_last_i_d3 = maglev_5dof_slew(safe_output_last_i_d3, safe_i_d1, slew_i_d1);
         out->i_d3 = state->safe_output_last_i_d3;
-        state->safe_output_last_i_d4 = maglev_5dof_slew(safe_output_last_i_d4, 2.5f, 0.1f);
+        state->safe_output_last_i_d4 = maglev_5dof_slew(safe_output_last_i_d4, safe_i_d1, slew_i_d1);
         out->i_d4 = state->safe_output_last_i_d4;
-        state->safe_output_last_u_x = maglev_5dof_slew(safe_output_last_u_x, 0.0f, 0.1f);
+        state->safe_output_last_u_x = maglev_5dof_slew(safe_output_last_u_x, 0.0f, slew_i_d1);
         out->i_q2 = state->safe_output_last_u_x;
         out->i_q4 = state->safe_output_last_u_x;
-        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, 0.1f);
+        state->safe_output_last_u_z = maglev_5dof_slew(safe_output_last_u_z, 0.0f, slew_i_d1);
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
 
@@ -293,69 +309,71 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float w_z = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
 
         /* decoupling: direct and thrust currents, F(8), F(12) */
-        const float thrust_per_ampere_1_part = 1.530832e-06f / (y1_held + 0.009233333f);
+        const float thrust_per_ampere_1_part = slot_pull / (y1_held + gap_offset);
         const float thrust_per_ampere_1_part_2 = thrust_per_ampere_1_part - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_part_2);
         const float half_a_over_h2_1 = half_a_over_h2_1_polynomial(thrust_per_ampere_1_part_2);
         const float half_a_1_part = thrust_per_ampere_1 * thrust_per_ampere_1;
         const float half_a_1 = half_a_1_part * half_a_over_h2_1;
-        const float half_c_1 = half_a_1_part * (0.0007232277f + thrust_per_ampere_1_part);
+        const float half_c_1 = half_a_1_part * (half_c_over_h2 + thrust_per_ampere_1_part);
         const float half_load_1_part = safe_output_last_u_z * safe_output_last_u_z;
         const float half_load_1 = half_a_1 + (half_c_1 * (half_load_1_part + (safe_output_last_i_d1 * safe_output_last_i_d1)));
         const float inverse_b_1 = 1.0f / sqrtf(half_a_1_part + (16.0f * (half_a_1 * half_c_1)));
-        const float thrust_per_ampere_2_part = 1.530832e-06f / (y2_held + 0.009233333f);
+        const float thrust_per_ampere_2_part = slot_pull / (y2_held + gap_offset);
         const float thrust_per_ampere_2_part_2 = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
         const float thrust_per_ampere_2 = thrust_per_ampere_2_polynomial(thrust_per_ampere_2_part_2);
         const float half_a_over_h2_2 = half_a_over_h2_2_polynomial(thrust_per_ampere_2_part_2);
         const float half_a_2_part = thrust_per_ampere_2 * thrust_per_ampere_2;
         const float half_a_2 = half_a_2_part * half_a_over_h2_2;
-        const float half_c_2 = half_a_2_part * (0.0007232277f + thrust_per_ampere_2_part);
+        const float half_c_2 = half_a_2_part * (half_c_over_h2 + thrust_per_ampere_2_part);
         const float half_load_2_part = safe_output_last_u_x * safe_output_last_u_x;
         const float half_load_2 = half_a_2 + (half_c_2 * (half_load_2_part + (safe_output_last_i_d2 * safe_output_last_i_d2)));
         const float inverse_b_2 = 1.0f / sqrtf(half_a_2_part + (16.0f * (half_a_2 * half_c_2)));
-        const float thrust_per_ampere_3_part = 1.530832e-06f / (y3_held + 0.009233333f);
+        const float thrust_per_ampere_3_part = slot_pull / (y3_held + gap_offset);
         const float thrust_per_ampere_3_part_2 = thrust_per_ampere_3_part - 4.196167e-05f;
         const float thrust_per_ampere_3 = thrust_per_ampere_1_polynomial(thrust_per_ampere_3_part_2);
         const float half_a_over_h2_3 = half_a_over_h2_1_polynomial(thrust_per_ampere_3_part_2);
         const float half_a_3_part = thrust_per_ampere_3 * thrust_per_ampere_3;
         const float half_a_3 = half_a_3_part * half_a_over_h2_3;
-        const float half_c_3 = half_a_3_part * (0.0007232277f + thrust_per_ampere_3_part);
+        const float half_c_3 = half_a_3_part * (half_c_over_h2 + thrust_per_ampere_3_part);
         const float half_load_3 = half_a_3 + (half_c_3 * (half_load_1_part + (safe_output_last_i_d3 * safe_output_last_i_d3)));
         const float inverse_b_3 = 1.0f / sqrtf(half_a_3_part + (16.0f * (half_a_3 * half_c_3)));
-        const float thrust_per_ampere_4_part = 1.530832e-06f / (y4_held + 0.009233333f);
+        const float thrust_per_ampere_4_part = slot_pull / (y4_held + gap_offset);
         const float thrust_per_ampere_4_part_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
         const float thrust_per_ampere_4 = thrust_per_ampere_2_polynomial(thrust_per_ampere_4_part_2);
         const float half_a_over_h2_4 = half_a_over_h2_2_polynomial(thrust_per_ampere_4_part_2);
         const float half_a_4_part = thrust_per_ampere_4 * thrust_per_ampere_4;
         const float half_a_4 = half_a_4_part * half_a_over_h2_4;
-        const float half_c_4 = half_a_4_part * (0.0007232277f + thrust_per_ampere_4_part);
+        const float half_c_4 = half_a_4_part * (half_c_over_h2 + thrust_per_ampere_4_part);
         const float half_load_4 = half_a_4 + (half_c_4 * (half_load_2_part + (safe_output_last_i_d4 * safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(half_a_4_part + (16.0f * (half_a_4 * half_c_4)));
-        const float u_x_demand = -10.6f * w_x / (thrust_per_ampere_2 + thrust_per_ampere_4);
-        const float u_z_demand = -8.6f * w_z / (thrust_per_ampere_1 + thrust_per_ampere_3);
+        const float u_x_demand = -M_x * w_x / (thrust_per_ampere_2 + thrust_per_ampere_4);
+        const float u_z_demand = -M_z * w_z / (thrust_per_ampere_1 + thrust_per_ampere_3);
         const float i_d1_computed_part = inverse_b_2 + inverse_b_4;
-        const float i_d1_computed_part_2 = (3.45f * (w_y - 9.81f)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
-        const float i_d1_computed_part_3 = (0.66347605f * (w_theta + (2850.0f * theta))) + (half_load_2 - half_load_4);
-        const float i_d1_computed_part_4 = (0.66347605f * (w_phi + (11250.0f * phi))) + (half_load_3 - half_load_1);
+        const float i_d1_computed_part_2 = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
+        const float i_d1_computed_part_3 = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 - half_load_4);
+        const float i_d1_computed_part_4 = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
         const float i_d1_computed_part_5 = ((i_d1_computed_part * i_d1_computed_part_2) + ((inverse_b_2 - inverse_b_4) * i_d1_computed_part_3) - ((inverse_b_3 - inverse_b_1) * i_d1_computed_part_4)) / (inverse_b_1 + inverse_b_3 + i_d1_computed_part);
-        const float i_d1_computed = maglev_5dof_limit((i_d1_computed_part_5 - i_d1_computed_part_4) * inverse_b_1, 4.9492526f);
+        const float i_d1_computed = maglev_5dof_limit((i_d1_computed_part_5 - i_d1_computed_part_4) * inverse_b_1, direct_limit);
         state->safe_output_last_i_d1 = i_d1_computed;
         out->i_d1 = i_d1_computed;
         const float i_d2_computed_part = i_d1_computed_part_2 - i_d1_computed_part_5;
-        const float i_d2_computed = maglev_5dof_limit((i_d2_computed_part + i_d1_computed_part_3) * inverse_b_2, 4.9492526f);
+        const float i_d2_computed = maglev_5dof_limit((i_d2_computed_part + i_d1_computed_part_3) * inverse_b_2, direct_limit);
         state->safe_output_last_i_d2 = i_d2_computed;
         out->i_d2 = i_d2_computed;
-        const float i_d3_computed = maglev_5dof_limit((i_d1_computed_part_5 + i_d1_computed_part_4) * inverse_b_3, 4.9492526f);
+        const float i_d3_computed = maglev_5dof_limit((i_d1_computed_part_5 + i_d1_computed_part_4) * inverse_b_3, direct_limit);
         state->safe_output_last_i_d3 = i_d3_computed;
         out->i_d3 = i_d3_computed;
-        const float i_d4_computed = maglev_5dof_limit((i_d2_computed_part - i_d1_computed_part_3) * inverse_b_4, 4.9492526f);
+        const float i_d4_computed = maglev_5dof_limit((i_d2_computed_part - i_d1_computed_part_3) * inverse_b_4, direct_limit);
         state->safe_output_last_i_d4 = i_d4_computed;
         out->i_d4 = i_d4_computed;
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, sqrtf(24.5f - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed)));
+        const float u_x_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed));
+        const float u_x_computed = maglev_5dof_limit(u_x_demand, u_x_computed_part);
         state->safe_output_last_u_x = u_x_computed;
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, sqrtf(24.5f - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed)));
+        const float u_z_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed));
+        const float u_z_computed = maglev_5dof_limit(u_z_demand, u_z_computed_part);
         state->safe_output_last_u_z = u_z_computed;
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;

@@ -23,9 +23,9 @@ extern "C" {
 #endif
 
 typedef struct {
-    float sum;                          /* m: internal model */
-    float p1;                           /* m: internal model */
-    float q1;                           /* m: internal model */
+    float sum;                          /* m, -600 .. 600: internal model */
+    float p1;                           /* m, -3 .. 3: internal model */
+    float q1;                           /* m, -600 .. 600: internal model */
 } maglev_5dof_regulator_state_t;
 
 typedef struct {

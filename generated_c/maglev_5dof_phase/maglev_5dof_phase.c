@@ -46,6 +46,12 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
 
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
 {
+    static const float wave_number = 54.971f;                   /* rad/m; pi / tau, pole pitch tau */
+    static const float half_pi = 1.5707964f;                    /* 1; pi / 2 */
+    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
+    static const float max_phase_current = 9.899505f;           /* A; both currents at their limit */
+    static const float two_thirds_pi = 2.0943952f;              /* 1; 2 pi / 3 */
+
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u, &faults);
@@ -60,47 +66,47 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float z_held = maglev_5dof_phase_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
     /* commutation: phase currents, inverse Park */
-    const float i_a1_part = (54.971f * z_held) + 1.5707964f;
+    const float i_a1_part = (wave_number * z_held) + half_pi;
     const float i_a1_part_2 = cosf(i_a1_part);
     const float i_a1_part_3 = sinf(i_a1_part);
-    const float i_a1 = maglev_5dof_phase_limit(1.4142135f * ((i_d1_held * i_a1_part_2) - (i_q1_held * i_a1_part_3)), 9.899505f);
+    const float i_a1 = maglev_5dof_phase_limit(root_2 * ((i_d1_held * i_a1_part_2) - (i_q1_held * i_a1_part_3)), max_phase_current);
     out->i_a1 = i_a1;
-    const float i_b1_part = i_a1_part - 2.0943952f;
+    const float i_b1_part = i_a1_part - two_thirds_pi;
     const float i_b1_part_2 = cosf(i_b1_part);
     const float i_b1_part_3 = sinf(i_b1_part);
-    const float i_b1 = maglev_5dof_phase_limit(1.4142135f * ((i_d1_held * i_b1_part_2) - (i_q1_held * i_b1_part_3)), 9.899505f);
+    const float i_b1 = maglev_5dof_phase_limit(root_2 * ((i_d1_held * i_b1_part_2) - (i_q1_held * i_b1_part_3)), max_phase_current);
     out->i_b1 = i_b1;
-    const float i_c1_part = i_a1_part + 2.0943952f;
+    const float i_c1_part = i_a1_part + two_thirds_pi;
     const float i_c1_part_2 = cosf(i_c1_part);
     const float i_c1_part_3 = sinf(i_c1_part);
-    const float i_c1 = maglev_5dof_phase_limit(1.4142135f * ((i_d1_held * i_c1_part_2) - (i_q1_held * i_c1_part_3)), 9.899505f);
+    const float i_c1 = maglev_5dof_phase_limit(root_2 * ((i_d1_held * i_c1_part_2) - (i_q1_held * i_c1_part_3)), max_phase_current);
     out->i_c1 = i_c1;
-    const float i_a2_part = (54.971f * x_held) + 1.5707964f;
+    const float i_a2_part = (wave_number * x_held) + half_pi;
     const float i_a2_part_2 = cosf(i_a2_part);
     const float i_a2_part_3 = sinf(i_a2_part);
-    const float i_a2 = maglev_5dof_phase_limit(1.4142135f * ((i_d2_held * i_a2_part_2) - (i_q2_held * i_a2_part_3)), 9.899505f);
+    const float i_a2 = maglev_5dof_phase_limit(root_2 * ((i_d2_held * i_a2_part_2) - (i_q2_held * i_a2_part_3)), max_phase_current);
     out->i_a2 = i_a2;
-    const float i_b2_part = i_a2_part - 2.0943952f;
+    const float i_b2_part = i_a2_part - two_thirds_pi;
     const float i_b2_part_2 = cosf(i_b2_part);
     const float i_b2_part_3 = sinf(i_b2_part);
-    const float i_b2 = maglev_5dof_phase_limit(1.4142135f * ((i_d2_held * i_b2_part_2) - (i_q2_held * i_b2_part_3)), 9.899505f);
+    const float i_b2 = maglev_5dof_phase_limit(root_2 * ((i_d2_held * i_b2_part_2) - (i_q2_held * i_b2_part_3)), max_phase_current);
     out->i_b2 = i_b2;
-    const float i_c2_part = i_a2_part + 2.0943952f;
+    const float i_c2_part = i_a2_part + two_thirds_pi;
     const float i_c2_part_2 = cosf(i_c2_part);
     const float i_c2_part_3 = sinf(i_c2_part);
-    const float i_c2 = maglev_5dof_phase_limit(1.4142135f * ((i_d2_held * i_c2_part_2) - (i_q2_held * i_c2_part_3)), 9.899505f);
+    const float i_c2 = maglev_5dof_phase_limit(root_2 * ((i_d2_held * i_c2_part_2) - (i_q2_held * i_c2_part_3)), max_phase_current);
     out->i_c2 = i_c2;
-    const float i_a3 = maglev_5dof_phase_limit(1.4142135f * ((i_d3_held * i_a1_part_2) - (i_q3_held * i_a1_part_3)), 9.899505f);
+    const float i_a3 = maglev_5dof_phase_limit(root_2 * ((i_d3_held * i_a1_part_2) - (i_q3_held * i_a1_part_3)), max_phase_current);
     out->i_a3 = i_a3;
-    const float i_b3 = maglev_5dof_phase_limit(1.4142135f * ((i_d3_held * i_b1_part_2) - (i_q3_held * i_b1_part_3)), 9.899505f);
+    const float i_b3 = maglev_5dof_phase_limit(root_2 * ((i_d3_held * i_b1_part_2) - (i_q3_held * i_b1_part_3)), max_phase_current);
     out->i_b3 = i_b3;
-    const float i_c3 = maglev_5dof_phase_limit(1.4142135f * ((i_d3_held * i_c1_part_2) - (i_q3_held * i_c1_part_3)), 9.899505f);
+    const float i_c3 = maglev_5dof_phase_limit(root_2 * ((i_d3_held * i_c1_part_2) - (i_q3_held * i_c1_part_3)), max_phase_current);
     out->i_c3 = i_c3;
-    const float i_a4 = maglev_5dof_phase_limit(1.4142135f * ((i_d4_held * i_a2_part_2) - (i_q4_held * i_a2_part_3)), 9.899505f);
+    const float i_a4 = maglev_5dof_phase_limit(root_2 * ((i_d4_held * i_a2_part_2) - (i_q4_held * i_a2_part_3)), max_phase_current);
     out->i_a4 = i_a4;
-    const float i_b4 = maglev_5dof_phase_limit(1.4142135f * ((i_d4_held * i_b2_part_2) - (i_q4_held * i_b2_part_3)), 9.899505f);
+    const float i_b4 = maglev_5dof_phase_limit(root_2 * ((i_d4_held * i_b2_part_2) - (i_q4_held * i_b2_part_3)), max_phase_current);
     out->i_b4 = i_b4;
-    const float i_c4 = maglev_5dof_phase_limit(1.4142135f * ((i_d4_held * i_c2_part_2) - (i_q4_held * i_c2_part_3)), 9.899505f);
+    const float i_c4 = maglev_5dof_phase_limit(root_2 * ((i_d4_held * i_c2_part_2) - (i_q4_held * i_c2_part_3)), max_phase_current);
     out->i_c4 = i_c4;
 
     return faults;

@@ -109,6 +109,31 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
 {
+    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
+    static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
+    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
+    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
+    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
+    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
+    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
+    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
+    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
+    static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
+    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
+    static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
+    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
+    static const float least_information = 0.08612997f;         /* V^2; 0.01 A^2: keeps a divisor from 0 */
+    static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
+    static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
+    static const float lqg_x_largest_error = 0.0015f;           /* m; a larger error counts as this */
+    static const float lqg_y_largest_error = 0.004f;            /* m; a larger error counts as this */
+    static const float quadrature_limit = 1.134f;               /* A; largest quadrature current of a motor */
+    static const float half_quadrature_limit = 0.567f;          /* A; what the yaw leaves to motor C */
+    static const float direct_limit = 0.54913455f;              /* A; largest direct current of a motor */
+    static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
+    static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
+    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
+    static const float slew_i_AA = 0.1575f;                     /* A; 126 A/s times 0.00125 s */
     static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
@@ -195,14 +220,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (0.033025026f * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool suspect_V_ax_test = 0.12402716f < suspect_V_ax_part;
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const bool suspect_V_ax_test = squared_jump < suspect_V_ax_part;
         const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
-        const bool suspect_V_ax_test_2 = 0.25838992f < sensing_first_m_x_size;
+        const bool suspect_V_ax_test_2 = significant_m < sensing_first_m_x_size;
         const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
-        const bool suspect_V_ax_test_3 = 0.25838992f < sensing_first_m_y_size;
-        const bool suspect_V_ax_test_4 = 0.07043498f < fabsf(sensing_first_r_2);
-        const bool suspect_V_ax_test_5 = 0.07043498f < fabsf(sensing_first_r_1);
+        const bool suspect_V_ax_test_3 = significant_m < sensing_first_m_y_size;
+        const bool suspect_V_ax_test_4 = significant_r < fabsf(sensing_first_r_2);
+        const bool suspect_V_ax_test_5 = significant_r < fabsf(sensing_first_r_1);
         bool suspect_V_ax_test_6;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = suspect_V_ax_test_2;
@@ -210,16 +235,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool suspect_V_cx_test;
         bool suspect_V_cy_test = suspect_V_ax_test_3;
         if (suspect_V_ax_test) {
-            const bool suspect_V_ax_test_7 = sensing_first_m_x_size < 0.8612997f;
+            const bool suspect_V_ax_test_7 = sensing_first_m_x_size < nearly_zero_m;
             const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test_6 = suspect_V_ax_test_4 && (!suspect_V_ax_test_7 || (suspect_V_ax_part_2 < 2.5838993f));
-            const bool suspect_V_ay_test_2 = sensing_first_m_y_size < 0.8612997f;
+            suspect_V_ax_test_6 = suspect_V_ax_test_4 && (!suspect_V_ax_test_7 || (suspect_V_ax_part_2 < small_m));
+            const bool suspect_V_ay_test_2 = sensing_first_m_y_size < nearly_zero_m;
             const float suspect_V_ay_part = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = suspect_V_ax_test_5 && (!suspect_V_ay_test_2 || (suspect_V_ay_part < 2.5838993f));
-            suspect_V_bx_test = (suspect_V_ax_part_2 + 0.8612997f) < sensing_first_m_x_size;
+            suspect_V_ay_test = suspect_V_ax_test_5 && (!suspect_V_ay_test_2 || (suspect_V_ay_part < small_m));
+            suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < sensing_first_m_x_size;
             suspect_V_by_test = suspect_V_ax_test_5 && suspect_V_ay_test_2;
             suspect_V_cx_test = suspect_V_ax_test_4 && suspect_V_ax_test_7;
-            suspect_V_cy_test = (suspect_V_ay_part + 0.8612997f) < sensing_first_m_y_size;
+            suspect_V_cy_test = (suspect_V_ay_part + nearly_zero_m) < sensing_first_m_y_size;
         } else {
             const bool suspect_V_ax_test_8 = suspect_V_ax_test_4 || suspect_V_ax_test_5;
             suspect_V_ax_test_6 = suspect_V_ax_test_8 || suspect_V_ax_test_2;
@@ -227,7 +252,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             suspect_V_by_test = suspect_V_ax_test_8;
             suspect_V_cx_test = suspect_V_ax_test_8;
         }
-        const bool suspect_V_ax_test_9 = (0.01f < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_2 && suspect_V_ax_test_3 && !suspect_V_ax_test);
+        const bool suspect_V_ax_test_9 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_2 && suspect_V_ax_test_3 && !suspect_V_ax_test);
         const bool suspect_V_ax = suspect_V_ax_test_6 || suspect_V_ax_test_9;
         const bool suspect_V_ay = suspect_V_ay_test || suspect_V_ax_test_9;
         const bool suspect_V_bx = suspect_V_bx_test || suspect_V_ax_test_9;
@@ -272,23 +297,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
     /* safe_output: slew to the safe output once latched */
     if (latched != 0u) {
-        state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, 0.1575f);
+        state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
-        state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, 0.1575f);
+        state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
         out->i_AB = state->safe_output_last_i_AB;
-        state->safe_output_last_i_AC = planar_6dof_lqg_slew(state->safe_output_last_i_AC, 0.0f, 0.1575f);
+        state->safe_output_last_i_AC = planar_6dof_lqg_slew(state->safe_output_last_i_AC, 0.0f, slew_i_AA);
         out->i_AC = state->safe_output_last_i_AC;
-        state->safe_output_last_i_BA = planar_6dof_lqg_slew(state->safe_output_last_i_BA, 0.0f, 0.1575f);
+        state->safe_output_last_i_BA = planar_6dof_lqg_slew(state->safe_output_last_i_BA, 0.0f, slew_i_AA);
         out->i_BA = state->safe_output_last_i_BA;
-        state->safe_output_last_i_BB = planar_6dof_lqg_slew(state->safe_output_last_i_BB, 0.0f, 0.1575f);
+        state->safe_output_last_i_BB = planar_6dof_lqg_slew(state->safe_output_last_i_BB, 0.0f, slew_i_AA);
         out->i_BB = state->safe_output_last_i_BB;
-        state->safe_output_last_i_BC = planar_6dof_lqg_slew(state->safe_output_last_i_BC, 0.0f, 0.1575f);
+        state->safe_output_last_i_BC = planar_6dof_lqg_slew(state->safe_output_last_i_BC, 0.0f, slew_i_AA);
         out->i_BC = state->safe_output_last_i_BC;
-        state->safe_output_last_i_CA = planar_6dof_lqg_slew(state->safe_output_last_i_CA, 0.0f, 0.1575f);
+        state->safe_output_last_i_CA = planar_6dof_lqg_slew(state->safe_output_last_i_CA, 0.0f, slew_i_AA);
         out->i_CA = state->safe_output_last_i_CA;
-        state->safe_output_last_i_CB = planar_6dof_lqg_slew(state->safe_output_last_i_CB, 0.0f, 0.1575f);
+        state->safe_output_last_i_CB = planar_6dof_lqg_slew(state->safe_output_last_i_CB, 0.0f, slew_i_AA);
         out->i_CB = state->safe_output_last_i_CB;
-        state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, 0.1575f);
+        state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
 
         /* guard: range acceptance, hold, latch */
@@ -320,8 +345,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool x_raw_test = false;
         if ((guard_ready != 0u) && complete) {
-            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-            x_raw_test = (0.013780796f < x_raw_part) && ((sensing_contradiction_left != 0u) || (0.055123184f < x_raw_part));
+            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
+            x_raw_test = (squared_confirmation < x_raw_part) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < x_raw_part));
         }
         const bool x_raw_test_2 = !x_raw_test && complete;
         const float sensing_within_x = state->sensing_within_x;
@@ -334,7 +359,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float within_x = sensing_within_x;
         float within_y = sensing_within_y;
         if (x_raw_test_2) {
-            const float ratio_x = ratio_x_part_4 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_2) + 8.612998e-06f);
+            const float ratio_x = ratio_x_part_4 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_2) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
             const float x_raw_part_2 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
@@ -342,28 +367,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             if (ratio_x_part_3 <= ratio_x_part_2) {
                 if (ratio_x_part_minus_V_bx < 0.0f) {
                     if (0.0f < x_raw_part_2) {
-                        sensing_within_x_next = x_raw_part_2 - 0.0254f;
+                        sensing_within_x_next = x_raw_part_2 - half_pitch;
                     } else {
-                        sensing_within_x_next = x_raw_part_2 + 0.0254f;
+                        sensing_within_x_next = x_raw_part_2 + half_pitch;
                     }
                 } else {
                     sensing_within_x_next = x_raw_part_2;
                 }
             } else {
-                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_2;
+                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -quarter_pitch : quarter_pitch) - x_raw_part_2;
             }
             const float x_raw_part_3 = sensing_within_x_next - sensing_within_x;
             float x_raw_part_4 = sensing_offset_x;
-            if (0.0254f < fabsf(x_raw_part_3)) {
+            if (half_pitch < fabsf(x_raw_part_3)) {
                 if (0.0f < x_raw_part_3) {
-                    if (-0.0508f <= sensing_offset_x) {
-                        const float x_raw_part_5 = sensing_offset_x - 0.0508f;
+                    if (-pitch <= sensing_offset_x) {
+                        const float x_raw_part_5 = sensing_offset_x - pitch;
                         x_raw_part_4 = x_raw_part_5;
                         state->sensing_offset_x = x_raw_part_5;
                     }
                 } else {
-                    if (sensing_offset_x <= 0.0508f) {
-                        const float x_raw_part_6 = sensing_offset_x + 0.0508f;
+                    if (sensing_offset_x <= pitch) {
+                        const float x_raw_part_6 = sensing_offset_x + pitch;
                         x_raw_part_4 = x_raw_part_6;
                         state->sensing_offset_x = x_raw_part_6;
                     }
@@ -371,7 +396,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
             x_raw = sensing_within_x_next + x_raw_part_4;
             within_x = sensing_within_x_next;
-            const float ratio_y = -(ratio_y_part_4 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_2) + 8.612998e-06f));
+            const float ratio_y = -(ratio_y_part_4 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_2) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
             const float y_raw_part = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
@@ -379,28 +404,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             if (ratio_y_part_3 <= ratio_y_part_2) {
                 if (-V_cy_plus_ratio_y_part < 0.0f) {
                     if (0.0f < y_raw_part) {
-                        sensing_within_y_next = y_raw_part - 0.0254f;
+                        sensing_within_y_next = y_raw_part - half_pitch;
                     } else {
-                        sensing_within_y_next = y_raw_part + 0.0254f;
+                        sensing_within_y_next = y_raw_part + half_pitch;
                     }
                 } else {
                     sensing_within_y_next = y_raw_part;
                 }
             } else {
-                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - y_raw_part;
+                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -quarter_pitch : quarter_pitch) - y_raw_part;
             }
             const float y_raw_part_2 = sensing_within_y_next - sensing_within_y;
             float y_raw_part_3 = sensing_offset_y;
-            if (0.0254f < fabsf(y_raw_part_2)) {
+            if (half_pitch < fabsf(y_raw_part_2)) {
                 if (0.0f < y_raw_part_2) {
-                    if (-0.0508f <= sensing_offset_y) {
-                        const float y_raw_part_4 = sensing_offset_y - 0.0508f;
+                    if (-pitch <= sensing_offset_y) {
+                        const float y_raw_part_4 = sensing_offset_y - pitch;
                         y_raw_part_3 = y_raw_part_4;
                         state->sensing_offset_y = y_raw_part_4;
                     }
                 } else {
-                    if (sensing_offset_y <= 0.0508f) {
-                        const float y_raw_part_5 = sensing_offset_y + 0.0508f;
+                    if (sensing_offset_y <= pitch) {
+                        const float y_raw_part_5 = sensing_offset_y + pitch;
                         y_raw_part_3 = y_raw_part_5;
                         state->sensing_offset_y = y_raw_part_5;
                     }
@@ -411,13 +436,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
             const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
-            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + 0.08612997f);
+            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + least_information);
             phi_raw_part = phi_raw_part_3;
         } else {
             x_raw = sensing_within_x + sensing_offset_x;
             y_raw = sensing_within_y + sensing_offset_y;
         }
-        const float phi_raw = planar_6dof_lqg_limit(sensing_phi_raw + phi_raw_part, 0.025f);
+        const float phi_raw = planar_6dof_lqg_limit(sensing_phi_raw + phi_raw_part, max_yaw);
         if (x_raw_test) {
             state->sensing_contradiction_left = 4u;
         } else {
@@ -442,12 +467,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* vertical_kinematics: z and tilts from distances */
         const float z_part = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (z_part + d3_held);
-        const float theta = 8.333333f * (d3_held - z_part);
-        const float psi = 8.333333f * (d1_held - d2_held);
+        const float theta = half_over_laser_arm * (d3_held - z_part);
+        const float psi = half_over_laser_arm * (d1_held - d2_held);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool d_x_test = fabsf(x_ref_minus_x_raw) <= 0.0015f;
+        const bool d_x_test = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
         const float lqg_x_L_times_x_raw = lqg_x_L * x_raw;
         const float lqg_y_L_times_y_raw = lqg_y_L * y_raw;
@@ -466,16 +491,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const float lqg_x_achieved = state->lqg_x_achieved;
         const float d_x_part_2 = d_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float d_x = (lqg_x_error_gain * ((d_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - d_x_part_2);
+        const float d_x = (lqg_x_error_gain * ((d_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part_2);
         state->lqg_x_x3 = (lqg_x_F * d_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool d_y_test = fabsf(y_ref_minus_y_raw) <= 0.004f;
+        const bool d_y_test = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_achieved = state->lqg_y_achieved;
         const float d_y_part_2 = d_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float d_y = (lqg_y_error_gain * ((d_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - d_y_part_2);
+        const float d_y = (lqg_y_error_gain * ((d_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part_2);
         state->lqg_y_x3 = (lqg_y_F * d_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
@@ -507,20 +532,20 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float phi_raw_squared = phi_raw * phi_raw;
         const float i_CQ_part = f1_polynomial(phi_raw_squared);
         const float i_CQ_part_2 = phi_raw * f2_polynomial(phi_raw_squared);
-        const float i_CQ = planar_6dof_lqg_limit((i_CQ_part * d_x) + (i_CQ_part_2 * d_y), planar_6dof_lqg_max(1.134f - fabsf(d_phi), 0.567f));
-        const float i_AQ_part = planar_6dof_lqg_limit(d_phi + i_CQ, 1.134f);
-        const float i_AQ_part_2 = planar_6dof_lqg_limit(0.5f * ((i_CQ_part * d_y) - (i_CQ_part_2 * d_x)), 1.134f - fabsf(i_AQ_part));
+        const float i_CQ = planar_6dof_lqg_limit((i_CQ_part * d_x) + (i_CQ_part_2 * d_y), planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
+        const float i_AQ_part = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
+        const float i_AQ_part_2 = planar_6dof_lqg_limit(0.5f * ((i_CQ_part * d_y) - (i_CQ_part_2 * d_x)), quadrature_limit - fabsf(i_AQ_part));
         const float i_AQ = i_AQ_part_2 - i_AQ_part;
         const float i_BQ = i_AQ_part_2 + i_AQ_part;
         const float d_z_minus_d_theta = d_z - d_theta;
-        const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, 0.54913455f);
-        const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, 0.54913455f);
+        const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, direct_limit);
+        const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, direct_limit);
 
         /* loop_psi: lead-lag, (25) */
         state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
 
         /* allocation: motor currents, Table 3, (17) */
-        const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), 0.54913455f);
+        const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
 
         /* loop_z: lead-lag, (23) */
         const float i_AD_plus_i_BD = i_AD + i_BD;
@@ -556,9 +581,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
 
         /* commutation: phase currents, (17) inverted */
-        const float distance_rear = within_x - (0.025584769f * i_CQ_part_2);
+        const float distance_rear = within_x - (c * i_CQ_part_2);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((0.012792384f * i_CQ_part) - 0.0127f);
+        const float distance_front = within_y - ((b * i_CQ_part) - quarter_pitch);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
         const float i_AA_computed_part = quarter_sine_front * quarter_sine_front;
         const float i_AA_computed_part_2 = quarter_sine_front * sqrtf(1.0f - i_AA_computed_part);
@@ -576,7 +601,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float i_AB_computed_part = 0.8660254f * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
+        const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
         const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
@@ -592,7 +617,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float i_BB_computed_part = 0.8660254f * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
+        const float i_BB_computed_part = half_root_3 * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
         const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
@@ -610,7 +635,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float i_CB_computed_part = 0.8660254f * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
+        const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
         const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */

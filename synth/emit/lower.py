@@ -62,7 +62,10 @@ LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
 
 @dataclass(frozen=True)
 class Node:
-    """One value: an operation on earlier nodes, a literal (`value`), or a load (`name`)."""
+    """One value: an operation on earlier nodes, a literal (`value`), or a load (`name`).
+
+    A constant with a negative `value` is the negative of that constant.
+    """
 
     op: str
     args: tuple[int, ...] = ()

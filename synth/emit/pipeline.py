@@ -11,6 +11,7 @@
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
     guards.guarded                 the guard of an input becomes one call
     slews.slewed                   a rate limit becomes one call
+    numbers.with_numbers           a literal that a Block declares becomes a constant with a name
     outline.alike, calls.outlined  Blocks that are one program but for names and numbers become calls of one function
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
@@ -29,7 +30,7 @@ from synth.emit import lower
 from synth.emit.c import c_text, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, fold, guards, limits, schedule, slews, surrogates
+from synth.emit.passes import calls, fold, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
@@ -86,14 +87,19 @@ def _without_certificates(program: Program) -> Program:
 
 
 def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layout]:
-    """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout."""
-    program = slews.slewed(guards.guarded(reduced.program))
+    """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout.
+
+    Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
+    """
+    program, block = numbers.with_numbers(slews.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
+    reduced = replace(reduced, block=block)
     groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
         fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]
         flat = _print(reduced, program, fewer, scalar)
-        if flat.lines <= kept.lines:
+        returned = sum(max(len(group[0][1].results) - 1, 0) for group in groups if group not in fewer)
+        if flat.lines <= kept.lines + returned:
             groups, kept = fewer, flat
     return kept.reduced, kept.memory
 

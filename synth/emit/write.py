@@ -51,7 +51,9 @@ def emit(
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
         f"{block.name}.h": header.header(rounded, memory, outlined.program),
     }
-    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source)
+    gains_only = {c.name for c in printed.block.constants}
+    numbers = [c for c in outlined.block.constants if c.name not in gains_only]
+    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source, numbers)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))

@@ -40,6 +40,11 @@ def constant(name: str) -> str:
     return f"{name}_" if bare in RESERVED or bare.endswith("_polynomial") else name
 
 
+def signed_constant(node: Node) -> Text:
+    """Return the text of a constant, or of its negative."""
+    return Text(f"-{constant(node.name)}", 6) if node.value < 0 else Text(constant(node.name))
+
+
 def literal(value: float, scalar: type[np.floating]) -> Text:
     """Return the shortest literal that reads back as `value` in the scalar type.
 
@@ -83,9 +88,10 @@ class Expressions:
         op, args = node.op, node.args
         if op == "literal":
             return literal(node.value, self.scalar)
-        if op in ("input", "state", "constant"):
-            place = self.p.paths.get(node.name, node.name)
-            return Text({"input": f"in->{node.name}", "state": f"state->{place}"}.get(op, constant(node.name)))
+        if op == "constant":
+            return signed_constant(node)
+        if op in ("input", "state"):
+            return Text(f"in->{node.name}" if op == "input" else f"state->{self.p.paths.get(node.name, node.name)}")
         if op == "argument":
             return Text(node.name)
         if op == "parameter":

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from synth.block import LATCH_BIT, Block, Fault
+from synth.block import LATCH_BIT, Block, Constant, Fault
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.printer import Line
 from synth.emit.passes.surrogates import Surrogate
@@ -20,11 +20,12 @@ def manifest(
     texts: Mapping[str, str],
     surrogates: Sequence[Surrogate],
     source: Sequence[Line],
+    numbers: Sequence[Constant] = (),
 ) -> dict[str, Any]:
     """Return the manifest of the emitted `texts` (file name to text) as a JSON document.
 
     `trace` maps each Block of the composition, with its equation, to the lines of <name>.c that compute it, as ranges
-    [first, last] of line numbers from 1.
+    [first, last] of line numbers from 1. `numbers` are constants of the physics and limits, which no gain document has.
     """
     return {
         "design": block.name,
@@ -34,6 +35,7 @@ def manifest(
         "structs": {s.kind: _struct(s) for s in layout.structs},
         "faults": [_fault(f) for f in block.faults],
         "safety": _safety(block),
+        "numbers": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in numbers},
         "surrogates": [_surrogate(s) for s in surrogates],
         "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},

@@ -13,7 +13,7 @@ import numpy as np
 from synth.block import Block
 from synth.emit.c import locals as variables
 from synth.emit.c import naming
-from synth.emit.c.expressions import Expressions, Text, constant, literal, mask
+from synth.emit.c.expressions import Expressions, Text, literal, mask, signed_constant
 from synth.emit.c.kinds import kinds
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
@@ -232,7 +232,7 @@ class _Printer:
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []
         if routine.by_value:
-            passed += [constant(n.name) if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
+            passed += [signed_constant(n).c if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]

@@ -63,12 +63,18 @@ def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
     first = {kind: part for part, kind in reversed(types.items())}
     texts = []
     for kind, part in first.items():
-        fields = [f for f in layout.state.fields if f.part == part]
-        rows = [
-            f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields
-        ]
+        of_type = [f for f in layout.state.fields if types.get(f.part) == kind]
+        rows = [_state_row(f, of_type) for f in of_type if f.part == part]
         texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};")
     return texts
+
+
+def _state_row(f: Member, of_type: Sequence[Member]) -> str:
+    """Return a member of a Block's struct, with its range where all Blocks of the type have the same."""
+    name = f.path.split(".")[1]
+    ranges = {(m.low, m.high) for m in of_type if m.path.split(".")[1] == name}
+    about = f.comment if len(ranges) == 1 else f"{f.unit}: {f.about}"
+    return f"    {f.ctype} {name};".ljust(40) + f"/* {prose(about)} */"
 
 
 def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
@@ -122,7 +128,8 @@ def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
 
 
 def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:
-    return literal(constants[node.name].value if node.op == "constant" else node.value, scalar).c
+    sign = -1.0 if node.value < 0 else 1.0
+    return literal(sign * constants[node.name].value if node.op == "constant" else node.value, scalar).c
 
 
 def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> list[str]:
