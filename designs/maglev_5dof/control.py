@@ -205,7 +205,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
             squares = [i_q + u[f"i_d{j}_before"] ** 2 for j, i_q in zip(MOTORS, squares, strict=True)]
         w = {a.name: u[a.demand.name] for a in AXES}
         direct = maglev_stage.direct_currents(w, u, squares, motors, values)
-        i_d = {n: clip(i, lifting) for n, i in direct.items()}
+        i_d = {n: clip(i, lifting) for n, i in direct.currents.items()}
         demand = maglev_stage.thrust_currents(w, motors, values)
         pairs = {"u_x": (i_d["i_d2"], i_d["i_d4"]), "u_z": (i_d["i_d1"], i_d["i_d3"])}
         thrust = {n: _limit_thrust(demand[n], *pair) for n, pair in pairs.items()}
@@ -215,6 +215,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
             pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named_forces(j, m, square)
         ]
         named_signals += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
+        named_signals += [(Signal(n, "N", -1e6, 1e6), force) for n, force in direct.half_forces.items()]
         return Step(output, named=named_signals, numbers=numbers)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]

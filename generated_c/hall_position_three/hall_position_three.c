@@ -305,7 +305,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         faults |= 0x80000000u;
     }
 
-    /* estimator: GLSDC, Fig. 9 */
+    /* estimator: GLSDC, Fig. 9
+     *     yaw_fraction_sine = 4 * sin(0.25 * (yaw + motion_yaw))
+     *     yaw_fraction_cosine = cos(0.25 * (yaw + motion_yaw))
+     *     phase_fraction_cosine = cos(0.125 * (phase_y + motion_y + arm_cx * limit(limit(4 * (sin(0.25 * (yaw
+     *         + motion_yaw)) * yaw_fraction_cosine), 2) * (1 - 0.125 * yaw_fraction_sine^2), 1) - -arm_cy * (1
+     *         - 0.5 * limit(4 * (sin(0.25 * (yaw + motion_yaw)) * yaw_fraction_cosine), 2)^2))) */
     const float estimator_motion_yaw = state->estimator_motion_yaw;
     const float yaw_fraction_sine_part = state->estimator_yaw + estimator_motion_yaw;
     const float yaw_fraction_sine_part_2 = yaw_fraction_sine_part * yaw_fraction_sine_part;

@@ -98,7 +98,9 @@ static inline float half_a_over_h2_2_polynomial(float t)
     return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
-/* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter */
+/* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
+ *     s_next = fade * s + (e_y - q_prev if ready is set, else 0)
+ *     r_next = fade * r + s_next + rho * s */
 MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
 {
     static const float fade = 0.36787945f; /* 1; D(s) = s w^2/(s+w)^2, w = 1000 rad/s, first-order hold */
@@ -125,7 +127,11 @@ typedef struct {
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
 } maglev_5dof_regulator_parameters_t;
 
-/* regulator_y, regulator_phi, regulator_theta: F(14)-(16) */
+/* regulator_y, regulator_phi, regulator_theta: F(14)-(16)
+ *     w_y = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
+ *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
+ *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
+ *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *state,
     const maglev_5dof_regulator_parameters_t *parameters, float e, float filter_r_next)
 {
@@ -150,7 +156,12 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     return w_part + (parameters->k_q1 * q1);
 }
 
-/* regulator_x, regulator_z: F(14)-(17) */
+/* regulator_x, regulator_z: F(14)-(17)
+ *     w_x = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
+ *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
+ *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
+ *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
+ *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
 MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulator_state_t *state, float e,
     float filter_r_next)
 {
@@ -213,10 +224,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float M_z = 8.6f;                              /* kg; Table I */
     static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
     static const float half_M_y = 3.45f;                        /* kg; M_y / 2, M_y = 6.9 kg */
-    static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
+    static const float compensated_k_s_phi = 11250.0f;          /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
     /* kg m/rad; I_x / (2 r), r = 0.397 m, I_x = 0.5268 kg m^2/rad, also half_I_x_over_r, also half_I_z_over_r */
     static const float half_I_over_r = 0.66347605f;
-    static const float compensated_k_s_phi = 11250.0f;          /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
+    static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
     static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
@@ -284,14 +295,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* kinematics: pose from the gaps, F(5) */
+        /* kinematics: pose from the gaps, F(5)
+         *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+         *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
         const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
         const float y3_minus_y1 = y3_held - y1_held;
         const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
         const float y2_minus_y4 = y2_held - y4_held;
         const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
 
-        /* errors: tracking errors, F(14) */
+        /* errors: tracking errors, F(14)
+         *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
         const float w_y = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, filter_y_r_next);
@@ -308,7 +322,28 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float w_x = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
 
-        /* decoupling: direct and thrust currents, F(8), F(12) */
+        /* decoupling: direct and thrust currents, F(8), F(12)
+         *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /
+         *         (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held * atan(0.00635 / y1_held) - log(sqrt(1 +
+         *         (0.00635 / y1_held)^2))))) * sinh(54.971 * (0.005 + y1_held)))); likewise thrust_per_ampere_2,
+         *         thrust_per_ampere_3, thrust_per_ampere_4
+         *     half_a_over_h2_1 = 0.0701829 * (0.01905 / (0.01905 - 1.27324 * (y1_held * (0.00635 / y1_held *
+         *         atan(0.00635 / y1_held) - log(sqrt(1 + (0.00635 / y1_held)^2))))))^2 / (1 - 0.00211667 /
+         *         (y1_held + 0.00635 + 0.005)); likewise half_a_over_h2_2, half_a_over_h2_3, half_a_over_h2_4
+         *     half_c_1 = thrust_per_ampere_1^2 * (half_c_over_h2 + slot_pull / (y1_held + gap_offset)); likewise
+         *         half_c_2, half_c_3, half_c_4
+         *     half_load_1 = half_a_1 + half_c_1 * (u_z_before^2 + i_d1_before^2); likewise half_load_2,
+         *         half_load_3, half_load_4
+         *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + 16 * (half_a_1 * half_c_1)); likewise inverse_b_2,
+         *         inverse_b_3, inverse_b_4
+         *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4
+         *     half_force_phi = half_I_over_r * (w_phi + compensated_k_s_phi * phi) + half_load_3 - half_load_1;
+         *         likewise half_force_theta
+         *     half_force_1_3 = ((inverse_b_2 + inverse_b_4) * half_force + (inverse_b_2 - inverse_b_4) *
+         *         half_force_theta - (inverse_b_3 - inverse_b_1) * half_force_phi) / (inverse_b_1 + inverse_b_3 +
+         *         inverse_b_2 + inverse_b_4)
+         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_computed^2,
+         *         i_d4_computed^2))); likewise u_z_computed */
         const float thrust_per_ampere_1_part = slot_pull / (y1_held + gap_offset);
         const float thrust_per_ampere_1_part_2 = thrust_per_ampere_1_part - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_part_2);
@@ -349,37 +384,38 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float inverse_b_4 = 1.0f / sqrtf(half_a_4_part + (16.0f * (half_a_4 * half_c_4)));
         const float u_x_demand = -M_x * w_x / (thrust_per_ampere_2 + thrust_per_ampere_4);
         const float u_z_demand = -M_z * w_z / (thrust_per_ampere_1 + thrust_per_ampere_3);
-        const float i_d1_computed_part = inverse_b_2 + inverse_b_4;
-        const float i_d1_computed_part_2 = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
-        const float i_d1_computed_part_3 = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 - half_load_4);
-        const float i_d1_computed_part_4 = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
-        const float i_d1_computed_part_5 = ((i_d1_computed_part * i_d1_computed_part_2) + ((inverse_b_2 - inverse_b_4) * i_d1_computed_part_3) - ((inverse_b_3 - inverse_b_1) * i_d1_computed_part_4)) / (inverse_b_1 + inverse_b_3 + i_d1_computed_part);
-        const float i_d1_computed = maglev_5dof_limit((i_d1_computed_part_5 - i_d1_computed_part_4) * inverse_b_1, direct_limit);
-        state->safe_output_last_i_d1 = i_d1_computed;
+        const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
+        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
+        const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 - half_load_4);
+        const float half_force_1_3_part = inverse_b_2 + inverse_b_4;
+        const float half_force_1_3_part_2 = (half_force_1_3_part * half_force) + ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
+        const float half_force_1_3 = half_force_1_3_part_2 / (inverse_b_1 + inverse_b_3 + half_force_1_3_part);
+        const float half_force_2_4 = half_force - half_force_1_3;
+        const float i_d1_computed = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
         out->i_d1 = i_d1_computed;
-        const float i_d2_computed_part = i_d1_computed_part_2 - i_d1_computed_part_5;
-        const float i_d2_computed = maglev_5dof_limit((i_d2_computed_part + i_d1_computed_part_3) * inverse_b_2, direct_limit);
-        state->safe_output_last_i_d2 = i_d2_computed;
+        const float i_d2_computed = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
         out->i_d2 = i_d2_computed;
-        const float i_d3_computed = maglev_5dof_limit((i_d1_computed_part_5 + i_d1_computed_part_4) * inverse_b_3, direct_limit);
-        state->safe_output_last_i_d3 = i_d3_computed;
+        const float i_d3_computed = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
         out->i_d3 = i_d3_computed;
-        const float i_d4_computed = maglev_5dof_limit((i_d2_computed_part - i_d1_computed_part_3) * inverse_b_4, direct_limit);
-        state->safe_output_last_i_d4 = i_d4_computed;
+        const float i_d4_computed = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
         out->i_d4 = i_d4_computed;
         const float u_x_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, u_x_computed_part);
-        state->safe_output_last_u_x = u_x_computed;
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
         const float u_z_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, u_z_computed_part);
-        state->safe_output_last_u_z = u_z_computed;
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
         const float excess_x = u_x_computed - u_x_demand;
         maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         const float excess_z = u_z_computed - u_z_demand;
+        state->safe_output_last_i_d1 = i_d1_computed;
+        state->safe_output_last_i_d2 = i_d2_computed;
+        state->safe_output_last_i_d3 = i_d3_computed;
+        state->safe_output_last_i_d4 = i_d4_computed;
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
     }
 

@@ -65,7 +65,15 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float x_held = maglev_5dof_phase_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
     const float z_held = maglev_5dof_phase_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
-    /* commutation: phase currents, inverse Park */
+    /* commutation: phase currents, inverse Park
+     *     i_a1 = limit(root_2 * (i_d1_held * cos(wave_number * z_held + half_pi) - i_q1_held * sin(wave_number
+     *         * z_held + half_pi)), max_phase_current); likewise i_a2, i_a3, i_a4
+     *     i_b1 = limit(root_2 * (i_d1_held * cos(wave_number * z_held + half_pi - two_thirds_pi) - i_q1_held *
+     *         sin(wave_number * z_held + half_pi - two_thirds_pi)), max_phase_current); likewise i_b2, i_b3,
+     *         i_b4
+     *     i_c1 = limit(root_2 * (i_d1_held * cos(wave_number * z_held + half_pi + two_thirds_pi) - i_q1_held *
+     *         sin(wave_number * z_held + half_pi + two_thirds_pi)), max_phase_current); likewise i_c2, i_c3,
+     *         i_c4 */
     const float i_a1_part = (wave_number * z_held) + half_pi;
     const float i_a1_part_2 = cosf(i_a1_part);
     const float i_a1_part_3 = sinf(i_a1_part);

@@ -137,7 +137,9 @@ typedef struct {
 } planar_6dof_leadlag_loop_output_t;
 
 /* loop_x, loop_y, loop_phi, loop_z, loop_theta, loop_psi: lead-lag, (21); lead-lag, (22); lead-lag, (23); lead-lag,
- * (24); lead-lag, (25) */
+ * (24); lead-lag, (25)
+ *     d_x = gain * (x_ref_held - x) + lead + integral
+ *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
 PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const planar_6dof_leadlag_loop_state_t *state,
     float gain, float ref_held, float value)
 {
@@ -253,7 +255,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const float theta_ref_held = planar_6dof_leadlag_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
 
-    /* sensing: position and yaw, (1)-(5) */
+    /* sensing: position and yaw, (1)-(5)
+     *     ratio_x = limit((V_ax_held - phi_predicted * V_ay_held) * (phi_predicted * V_ay_held - V_bx_held) /
+     *         (max((V_ax_held - phi_predicted * V_ay_held)^2, (phi_predicted * V_ay_held - V_bx_held)^2) +
+     *         least_square), 1) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
@@ -514,7 +519,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
 
-        /* vertical_kinematics: z and tilts from distances */
+        /* vertical_kinematics: z and tilts from distances
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         const float z_part = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (z_part + d3_held);
         const float theta = half_over_laser_arm * (d3_held - z_part);
@@ -524,18 +531,32 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi, loop_phi_gain, phi_ref_held, phi);
         const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z, loop_z_gain, z_ref_held, z);
 
-        /* loop_z: lead-lag, (23) */
+        /* loop_z: lead-lag, (23)
+         *     d_z = gain * (z_ref_held - z) + lead + integral */
         state->loop_z.lead = loop_z_lead_input * loop_z_output.ref_held_minus_value;
         const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta, loop_theta_gain, theta_ref_held, theta);
 
-        /* loop_theta: lead-lag, (24) */
+        /* loop_theta: lead-lag, (24)
+         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
         state->loop_theta.lead = loop_theta_lead_input * loop_theta_output.ref_held_minus_value;
         const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi, loop_psi_gain, psi_ref_held, psi);
 
-        /* loop_psi: lead-lag, (25) */
+        /* loop_psi: lead-lag, (25)
+         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
         state->loop_psi.lead = loop_psi_lead_input * loop_psi_output.ref_held_minus_value;
 
-        /* allocation: motor currents, Table 3, (17) */
+        /* allocation: motor currents, Table 3, (17)
+         *     i_AQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
+         *         quadrature_limit)|) - limit(d_phi + i_CQ, quadrature_limit)
+         *     i_BQ = limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x), quadrature_limit - |limit(d_phi + i_CQ,
+         *         quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
+         *     i_CQ = limit(cos(phi) * d_x + sin(phi) * d_y, max(quadrature_limit - |d_phi|,
+         *         half_quadrature_limit))
+         *     achieved_x = cos(phi) * i_CQ - 2 * (sin(phi) * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
+         *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
+         *     achieved_y = sin(phi) * i_CQ + 2 * (cos(phi) * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
+         *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
+         *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
         const float phi_squared = phi * phi;
         const float i_CQ_part = f1_polynomial(phi_squared);
         const float i_CQ_part_2 = phi * f2_polynomial(phi_squared);
@@ -547,32 +568,33 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float d_minus_d = loop_z_output.d - loop_theta_output.d;
         const float i_AD = planar_6dof_leadlag_limit(d_minus_d + loop_psi_output.d, direct_limit);
         const float i_BD = planar_6dof_leadlag_limit(d_minus_d - loop_psi_output.d, direct_limit);
-
-        /* loop_psi: lead-lag, (25) */
-        const float loop_psi_integral_next = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
-        state->loop_psi.integral = loop_psi_integral_next;
-
-        /* allocation: motor currents, Table 3, (17) */
         const float i_CD = planar_6dof_leadlag_limit(loop_z_output.d + (2.0f * loop_theta_output.d), direct_limit);
-
-        /* loop_z: lead-lag, (23) */
-        const float i_AD_plus_i_BD = i_AD + i_BD;
-        const float loop_z_integral_next = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
-        state->loop_z.integral = loop_z_integral_next;
-
-        /* allocation: motor currents, Table 3, (17) */
         const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
         planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.ref_held_minus_value);
         const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
         planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.ref_held_minus_value);
         const float achieved_phi = i_AQ_part - i_CQ;
         planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.ref_held_minus_value);
+        const float i_AD_plus_i_BD = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
+
+        /* loop_z: lead-lag, (23) */
+        const float loop_z_integral_next = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
+        state->loop_z.integral = loop_z_integral_next;
 
         /* loop_theta: lead-lag, (24) */
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) + (loop_theta_integral_input * achieved_theta);
 
-        /* commutation: phase currents, (17) inverted */
+        /* loop_psi: lead-lag, (25) */
+        const float loop_psi_integral_next = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
+        state->loop_psi.integral = loop_psi_integral_next;
+
+        /* commutation: phase currents, (17) inverted
+         *     distance_rear = within_x - c * sin(phi)
+         *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
+         *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
+         *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
+         *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
         const float distance_rear = within_x - (c * i_CQ_part_2);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * i_CQ_part) - quarter_pitch);
@@ -591,33 +613,27 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AA_computed_part_12 = i_AA_computed_part_10 + i_AA_computed_part_11;
         const float i_AA_computed = (i_AA_computed_part_9 * i_AQ) + (i_AA_computed_part_12 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
-        state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
         const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
         const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
-        state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
         const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
         const float i_BA_computed_part = i_AA_computed_part_5 + i_AA_computed_part_8;
         const float i_BA_computed_part_2 = i_AA_computed_part_11 - i_AA_computed_part_10;
         const float i_BA_computed = (i_BA_computed_part * i_BQ) - (i_BA_computed_part_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
-        state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
         const float i_BB_computed_part = half_root_3 * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
         const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
-        state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
         const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
-        state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
         const float i_CA_computed_part = quarter_sine_rear * quarter_sine_rear;
         const float i_CA_computed_part_2 = quarter_sine_rear * sqrtf(1.0f - i_CA_computed_part);
@@ -625,16 +641,22 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CA_computed_part_4 = i_CA_computed_part_2 * (4.0f - (8.0f * i_CA_computed_part));
         const float i_CA_computed = (i_CA_computed_part_3 * i_CQ) - (i_CA_computed_part_4 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
-        state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
         const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
         const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
-        state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
         const float i_CC_computed = -(half_i_CA_computed + i_CB_computed_part);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
+        state->safe_output_last_i_AA = i_AA_computed;
+        state->safe_output_last_i_AB = i_AB_computed;
+        state->safe_output_last_i_AC = i_AC_computed;
+        state->safe_output_last_i_BA = i_BA_computed;
+        state->safe_output_last_i_BB = i_BB_computed;
+        state->safe_output_last_i_BC = i_BC_computed;
+        state->safe_output_last_i_CA = i_CA_computed;
+        state->safe_output_last_i_CB = i_CB_computed;
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

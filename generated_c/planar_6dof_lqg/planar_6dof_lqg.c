@@ -209,7 +209,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float theta_ref_held = planar_6dof_lqg_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
 
-    /* sensing: position and yaw, (1)-(5) */
+    /* sensing: position and yaw, (1)-(5)
+     *     ratio_x = limit((V_ax_held - phi_raw * V_ay_held) * (phi_raw * V_ay_held - V_bx_held) /
+     *         (max((V_ax_held - phi_raw * V_ay_held)^2, (phi_raw * V_ay_held - V_bx_held)^2) + least_square),
+     *         1)
+     *     ratio_y = limit(-((V_ay_held + phi_raw * V_ax_held) * (V_cy_held + phi_raw * V_ax_held) /
+     *         (max((V_ay_held + phi_raw * V_ax_held)^2, (V_cy_held + phi_raw * V_ax_held)^2) + least_square)),
+     *         1) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
@@ -464,13 +470,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         state->sensing_phi_raw = phi_raw;
 
-        /* vertical_kinematics: z and tilts from distances */
+        /* vertical_kinematics: z and tilts from distances
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         const float z_part = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (z_part + d3_held);
         const float theta = half_over_laser_arm * (d3_held - z_part);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_x: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool d_x_test = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
@@ -494,7 +503,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float d_x = (lqg_x_error_gain * ((d_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part_2);
         state->lqg_x_x3 = (lqg_x_F * d_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
-        /* lqg_y: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_y: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool d_y_test = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
@@ -503,32 +513,51 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float d_y = (lqg_y_error_gain * ((d_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part_2);
         state->lqg_y_x3 = (lqg_y_F * d_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     d_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if ready is set, else -(L *
+         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
+         *     x3_next = F * (x3 if ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if ready is set,
+         *         else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         const float d_phi_part_2 = d_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
         const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - d_phi_part_2);
         state->lqg_phi_x3 = (lqg_phi_F * d_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
-        /* loop_z: lead-lag, (23) */
+        /* loop_z: lead-lag, (23)
+         *     d_z = gain * (z_ref_held - z) + lead + integral */
         const float z_ref_minus_z = z_ref_held - z;
         const float loop_z_integral = state->loop_z_integral;
         const float d_z = (loop_z_gain * z_ref_minus_z) + state->loop_z_lead + loop_z_integral;
         state->loop_z_lead = loop_z_lead_input * z_ref_minus_z;
 
-        /* loop_theta: lead-lag, (24) */
+        /* loop_theta: lead-lag, (24)
+         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
         const float theta_ref_minus_theta = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
         const float d_theta = (loop_theta_gain * theta_ref_minus_theta) + state->loop_theta_lead + loop_theta_integral;
         state->loop_theta_lead = loop_theta_lead_input * theta_ref_minus_theta;
 
-        /* loop_psi: lead-lag, (25) */
+        /* loop_psi: lead-lag, (25)
+         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
         const float psi_ref_minus_psi = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
         const float d_psi = (loop_psi_gain * psi_ref_minus_psi) + state->loop_psi_lead + loop_psi_integral;
         state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
 
-        /* allocation: motor currents, Table 3, (17) */
+        /* allocation: motor currents, Table 3, (17)
+         *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
+         *         i_CQ, quadrature_limit)|) - limit(d_phi + i_CQ, quadrature_limit)
+         *     i_BQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
+         *         i_CQ, quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
+         *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, max(quadrature_limit - |d_phi|,
+         *         half_quadrature_limit))
+         *     achieved_x = cos(phi_raw) * i_CQ - 2 * (sin(phi_raw) * limit(0.5 * (cos(phi_raw) * d_y -
+         *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
+         *     achieved_y = sin(phi_raw) * i_CQ + 2 * (cos(phi_raw) * limit(0.5 * (cos(phi_raw) * d_y -
+         *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
+         *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
         const float phi_raw_squared = phi_raw * phi_raw;
         const float i_CQ_part = f1_polynomial(phi_raw_squared);
         const float i_CQ_part_2 = phi_raw * f2_polynomial(phi_raw_squared);
@@ -540,47 +569,42 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float d_z_minus_d_theta = d_z - d_theta;
         const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, direct_limit);
         const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, direct_limit);
-
-        /* loop_psi: lead-lag, (25) */
-        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
-
-        /* allocation: motor currents, Table 3, (17) */
         const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
-
-        /* loop_z: lead-lag, (23) */
-        const float i_AD_plus_i_BD = i_AD + i_BD;
-        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
-
-        /* allocation: motor currents, Table 3, (17) */
         const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
+        const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
+        const float achieved_phi = i_AQ_part - i_CQ;
+        const float i_AD_plus_i_BD = i_AD + i_BD;
+        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
         state->lqg_x_integral = (d_x_test) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + d_x_part_2))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
-
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
         state->lqg_y_integral = (d_y_test) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + d_y_part_2))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_phi = i_AQ_part - i_CQ;
-
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + d_phi_part_2));
         state->lqg_phi_achieved = achieved_phi;
 
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
+        /* loop_z: lead-lag, (23) */
+        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
 
         /* loop_theta: lead-lag, (24) */
         state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
 
-        /* commutation: phase currents, (17) inverted */
+        /* loop_psi: lead-lag, (25) */
+        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
+
+        /* commutation: phase currents, (17) inverted
+         *     distance_rear = within_x - c * sin(phi_raw)
+         *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
+         *     distance_front = within_y - (b * cos(phi_raw) - quarter_pitch)
+         *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
+         *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
         const float distance_rear = within_x - (c * i_CQ_part_2);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * i_CQ_part) - quarter_pitch);
@@ -599,33 +623,27 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_AA_computed_part_12 = i_AA_computed_part_10 + i_AA_computed_part_11;
         const float i_AA_computed = (i_AA_computed_part_9 * i_AQ) + (i_AA_computed_part_12 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
-        state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
         const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
         const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
-        state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
         const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
         const float i_BA_computed_part = i_AA_computed_part_5 + i_AA_computed_part_8;
         const float i_BA_computed_part_2 = i_AA_computed_part_11 - i_AA_computed_part_10;
         const float i_BA_computed = (i_BA_computed_part * i_BQ) - (i_BA_computed_part_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
-        state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
         const float i_BB_computed_part = half_root_3 * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
         const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
-        state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
         const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
-        state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
         const float i_CA_computed_part = quarter_sine_rear * quarter_sine_rear;
         const float i_CA_computed_part_2 = quarter_sine_rear * sqrtf(1.0f - i_CA_computed_part);
@@ -633,16 +651,22 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_CA_computed_part_4 = i_CA_computed_part_2 * (4.0f - (8.0f * i_CA_computed_part));
         const float i_CA_computed = (i_CA_computed_part_3 * i_CQ) - (i_CA_computed_part_4 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
-        state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
         const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
         const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
-        state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
         const float i_CC_computed = -(half_i_CA_computed + i_CB_computed_part);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
+        state->safe_output_last_i_AA = i_AA_computed;
+        state->safe_output_last_i_AB = i_AB_computed;
+        state->safe_output_last_i_AC = i_AC_computed;
+        state->safe_output_last_i_BA = i_BA_computed;
+        state->safe_output_last_i_BB = i_BB_computed;
+        state->safe_output_last_i_BC = i_BC_computed;
+        state->safe_output_last_i_CA = i_CA_computed;
+        state->safe_output_last_i_CB = i_CB_computed;
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
     }

@@ -16,7 +16,8 @@ from synth.emit.c.expressions import constant, literal
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
-from synth.emit.c.printer import Line, guard_function, prose
+from synth.emit.c.lines import Line, prose
+from synth.emit.c.printer import guard_function
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes.surrogates import Surrogate
 

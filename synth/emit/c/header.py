@@ -6,7 +6,7 @@ from textwrap import wrap
 from synth.block import Block, Fault
 from synth.emit.c import routines
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import prose
+from synth.emit.c.lines import prose
 from synth.emit.lower import Program
 
 WIDTH = 117

@@ -9,7 +9,7 @@ import numpy as np
 
 from synth.block import LATCH_BIT, Block, Constant, Fault
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import Line
+from synth.emit.c.lines import Line
 from synth.emit.passes.surrogates import Surrogate
 from synth.errors import EmitError
 

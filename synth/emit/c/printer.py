@@ -5,7 +5,6 @@ Locals are `const` unless an `if` assigns their value.
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -15,6 +14,7 @@ from synth.emit.c import locals as variables
 from synth.emit.c import naming
 from synth.emit.c.expressions import Expressions, Text, literal, mask, signed_constant
 from synth.emit.c.kinds import kinds
+from synth.emit.c.lines import Line, opening, prose
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
@@ -22,14 +22,6 @@ from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
-
-
-@dataclass(frozen=True)
-class Line:
-    """One line of C, tagged with its Block and equation; the tag may be empty."""
-
-    text: str
-    tag: str = ""
 
 
 def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> list[Line]:
@@ -71,6 +63,7 @@ class _Printer:
         self.c = Expressions(program, self.kinds, scalar, block.name)
         self.name = block.name
         self.returned: dict[str, str] = {}
+        self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
         self.printed: list[Line] = []
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
@@ -275,7 +268,8 @@ class _Printer:
                 not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
             )
             self.printed += [] if opened else [Line("")]
-            self.printed.append(Line("    " * depth + f"/* {self.tag} */", self.tag))
+            rows = opening([self.tag], self.equations.pop(self.tag, ()))
+            self.printed += [Line("    " * depth + row, self.tag) for row in rows]
         self.shown = self.tag
         return self.printed
 
@@ -290,8 +284,3 @@ class _Printer:
 def guard_function(p: Program, node: Node) -> str:
     """Return the name of the function of a guard, without the program's prefix."""
     return ("hold" if node.name else "replace") + ("" if len(node.args) == 5 else "_within")
-
-
-def prose(text: str) -> str:
-    """Return a text in which C comment delimiters are broken up."""
-    return text.replace("*/", "* /").replace("/*", "/ *")

@@ -14,7 +14,7 @@ from synth.block import Block, Constant
 from synth.emit.c import printer
 from synth.emit.c.expressions import literal
 from synth.emit.c.layout import Layout, Member
-from synth.emit.c.printer import Line, prose
+from synth.emit.c.lines import Line, opening, prose
 from synth.emit.lower import Node, Program
 from synth.emit.passes import calls, words
 from synth.emit.passes.routine import Call, Routine
@@ -80,6 +80,7 @@ def _state_row(f: Member, of_type: Sequence[Member]) -> str:
 def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
     """Return the types, the parameters and the functions of all routines."""
     lines: list[Line] = []
+    explained: set[str] = set()
     for routine in {c.routine.name: c.routine for c in p.calls.values()}.values():
         used = [c for c in p.calls.values() if c.routine.name == routine.name]
         constants = {c.name: c for c in block.constants}
@@ -90,7 +91,10 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
-        lines += [Line(row) for row in comment(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"))]
+        about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"), WIDTH - 2)
+        equations = p.equations.get(used[0].block, ()) if used[0].block not in explained else ()
+        explained |= {c.block for c in used}
+        lines += [Line(row) for row in opening(about, equations)]
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]

@@ -32,9 +32,14 @@ _OPERANDS |= {"clamp": (2,), "slew": (1, 2), "choose": (1, 2), "neg": (0,)}
 _CLOSE = 1e-12  # relative: folding rounds a product of numbers once
 
 
-def with_numbers(p: Program, block: Block, scalar: type[np.floating]) -> tuple[Program, Block]:
-    """Return the program that reads numbers by name, and the Block with the constants that it then reads."""
-    namer = _Namer(p, block, scalar)
+def with_numbers(
+    p: Program, block: Block, scalar: type[np.floating], names: Container[str] | None = None
+) -> tuple[Program, Block]:
+    """Return the program that reads numbers by name, and the Block with the constants that it then reads.
+
+    `names` are those that may be read, by default all.
+    """
+    namer = _Namer(p, block, scalar, names)
     program = namer.program()
     return program, replace(block, constants=(*namer.read.values(), *block.constants))
 
@@ -42,9 +47,10 @@ def with_numbers(p: Program, block: Block, scalar: type[np.floating]) -> tuple[P
 class _Namer:
     """Builds the program; `read` holds the constants that it reads, by name."""
 
-    def __init__(self, p: Program, block: Block, scalar: type[np.floating]) -> None:
+    def __init__(self, p: Program, block: Block, scalar: type[np.floating], names: Container[str] | None) -> None:
         self.p, self.scalar, self.kind = p, scalar, kinds(p)
-        self.known = _unique_names(p, block)
+        known = _unique_names(p, block)
+        self.known = {b: [c for c in group if names is None or c.name in names] for b, group in known.items()}
         self.owner = _block_of_node(p)
         self.read: dict[str, Constant] = {}
         self.nodes: list[Node] = []
