@@ -75,15 +75,16 @@ class Constant:
 @arguments.checked
 @dataclass(frozen=True)
 class Named:
-    """An intermediate signal of a composition, the Block that computes it, and the tag of its equation.
+    """An intermediate signal of a composition, the Block that computes it, the tag of its equation; see `Step`.
 
-    `certificate`, of a signal that is limited to +-h, says how large it is before the limit; see `Step`.
+    `certificate` says how large a limited signal is before its limit. An `internal` signal is no output of its Block.
     """
 
     signal: Signal
     block: str
     tag: str
     certificate: Certificate | None = None
+    internal: bool = False
 
 
 @arguments.checked
@@ -158,8 +159,7 @@ class Block:
         x, u = self._columns(s.name for s in self.states), self._columns(s.name for s in self.inputs)
         next = ca.vcat([self.next[s.name] for s in self.states])
         y = ca.vcat([self.output[s.name] for s in self.outputs])
-        symbols = [self.symbol[c.name] for c in self.constants]
-        values = [ca.SX(c.value) for c in self.constants]
+        symbols, values = [self.symbol[c.name] for c in self.constants], [ca.SX(c.value) for c in self.constants]
         next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
         return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
 
@@ -202,8 +202,8 @@ def build(
 ) -> Block:
     """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
 
-    Raises SignalError when a name is listed twice, when an output or a next state is missing or not declared, when an
-    expression depends on a symbol of another Block, or when the law needs the value of a symbol, as `if` does.
+    Raises SignalError for a name that is listed twice, an output or a next state that is missing or not declared, an
+    expression with a symbol of another Block, and a law that needs the value of a symbol, as `if` does.
     """
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         signal_names(group)
@@ -225,11 +225,11 @@ def build(
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
     laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
-    inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
+    inside = [(Named(s, name, tag, step.certified.get(s.name), True), ca.SX(expr)) for s, expr in step.named]
     inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
     _check_symbols(name, [*next.values(), *(e for _, e in inside)], symbol)
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
-    numbers = tuple((name, number) for number in step.numbers)
+    numbers = tuple((name, n) for n in step.numbers)
     return Block(name, tag, time, *declared, symbol, output, next, tuple(inside), numbers=numbers)
 
 

@@ -3,6 +3,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -214,7 +217,17 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
     };
 }
 
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
+{
+    return maglev_5dof_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
+    maglev_5dof_diagnostics_t *diagnostics)
+#else
+uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
+#endif
 {
     static const float gap_offset = 0.009233333f;               /* m; b0/2 + h_m/mu_rec - beta, beta = b0^2 / (4 t1) */
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
@@ -239,6 +252,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const maglev_5dof_regulator_parameters_t regulator_theta_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
         86.03567f, -7.0522647f};
 
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float y1_held = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
@@ -417,7 +436,40 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->y = y;
+            diagnostics->phi = phi;
+            diagnostics->theta = theta;
+            diagnostics->e_y = e_y;
+            diagnostics->e_x = e_x;
+            diagnostics->e_z = e_z;
+            diagnostics->e_phi = e_phi;
+            diagnostics->e_theta = e_theta;
+            diagnostics->w_y = w_y;
+            diagnostics->w_x = w_x;
+            diagnostics->w_z = w_z;
+            diagnostics->w_phi = w_phi;
+            diagnostics->w_theta = w_theta;
+            diagnostics->excess_x = excess_x;
+            diagnostics->excess_z = excess_z;
+            diagnostics->saturated |= (fabsf(i_d1_computed) >= direct_limit) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_computed) >= direct_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_computed) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_computed) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= u_x_computed_part) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= u_z_computed_part) ? 0x00000020u : 0u;
+        }
+#endif
     }
 
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
+        }
+    }
+#endif
     return faults;
 }

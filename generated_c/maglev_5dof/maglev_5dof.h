@@ -123,6 +123,36 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
 
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. Bits of `saturated`: 0 i_d1_computed, 1 i_d2_computed, 2 i_d3_computed, 3 i_d4_computed, 4 u_x_computed, 5 u_z_computed. */
+typedef struct {
+    float y;                            /* m: gap at the centre */
+    float phi;                          /* rad: rotation about X */
+    float theta;                        /* rad: rotation about Z */
+    float e_y;                          /* m: tracking error */
+    float e_x;                          /* m: tracking error */
+    float e_z;                          /* m: tracking error */
+    float e_phi;                        /* rad: tracking error */
+    float e_theta;                      /* rad: tracking error */
+    float w_y;                          /* m/s^2: demanded acceleration */
+    float w_x;                          /* m/s^2: demanded acceleration */
+    float w_z;                          /* m/s^2: demanded acceleration */
+    float w_phi;                        /* rad/s^2: demanded acceleration */
+    float w_theta;                      /* rad/s^2: demanded acceleration */
+    float excess_x;                     /* A: u_x limited less u_x demanded */
+    float excess_z;                     /* A: u_z limited less u_z demanded */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} maglev_5dof_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
+    maglev_5dof_diagnostics_t *diagnostics);
+#endif
+
 #ifdef __cplusplus
 }
 #endif

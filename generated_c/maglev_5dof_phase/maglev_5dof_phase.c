@@ -2,6 +2,9 @@
 #include "maglev_5dof_phase.h"
 #include <float.h>
 #include <math.h>
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -44,7 +47,17 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
     };
 }
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+{
+    return maglev_5dof_phase_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
+    maglev_5dof_phase_diagnostics_t *diagnostics)
+#else
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+#endif
 {
     static const float wave_number = 54.971f;                   /* rad/m; pi / tau, pole pitch tau */
     static const float half_pi = 1.5707964f;                    /* 1; pi / 2 */
@@ -52,6 +65,12 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     static const float max_phase_current = 9.899505f;           /* A; both currents at their limit */
     static const float two_thirds_pi = 2.0943952f;              /* 1; 2 pi / 3 */
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u, &faults);
@@ -116,6 +135,27 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     out->i_b4 = i_b4;
     const float i_c4 = maglev_5dof_phase_limit(root_2 * ((i_d4_held * i_c2_part_2) - (i_q4_held * i_c2_part_3)), max_phase_current);
     out->i_c4 = i_c4;
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->saturated |= (fabsf(i_a1) >= max_phase_current) ? 0x00000001u : 0u;
+        diagnostics->saturated |= (fabsf(i_b1) >= max_phase_current) ? 0x00000002u : 0u;
+        diagnostics->saturated |= (fabsf(i_c1) >= max_phase_current) ? 0x00000004u : 0u;
+        diagnostics->saturated |= (fabsf(i_a2) >= max_phase_current) ? 0x00000008u : 0u;
+        diagnostics->saturated |= (fabsf(i_b2) >= max_phase_current) ? 0x00000010u : 0u;
+        diagnostics->saturated |= (fabsf(i_c2) >= max_phase_current) ? 0x00000020u : 0u;
+        diagnostics->saturated |= (fabsf(i_a3) >= max_phase_current) ? 0x00000040u : 0u;
+        diagnostics->saturated |= (fabsf(i_b3) >= max_phase_current) ? 0x00000080u : 0u;
+        diagnostics->saturated |= (fabsf(i_c3) >= max_phase_current) ? 0x00000100u : 0u;
+        diagnostics->saturated |= (fabsf(i_a4) >= max_phase_current) ? 0x00000200u : 0u;
+        diagnostics->saturated |= (fabsf(i_b4) >= max_phase_current) ? 0x00000400u : 0u;
+        diagnostics->saturated |= (fabsf(i_c4) >= max_phase_current) ? 0x00000800u : 0u;
+    }
+#endif
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+    }
+#endif
     return faults;
 }

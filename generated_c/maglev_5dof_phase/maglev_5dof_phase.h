@@ -88,6 +88,21 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  */
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. Bits of `saturated`: 0 i_a1, 1 i_b1, 2 i_c1, 3 i_a2, 4 i_b2, 5 i_c2, 6 i_a3, 7 i_b3, 8 i_c3, 9 i_a4, 10 i_b4, 11 i_c4. */
+typedef struct {
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} maglev_5dof_phase_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
+    maglev_5dof_phase_diagnostics_t *diagnostics);
+#endif
+
 #ifdef __cplusplus
 }
 #endif

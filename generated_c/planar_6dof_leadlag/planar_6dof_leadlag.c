@@ -3,6 +3,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -167,7 +170,17 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     };
 }
 
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out)
+{
+    return planar_6dof_leadlag_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out,
+    planar_6dof_leadlag_diagnostics_t *diagnostics)
+#else
+uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out)
+#endif
 {
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
     static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
@@ -237,6 +250,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const planar_6dof_leadlag_filter_parameters_t filter_y_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
         0.2f};
 
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
@@ -326,6 +345,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
+            diagnostics->suspect_V_ay = suspect_V_ay ? 1.0f : 0.0f;
+            diagnostics->suspect_V_bx = suspect_V_bx ? 1.0f : 0.0f;
+            diagnostics->suspect_V_by = suspect_V_by ? 1.0f : 0.0f;
+            diagnostics->suspect_V_cx = suspect_V_cx ? 1.0f : 0.0f;
+            diagnostics->suspect_V_cy = suspect_V_cy ? 1.0f : 0.0f;
+        }
+#endif
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
@@ -659,7 +688,55 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->safe_output_last_i_CB = i_CB_computed;
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->r_1 = r_1;
+            diagnostics->r_2 = r_2;
+            diagnostics->m_x = m_x;
+            diagnostics->m_y = m_y;
+            diagnostics->x_raw = x_raw;
+            diagnostics->y_raw = y_raw;
+            diagnostics->within_x = within_x;
+            diagnostics->within_y = within_y;
+            diagnostics->phi_raw = phi_raw;
+            diagnostics->x = x;
+            diagnostics->y = y;
+            diagnostics->phi = phi;
+            diagnostics->z = z;
+            diagnostics->theta = theta;
+            diagnostics->psi = psi;
+            diagnostics->d_x = loop_x_output.d;
+            diagnostics->d_y = loop_y_output.d;
+            diagnostics->d_phi = loop_phi_output.d;
+            diagnostics->d_z = loop_z_output.d;
+            diagnostics->d_theta = loop_theta_output.d;
+            diagnostics->d_psi = loop_psi_output.d;
+            diagnostics->i_CQ = i_CQ;
+            diagnostics->i_AQ = i_AQ;
+            diagnostics->i_BQ = i_BQ;
+            diagnostics->i_AD = i_AD;
+            diagnostics->i_BD = i_BD;
+            diagnostics->i_CD = i_CD;
+            diagnostics->achieved_x = achieved_x;
+            diagnostics->achieved_y = achieved_y;
+            diagnostics->achieved_phi = achieved_phi;
+            diagnostics->achieved_theta = achieved_theta;
+            diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;
+        }
+#endif
     }
 
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
+        }
+    }
+#endif
     return faults;
 }

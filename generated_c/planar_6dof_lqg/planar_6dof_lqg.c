@@ -3,6 +3,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -107,7 +110,17 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     };
 }
 
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
+{
+    return planar_6dof_lqg_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out,
+    planar_6dof_lqg_diagnostics_t *diagnostics)
+#else
+uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
+#endif
 {
     static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
@@ -191,6 +204,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     /* 1 1; (25): 1 - integral_decay; times allocation_half */
     static const float loop_psi_integral_input_x_allocation_half = 0.0062111802f;
 
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
@@ -283,6 +302,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
+            diagnostics->suspect_V_ay = suspect_V_ay ? 1.0f : 0.0f;
+            diagnostics->suspect_V_bx = suspect_V_bx ? 1.0f : 0.0f;
+            diagnostics->suspect_V_by = suspect_V_by ? 1.0f : 0.0f;
+            diagnostics->suspect_V_cx = suspect_V_cx ? 1.0f : 0.0f;
+            diagnostics->suspect_V_cy = suspect_V_cy ? 1.0f : 0.0f;
+        }
+#endif
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
@@ -669,7 +698,52 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->safe_output_last_i_CB = i_CB_computed;
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->r_1 = r_1;
+            diagnostics->r_2 = r_2;
+            diagnostics->m_x = m_x;
+            diagnostics->m_y = m_y;
+            diagnostics->x_raw = x_raw;
+            diagnostics->y_raw = y_raw;
+            diagnostics->within_x = within_x;
+            diagnostics->within_y = within_y;
+            diagnostics->phi_raw = phi_raw;
+            diagnostics->z = z;
+            diagnostics->theta = theta;
+            diagnostics->psi = psi;
+            diagnostics->d_x = d_x;
+            diagnostics->d_y = d_y;
+            diagnostics->d_phi = d_phi;
+            diagnostics->d_z = d_z;
+            diagnostics->d_theta = d_theta;
+            diagnostics->d_psi = d_psi;
+            diagnostics->i_CQ = i_CQ;
+            diagnostics->i_AQ = i_AQ;
+            diagnostics->i_BQ = i_BQ;
+            diagnostics->i_AD = i_AD;
+            diagnostics->i_BD = i_BD;
+            diagnostics->i_CD = i_CD;
+            diagnostics->achieved_x = achieved_x;
+            diagnostics->achieved_y = achieved_y;
+            diagnostics->achieved_phi = achieved_phi;
+            diagnostics->achieved_theta = achieved_theta;
+            diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;
+        }
+#endif
     }
 
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
+        }
+    }
+#endif
     return faults;
 }

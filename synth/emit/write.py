@@ -11,7 +11,7 @@ import numpy as np
 from synth import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import header, layout, manifest
+from synth.emit.c import diagnostics, header, layout, manifest
 from synth.emit.lower import Program
 
 
@@ -53,7 +53,8 @@ def emit(
     }
     gains_only = {c.name for c in printed.block.constants}
     numbers = [c for c in outlined.block.constants if c.name not in gains_only]
-    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source, numbers)
+    observed = diagnostics.document(rounded, outlined.program)
+    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source, numbers, observed)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))

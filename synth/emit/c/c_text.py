@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from textwrap import wrap
 
 from synth.block import Block
-from synth.emit.c import routines
+from synth.emit.c import diagnostics, routines
 from synth.emit.c.expressions import constant, literal
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
@@ -32,7 +32,7 @@ def source(
     called = routines.functions(block, program, layout)
     compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
     parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
-    parts += _refusals()
+    parts += [*diagnostics.includes(block, program), *_refusals()]
     parts += _helpers(block.name, used, layout)
     if any("_flag(" in line.text for line in body if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
@@ -42,8 +42,11 @@ def source(
     parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    step = [*_init(block, layout), "", step_head(block.name), "{", *_constants(block, program, layout)]
-    return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
+    heads = diagnostics.heads(block, step_head(block.name), program)
+    step = [*_init(block, layout), "", *heads, "{", *_constants(block, program, layout)]
+    step += diagnostics.start(block, program)
+    ending = diagnostics.end(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
+    return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, ending), body[-1], Line("}")]
 
 
 def _refusals() -> list[str]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from textwrap import wrap
 
 from synth.block import Block, Fault
-from synth.emit.c import routines
+from synth.emit.c import diagnostics, routines
 from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import prose
 from synth.emit.lower import Program
@@ -29,6 +29,7 @@ def header(block: Block, layout: Layout, program: Program) -> str:
             *("/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
             *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
             *(f"{step_head(block.name)};", ""),
+            *diagnostics.declaration(block, layout, program),
             *("#ifdef __cplusplus", "}", "#endif", "", "#endif", ""),
         ]
     )

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ def manifest(
     surrogates: Sequence[Surrogate],
     source: Sequence[Line],
     numbers: Sequence[Constant] = (),
+    diagnostics: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Return the manifest of the emitted `texts` (file name to text) as a JSON document.
 
@@ -37,6 +39,7 @@ def manifest(
         "safety": _safety(block),
         "numbers": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in numbers},
         "surrogates": [_surrogate(s) for s in surrogates],
+        "diagnostics": dict(diagnostics),
         "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
     }

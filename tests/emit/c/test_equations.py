@@ -29,7 +29,9 @@ def oscillator() -> Block:
         limited = ca.fmax(ca.fmin(force, 0.5), -0.5)
         level = ca.if_else(u["x"] < u["y"], x["level"] / 2, -(x["level"] - u["x"]))
         named = [(Signal("angle", "rad", -9, 9), angle), (Signal("force", "N", -9, 9), force)]
-        return Step({"out": limited}, {"level": level}, named, numbers=[Constant("stiffness", 0.345, "N/m", "measured")])
+        return Step(
+            {"out": limited}, {"level": level}, named, numbers=[Constant("stiffness", 0.345, "N/m", "measured")]
+        )
 
     return build(
         "oscillator",

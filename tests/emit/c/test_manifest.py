@@ -194,6 +194,7 @@ SCHEMA: dict[str, Any] = {
     "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "reason": str},
     "numbers": dict,
     "surrogates": [SURROGATE],
+    "diagnostics": dict,
     "trace": dict,
     "sha256": {"stage.c": str, "stage.h": str},
 }
