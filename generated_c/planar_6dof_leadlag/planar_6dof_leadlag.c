@@ -60,16 +60,16 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_hold_within(float value, fl
     return held;
 }
 
-/* f1_polynomial; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
+/* cos_phi_polynomial; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
  * 2.1e-07. */
-static inline float f1_polynomial(float t)
+static inline float cos_phi_polynomial(float t)
 {
     return 0.9999998f + (t * -0.49976957f);
 }
 
-/* f2_polynomial / x; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at most
- * 1.5e-07. */
-static inline float f2_polynomial(float t)
+/* sin_phi_polynomial / x; x = clamp(phi, -0.075, 0.075) in -0.0731832609 .. 0.0731832609, t = x^2; relative error at
+ * most 1.5e-07. */
+static inline float sin_phi_polynomial(float t)
 {
     return 0.99999994f + (t * -0.16661468f);
 }
@@ -118,20 +118,20 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float value_part = p + (parameters->k_p * raw_minus_p);
     const float value_part_2 = state->h + (parameters->k_h * raw_minus_p);
     const float value_part_3 = state->s + (parameters->k_s * raw_minus_p) + value_part_2;
-    const float value_part_4 = value_part + value_part_3;
-    const float value_part_5 = value_part_3 + value_part_2;
-    float value_part_6 = value_part;
-    if ((ready != 0u) && (fabsf(value_part_4) <= parameters->largest_prediction) && (fabsf(value_part_5) <= parameters->largest_prediction) && (fabsf(value_part_2) <= parameters->largest_prediction)) {
-        state->p = value_part_4;
-        state->s = value_part_5;
+    const float value_part_plus_value_part_3 = value_part + value_part_3;
+    const float value_part_4 = value_part_3 + value_part_2;
+    float value_part_5 = value_part;
+    if ((ready != 0u) && (fabsf(value_part_plus_value_part_3) <= parameters->largest_prediction) && (fabsf(value_part_4) <= parameters->largest_prediction) && (fabsf(value_part_2) <= parameters->largest_prediction)) {
+        state->p = value_part_plus_value_part_3;
+        state->s = value_part_4;
         state->h = value_part_2;
     } else {
-        value_part_6 = raw;
+        value_part_5 = raw;
         state->p = raw;
         state->s = 0.0f;
         state->h = 0.0f;
     }
-    return value_part_6;
+    return value_part_5;
 }
 
 typedef struct {
@@ -289,44 +289,44 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
         const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool suspect_V_ax_test = squared_jump < suspect_V_ax_part;
+        const bool above_squared_jump = squared_jump < suspect_V_ax_part;
         const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
-        const bool suspect_V_ax_test_2 = significant_m < sensing_first_m_x_size;
+        const bool above_significant_m = significant_m < sensing_first_m_x_size;
         const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
-        const bool suspect_V_ax_test_3 = significant_m < sensing_first_m_y_size;
-        const bool suspect_V_ax_test_4 = significant_r < fabsf(sensing_first_r_2);
-        const bool suspect_V_ax_test_5 = significant_r < fabsf(sensing_first_r_1);
-        bool suspect_V_ax_test_6;
+        const bool above_significant_m_2 = significant_m < sensing_first_m_y_size;
+        const bool above_significant_r = significant_r < fabsf(sensing_first_r_2);
+        const bool above_significant_r_2 = significant_r < fabsf(sensing_first_r_1);
+        bool suspect_V_ax_test;
         bool suspect_V_ay_test;
-        bool suspect_V_bx_test = suspect_V_ax_test_2;
+        bool suspect_V_bx_test = above_significant_m;
         bool suspect_V_by_test;
         bool suspect_V_cx_test;
-        bool suspect_V_cy_test = suspect_V_ax_test_3;
-        if (suspect_V_ax_test) {
-            const bool suspect_V_ax_test_7 = sensing_first_m_x_size < nearly_zero_m;
+        bool suspect_V_cy_test = above_significant_m_2;
+        if (above_squared_jump) {
+            const bool below_nearly_zero_m = sensing_first_m_x_size < nearly_zero_m;
             const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test_6 = suspect_V_ax_test_4 && (!suspect_V_ax_test_7 || (suspect_V_ax_part_2 < small_m));
-            const bool suspect_V_ay_test_2 = sensing_first_m_y_size < nearly_zero_m;
+            suspect_V_ax_test = above_significant_r && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
+            const bool below_nearly_zero_m_2 = sensing_first_m_y_size < nearly_zero_m;
             const float suspect_V_ay_part = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = suspect_V_ax_test_5 && (!suspect_V_ay_test_2 || (suspect_V_ay_part < small_m));
+            suspect_V_ay_test = above_significant_r_2 && (!below_nearly_zero_m_2 || (suspect_V_ay_part < small_m));
             suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < sensing_first_m_x_size;
-            suspect_V_by_test = suspect_V_ax_test_5 && suspect_V_ay_test_2;
-            suspect_V_cx_test = suspect_V_ax_test_4 && suspect_V_ax_test_7;
+            suspect_V_by_test = above_significant_r_2 && below_nearly_zero_m_2;
+            suspect_V_cx_test = above_significant_r && below_nearly_zero_m;
             suspect_V_cy_test = (suspect_V_ay_part + nearly_zero_m) < sensing_first_m_y_size;
         } else {
-            const bool suspect_V_ax_test_8 = suspect_V_ax_test_4 || suspect_V_ax_test_5;
-            suspect_V_ax_test_6 = suspect_V_ax_test_8 || suspect_V_ax_test_2;
-            suspect_V_ay_test = suspect_V_ax_test_8 || suspect_V_ax_test_3;
-            suspect_V_by_test = suspect_V_ax_test_8;
-            suspect_V_cx_test = suspect_V_ax_test_8;
+            const bool suspect_V_ax_test_2 = above_significant_r || above_significant_r_2;
+            suspect_V_ax_test = suspect_V_ax_test_2 || above_significant_m;
+            suspect_V_ay_test = suspect_V_ax_test_2 || above_significant_m_2;
+            suspect_V_by_test = suspect_V_ax_test_2;
+            suspect_V_cx_test = suspect_V_ax_test_2;
         }
-        const bool suspect_V_ax_test_9 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_2 && suspect_V_ax_test_3 && !suspect_V_ax_test);
-        const bool suspect_V_ax = suspect_V_ax_test_6 || suspect_V_ax_test_9;
-        const bool suspect_V_ay = suspect_V_ay_test || suspect_V_ax_test_9;
-        const bool suspect_V_bx = suspect_V_bx_test || suspect_V_ax_test_9;
-        const bool suspect_V_by = suspect_V_by_test || suspect_V_ax_test_9;
-        const bool suspect_V_cx = suspect_V_cx_test || suspect_V_ax_test_9;
-        const bool suspect_V_cy = suspect_V_cy_test || suspect_V_ax_test_9;
+        const bool suspect_V_ax_test_3 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (above_significant_m && above_significant_m_2 && !above_squared_jump);
+        const bool suspect_V_ax = suspect_V_ax_test || suspect_V_ax_test_3;
+        const bool suspect_V_ay = suspect_V_ay_test || suspect_V_ax_test_3;
+        const bool suspect_V_bx = suspect_V_bx_test || suspect_V_ax_test_3;
+        const bool suspect_V_by = suspect_V_by_test || suspect_V_ax_test_3;
+        const bool suspect_V_cx = suspect_V_cx_test || suspect_V_ax_test_3;
+        const bool suspect_V_cy = suspect_V_cy_test || suspect_V_ax_test_3;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -412,19 +412,19 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
         const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
         const float sensing_first_s_y_next = V_ay_held + filter_phi_p_times_V_ax;
-        const float ratio_y_part_2 = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float r_1_part = ratio_x_part + sensing_first_s_x_next - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (ratio_y_part_2 * sensing_slope_1)));
+        const float sensing_first_s_y_squared = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float r_1_part = ratio_x_part + sensing_first_s_x_next - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (sensing_first_s_y_squared * sensing_slope_1)));
         const float r_1 = V_by_held - V_ay_held - (r_1_part * filter_phi_p);
         const float ratio_x_part_squared = ratio_x_part * ratio_x_part;
-        const float ratio_x_part_2 = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float r_2_part = (ratio_x_part * ratio_x_part_squared * (sensing_slope_0 + (ratio_x_part_2 * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part);
+        const float sensing_first_s_x_squared = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float r_2_part = (ratio_x_part * ratio_x_part_squared * (sensing_slope_0 + (sensing_first_s_x_squared * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part);
         const float r_2 = V_cx_held - V_ax_held + (r_2_part * filter_phi_p);
-        const float ratio_x_part_3 = sensing_first_s_x_next * ratio_x_part;
-        const float ratio_x_part_3_squared = ratio_x_part_3 * ratio_x_part_3;
-        const float m_x = ratio_x_part_2 + ratio_x_part_squared - (sensing_power_0 + (ratio_x_part_3_squared * (sensing_power_1 + (ratio_x_part_3_squared * sensing_power_2))));
-        const float ratio_y_part_3 = sensing_first_s_y_next * ratio_y_part;
-        const float ratio_y_part_3_squared = ratio_y_part_3 * ratio_y_part_3;
-        const float m_y = ratio_y_part_2 + ratio_y_part_squared - (sensing_power_0 + (ratio_y_part_3_squared * (sensing_power_1 + (ratio_y_part_3_squared * sensing_power_2))));
+        const float ratio_x_part_2 = sensing_first_s_x_next * ratio_x_part;
+        const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
+        const float m_x = sensing_first_s_x_squared + ratio_x_part_squared - (sensing_power_0 + (ratio_x_part_2_squared * (sensing_power_1 + (ratio_x_part_2_squared * sensing_power_2))));
+        const float ratio_y_part_2 = sensing_first_s_y_next * ratio_y_part;
+        const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
+        const float m_y = sensing_first_s_y_squared + ratio_y_part_squared - (sensing_power_0 + (ratio_y_part_2_squared * (sensing_power_1 + (ratio_y_part_2_squared * sensing_power_2))));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool x_raw_test = false;
         if ((guard_ready != 0u) && complete) {
@@ -439,12 +439,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float within_x;
         float within_y;
         if (x_raw_test_2) {
-            const float ratio_x = ratio_x_part_3 / (planar_6dof_leadlag_max(ratio_x_part_2, ratio_x_part_squared) + least_square);
+            const float ratio_x = ratio_x_part_2 / (planar_6dof_leadlag_max(sensing_first_s_x_squared, ratio_x_part_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
             const float x_raw_part_2 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float sensing_within_x_next;
-            if (ratio_x_part_2 <= ratio_x_part_squared) {
+            if (sensing_first_s_x_squared <= ratio_x_part_squared) {
                 if (ratio_x_part < 0.0f) {
                     if (0.0f < x_raw_part_2) {
                         sensing_within_x_next = x_raw_part_2 - half_pitch;
@@ -463,26 +463,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             if (half_pitch < fabsf(x_raw_part_3)) {
                 if (0.0f < x_raw_part_3) {
                     if (-pitch <= sensing_offset_x) {
-                        const float x_raw_part_5 = sensing_offset_x - pitch;
-                        x_raw_part_4 = x_raw_part_5;
-                        state->sensing_offset_x = x_raw_part_5;
+                        const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
+                        x_raw_part_4 = sensing_offset_x_minus_pitch;
+                        state->sensing_offset_x = sensing_offset_x_minus_pitch;
                     }
                 } else {
                     if (sensing_offset_x <= pitch) {
-                        const float x_raw_part_6 = sensing_offset_x + pitch;
-                        x_raw_part_4 = x_raw_part_6;
-                        state->sensing_offset_x = x_raw_part_6;
+                        const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
+                        x_raw_part_4 = sensing_offset_x_plus_pitch;
+                        state->sensing_offset_x = sensing_offset_x_plus_pitch;
                     }
                 }
             }
             x_raw = sensing_within_x_next + x_raw_part_4;
             within_x = sensing_within_x_next;
-            const float ratio_y = -(ratio_y_part_3 / (planar_6dof_leadlag_max(ratio_y_part_2, ratio_y_part_squared) + least_square));
+            const float ratio_y = -(ratio_y_part_2 / (planar_6dof_leadlag_max(sensing_first_s_y_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
             const float y_raw_part = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float sensing_within_y_next;
-            if (ratio_y_part_2 <= ratio_y_part_squared) {
+            if (sensing_first_s_y_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
                     if (0.0f < y_raw_part) {
                         sensing_within_y_next = y_raw_part - half_pitch;
@@ -501,15 +501,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             if (half_pitch < fabsf(y_raw_part_2)) {
                 if (0.0f < y_raw_part_2) {
                     if (-pitch <= sensing_offset_y) {
-                        const float y_raw_part_4 = sensing_offset_y - pitch;
-                        y_raw_part_3 = y_raw_part_4;
-                        state->sensing_offset_y = y_raw_part_4;
+                        const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
+                        y_raw_part_3 = sensing_offset_y_minus_pitch;
+                        state->sensing_offset_y = sensing_offset_y_minus_pitch;
                     }
                 } else {
                     if (sensing_offset_y <= pitch) {
-                        const float y_raw_part_5 = sensing_offset_y + pitch;
-                        y_raw_part_3 = y_raw_part_5;
-                        state->sensing_offset_y = y_raw_part_5;
+                        const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
+                        y_raw_part_3 = sensing_offset_y_plus_pitch;
+                        state->sensing_offset_y = sensing_offset_y_plus_pitch;
                     }
                 }
             }
@@ -586,21 +586,21 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     achieved_y = sin(phi) * i_CQ + 2 * (cos(phi) * limit(0.5 * (cos(phi) * d_y - sin(phi) * d_x),
          *         quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
-        const float phi_squared = phi * phi;
-        const float i_CQ_part = f1_polynomial(phi_squared);
-        const float i_CQ_part_2 = phi * f2_polynomial(phi_squared);
-        const float i_CQ = planar_6dof_leadlag_limit((i_CQ_part * loop_x_output.d) + (i_CQ_part_2 * loop_y_output.d), planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
+        const float cos_phi_argument = phi * phi;
+        const float cos_phi = cos_phi_polynomial(cos_phi_argument);
+        const float sin_phi = phi * sin_phi_polynomial(cos_phi_argument);
+        const float i_CQ = planar_6dof_leadlag_limit((cos_phi * loop_x_output.d) + (sin_phi * loop_y_output.d), planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
         const float i_AQ_part = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float i_AQ_part_2 = planar_6dof_leadlag_limit(0.5f * ((i_CQ_part * loop_y_output.d) - (i_CQ_part_2 * loop_x_output.d)), quadrature_limit - fabsf(i_AQ_part));
+        const float i_AQ_part_2 = planar_6dof_leadlag_limit(0.5f * ((cos_phi * loop_y_output.d) - (sin_phi * loop_x_output.d)), quadrature_limit - fabsf(i_AQ_part));
         const float i_AQ = i_AQ_part_2 - i_AQ_part;
         const float i_BQ = i_AQ_part_2 + i_AQ_part;
         const float d_minus_d = loop_z_output.d - loop_theta_output.d;
         const float i_AD = planar_6dof_leadlag_limit(d_minus_d + loop_psi_output.d, direct_limit);
         const float i_BD = planar_6dof_leadlag_limit(d_minus_d - loop_psi_output.d, direct_limit);
         const float i_CD = planar_6dof_leadlag_limit(loop_z_output.d + (2.0f * loop_theta_output.d), direct_limit);
-        const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
+        const float achieved_x = (cos_phi * i_CQ) - (2.0f * (sin_phi * i_AQ_part_2));
         planar_6dof_leadlag_loop_update(&state->loop_x, loop_x_lead_input, achieved_x, loop_x_output.ref_held_minus_value);
-        const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
+        const float achieved_y = (sin_phi * i_CQ) + (2.0f * (cos_phi * i_AQ_part_2));
         planar_6dof_leadlag_loop_update(&state->loop_y, loop_y_lead_input, achieved_y, loop_y_output.ref_held_minus_value);
         const float achieved_phi = i_AQ_part - i_CQ;
         planar_6dof_leadlag_loop_update(&state->loop_phi, loop_phi_lead_input, achieved_phi, loop_phi_output.ref_held_minus_value);
@@ -624,26 +624,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-        const float distance_rear = within_x - (c * i_CQ_part_2);
+        const float distance_rear = within_x - (c * sin_phi);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((b * i_CQ_part) - quarter_pitch);
+        const float distance_front = within_y - ((b * cos_phi) - quarter_pitch);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float i_AA_computed_part = quarter_sine_front * quarter_sine_front;
-        const float i_AA_computed_part_2 = quarter_sine_front * sqrtf(1.0f - i_AA_computed_part);
-        const float i_AA_computed_part_3 = i_AA_computed_part_2 * (4.0f - (8.0f * i_AA_computed_part));
-        const float i_AA_computed_part_4 = f5_polynomial(phi_squared);
-        const float i_AA_computed_part_5 = i_AA_computed_part_3 * i_AA_computed_part_4;
-        const float i_AA_computed_part_6 = 1.0f - (8.0f * (i_AA_computed_part_2 * i_AA_computed_part_2));
-        const float i_AA_computed_part_7 = phi * f6_polynomial(phi_squared);
-        const float i_AA_computed_part_8 = i_AA_computed_part_6 * i_AA_computed_part_7;
-        const float i_AA_computed_part_9 = i_AA_computed_part_5 - i_AA_computed_part_8;
-        const float i_AA_computed_part_10 = i_AA_computed_part_6 * i_AA_computed_part_4;
-        const float i_AA_computed_part_11 = i_AA_computed_part_3 * i_AA_computed_part_7;
-        const float i_AA_computed_part_12 = i_AA_computed_part_10 + i_AA_computed_part_11;
-        const float i_AA_computed = (i_AA_computed_part_9 * i_AQ) + (i_AA_computed_part_12 * i_AD);
+        const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
+        const float i_AA_computed_part = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
+        const float i_AA_computed_part_2 = i_AA_computed_part * (4.0f - (8.0f * quarter_sine_front_squared));
+        const float f5 = f5_polynomial(cos_phi_argument);
+        const float i_AA_computed_part_3 = i_AA_computed_part_2 * f5;
+        const float i_AA_computed_part_4 = 1.0f - (8.0f * (i_AA_computed_part * i_AA_computed_part));
+        const float f6 = phi * f6_polynomial(cos_phi_argument);
+        const float i_AA_computed_part_5 = i_AA_computed_part_4 * f6;
+        const float i_AA_computed_part_6 = i_AA_computed_part_3 - i_AA_computed_part_5;
+        const float i_AA_computed_part_7 = i_AA_computed_part_4 * f5;
+        const float i_AA_computed_part_8 = i_AA_computed_part_2 * f6;
+        const float i_AA_computed_part_9 = i_AA_computed_part_7 + i_AA_computed_part_8;
+        const float i_AA_computed = (i_AA_computed_part_6 * i_AQ) + (i_AA_computed_part_9 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         out->i_AA = i_AA_computed;
-        const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
+        const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_6 * i_AD) - (i_AA_computed_part_9 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
         const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
@@ -651,8 +651,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         out->i_AC = i_AC_computed;
-        const float i_BA_computed_part = i_AA_computed_part_5 + i_AA_computed_part_8;
-        const float i_BA_computed_part_2 = i_AA_computed_part_11 - i_AA_computed_part_10;
+        const float i_BA_computed_part = i_AA_computed_part_3 + i_AA_computed_part_5;
+        const float i_BA_computed_part_2 = i_AA_computed_part_8 - i_AA_computed_part_7;
         const float i_BA_computed = (i_BA_computed_part * i_BQ) - (i_BA_computed_part_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         out->i_BA = i_BA_computed;
@@ -664,14 +664,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         out->i_BC = i_BC_computed;
-        const float i_CA_computed_part = quarter_sine_rear * quarter_sine_rear;
-        const float i_CA_computed_part_2 = quarter_sine_rear * sqrtf(1.0f - i_CA_computed_part);
-        const float i_CA_computed_part_3 = 1.0f - (8.0f * (i_CA_computed_part_2 * i_CA_computed_part_2));
-        const float i_CA_computed_part_4 = i_CA_computed_part_2 * (4.0f - (8.0f * i_CA_computed_part));
-        const float i_CA_computed = (i_CA_computed_part_3 * i_CQ) - (i_CA_computed_part_4 * i_CD);
+        const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
+        const float i_CA_computed_part = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
+        const float i_CA_computed_part_2 = 1.0f - (8.0f * (i_CA_computed_part * i_CA_computed_part));
+        const float i_CA_computed_part_3 = i_CA_computed_part * (4.0f - (8.0f * quarter_sine_rear_squared));
+        const float i_CA_computed = (i_CA_computed_part_2 * i_CQ) - (i_CA_computed_part_3 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         out->i_CA = i_CA_computed;
-        const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
+        const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_3 * i_CQ) + (i_CA_computed_part_2 * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
         const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
