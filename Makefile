@@ -11,7 +11,9 @@ unexport PYTHONDONTWRITEBYTECODE
 # The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
 QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
 
-.PHONY: build quick test test-kernels docs bench prove clean
+.PHONY: install build quick test test-kernels docs bench prove clean
+
+install: $(STAMP)
 
 build: $(STAMP)
 	$(BIN)/synth build

@@ -74,8 +74,8 @@ class Constant:
 
 @arguments.checked
 @dataclass(frozen=True)
-class Named:
-    """An intermediate signal of a composition, the Block that computes it, the tag of its equation; see `Step`.
+class ComputedSignal:
+    """An output or internal signal, the Block that computes it, and the tag of its equation; see `Step`.
 
     `certificate` says how large a limited signal is before its limit. An `internal` signal is no output of its Block.
     """
@@ -92,8 +92,8 @@ class Named:
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
-    `safety` describes the step after a latch, of a Block that can latch. `numbers` are the numbers in the expressions
-    of a Block of the composition, by its name, that C declares as constants.
+    `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
+    a latch. `numbers` are those in the expressions of a Block of the composition, by its name, that C names.
     """
 
     name: str
@@ -106,7 +106,7 @@ class Block:
     symbol: Exprs
     output: Exprs
     next: Exprs
-    inside: tuple[tuple[Named, ca.SX], ...] = ()
+    computed_signals: tuple[tuple[ComputedSignal, ca.SX], ...] = ()
     faults: tuple[Fault, ...] = field(default=())
     safety: Safety | None = None
     numbers: tuple[tuple[str, Constant], ...] = ()
@@ -139,7 +139,7 @@ class Block:
             outputs=tuple(_signal(names, s) for s in self.outputs),
             symbol=_under({n: new for n, new in names.items() if n in inputs}, self.symbol),
             output=_under(names, self.output),
-            inside=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.inside),
+            computed_signals=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.computed_signals),
             faults=tuple(replace(f, output=names.get(f.output, f.output)) for f in self.faults),
             safety=safety,
         )
@@ -225,12 +225,15 @@ def build(
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
     laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
-    inside = [(Named(s, name, tag, step.certified.get(s.name), True), ca.SX(expr)) for s, expr in step.named]
-    inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
-    _check_symbols(name, [*next.values(), *(e for _, e in inside)], symbol)
-    declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
-    numbers = tuple((name, n) for n in step.numbers)
-    return Block(name, tag, time, *declared, symbol, output, next, tuple(inside), numbers=numbers)
+    certified = step.certified.get
+    computed = [(ComputedSignal(s, name, tag, certified(s.name), True), ca.SX(expr)) for s, expr in step.named]
+    computed += [(ComputedSignal(s, name, tag, certified(s.name)), output[s.name]) for s in outputs]
+    _check_symbols(name, [*next.values(), *(e for _, e in computed)], symbol)
+    declared, numbers = (
+        (tuple(inputs), tuple(outputs), tuple(states), tuple(constants)),
+        [(name, n) for n in step.numbers],
+    )
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=tuple(numbers))
 
 
 @arguments.checked

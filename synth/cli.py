@@ -24,7 +24,7 @@ app = typer.Typer(
 )
 
 
-KEPT = "finished results are kept and no file is half-written; run the same command again to continue"
+AFTER_INTERRUPTION = "finished results are kept and no file is half-written; run the same command again to continue"
 
 
 class Core(StrEnum):
@@ -49,7 +49,7 @@ def _complete(incomplete: str) -> list[str]:
 Name = Annotated[str, typer.Argument(help="the design", autocompletion=_complete)]
 Names = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[NAME]...", help="designs; all when left out", autocompletion=_complete),
+    typer.Argument(metavar="NAME", help="designs; all when left out", autocompletion=_complete),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON document, progress on stderr")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="ignore the cache of earlier runs")]
@@ -66,7 +66,7 @@ def main() -> None:
         with _interruptible():
             app()
     except Interrupted as interrupt:
-        sys.stderr.write(f"interrupted: {KEPT}\n")
+        sys.stderr.write(f"interrupted: {AFTER_INTERRUPTION}\n")
         raise SystemExit(interrupt.code) from None
     except Exception as error:
         from synth.errors import SynthError
@@ -119,7 +119,7 @@ def verify(
     ] = None,
     fresh: Fresh = False,
 ) -> None:
-    """Compare the emitted C with the reference, CasADi and CasADi's own C, with a replay of 60 s.
+    """Compare the emitted C with the reference, CasADi and CasADi's own C, with longer replays than `build`.
 
     With --target, compare the machine code of a Cortex-M core, in an emulator, with this machine's, bit by bit.
     """

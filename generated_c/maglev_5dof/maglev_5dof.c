@@ -102,7 +102,7 @@ static inline float half_a_over_h2_2_polynomial(float t)
 }
 
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
- *     s_next = fade * s + (e_y - q_prev if ready is set, else 0)
+ *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
 MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
 {
@@ -351,8 +351,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *         (y1_held + 0.00635 + 0.005)); likewise half_a_over_h2_2, half_a_over_h2_3, half_a_over_h2_4
          *     half_c_1 = thrust_per_ampere_1^2 * (half_c_over_h2 + slot_pull / (y1_held + gap_offset)); likewise
          *         half_c_2, half_c_3, half_c_4
-         *     half_load_1 = half_a_1 + half_c_1 * (u_z_before^2 + i_d1_before^2); likewise half_load_2,
-         *         half_load_3, half_load_4
+         *     half_load_1 = half_a_1 + half_c_1 * (safe_output_last_u_z^2 + safe_output_last_i_d1^2); likewise
+         *         half_load_2, half_load_3, half_load_4
          *     inverse_b_1 = 1 / sqrt(thrust_per_ampere_1^2 + 16 * (half_a_1 * half_c_1)); likewise inverse_b_2,
          *         inverse_b_3, inverse_b_4
          *     half_force = half_M_y * (w_y - G) + half_load_1 + half_load_2 + half_load_3 + half_load_4

@@ -6,6 +6,12 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
+ * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
+ * anew. gains.json and manifest.json say where each number comes from.
+ *
+ * With MAGLEV_5DOF_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_phase_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
  */

@@ -275,9 +275,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
 
     /* sensing: position and yaw, (1)-(5)
-     *     ratio_x = limit((V_ax_held - phi_predicted * V_ay_held) * (phi_predicted * V_ay_held - V_bx_held) /
-     *         (max((V_ax_held - phi_predicted * V_ay_held)^2, (phi_predicted * V_ay_held - V_bx_held)^2) +
-     *         least_square), 1) */
+     *     ratio_x = limit((V_ax_held - filter_phi_p * V_ay_held) * (filter_phi_p * V_ay_held - V_bx_held) /
+     *         (max((V_ax_held - filter_phi_p * V_ay_held)^2, (filter_phi_p * V_ay_held - V_bx_held)^2) +
+     *         least_square), 1)
+     *     ratio_y = limit(-((V_ay_held + filter_phi_p * V_ax_held) * (V_cy_held + filter_phi_p * V_ax_held) /
+     *         (max((V_ay_held + filter_phi_p * V_ax_held)^2, (V_cy_held + filter_phi_p * V_ax_held)^2) +
+     *         least_square)), 1) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */

@@ -10,6 +10,12 @@
  * (the air bearings carry the platen, and without current no force acts on it): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC,
  * i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
+ * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
+ * anew. gains.json and manifest.json say where each number comes from.
+ *
+ * With PLANAR_6DOF_LEADLAG_DIAGNOSTICS defined, for the .c as well, planar_6dof_leadlag_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
  */

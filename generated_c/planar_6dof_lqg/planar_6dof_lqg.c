@@ -508,7 +508,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float psi = half_over_laser_arm * (d1_held - d2_held);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool below_lqg_x_largest_error = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
@@ -533,7 +533,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_x_x3 = (lqg_x_F * d_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool below_lqg_y_largest_error = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
@@ -543,11 +543,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_y_x3 = (lqg_y_F * d_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
-         *     d_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if ready is set, else -(L *
+         *     d_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
          *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
-         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if ready is set,
-         *         else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
+         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         const float d_phi_part_2 = d_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);

@@ -149,7 +149,7 @@ def default_style(stage: Stage) -> Shown:
     """Return the presentation of the experiments of a stage: units and resolutions as declared."""
     plant = stage.plant
     signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
-    levels = {s.of: s.resolution for s in stage.interface.sensors if s.resolution}
+    levels = {name: s.resolution for s in stage.interface.sensors if s.resolution for name in (s.name, s.of)}
     return Shown({s.name: s.unit for s in signals}, levels)
 
 

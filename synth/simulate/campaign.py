@@ -131,10 +131,8 @@ def _motion(rig: Rig, time: Array) -> dict[str, Array]:
 
 def _start(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:
     """Return the initial state: each position starts at the first value of its set-point."""
-    sensors = {s.name: s.of for s in rig.stage.interface.sensors}
-    positions = {s.name: sensors.get(s.of, s.of) for s in rig.stage.interface.set_points}
     states = [s.name for s in rig.plant.states]
-    return {positions[name]: float(r[0]) for name, r in courses.items() if positions[name] in states}
+    return {rig.positions[name]: float(r[0]) for name, r in courses.items() if rig.positions[name] in states}
 
 
 def run(

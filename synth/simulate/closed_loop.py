@@ -133,7 +133,7 @@ def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
 
 
 def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
-    _require_known("x0", scenario.x0, signal_names(plant.states))
+    _require_known("initial plant states x0", scenario.x0, signal_names(plant.states))
     for s in plant.states:
         if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
             raise SignalError(f"x0 leaves out '{s.name}', whose range {s.low} .. {s.high} {s.unit} excludes 0: give it")

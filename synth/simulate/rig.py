@@ -93,6 +93,13 @@ class Rig:
         scenario = Scenario(duration_s, start, **(fields | options))
         return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
 
+    @property
+    def positions(self) -> dict[str, str]:
+        """The plant state that each set-point controls, or the output behind its sensor where it names no state."""
+        states, interface = {s.name for s in self.plant.states}, self.stage.interface
+        sensors = {s.name: s.of for s in interface.sensors if s.name not in states}
+        return {s.name: sensors.get(s.of, s.of) for s in interface.set_points}
+
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
         interface, start = self.stage.interface, self.stage.start

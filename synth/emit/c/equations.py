@@ -90,7 +90,8 @@ class _Text:
     def __init__(self, p: Program, block: str, following: Mapping[int, str]) -> None:
         self.p, self.block = p, block
         inner = {k: name for k, name in following.items() if p.nodes[k].op not in ("input", "state", "literal")}
-        self.names = inner | {k: named.signal.name for named, k in reversed(p.marks)}
+        marks = [(k, named.signal.name) for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")]
+        self.names = inner | dict(marks)
         self.left = self.operations = 0
 
     def equation(self, name: str, k: int) -> Equation:

@@ -21,7 +21,7 @@ def header(block: Block, layout: Layout, program: Program) -> str:
     structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
     return "\n".join(
         [
-            *_usage(block, layout),
+            *_usage(block, layout, program),
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
             "\n\n".join(structs),
@@ -45,7 +45,7 @@ def step_head(name: str) -> str:
     return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
-def _usage(block: Block, layout: Layout) -> list[str]:
+def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     texts = [
@@ -54,12 +54,25 @@ def _usage(block: Block, layout: Layout) -> list[str]:
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
+        "The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the "
+        "files anew. gains.json and manifest.json say where each number comes from.",
+        *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
     ]
     rows = [f"/* {name}: one step every {period}, {layout.ctype}. Generated: do not edit."]
     for text in texts:
         rows += [" *", *(f" * {row}" for row in wrap(prose(text), WIDTH, break_on_hyphens=False))]
     return [*rows, " */"]
+
+
+def _observation(block: Block, program: Program) -> list[str]:
+    """Return what the diagnostics are for, of a composition that has them."""
+    if not diagnostics.document(block, program):
+        return []
+    return [
+        f"With {diagnostics.macro(block)} defined, for the .c as well, {block.name}_step_diagnosed also says which "
+        "signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
+    ]
 
 
 def _safe_output(block: Block) -> list[str]:
