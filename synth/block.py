@@ -229,11 +229,9 @@ def build(
     computed = [(ComputedSignal(s, name, tag, certified(s.name), True), ca.SX(expr)) for s, expr in step.named]
     computed += [(ComputedSignal(s, name, tag, certified(s.name)), output[s.name]) for s in outputs]
     _check_symbols(name, [*next.values(), *(e for _, e in computed)], symbol)
-    declared, numbers = (
-        (tuple(inputs), tuple(outputs), tuple(states), tuple(constants)),
-        [(name, n) for n in step.numbers],
-    )
-    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=tuple(numbers))
+    declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
+    numbers = tuple((name, n) for n in step.numbers)
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=numbers)
 
 
 @arguments.checked

@@ -10,7 +10,7 @@
  * latched it continues, and the fault word shows the latch.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * anew. gains.json and manifest.json say where each number comes from.
+ * again. gains.json and manifest.json say where each number comes from.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.

@@ -11,7 +11,7 @@
  * to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * anew. gains.json and manifest.json say where each number comes from.
+ * again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_DIAGNOSTICS defined, for the .c as well, maglev_5dof_step_diagnosed also says which signals it
  * computed, what is saturated and why it latched. Without it nothing is paid for that.

@@ -7,7 +7,7 @@
  * different states may run at the same time.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * anew. gains.json and manifest.json say where each number comes from.
+ * again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_phase_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.

@@ -11,7 +11,7 @@
  * i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * anew. gains.json and manifest.json say where each number comes from.
+ * again. gains.json and manifest.json say where each number comes from.
  *
  * With PLANAR_6DOF_LEADLAG_DIAGNOSTICS defined, for the .c as well, planar_6dof_leadlag_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.

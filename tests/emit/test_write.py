@@ -134,7 +134,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("empty_cache")
 def test_emission_grows_linearly_with_the_number_of_axes() -> None:
     ratios = growth()
-    assert all(3.3 < ratio < 4.1 for ratio in ratios.values()), ratios
+    assert all(3.1 < ratio < 4.1 for ratio in ratios.values()), ratios  # lines have a constant part
 
 
 @pytest.mark.slow

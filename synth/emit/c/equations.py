@@ -8,6 +8,7 @@ LONGEST has none, nor has one that the code repeats as it is; a section without 
 """
 
 import re
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
@@ -24,6 +25,7 @@ INFIX |= {"eq": ("==", 3), "ne": ("!=", 3), "and": ("and", 2), "or": ("or", 1)}
 HIDDEN = LIBM - {"sqrt", "fabs"}  # functions that polynomials replace
 SILENT = (safety.GUARD, safety.SAFE_OUTPUT)  # their functions say what they do
 ATOM = 9
+_LEAVES = ("input", "state", "literal", "constant")
 
 
 @dataclass(frozen=True)
@@ -43,26 +45,33 @@ class Equation:
 
 def by_block(p: Program) -> dict[str, tuple[str, ...]]:
     """Return the lines of the equations of each Block of the composition that has some."""
-    rows = {block: _rows(_equations(p, block)) for block in p.titles if block not in SILENT}
+    ends: dict[str, dict[str, int]] = {block: {} for block in p.titles}
+    for named, k in p.marks:
+        ends[named.block][named.signal.name] = k
+    following: dict[str, dict[str, int]] = {block: {} for block in p.titles}
+    latched = next((k for named, k in p.marks if named.signal.name == "latched"), -1)
+    for name in p.next:
+        owner = p.owner(name)
+        following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
+    names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
+    texts = {block: _Text(p, block, following[block], names) for block in p.titles if block not in SILENT}
+    rows = {block: _rows(_equations(text, ends[block], following[block])) for block, text in texts.items()}
     return {block: lines for block, lines in rows.items() if lines}
 
 
-def _equations(p: Program, block: str) -> list[Equation]:
-    ends = {named.signal.name: k for named, k in p.marks if named.block == block}
-    following = {f"{_local(name, block)}_next": _without_latch(p, name) for name in p.next if p.owner(name) == block}
-    ends |= {name: k for name, k in following.items() if k not in ends.values()}
-    text = _Text(p, block, {k: name for name, k in following.items()})
-    computed = {name: k for name, k in ends.items() if p.nodes[k].op not in ("input", "state", "literal", "constant")}
+def _equations(text: "_Text", ends: Mapping[str, int], following: Mapping[str, int]) -> list[Equation]:
+    known = {*ends.values()}
+    all_ends = {**ends, **{name: k for name, k in following.items() if k not in known}}
+    computed = {name: k for name, k in all_ends.items() if text.p.nodes[k].op not in _LEAVES}
     equations = (text.equation(name, k) for name, k in computed.items())
     return [e for e in equations if e.text]
 
 
-def _without_latch(p: Program, state: str) -> int:
+def _without_latch(p: Program, state: str, latched: int) -> int:
     """Return the node of the next value of a state, without the choice that keeps the state once latched."""
     k = p.next[state]
-    latched = [at for named, at in p.marks if named.signal.name == "latched"]
     node, load = p.nodes[k], Node("state", name=state)
-    kept = node.op == "choose" and node.args[0] in latched and p.nodes[node.args[1]] == load
+    kept = node.op == "choose" and node.args[0] == latched and p.nodes[node.args[1]] == load
     return node.args[2] if kept else k
 
 
@@ -87,11 +96,10 @@ def _rows(equations: Sequence[Equation]) -> tuple[str, ...]:
 class _Text:
     """The text of a Block's nodes in terms of signals, with the precedence of the outermost operator."""
 
-    def __init__(self, p: Program, block: str, following: Mapping[int, str]) -> None:
+    def __init__(self, p: Program, block: str, following: Mapping[str, int], names: Mapping[int, str]) -> None:
         self.p, self.block = p, block
-        inner = {k: name for k, name in following.items() if p.nodes[k].op not in ("input", "state", "literal")}
-        marks = [(k, named.signal.name) for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")]
-        self.names = inner | dict(marks)
+        inner = {k: name for name, k in following.items() if p.nodes[k].op not in _LEAVES}
+        self.names: Mapping[int, str] = ChainMap(inner | {k: names[k] for k in inner if k in names}, names)  # type: ignore[arg-type]
         self.left = self.operations = 0
 
     def equation(self, name: str, k: int) -> Equation:

@@ -55,7 +55,7 @@ def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
         "on different states may run at the same time.",
         *_safe_output(block),
         "The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the "
-        "files anew. gains.json and manifest.json say where each number comes from.",
+        "files again. gains.json and manifest.json say where each number comes from.",
         *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
     ]
