@@ -67,9 +67,7 @@ class Constant:
     def __post_init__(self) -> None:
         identifier("constant", self.name)
         if not np.isfinite(self.value):
-            raise SignalError(
-                f"constant '{self.name}' is {self.value}: it must be finite; scale it for the scalar type"
-            )
+            raise SignalError(f"constant '{self.name}' is {self.value}: it must be finite; scale it for its type")
 
 
 @arguments.checked
