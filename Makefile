@@ -46,6 +46,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.response
+	$(BIN)/python -m benchmarks.simulation
 	$(BIN)/python -m benchmarks.margins
 	$(BIN)/python -m benchmarks.riccati
 	$(BIN)/python -m benchmarks.hostile

@@ -24,13 +24,13 @@ def examples() -> Mapping[str, Call]:
         "anti_windup": 5.0,
         "estimator": axis.kalman(noise["process"], noise["sensor"]),
     }
-    around = stage.interface(
+    interface = stage.interface(
         maglev,
         sensors=[stage.Sensor("gap")],
         set_points=[stage.SetPoint("gap_ref", "gap", 0.012, 0.028)],
         actuators=[stage.Actuator("current", 4.0, 10.0)],
     )
-    controller = stage.controller("held", Discrete(1e-3), around, [axis.servo(**asked)])
+    controller = stage.controller("held", Discrete(1e-3), interface, [axis.servo(**asked)])
     loops = robustness.of_controller(controller, maglev, POINTS)
     return {
         "axis.kalman": noise,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from designs.planar_6dof import artefacts, cost_stimuli, interface, loop, verification
@@ -37,6 +38,7 @@ def design(
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
+        safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),
         recording=artefacts.record_inputs,

@@ -66,7 +66,7 @@ def _gates(of: Problem) -> list[Constant]:
         Constant("contrast", tracking.CONTRAST, "1", "of squared innovations, to exclude a sensor"),
         Constant("damped_weight", tuning.max_prior_weight / of.damping, "1/V^2", "above: the pose is damped"),
         Constant("unambiguous_weight", threshold / of.damping, "1/V^2", "at most: the pose is unambiguous"),
-        Constant("least_square", channels.LEAST, "V^2", "keeps the argument of a root positive"),
+        Constant("least_square", channels.ROOT_REGULARISATION, "V^2", "keeps the argument of a root positive"),
     ]
 
 
