@@ -5,11 +5,11 @@
 The law divides by little: what it computes leaves the range of the force a hundredfold.
 """
 
-from collections.abc import re
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import Callable
 import Mapping
 import numpy as np
 import pytest
