@@ -6,14 +6,12 @@ The law divides by little: what it computes leaves the range of the force a hund
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import Mapping
 import numpy as np
 import pytest
-import Sequence
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
