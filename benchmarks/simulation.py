@@ -30,7 +30,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
 
 DURATION_S, MACHINES, TURNS, SUBSTEPS = 20.0, 256, 5, 2
-STAGE = replace(study_jobs.stage_of(design.DESIGN), drive=None)  # lanes have no drive
+STAGE = replace(study_jobs.stage_of(design.DESIGN), drive=None)
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class _Captured(Exception):
 def scenario(rig: Rig, duration_s: float) -> Scenario:
     """Return the scenario of the 4-DOF motion."""
 
-    def simulate(plant: Plant, controller: object, scenario: Scenario, disturbance: object) -> Trajectory:
+    def simulate(plant: Plant, controller: object, scenario: Scenario, *_: object, **__: object) -> Trajectory:
         raise _Captured(scenario)
 
     try:

@@ -1,7 +1,7 @@
 /* Sampled controllers around continuous plants, LANES loops side by side; closed_loop.c states the equations of one.
  *
  * A row of an array is one vector, the values of a signal in all lanes. lanes.h gives LANES, the numbers of rows N_...,
- * the vectors `scalar` and `counter` of the controller, and the functions plant_f, plant_h and controller_step.
+ * the vectors `scalar` and `counter` of the controller and its drive, and the functions plant_f, plant_h and run_blocks.
  * The caller owns every array. All members of loop_t are eight bytes wide.
  */
 #include <math.h>
@@ -40,7 +40,7 @@ typedef struct {
     scalar *reals; /* (N_REALS) */
     counter *counters;
     scalar *in, *out; /* (samples, N_IN), (samples, N_OUT) */
-    counter *faults;  /* (samples) */
+    counter *faults;  /* (samples, N_BLOCKS) */
 
     vd *states, *outputs, *applied; /* (samples, N_X), (samples, N_Y), (samples, N_U) */
 } loop_t;
@@ -160,7 +160,7 @@ void synth_lanes(const loop_t *loop) {
         memcpy(loop->states + k * N_X, loop->x, N_X * sizeof *y);
         memcpy(loop->outputs + k * N_Y, y, N_Y * sizeof *y);
         measure(loop, k, y);
-        controller_step(loop->reals, loop->counters, loop->in + k * N_IN, loop->out + k * N_OUT, loop->faults + k);
+        run_blocks(loop->in + k * N_IN, loop->out + k * N_OUT, loop->reals, loop->counters, loop->faults + k * N_BLOCKS);
         vd *const slot = loop->waiting + (loop->delay ? k % loop->delay : 0) * loop->commands;
         if (loop->delay == 0) command(loop, k, slot);
         for (int64_t j = 0; j < loop->substeps; j++) {

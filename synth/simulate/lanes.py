@@ -7,7 +7,7 @@ rounded one by one, so a result depends neither on the width of the processor's 
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib import resources
 from typing import Any
@@ -16,16 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.emit import lanes as lane_code
-from synth.emit import pipeline
 from synth.emit.lanes import Rows
-from synth.emit.lower import Program
 from synth.errors import WiringError
 from synth.execute import compile as host_compiler
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import signal_names
-from synth.simulate import closed_loop, interpolants, lane_memory
+from synth.simulate import closed_loop, interpolants, lane_blocks, lane_memory
 from synth.simulate.interpolants import OUTSIDE, FastPlant
+from synth.simulate.lane_blocks import LaneBlock, output_row
 from synth.simulate.scenario import Scenario, Trajectory, sample_times
 
 Arrays = dict[str, NDArray[Any]]
@@ -39,6 +38,7 @@ HEADER = """#define LANES {lanes}
 #define N_Y {y}
 #define N_IN {inputs}
 #define N_OUT {outputs}
+#define N_BLOCKS {blocks}
 #define N_POSITIONS {pairs}
 #define POSITIONS {positions}
 #define VELOCITIES {velocities}
@@ -75,10 +75,14 @@ class LaneLoop:
     """A plant and a controller compiled for lanes; `simulate` serves plants with other parameters."""
 
     fast: FastPlant
-    controller: host.Controller
+    blocks: tuple[LaneBlock, ...]
     lanes: int
-    rows: Rows
     library: ctypes.CDLL
+
+    @property
+    def controller(self) -> host.Controller:
+        """The first Block."""
+        return self.blocks[0].controller
 
     def simulate(self, plants: Sequence[Plant], scenarios: Sequence[Scenario]) -> list[Trajectory | None]:
         """Return the trajectory of each plant in its scenario, None where it leaves the range of the polynomials.
@@ -112,7 +116,7 @@ class LaneLoop:
             closed_loop.plant_arrays(plant, scenario)
             | closed_loop.controller_arrays(self.controller, scenario, n)
             | closed_loop.sensor_arrays(plant, self.controller, scenario, n)
-            | closed_loop.actuator_arrays(plant, self.controller, scenario, time)
+            | closed_loop.actuator_arrays(plant, self.blocks[-1].controller, scenario, time)
         )
 
     def _arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
@@ -129,23 +133,25 @@ class LaneLoop:
         return arrays | self._controller_arrays(scenario, lanes, n) | records
 
     def _controller_arrays(self, scenario: Scenario, lanes: Sequence[Arrays], n: int) -> Arrays:
-        """Return the connections of the controllers, their states, and their inputs, outputs and faults."""
-        rows, scalar = self.rows, self.controller.scalar
+        """Return the connections of the Blocks, their states, and their inputs, outputs and faults."""
+        scalar = self.controller.scalar
         width = np.uint32 if scalar is np.float32 else np.uint64
+        rows, last = self.blocks[0].rows.inputs, len(self.blocks) - 1
         commands = list(dict.fromkeys(c for row in _weights(scenario) for c in row))
-        initial = lanes[0]["state"]
-        inputs = lane_memory.zeros((n, len(rows.inputs), self.lanes), scalar)
+        inputs = lane_memory.zeros((n, len(rows), self.lanes), scalar)
         for i, lane in enumerate(lanes):
-            for row, name in enumerate(rows.inputs):
+            for row, name in enumerate(rows):
                 inputs[:, row, i] = lane["in"][name]
+        reals, counters = ([v for b in self.blocks for v in b.initial[k]] for k in (0, 1))
+        outputs = sum(len(b.rows.outputs) for b in self.blocks)
         return {
-            "sensor_input": np.array([rows.inputs.index(name) for name in scenario.sensors], dtype=np.int64),
-            "command_output": np.array([rows.outputs.index(name) for name in commands], dtype=np.int64),
-            "reals": lane_memory.repeat([initial[name] for name in rows.reals], self.lanes, scalar),
-            "counters": lane_memory.repeat([initial[name] for name in rows.counters], self.lanes, width),
+            "sensor_input": np.array([rows.index(name) for name in scenario.sensors], dtype=np.int64),
+            "command_output": np.array([output_row(self.blocks, last, name) for name in commands], dtype=np.int64),
+            "reals": lane_memory.repeat(reals, self.lanes, scalar),
+            "counters": lane_memory.repeat(counters, self.lanes, width),
             "in": inputs,
-            "out": lane_memory.zeros((n, len(rows.outputs), self.lanes), scalar),
-            "faults": lane_memory.zeros((n, self.lanes), width),
+            "out": lane_memory.zeros((n, outputs, self.lanes), scalar),
+            "faults": lane_memory.zeros((n, len(self.blocks), self.lanes), width),
         }
 
     def _run(self, arrays: Arrays, scenario: Scenario, n: int) -> None:
@@ -166,57 +172,56 @@ class LaneLoop:
     def _trajectory(
         self, plant: Plant, scenario: Scenario, time: NDArray[np.float64], arrays: Arrays, lane: int
     ) -> Trajectory:
-        members = {"measured": "in", "commands": "out"} | {g: g for g in ("states", "outputs", "applied")}
-        names: dict[str, Sequence[str]] = {
-            "measured": self.rows.inputs,
-            "commands": self.rows.outputs,
-            "states": signal_names(plant.states),
-            "outputs": signal_names(plant.outputs),
-            "applied": signal_names(plant.inputs),
+        first, *drive = self.blocks
+        outputs, driven = arrays["out"][:, : len(first.rows.outputs), lane], [n for b in drive for n in b.rows.outputs]
+        groups = {
+            "measured": lane_memory.LaneColumns(first.rows.inputs, arrays["in"][:, :, lane]),
+            "commands": lane_memory.LaneColumns(first.rows.outputs, outputs),
+            "driven": lane_memory.LaneColumns(driven, arrays["out"][:, len(first.rows.outputs) :, lane]),
+            "states": lane_memory.LaneColumns(signal_names(plant.states), arrays["states"][:, :, lane]),
+            "outputs": lane_memory.LaneColumns(signal_names(plant.outputs), arrays["outputs"][:, :, lane]),
+            "applied": lane_memory.LaneColumns(signal_names(plant.inputs), arrays["applied"][:, :, lane]),
         }
-        groups = {g: lane_memory.LaneColumns(names[g], arrays[member][:, :, lane]) for g, member in members.items()}
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
-        faults = arrays["faults"][:, lane].astype(np.uint32)
-        return closed_loop.trajectory(plant, (self.controller,), time, groups, faults, impacts)
+        words = {b.name: arrays["faults"][:, k, lane].astype(np.uint32) for k, b in enumerate(self.blocks)}
+        faults = words.pop(first.name)
+        controllers = tuple(b.controller for b in self.blocks)
+        trajectory = closed_loop.trajectory(plant, controllers, time, groups, faults, impacts)
+        return replace(trajectory, drive_faults=words)
 
 
 @lru_cache(maxsize=8)
 def compile_loop(
-    plant: Plant, controller: host.Controller, error: float = interpolants.ERROR, lanes: int = LANES
+    plant: Plant,
+    controller: host.Controller,
+    drive: tuple[host.Controller, ...] = (),
+    *,
+    error: float = interpolants.ERROR,
+    lanes: int = LANES,
 ) -> LaneLoop:
-    """Return the loop of a plant and a controller for a number of lanes; `error` is that of the plant's polynomials.
+    """Return the loop of a plant, a controller and its drive for a number of lanes.
 
-    The number is a power of 2; 8 fill the vectors of AVX-512, and 1 is the fastest for a single machine.
+    `error` is that of the plant's polynomials. The number of lanes is a power of 2: 8 fill the vectors of AVX-512, and
+    1 is the fastest for a single machine.
 
     Raises EmitError for an operation without a form in C, WiringError for a controller whose Block is not known, and
     CompileError as `host.load`.
     """
-    if controller.source is None:
-        raise WiringError(
-            f"controller '{controller.manifest['design']}' was loaded from C alone: lanes need its Block; "
-            "make it with build.compile_block"
-        )
-    fast = interpolants.fast_plant(plant, error)
-    block, libm, surrogate_error = controller.source
-    reduced = pipeline.reduce(block.rounded(controller.scalar), controller.scalar, libm, surrogate_error)
-    reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
-    rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
-    numbers = {c.name: c.value for c in reduced.block.constants}
-    step = lane_code.step("controller_step", reduced.program, rows, numbers, controller.scalar)
+    parts, fast = lane_blocks.blocks(controller, drive), interpolants.fast_plant(plant, error)
     loop_c = resources.files("synth.simulate").joinpath("lanes.c").read_text(encoding="utf-8")
-    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, rows, step, reduced.program, controller.scalar, lanes)}
-    return LaneLoop(fast, controller, lanes, rows, ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS))))
+    sources = {"lanes.c": loop_c, "lanes.h": _header(fast, parts, lanes)}
+    return LaneLoop(fast, parts, lanes, ctypes.CDLL(str(host_compiler.shared_library(sources, FLAGS))))
 
 
-def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: type[np.floating], lanes: int) -> str:
-    plant = fast.plant
+def _header(fast: FastPlant, parts: Sequence[LaneBlock], lanes: int) -> str:
+    plant, scalar = fast.plant, parts[0].controller.scalar
     states, inputs, outputs = (signal_names(s) for s in (plant.states, plant.inputs, plant.outputs))
     functions = [
         lane_code.SUPPORT,
-        lane_code.mathematics([(fast.f, np.float64), (fast.h, np.float64), (program, scalar)]),
+        lane_code.mathematics([(fast.f, np.float64), (fast.h, np.float64), *((p.program, scalar) for p in parts)]),
         lane_code.function("plant_f", fast.f, Rows(inputs, states, (), fast.parameters, (*states, OUTSIDE))),
         lane_code.function("plant_h", fast.h, Rows(inputs, states, (), fast.parameters, outputs)),
-        step,
+        lane_blocks.code(parts, scalar),
     ]
     reals, counters, _ = lane_code.TYPES[scalar]
     pairs = fast.second_order
@@ -228,8 +233,9 @@ def _header(fast: FastPlant, rows: Rows, step: str, program: Program, scalar: ty
         x=len(states),
         u=len(inputs),
         y=len(outputs),
-        inputs=len(rows.inputs),
-        outputs=len(rows.outputs),
+        inputs=len(parts[0].rows.inputs),
+        outputs=sum(len(p.rows.outputs) for p in parts),
+        blocks=len(parts),
         functions="\n".join(functions),
         scalar=reals,
         counter=counters,

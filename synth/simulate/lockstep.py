@@ -38,6 +38,7 @@ class _Call:
     controller: host.Controller
     scenario: Scenario
     disturbance: ca.Function | None
+    drive: tuple[host.Controller, ...]
     trajectory: Trajectory | None = None
     error: Exception | None = None
 
@@ -55,9 +56,15 @@ class _Meeting:
         self.changed = threading.Condition()
 
     def simulate(
-        self, plant: Plant, controller: host.Controller, scenario: Scenario, disturbance: ca.Function | None = None
+        self,
+        plant: Plant,
+        controller: host.Controller,
+        scenario: Scenario,
+        disturbance: ca.Function | None = None,
+        *,
+        drive: tuple[host.Controller, ...] = (),
     ) -> Trajectory:
-        call = _Call(plant, controller, scenario, disturbance)
+        call = _Call(plant, controller, scenario, disturbance, drive)
         with self.changed:
             self.calls.append(call)
             self._serve_if_complete()
@@ -110,7 +117,7 @@ def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
     groups: dict[tuple[object, ...], list[_Call]] = {}
     for call in calls:
         if call.plant.f is nominal.f and call.disturbance is None:
-            groups.setdefault((id(call.controller), call.scenario.duration_s), []).append(call)
+            groups.setdefault((call.controller, call.drive, call.scenario.duration_s), []).append(call)
     for group in groups.values():
         try:
             _serve_in_lanes(group, nominal, substeps)
@@ -125,7 +132,8 @@ def _serve(calls: Sequence[_Call], nominal: Plant, substeps: int) -> None:
 
 
 def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, substeps: int) -> None:
-    loop = lanes.compile_loop(nominal, group[0].controller, lanes=1 if len(group) == 1 else lanes.LANES)
+    number = 1 if len(group) == 1 else lanes.LANES
+    loop = lanes.compile_loop(nominal, group[0].controller, group[0].drive, lanes=number)
     scenarios = [replace(call.scenario, substeps=substeps) for call in group]
     for call, trajectory in zip(group, loop.simulate([call.plant for call in group], scenarios), strict=True):
         call.trajectory = trajectory
@@ -133,6 +141,8 @@ def _serve_in_lanes(group: Sequence[_Call], nominal: Plant, substeps: int) -> No
 
 def _serve_alone(call: _Call) -> None:
     try:
-        call.trajectory = closed_loop.simulate(call.plant, call.controller, call.scenario, call.disturbance)
+        call.trajectory = closed_loop.simulate(
+            call.plant, call.controller, call.scenario, call.disturbance, drive=call.drive
+        )
     except Exception as error:
         call.error = error

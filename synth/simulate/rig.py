@@ -3,10 +3,10 @@
 plant --> sensors (noise, resolution) --> compiled controller --> drive --> delay --> hold --> plant
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
@@ -19,8 +19,23 @@ from synth.simulate import closed_loop
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
-Simulate = Callable[[Plant, host.Controller, Scenario, ca.Function | None], Trajectory]
 Wires = Mapping[str, str | Mapping[str, float]]
+
+
+class Simulate(Protocol):
+    """A simulator of scenarios, as `closed_loop.simulate`."""
+
+    def __call__(
+        self,
+        plant: Plant,
+        controller: host.Controller,
+        scenario: Scenario,
+        disturbance: ca.Function | None = None,
+        *,
+        drive: tuple[host.Controller, ...] = (),
+    ) -> Trajectory:
+        """Run the scenario."""
+        ...
 
 
 def of_stage(stage: Stage, controller: host.Controller) -> "Rig":
@@ -123,9 +138,7 @@ class Rig:
             "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
-        if self.drive:
-            return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
-        return self.simulate(self.plant, self.controller, scenario, self.disturbance)
+        return self.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the commands before the first sample: the safe values, through the drive at the initial position."""

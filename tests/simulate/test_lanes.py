@@ -19,7 +19,7 @@ from tests import levitator
 
 pytestmark = pytest.mark.slow
 
-STAGE = replace(design.DESIGN.stage, drive=None)  # lanes have no drive
+STAGE = replace(design.DESIGN.stage, drive=None)
 ERROR = 1e-8  # of a state's range: what a study may differ by from a tight integration
 
 
@@ -30,7 +30,7 @@ class Captured(Exception):
 def scenario_of(rig: Rig, run: Callable[[Rig], object]) -> Scenario:
     """Return the first scenario that a function of the rig runs."""
 
-    def simulate(plant: Plant, controller: object, scenario: Scenario, disturbance: object) -> Trajectory:
+    def simulate(plant: Plant, controller: object, scenario: Scenario, *_: object, **__: object) -> Trajectory:
         raise Captured(scenario)
 
     with pytest.raises(Captured) as caught:
@@ -60,10 +60,10 @@ def double() -> Rig:
     return standard_tasks.rig(STAGE, np.float64)
 
 
-def distance(first: Trajectory, second: Trajectory) -> float:
-    """Return the largest difference of the states, relative to their ranges."""
+def distance(first: Trajectory, second: Trajectory, samples: slice = slice(None)) -> float:
+    """Return the largest difference of the states in the samples, relative to their ranges."""
     spans = {s.name: s.high - s.low for s in maglev_stage.STATES}
-    return max(float(np.abs(first.states[n] - second.states[n]).max() / span) for n, span in spans.items())
+    return max(float(np.abs(first.states[n] - second.states[n])[samples].max() / span) for n, span in spans.items())
 
 
 def test_trajectories_agree_with_a_tight_integration(double: Rig) -> None:
@@ -98,6 +98,27 @@ def test_the_controller_in_lanes_has_the_bits_of_the_c(rig: str, request: pytest
         latched += int(fast.faults[-1] != 0)
         assert np.count_nonzero(fast.faults) > 5
     assert latched in range(lanes.LANES + 1)
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_a_drive_runs_behind_the_controller(scalar: type) -> None:
+    rig = standard_tasks.rig(design.DESIGN.stage, scalar)
+    plants, scenario = wrong_plants(rig, 3), replace(course(rig, 0.5), encoders={}, substeps=1)
+    lost = Override(np.arange(500) > 400, np.full(500, np.nan))
+    for case in (scenario, replace(scenario, overrides={"x": lost})):
+        fast = lanes.compile_loop(rig.plant, rig.controller, rig.drive).simulate(plants, [case] * 3)[2]
+        assert fast is not None and rig.drive
+        exact = closed_loop.simulate(plants[2], rig.controller, replace(case, substeps=16), drive=rig.drive)
+        moving = slice(430)  # an impact comes at another moment with another step
+        assert distance(fast, exact, moving) < (1e-4 if scalar is np.float32 else ERROR)
+        assert np.array_equal(fast.faults, exact.faults)
+        (name,) = exact.drive_faults
+        assert np.array_equal(fast.drive_faults[name], exact.drive_faults[name])
+        given = {**fast.measured, **fast.commands}
+        again = rig.drive[0].replay({n: given[n] for n in rig.drive[0].inputs.names or ()})
+        for phase, column in again.outputs.items():
+            assert column.tobytes() == fast.driven[phase].tobytes(), phase
+    assert fast.drive_faults[name].any() and fast.faults[-1] >> 31
 
 
 def test_a_lane_does_not_depend_on_its_neighbours(single: Rig) -> None:

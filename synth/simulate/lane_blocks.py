@@ -1,0 +1,97 @@
+"""The discrete Blocks of a loop in lanes: the controller and the Blocks of a drive behind it, one after another.
+
+The outputs and states of all Blocks lie one after another, and each Block has one row of faults. An input of a Block of
+the drive is the output with its name of the Block before it or of an earlier one, or else an input of the controller.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from synth.emit import lanes as lane_code
+from synth.emit import pipeline
+from synth.emit.lanes import Rows
+from synth.emit.lower import Program
+from synth.errors import WiringError
+from synth.execute import host
+from synth.signals import signal_names
+from synth.simulate import drive as drives
+
+RUN = """static void run_blocks(const {v} *in, {v} *out, {v} *x, {u} *counters, {u} *faults) {{
+{calls}
+}}
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class LaneBlock:
+    """A Block of the loop: its compiled C, the rows of its arrays, its reduced program and its constants."""
+
+    controller: host.Controller
+    rows: Rows
+    program: Program
+    numbers: dict[str, float]
+
+    @property
+    def name(self) -> str:
+        """The Block's name."""
+        return str(self.controller.manifest["design"])
+
+    @cached_property
+    def initial(self) -> tuple[list[float], list[float]]:
+        """The real states and the counters after `init`."""
+        state = self.controller.init()
+        return [float(state[n]) for n in self.rows.reals], [float(state[n]) for n in self.rows.counters]
+
+
+def blocks(controller: host.Controller, drive: Sequence[host.Controller]) -> tuple[LaneBlock, ...]:
+    """Return the Blocks of a loop.
+
+    Raises WiringError for a Block that is not known, and for a drive as `drive.connect`.
+    """
+    drives.connect(controller, np.zeros(1, controller.inputs), np.zeros(1, controller.outputs), drive)
+    return tuple(_block(each) for each in (controller, *drive))
+
+
+def _block(controller: host.Controller) -> LaneBlock:
+    if controller.source is None:
+        raise WiringError(
+            f"controller '{controller.manifest['design']}' was loaded from C alone: lanes need its Block; "
+            "make it with build.compile_block"
+        )
+    block, libm, error = controller.source
+    reduced = pipeline.reduce(block.rounded(controller.scalar), controller.scalar, libm, error)
+    reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
+    rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
+    return LaneBlock(controller, rows, reduced.program, {c.name: c.value for c in reduced.block.constants})
+
+
+def code(parts: Sequence[LaneBlock], scalar: type[np.floating]) -> str:
+    """Return the C of the steps, and of `run_blocks`, which runs all of them on one sample."""
+    v, u, _ = lane_code.TYPES[scalar]
+    steps = [lane_code.step(f"step_{k}", p.program, p.rows, p.numbers, scalar) for k, p in enumerate(parts)]
+    calls = []
+    for k, part in enumerate(parts):
+        before = parts[:k]
+        reals, counters, outputs = (
+            sum(len(getattr(p.rows, group)) for p in before) for group in ("reals", "counters", "outputs")
+        )
+        given = ", ".join(_source(parts, k, name) for name in part.rows.inputs)
+        inputs = "in" if k == 0 else f"(const {v}[]){{{given}}}"
+        calls.append(f"    step_{k}(x + {reals}, counters + {counters}, {inputs}, out + {outputs}, faults + {k});")
+    return "\n".join([*steps, RUN.format(v=v, u=u, calls="\n".join(calls))])
+
+
+def _source(parts: Sequence[LaneBlock], k: int, name: str) -> str:
+    """Return what gives an input of Block k: the latest earlier output, or an input of the controller."""
+    for j in range(k - 1, -1, -1):
+        if name in parts[j].rows.outputs:
+            return f"out[{output_row(parts, j, name)}]"
+    return f"in[{parts[0].rows.inputs.index(name)}]"
+
+
+def output_row(parts: Sequence[LaneBlock], k: int, name: str) -> int:
+    """Return the row of an output of Block k among those of all Blocks."""
+    return sum(len(p.rows.outputs) for p in parts[:k]) + list(parts[k].rows.outputs).index(name)
