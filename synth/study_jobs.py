@@ -12,12 +12,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from synth import cache, standard_tasks, store, tasks, workspace
 from synth.declaration import Stage
-from synth.errors import ContentError, DesignError
+from synth.errors import ContentError, DesignError, EmitError, WiringError
 from synth.jobs import Job, Outcome
 from synth.progress import Counted, Progress
-from synth.simulate import study
+from synth.simulate import integration, study
+from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
@@ -141,10 +144,27 @@ def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:
     progress("compile")
     rig = _rig(stage)
     experiments = study.select(stage.experiments, plan.experiments)
-    study.run(rig, experiments[:1], plan.sampling, [0])
+    study.run(rig, experiments[:1], plan.sampling, [0], _integration(stage, plan))
 
 
 def _rows(stage: Stage, plan: Plan, rows: Sequence[int], progress: Progress) -> StudyTable:
     experiments = study.select(stage.experiments, plan.experiments)
     progress(f"{len(experiments)} experiments")
-    return study.run(_rig(stage), experiments, plan.sampling, rows)
+    return study.run(_rig(stage), experiments, plan.sampling, rows, _integration(stage, plan))
+
+
+def _integration(stage: Stage, plan: Plan) -> Integration:
+    """Return the integration that the first experiment needs, stored or measured."""
+    rig = standard_tasks.rig(stage, np.float64)
+    first = study.select(stage.experiments, plan.experiments)[0]
+
+    def measure() -> Integration:
+        try:
+            return integration.choose(rig, first)
+        except (EmitError, WiringError):
+            return Integration(stage.substeps, np.nan)  # no loop runs in lanes
+
+    try:
+        return store.fetch(cache.key(integration.choose, stage, plan.experiments, data=True), measure)
+    except ContentError:
+        return measure()

@@ -60,7 +60,8 @@ def test_the_table_does_not_depend_on_processes_and_the_cache(design: Design) ->
 
 def one_row(table: StudyTable, row: int) -> StudyTable:
     groups = {g: {n: c[row : row + 1] for n, c in getattr(table, g).items()} for g in ("z", "figures", "checks")}
-    return StudyTable(table.rows[row : row + 1], limits=table.limits, units=table.units, **groups)
+    shared = {"limits": table.limits, "units": table.units, "integration": table.integration}
+    return StudyTable(table.rows[row : row + 1], **shared, **groups)
 
 
 def test_a_killed_study_goes_on_where_it_was(design: Design) -> None:

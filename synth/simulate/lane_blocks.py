@@ -78,8 +78,8 @@ def code(parts: Sequence[LaneBlock], scalar: type[np.floating]) -> str:
         reals, counters, outputs = (
             sum(len(getattr(p.rows, group)) for p in before) for group in ("reals", "counters", "outputs")
         )
-        given = ", ".join(_source(parts, k, name) for name in part.rows.inputs)
-        inputs = "in" if k == 0 else f"(const {v}[]){{{given}}}"
+        sources = ", ".join(_source(parts, k, name) for name in part.rows.inputs)
+        inputs = "in" if k == 0 else f"(const {v}[]){{{sources}}}"
         calls.append(f"    step_{k}(x + {reals}, counters + {counters}, {inputs}, out + {outputs}, faults + {k});")
     return "\n".join([*steps, RUN.format(v=v, u=u, calls="\n".join(calls))])
 

@@ -24,13 +24,13 @@ from synth.check import Check
 from synth.errors import DesignError
 from synth.simulate import lockstep, sampling
 from synth.simulate.experiments import Runnable
+from synth.simulate.integration import Integration
 from synth.simulate.lanes import LANES
 from synth.simulate.rig import Rig, Simulate
 from synth.simulate.sampling import Sampling
 
 Array = NDArray[np.float64]
 
-SUBSTEPS = 1  # of a sample period in lanes
 CONFIDENCE = 0.95
 
 
@@ -49,6 +49,7 @@ class StudyTable:
     checks: Mapping[str, Array]
     limits: Mapping[str, float]
     units: Mapping[str, str]
+    integration: Integration
     errors: tuple[tuple[int, str, str], ...] = ()
 
     @property
@@ -92,7 +93,9 @@ def select(experiments: Sequence[Runnable], patterns: Sequence[str]) -> list[Run
     return [e for e in experiments if not patterns or any(fnmatchcase(e.name, p) for p in patterns)]
 
 
-def run(rig: Rig, experiments: Sequence[Runnable], drawn: Sampling, rows: Sequence[int]) -> StudyTable:
+def run(
+    rig: Rig, experiments: Sequence[Runnable], drawn: Sampling, rows: Sequence[int], integration: Integration
+) -> StudyTable:
     """Run the experiments on the machines of the rows, side by side."""
     names = sampling.quantities(rig)
     z = sampling.draw(drawn, len(names), rows)
@@ -103,8 +106,8 @@ def run(rig: Rig, experiments: Sequence[Runnable], drawn: Sampling, rows: Sequen
             sampling.machine(rig, dict(zip(names, values, strict=True)), drawn.seed, row)
             for row, values in zip(rows[batch], z[batch], strict=True)
         ]
-        results = {e.name: lockstep.run(_runs(e, machines), rig.plant, SUBSTEPS) for e in experiments}
-        tables.append(_table(rows[batch], names, z[batch], results))
+        results = {e.name: lockstep.run(_runs(e, machines), rig.plant, integration.substeps) for e in experiments}
+        tables.append(_table(rows[batch], names, z[batch], results, integration))
     return join(tables)
 
 
@@ -130,6 +133,7 @@ def _table(
     names: Sequence[str],
     z: Array,
     results: Mapping[str, Sequence[lockstep.Result[_Measured]]],
+    integration: Integration,
 ) -> StudyTable:
     n = len(rows)
     figures, checks = dict[str, Array](), dict[str, Array]()
@@ -147,7 +151,7 @@ def _table(
                 checks.setdefault(name, np.full(n, np.nan))[k] = check.value
                 limits[name], units[name] = check.limit, check.unit
     columns = dict(zip(names, z.T.copy(), strict=True))
-    return StudyTable(np.array(rows, np.int64), columns, figures, checks, limits, units, tuple(errors))
+    return StudyTable(np.array(rows, np.int64), columns, figures, checks, limits, units, integration, tuple(errors))
 
 
 def join(tables: Sequence[StudyTable]) -> StudyTable:
@@ -166,6 +170,7 @@ def join(tables: Sequence[StudyTable]) -> StudyTable:
         columns([t.checks for t in tables]),
         {name: limit for t in tables for name, limit in t.limits.items()},
         {name: unit for t in tables for name, unit in t.units.items()},
+        tables[0].integration,
         tuple(error for t in tables for error in t.errors),
     )
 
@@ -232,6 +237,8 @@ def notes(table: StudyTable) -> list[str]:
     return [
         f"{int(table.passed.sum())} of {len(table.rows)} machines keep every limit: yield {share.share:.2%}, "
         f"{share.low:.2%} to {share.high:.2%} with {CONFIDENCE:.0%} confidence.",
+        f"{table.integration.substeps} steps a sample in lanes, with an error of a state of at most "
+        f"{table.integration.error:.1e} of its range in the first experiment with ideal sensors.",
         "The worst value of a sample is a lower bound of the worst case. A driver is the quantity with the largest "
         "rank correlation.",
         *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
@@ -254,6 +261,7 @@ def document(table: StudyTable) -> dict[str, Any]:
     return {
         "rows": len(table.rows),
         "yield": {"share": share.share, "low": share.low, "high": share.high, "confidence": CONFIDENCE},
+        "integration": vars(table.integration),
         "summaries": [vars(summary) for summary in summarise(table)],
         "errors": [list(error) for error in table.errors],
     }

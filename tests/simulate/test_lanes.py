@@ -114,8 +114,8 @@ def test_a_drive_runs_behind_the_controller(scalar: type) -> None:
         assert np.array_equal(fast.faults, exact.faults)
         (name,) = exact.drive_faults
         assert np.array_equal(fast.drive_faults[name], exact.drive_faults[name])
-        given = {**fast.measured, **fast.commands}
-        again = rig.drive[0].replay({n: given[n] for n in rig.drive[0].inputs.names or ()})
+        signals = {**fast.measured, **fast.commands}
+        again = rig.drive[0].replay({n: signals[n] for n in rig.drive[0].inputs.names or ()})
         for phase, column in again.outputs.items():
             assert column.tobytes() == fast.driven[phase].tobytes(), phase
     assert fast.drive_faults[name].any() and fast.faults[-1] >> 31

@@ -8,8 +8,9 @@ import pytest
 from synth import standard_tasks
 from synth.check import Check
 from synth.errors import DesignError, SignalError
-from synth.simulate import study
+from synth.simulate import integration, study
 from synth.simulate.experiment import Experiment
+from synth.simulate.integration import Integration
 from synth.simulate.rig import Rig
 from synth.simulate.sampling import Sampling
 from synth.simulate.study import StudyTable
@@ -17,6 +18,7 @@ from tests import levitator
 
 pytestmark = pytest.mark.slow
 PID = levitator.design()
+EXACT = Integration(4, 0.0)
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,12 @@ def rig() -> Rig:
 
 @pytest.fixture(scope="module")
 def table(rig: Rig) -> StudyTable:
-    return study.run(rig, [Fall()], Sampling(20, 1), range(20))
+    return study.run(rig, [Fall()], Sampling(20, 1), range(20), EXACT)
 
 
 def test_a_row_alone_has_the_bits_of_the_table(rig: Rig, table: StudyTable) -> None:
     for row in (0, 7, 19):
-        alone = study.run(rig, [Fall()], Sampling(20, 1), [row])
+        alone = study.run(rig, [Fall()], Sampling(20, 1), [row], EXACT)
         assert alone.checks["fall: peak"].tobytes() == table.checks["fall: peak"][row : row + 1].tobytes()
         assert all(alone.z[name][0] == z[row] for name, z in table.z.items())
 
@@ -70,7 +72,7 @@ def others(rig: Rig, table: StudyTable, row: int) -> dict[str, float]:
 def made(values: list[float], limit: float = 2.0, **z: list[float]) -> StudyTable:
     n = len(values)
     columns = {name: np.array(each) for name, each in z.items()}
-    return StudyTable(np.arange(n), columns, {}, {"e: c": np.array(values)}, {"e: c": limit}, {"e: c": "m"})
+    return StudyTable(np.arange(n), columns, {}, {"e: c": np.array(values)}, {"e: c": limit}, {"e: c": "m"}, EXACT)
 
 
 def test_the_driver_is_the_quantity_that_orders_the_values() -> None:
@@ -102,12 +104,22 @@ def test_a_value_that_is_no_number_keeps_no_limit() -> None:
 
 def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
     mass = rig.plant.parameter("M").value
-    table = study.run(rig, [Fall(lost=mass)], Sampling(10, 1), range(10))
+    table = study.run(rig, [Fall(lost=mass)], Sampling(10, 1), range(10), EXACT)
     heavy = table.z["M"] > 0
     assert 0 < heavy.sum() < 10 and not table.passed[heavy].any() and table.passed[~heavy].all()
     assert {row for row, _, _ in table.errors} == set(np.flatnonzero(heavy))
     assert study.notes(table)[-1] == f"No result of fall on {heavy.sum()} machines: planted"
     assert study.csv_text(table).count("nan") == 2 * heavy.sum()
+
+
+def test_the_steps_are_the_fewest_within_the_error(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = integration.choose(rig, Fall())
+    assert plain.substeps in integration.CANDIDATES and 0 < plain.error <= integration.LARGEST_ERROR
+    monkeypatch.setattr(integration, "LARGEST_ERROR", plain.error / 2)
+    finer = integration.choose(rig, Fall())
+    assert finer.substeps > plain.substeps or finer.error > plain.error / 2
+    monkeypatch.setattr(integration, "LARGEST_ERROR", 0.0)
+    assert integration.choose(rig, Fall()).substeps == integration.CANDIDATES[-1]
 
 
 def test_experiments_are_chosen_by_patterns() -> None:

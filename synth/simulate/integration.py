@@ -1,0 +1,58 @@
+"""Integration of loops in lanes: as few steps a sample as a measured error allows."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from synth.execute import host
+from synth.plant import Plant
+from synth.simulate import closed_loop, lanes
+from synth.simulate.experiments import Runnable
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Scenario, Trajectory
+
+TIGHT, CANDIDATES, LARGEST_ERROR = 16, (1, 2, 4, 8), 1e-8  # steps a sample; error of a state, of its range
+
+
+@dataclass(frozen=True)
+class Integration:
+    """Steps of a sample period in lanes, and the largest error of a state, relative to its range."""
+
+    substeps: int
+    error: float
+
+
+class _Scenario(Exception):
+    """The scenario that an experiment would run."""
+
+
+def choose(rig: Rig, experiment: Runnable) -> Integration:
+    """Return the fewest steps whose error is at most LARGEST_ERROR, else the most, in the scenario of an experiment.
+
+    The error is measured against TIGHT steps of `closed_loop` with ideal sensors; the rig has the controller in double
+    precision, whose rounding the loop does not magnify to the size of this error.
+
+    Raises EmitError and WiringError where the loop cannot run in lanes.
+    """
+
+    def capture(plant: Plant, controller: host.Controller, scenario: Scenario, *_: object, **__: object) -> Trajectory:
+        raise _Scenario(plant, controller, scenario)
+
+    try:
+        experiment.run(replace(rig, simulate=capture))
+    except _Scenario as captured:
+        plant, controller, scenario = captured.args
+    scenario = replace(scenario, encoders={}, noise={})
+    tight = closed_loop.simulate(plant, controller, replace(scenario, substeps=TIGHT), drive=rig.drive)
+    loop = lanes.compile_loop(rig.plant, controller, rig.drive, lanes=1)
+    for substeps in CANDIDATES:
+        (fast,) = loop.simulate([plant], [replace(scenario, substeps=substeps)])
+        error = np.inf if fast is None else _distance(rig, fast, tight)
+        if error <= LARGEST_ERROR:
+            break
+    return Integration(substeps, error)
+
+
+def _distance(rig: Rig, first: Trajectory, second: Trajectory) -> float:
+    spans = {s.name: s.high - s.low for s in rig.plant.states}
+    return max(float(np.abs(first.states[n] - second.states[n]).max() / span) for n, span in spans.items())
