@@ -75,14 +75,14 @@ class Constant:
 class ComputedSignal:
     """An output or internal signal, the Block that computes it, and the tag of its equation; see `Step`.
 
-    `certificate` says how large a limited signal is before its limit. An `internal` signal is no output of its Block.
+    `certificate` says how large a limited signal is before its limit. One that `is_internal` is no output of its Block.
     """
 
     signal: Signal
     block: str
     tag: str
     certificate: Certificate | None = None
-    internal: bool = False
+    is_internal: bool = False
 
 
 @arguments.checked

@@ -46,7 +46,7 @@ def of_program(p: Program) -> Diagnostics:
     for named, k in p.marks if len(p.titles) > 1 else ():
         if named.block not in (safety.GUARD, safety.SAFE_OUTPUT) and p.nodes[k].op not in _LEAVES:
             marks.setdefault(k, named.signal)
-    shown = {k: s for named, k in p.marks if (s := marks.get(k)) is named.signal and not named.internal}
+    shown = {k: s for named, k in p.marks if (s := marks.get(k)) is named.signal and not named.is_internal}
     returned = {*p.outputs.values(), *(p.nodes[k].args[-1] for k in p.outputs.values() if p.nodes[k].op == "choose")}
     limited = {k: s for k, s in marks.items() if p.nodes[k].op == "clamp"}
     names = [s.name for s in shown.values()]
