@@ -103,7 +103,8 @@ def test_a_function_of_one_variable_becomes_a_polynomial_that_keeps_its_certific
     block = make_block(lambda u, x, k: Step({"y": ca.exp(-u["a"]) / (u["a"] + 1)}), low=0.25)
     emitted = emit(block, scalar)
     (surrogate,) = emitted.manifest["surrogates"]
-    assert surrogate["max_relative_error"] <= bound and "exp" not in text(emitted)
+    code = re.sub(r"/\*.*?\*/", "", text(emitted), flags=re.S)  # comments have the equations
+    assert surrogate["max_relative_error"] <= bound and "exp" not in code
     a = np.linspace(0.25, 1, 4001).astype(scalar)
     y = run(emitted, a).outputs["y"].astype(np.float64)
     true = np.array([math.exp(-v) / (v + 1) for v in a.astype(np.float64)])
