@@ -18,6 +18,7 @@ from synth.signals import signal_names
 from synth.timing import Discrete
 from synth.verify import agree
 from tests import tolerances
+from tests.c_code import without_comments
 
 DOUBLE = tolerances.of("double")
 PLANT = planar_stage.plant()
@@ -145,7 +146,7 @@ def test_no_phase_has_more_than_the_limit_though_no_limit_is_printed(scalar: typ
     block = allocation.commutation(PLANT, TIME)
     emitted = write.emit(unranged(block), scalar, error=interface.SURROGATE_ERROR[scalar])
     text = emitted.files[f"{block.name}.c"]
-    code = re.sub(r"/\* .*?\*/", "", text, flags=re.S)
+    code = without_comments(text)
     assert code.count("admit -1.26") == 9 and not re.search(r"i_.._computed = \w*limit", code)
     phases = agree.emitted_c(host.load(emitted.files, emitted.manifest))({}, commutation_inputs(q)).outputs
     largest = max(np.abs(phases[s.name]).max() for s in allocation.COMPUTED)
@@ -237,7 +238,7 @@ def test_the_cosine_of_a_quarter_is_proved_and_that_of_a_place_beyond_its_pitch_
 
 def test_the_functions_of_the_angle_become_polynomials() -> None:
     text = write.emit(unranged(allocation.commutation(PLANT, TIME)), np.float64).files["commutation.c"]
-    step = re.sub(r"/\* .*?\*/", "", text[text.index("commutation_step(") :], flags=re.S)
+    step = without_comments(text[text.index("commutation_step(") :])
     assert not re.search(r"\b(sin|cos)f?\(", step)
     assert all(f"quarter_sine_{motors}_polynomial(" in step for motors in ("rear", "front"))
 
