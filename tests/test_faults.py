@@ -73,6 +73,7 @@ def test_an_interrupted_campaign_continues_with_the_chunks_that_are_stored(
 ) -> None:
     """The chunks of a first run are read; a changed limit changes none of them, a changed magnitude all."""
     monkeypatch.setenv("SYNTH_CACHE", str(tmp_path))
+    monkeypatch.delenv(store.FRESH, raising=False)
 
     def chunks_computed(*limits: FaultLimit, **fields: Any) -> int:
         enter_workspace(monkeypatch, *limits, **fields)

@@ -30,6 +30,7 @@ SYNTH = (sys.executable, "-c", "from synth.cli import main; main()")
 @pytest.fixture
 def design(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Design:
     monkeypatch.setenv("SYNTH_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv(store.FRESH, raising=False)
     monkeypatch.chdir(levitator.FOLDER)
     (loaded,) = workspace.designs(levitator.FOLDER, [NAME])
     return loaded

@@ -29,7 +29,7 @@ def test_the_limits_follow_from_the_largest_step_and_the_innovation_gate() -> No
 def test_three_sensors_stay_with_a_body_at_the_limits() -> None:
     """Half a million samples here: ten million take 20 seconds."""
     run = endurance.run(THREE, BODIES, SAMPLES, endurance.limits(THREE))
-    assert run.samples == BODIES * SAMPLES and run.valid == 1.0
+    assert run.samples == BODIES * SAMPLES and run.valid_share == 1.0
     assert run.lock_lost_share == run.misleading == 0 and run.max_error == run.max_valid_error < 25e-6
 
 
@@ -45,7 +45,7 @@ def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> No
     """Nor are they until the place is certain again. A yaw that is held as loosely as the phases slips off further."""
     run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
     assert (
-        0.7 < run.valid < 0.85
+        0.7 < run.valid_share < 0.85
         and run.lock_lost_share == run.misleading == 0
         and run.max_valid_error < 1e-4
         and run.max_error < 2e-4
