@@ -68,9 +68,9 @@ def one_row(table: StudyTable, row: int) -> StudyTable:
 def test_a_killed_study_goes_on_where_it_was(design: Design) -> None:
     arguments = ("study", NAME, "--plants", str(PLAN.sampling.rows), "--seed", "2", "--experiments", "z_*")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    chunks = [study_jobs.chunk_key(design, PLAN, rows) for rows in PLAN.chunks]
     killed = subprocess.Popen([*SYNTH, *arguments], env=environment, start_new_session=True, stdout=subprocess.PIPE)
     stored = Path(os.environ["SYNTH_CACHE"])
-    chunks = [study_jobs.chunk_key(design, PLAN, rows) for rows in PLAN.chunks]
     while not any(store.holds(key) for key in chunks):
         assert killed.poll() is None, "the study ended before it was killed"
         time.sleep(0.05)

@@ -20,5 +20,5 @@ def test_a_bench_and_what_it_reads_are_checked() -> None:
     for poses in (np.zeros(3), np.zeros((2, 2)), np.full((2, 3), np.nan)):
         with pytest.raises(ModelError, match="poses of X, Y and yaw have the shape"):
             hall_bench.sampled_voltages(bench, poses, Discrete(1 / 800), 1)
-    with pytest.raises(ModelError, match="the true field is known to 78 mm"):
+    with pytest.raises(ModelError, match="the true field is tabulated up to 78 mm"):
         hall_bench.static_voltages(bench, np.array([[0.1, 0.0, 0.0]]))

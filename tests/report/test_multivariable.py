@@ -44,5 +44,5 @@ def test_disk_margins_are_drawn_from_the_lowest_frequency_on() -> None:
     margin = disk.of_loop(LOOP)
     (axes,) = multivariable.disks({"both": margin}).axes
     drawn = axes.get_lines()[0].get_ydata()
-    assert min(drawn) == pytest.approx(margin.curve[margin.frequencies > multivariable.LOWEST].min())
+    assert min(drawn) == pytest.approx(margin.curve[margin.frequencies > multivariable.MIN_FREQUENCY].min())
     assert axes.get_legend().get_texts()[0].get_text() == "both"
