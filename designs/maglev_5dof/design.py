@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from designs.maglev_5dof import control, experiments, gains, reference, verification
+from designs.maglev_5dof import control, experiments, fault_handling, gains, reference_faults, verification
 from designs.maglev_5dof.paper import rows
 from models import maglev_stage
 from synth import stage
@@ -18,9 +18,9 @@ def report(*arguments: Any) -> str:
 
 PLANT = maglev_stage.plant()
 DESIGN = stage.design(
-    control.controller(PLANT),
+    fault_handling.controller(PLANT),
     PLANT,
-    reference=reference.step,
+    reference=reference_faults.step,
     experiments=experiments.ALL,
     operating_points={f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
     coordinates=control.POSE,

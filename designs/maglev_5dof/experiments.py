@@ -16,7 +16,7 @@ import numpy as np
 from designs.maglev_5dof import control
 from designs.maglev_5dof.control import OMEGA0, RESOLUTION
 from models import maglev_stage
-from synth.campaign import FaultCampaign
+from synth.campaign import FaultCampaign, FaultLimit
 from synth.check import Check
 from synth.execute import build, host
 from synth.simulate import metrics
@@ -41,7 +41,24 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
     "z": Sine(0.03, OMEGA0),
     "theta": Sine(0.01, OMEGA0),
 }
-FAULTS = FaultCampaign({f"{n}_ref": course for n, course in COURSES.items()}, period_s=2 * pi / OMEGA0, watch_s=2.0)
+LIMITS = (  # an encoder that fails does not harm the machine
+    FaultLimit("false_alarms", 0.0),
+    FaultLimit("impact_y", 0.10, target="[xyz]*"),  # m/s
+    FaultLimit("impact_x", 0.10, target="y?"),
+    FaultLimit("impact_z", 0.10, target="y?"),
+    FaultLimit("impact_phi", 0.10, target="[xyz]*"),  # rad/s
+    FaultLimit("impact_theta", 0.10, target="[xyz]*"),
+    *(FaultLimit("excursion_y", 40e-6, target="y?", kind=kind) for kind in ("not finite", "out of range", "frozen")),
+    FaultLimit("notice_s", 0.05, target="[xyz]*", kind="frozen", condition="in motion", duration="permanent"),
+    FaultLimit("wrong_names", 0.0, target="[xyz]*", kind="frozen", condition="in motion"),
+    *(FaultLimit("notice_s", 0.5, s, "frozen", "at rest", "permanent") for s in "xz"),
+    *(FaultLimit(f"excursion_{s}", 1e-3, s, "not finite", "at rest") for s in "xz"),  # m
+    *(FaultLimit(f"excursion_{s}", 5e-3, s, "frozen", "at rest") for s in "xz"),
+    *(FaultLimit(f"impact_{s}", 0.0, s, kind) for s in "xz" for kind in ("not finite", "out of range", "frozen")),
+)
+FAULTS = FaultCampaign(
+    {f"{n}_ref": course for n, course in COURSES.items()}, period_s=2 * pi / OMEGA0, watch_s=2.0, limits=LIMITS
+)
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)

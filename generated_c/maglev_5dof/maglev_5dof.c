@@ -10,6 +10,11 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
+static inline float maglev_5dof_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
 static inline float maglev_5dof_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -98,6 +103,44 @@ static inline float half_a_over_h2_2_polynomial(float t)
     return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
+typedef struct {
+    float disturbance;
+    float estimate;
+    float rate;
+} maglev_5dof_observer_t;
+
+/* observer_x, observer_z: predictive observer, alpha-beta-gamma */
+MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
+    bool trusted, float held, float a_before)
+{
+    static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+
+    float d_next = 0.0f;
+    float estimate_part = held;
+    float rate_part = 0.0f;
+    float g_part = 0.0f;
+    if (ready != 0u) {
+        const float q = state->q;
+        const float held_minus_q = held - q;
+        if (trusted) {
+            const float d_part = maglev_5dof_limit(state->d + (gamma * held_minus_q), 20.0f);
+            d_next = d_part;
+            g_part = 0.03f * (a_before * d_part);
+        }
+        estimate_part = q + (alpha * held_minus_q);
+        rate_part = state->v + (beta * held_minus_q);
+    }
+    const float g = state->g;
+    const float q_part = (g * a_before) + d_next;
+    state->q = maglev_5dof_limit(estimate_part + (0.001f * (rate_part + (0.0005f * q_part))), 0.1f);
+    state->v = maglev_5dof_limit(rate_part + (0.001f * q_part), 2.0f);
+    state->d = d_next;
+    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
+    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = estimate_part, .rate = rate_part};
+}
+
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter */
 MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, uint32_t ready, float e)
 {
@@ -146,8 +189,8 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_part = (parameters->k_e * e) + (parameters->k_de_x_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
-    return w_part + (parameters->k_q1 * q1);
+    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_x_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
+    return w_tracking_part + (parameters->k_q1 * q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */
@@ -186,6 +229,21 @@ MAGLEV_5DOF_INLINE void maglev_5dof_regulator_update(maglev_5dof_regulator_state
     }
 }
 
+/* probe_x, probe_z: probe at rest */
+MAGLEV_5DOF_INLINE float maglev_5dof_probe(uint32_t unchanged, float w_unprobed)
+{
+    float w_part = w_unprobed;
+    if (150u <= unchanged) {
+        const float w_part_2 = (float)unchanged - 150.0f;
+        float w_part_3 = 0.0f;
+        if (w_part_2 < 16.0f) {
+            w_part_3 = ((4.0f <= w_part_2) && (w_part_2 < 12.0f)) ? -1.0f : 1.0f;
+        }
+        w_part = maglev_5dof_limit(w_unprobed + w_part_3, 10000.0f);
+    }
+    return w_part;
+}
+
 void maglev_5dof_init(maglev_5dof_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -196,6 +254,15 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .guard_last_y4 = 0.031f,
         .guard_last_y_ref = 0.031f,
         .guard_left = 5u,
+        .redundancy_code_y1 = 0.0168f,
+        .redundancy_code_y2 = 0.0124f,
+        .redundancy_code_y3 = 0.0168f,
+        .redundancy_code_y4 = 0.0124f,
+        .observer_y_q = 0.0145f,
+        .observer_x.g = 1.0f,
+        .observer_z.g = 1.0f,
+        .landing_left = 5u,
+        .landing_r_y = 0.031f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -205,6 +272,15 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
 
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
 {
+    static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
     static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {-1699.6849f, -48291.37f, -2.251582f,
         122.7319f, -5.5538764f};
     static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
@@ -214,31 +290,291 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
-    const float y1_held = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
-    const float y2_held = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
-    const float y3_held = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard_last_y3, 0x00000004u, &faults);
-    const float y4_held = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
-    const float x_held = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
-    const float z_held = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
+    const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
+    const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
+    const float y3_accepted = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard_last_y3, 0x00000004u, &faults);
+    const float y4_accepted = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
+    const float x_accepted = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
+    const float z_accepted = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
     const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u, &faults);
     const float x_ref_held = maglev_5dof_hold_within(in->x_ref, 0.05f, &state->guard_last_x_ref, 0x00000080u, &faults);
     const float z_ref_held = maglev_5dof_hold_within(in->z_ref, 0.05f, &state->guard_last_z_ref, 0x00000100u, &faults);
     const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref, 0x00000200u, &faults);
     const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref, 0x00000400u, &faults);
-    const bool complete = (faults & 0x0000003fu) == 0u;
-    const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
-    uint32_t latched = guard_latched;
-    if (complete) {
+
+    /* observer_phi: predictive observer, alpha-beta-gamma */
+    const float observer_phi_q = state->observer_phi_q;
+
+    /* observer_y: predictive observer, alpha-beta-gamma */
+    const float observer_y_q = state->observer_y_q;
+
+    /* expected: gaps of the predicted pose, F(5) */
+    const float y1_expected_part = 0.397f * observer_phi_q;
+    const float y1_expected = observer_y_q - y1_expected_part;
+
+    /* observer_theta: predictive observer, alpha-beta-gamma */
+    const float observer_theta_q = state->observer_theta_q;
+
+    /* expected: gaps of the predicted pose, F(5) */
+    const float y2_expected_part = 0.397f * observer_theta_q;
+    const float y2_expected = observer_y_q + y2_expected_part;
+    const float y3_expected = observer_y_q + y1_expected_part;
+    const float y4_expected = observer_y_q - y2_expected_part;
+
+    /* redundancy: parity, innovations, frozen codes */
+    const bool suspect_y1_test = (faults & 0x00000001u) == 0u;
+    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
+    const bool suspect_y1_test_2 = suspect_y1_test && !(redundancy_excluded_y1 != 0u);
+    const bool suspect_y1_test_3 = (faults & 0x00000002u) == 0u;
+    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
+    const bool suspect_y1_test_4 = suspect_y1_test_3 && !(redundancy_excluded_y2 != 0u);
+    const bool suspect_y1_test_5 = (faults & 0x00000004u) == 0u;
+    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
+    const bool suspect_y1_test_6 = suspect_y1_test_5 && !(redundancy_excluded_y3 != 0u);
+    const bool suspect_y1_test_7 = (faults & 0x00000008u) == 0u;
+    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
+    const bool suspect_y1_test_8 = suspect_y1_test_7 && !(redundancy_excluded_y4 != 0u);
+    const bool suspect_y1_test_9 = suspect_y1_test_2 && suspect_y1_test_4 && suspect_y1_test_6 && suspect_y1_test_8;
+    const float suspect_y1_part = y1_accepted - y2_accepted;
+    const float suspect_y1_part_2 = suspect_y1_part + y3_accepted;
+    const float suspect_y1_part_3 = suspect_y1_part_2 - y4_accepted;
+    const float suspect_y1_part_3_size = fabsf(suspect_y1_part_3);
+    const bool suspect_y1_test_10 = suspect_y1_test_9 && ((suspect_y1_part_3_size <= 4.8e-05f) || !(guard_ready != 0u));
+    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
+    const bool suspect_y1_test_11 = y4_accepted == state->redundancy_code_y4;
+    uint32_t redundancy_still_y4_next = 0u;
+    if (suspect_y1_test_11) {
+        const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
+        redundancy_still_y4_next = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+    }
+    const bool suspect_y1_test_12 = 3u <= redundancy_still_y4_next;
+    const bool suspect_y1_test_13 = y3_accepted == state->redundancy_code_y3;
+    uint32_t redundancy_still_y3_next = 0u;
+    if (suspect_y1_test_13) {
+        const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
+        redundancy_still_y3_next = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+    }
+    const bool suspect_y1_test_14 = 3u <= redundancy_still_y3_next;
+    const bool suspect_y1_test_15 = y2_accepted == state->redundancy_code_y2;
+    uint32_t redundancy_still_y2_next = 0u;
+    if (suspect_y1_test_15) {
+        const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
+        redundancy_still_y2_next = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+    }
+    const bool suspect_y1_test_16 = 3u <= redundancy_still_y2_next;
+    const bool suspect_y1_test_17 = y1_accepted == state->redundancy_code_y1;
+    uint32_t redundancy_still_y1_next = 0u;
+    if (suspect_y1_test_17) {
+        const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
+        redundancy_still_y1_next = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+    }
+    const bool suspect_y1_test_18 = 3u <= redundancy_still_y1_next;
+    const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
+    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
+    float sufficient_part = 0.0f;
+    uint32_t redundancy_contradictions_0_part = 0u;
+    if (suspect_y1_test_9) {
+        redundancy_contradictions_0_part = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
+    } else {
+        const float sufficient_part_2 = (((suspect_y1_test_2) ? false : true) ? 1.0f : 0.0f) + (((suspect_y1_test_4) ? false : true) ? 1.0f : 0.0f) + (((suspect_y1_test_6) ? false : true) ? 1.0f : 0.0f);
+        sufficient_part = sufficient_part_2 + (((suspect_y1_test_8) ? false : true) ? 1.0f : 0.0f);
+    }
+    bool suspect_y1_test_19 = false;
+    uint32_t suspect_y1_part_4 = redundancy_undecided_0;
+    bool suspect_y2_test = false;
+    bool suspect_y3_test = false;
+    bool suspect_y4_test = false;
+    uint32_t redundancy_contradictions_0_next = 0u;
+    if (!suspect_y1_test_10) {
+        const float suspect_y1_part_5 = 0.4f * suspect_y1_part_3_size;
+        const bool suspect_y1_test_20 = 0.0f < suspect_y1_part_3;
+        const float suspect_y1_part_6 = (suspect_y1_test_20) ? -1.0f : 1.0f;
+        const float suspect_y1_part_7 = suspect_y1_part_6 * (y4_accepted - y4_expected);
+        const bool suspect_y1_test_21 = suspect_y1_test_12 && (suspect_y1_part_5 < suspect_y1_part_7);
+        const float suspect_y1_part_8 = (suspect_y1_test_20) ? 1.0f : -1.0f;
+        const float suspect_y1_part_9 = suspect_y1_part_8 * (y3_accepted - y3_expected);
+        const bool suspect_y1_test_22 = suspect_y1_test_14 && (suspect_y1_part_5 < suspect_y1_part_9);
+        const float suspect_y1_part_10 = suspect_y1_part_6 * (y2_accepted - y2_expected);
+        const bool suspect_y1_test_23 = suspect_y1_test_16 && (suspect_y1_part_5 < suspect_y1_part_10);
+        const float suspect_y1_part_11 = suspect_y1_part_8 * (y1_accepted - y1_expected);
+        const bool suspect_y1_test_24 = suspect_y1_test_18 && (suspect_y1_part_5 < suspect_y1_part_11);
+        const bool suspect_y1_part_12 = (suspect_y1_test_21) ? true : ((suspect_y1_test_22) ? true : ((suspect_y1_test_23) ? true : ((suspect_y1_test_24) ? true : false)));
+        const float suspect_y1_part_13 = (((redundancy_still_y1_next < 3u) ? true : false) ? 1.0f : 0.0f) + (((redundancy_still_y2_next < 3u) ? true : false) ? 1.0f : 0.0f);
+        const float suspect_y1_part_14 = suspect_y1_part_13 + (((redundancy_still_y3_next < 3u) ? true : false) ? 1.0f : 0.0f) + (((redundancy_still_y4_next < 3u) ? true : false) ? 1.0f : 0.0f);
+        const bool suspect_y1_test_25 = suspect_y1_part_14 == 3.0f;
+        const bool suspect_y1_test_26 = (8u <= redundancy_still_y4_next) && suspect_y1_test_25;
+        const bool suspect_y1_test_27 = (8u <= redundancy_still_y1_next) && suspect_y1_test_25;
+        const bool suspect_y1_test_28 = (8u <= redundancy_still_y2_next) && suspect_y1_test_25;
+        const bool suspect_y1_test_29 = (8u <= redundancy_still_y3_next) && suspect_y1_test_25;
+        bool suspect_y1_part_15 = true;
+        if (!suspect_y1_test_26) {
+            suspect_y1_part_15 = (suspect_y1_test_29) ? true : ((suspect_y1_test_28) ? true : ((suspect_y1_test_27) ? true : false));
+        }
+        float suspect_y1_part_16 = (suspect_y1_test_24) ? suspect_y1_part_11 : -1.0f;
+        float suspect_y1_part_17 = (suspect_y1_test_23) ? suspect_y1_part_10 : -1.0f;
+        float suspect_y1_part_18 = (suspect_y1_test_22) ? suspect_y1_part_9 : -1.0f;
+        float suspect_y1_part_19 = (suspect_y1_test_21) ? suspect_y1_part_7 : -1.0f;
+        if (!suspect_y1_part_12) {
+            suspect_y1_part_16 = suspect_y1_part_11;
+            suspect_y1_part_17 = suspect_y1_part_10;
+            suspect_y1_part_18 = suspect_y1_part_9;
+            suspect_y1_part_19 = suspect_y1_part_7;
+        }
+        const float suspect_y1_part_20 = maglev_5dof_max(suspect_y1_part_16, suspect_y1_part_17);
+        const float suspect_y1_part_21 = maglev_5dof_max(suspect_y1_part_20, suspect_y1_part_18);
+        const float suspect_y1_part_22 = maglev_5dof_max(suspect_y1_part_21, suspect_y1_part_19);
+        const bool suspect_y1_test_30 = suspect_y1_part_12 || suspect_y1_part_15 || (((0.5f * suspect_y1_part_3_size) < suspect_y1_part_22) && (maglev_5dof_max(maglev_5dof_max(maglev_5dof_min(suspect_y1_part_16, suspect_y1_part_17), maglev_5dof_min(suspect_y1_part_20, suspect_y1_part_18)), maglev_5dof_min(suspect_y1_part_21, suspect_y1_part_19)) < (0.5f * suspect_y1_part_22)) && !(redundancy_undecided_0 != 0u));
+        bool suspect_y1_test_31 = suspect_y1_test_27;
+        bool suspect_y2_test_2 = suspect_y1_test_28;
+        bool suspect_y3_test_2 = suspect_y1_test_29;
+        bool suspect_y4_test_2 = suspect_y1_test_26;
+        if (!(suspect_y1_part_15 && !suspect_y1_part_12)) {
+            const bool suspect_y1_test_32 = suspect_y1_part_22 <= suspect_y1_part_16;
+            suspect_y1_test_31 = suspect_y1_test_32;
+            const bool suspect_y2_part = (suspect_y1_test_32) ? false : true;
+            const bool suspect_y2_test_3 = (suspect_y1_part_22 <= suspect_y1_part_17) && suspect_y2_part;
+            suspect_y2_test_2 = suspect_y2_test_3;
+            const bool suspect_y3_part = (suspect_y2_test_3) ? false : suspect_y2_part;
+            const bool suspect_y3_test_3 = (suspect_y1_part_22 <= suspect_y1_part_18) && suspect_y3_part;
+            suspect_y3_test_2 = suspect_y3_test_3;
+            suspect_y4_test_2 = (suspect_y1_part_22 <= suspect_y1_part_19) && ((suspect_y3_test_3) ? false : suspect_y3_part);
+        }
+        suspect_y1_test_19 = suspect_y1_test_9 && suspect_y1_test_30 && suspect_y1_test_31;
+        bool suspect_y1_part_23 = true;
+        if (!(!suspect_y1_test_11 && (redundancy_excluded_y4 != 0u) && suspect_y1_test_7)) {
+            if (!(!suspect_y1_test_13 && (redundancy_excluded_y3 != 0u) && suspect_y1_test_5)) {
+                if (!(!suspect_y1_test_15 && (redundancy_excluded_y2 != 0u) && suspect_y1_test_3)) {
+                    suspect_y1_part_23 = (!suspect_y1_test_17 && (redundancy_excluded_y1 != 0u) && suspect_y1_test) ? true : false;
+                }
+            }
+        }
+        const uint32_t suspect_y1_part_24 = ((suspect_y1_test_9 && (9u <= redundancy_contradictions_0)) || ((redundancy_stuck_0 != 0u) && suspect_y1_part_23)) ? 1u : redundancy_undecided_0;
+        suspect_y1_part_4 = suspect_y1_part_24;
+        suspect_y2_test = suspect_y1_test_9 && suspect_y1_test_30 && suspect_y2_test_2;
+        suspect_y3_test = suspect_y1_test_9 && suspect_y1_test_30 && suspect_y3_test_2;
+        suspect_y4_test = suspect_y1_test_9 && suspect_y1_test_30 && suspect_y4_test_2;
+        redundancy_contradictions_0_next = redundancy_contradictions_0_part;
+    }
+    const uint32_t suspect_y1 = (suspect_y1_test_19 || (suspect_y1_part_4 != 0u)) ? 1u : redundancy_excluded_y1;
+    const uint32_t suspect_y2 = (suspect_y2_test || (suspect_y1_part_4 != 0u)) ? 1u : redundancy_excluded_y2;
+    const uint32_t suspect_y3 = (suspect_y3_test || (suspect_y1_part_4 != 0u)) ? 1u : redundancy_excluded_y3;
+    const uint32_t suspect_y4 = (suspect_y4_test || (suspect_y1_part_4 != 0u)) ? 1u : redundancy_excluded_y4;
+
+    /* observer_x: predictive observer, alpha-beta-gamma */
+    const float observer_x_q = state->observer_x.q;
+
+    /* redundancy: parity, innovations, frozen codes */
+    uint32_t x_unchanged = 0u;
+    float redundancy_before_x_next = observer_x_q;
+    if (x_accepted == state->redundancy_code_x) {
+        const uint32_t redundancy_still_x = state->redundancy_still_x;
+        x_unchanged = (169u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        redundancy_before_x_next = state->redundancy_before_x;
+    }
+    const float observer_z_q = state->observer_z.q;
+    uint32_t z_unchanged = 0u;
+    float redundancy_before_z_next = observer_z_q;
+    if (z_accepted == state->redundancy_code_z) {
+        const uint32_t redundancy_still_z = state->redundancy_still_z;
+        z_unchanged = (169u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        redundancy_before_z_next = state->redundancy_before_z;
+    }
+    const bool complete = (faults & 0x0000003fu) == 0u;
+    const bool latched_test = (complete ? 1.0f : 0.0f) != 0.0f;
+    const float y3_held_part = -(suspect_y1_part - y4_accepted);
+    const float y1_held_part = -(y3_accepted - y2_accepted - y4_accepted);
+    const float y2_held_part = y1_accepted + y3_accepted - y4_accepted;
+    float y1_held_part_2 = y1_held_part;
+    float y2_held_part_2 = y2_held_part;
+    float y3_held_part_2 = y3_held_part;
+    float y4_held_part = suspect_y1_part_2;
+    if (!(sufficient_part == 1.0f)) {
+        y1_held_part_2 = y1_expected;
+        y2_held_part_2 = y2_expected;
+        y3_held_part_2 = y3_expected;
+        y4_held_part = y4_expected;
+    }
+    const float y3_held = (suspect_y1_test_10) ? y3_accepted : maglev_5dof_max(maglev_5dof_min((suspect_y1_test_6) ? ((suspect_y3_test) ? y3_held_part : y3_accepted) : y3_held_part_2, 0.0322f), 0.0168f);
+    const float y1_held = (suspect_y1_test_10) ? y1_accepted : maglev_5dof_max(maglev_5dof_min((suspect_y1_test_2) ? ((suspect_y1_test_19) ? y1_held_part : y1_accepted) : y1_held_part_2, 0.0322f), 0.0168f);
+    const float y3_minus_y1 = y3_held - y1_held;
+    const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+    const float y2_held = (suspect_y1_test_10) ? y2_accepted : maglev_5dof_max(maglev_5dof_min((suspect_y1_test_4) ? ((suspect_y2_test) ? y2_held_part : y2_accepted) : y2_held_part_2, 0.0366f), 0.0124f);
+    const float y4_held = (suspect_y1_test_10) ? y4_accepted : maglev_5dof_max(maglev_5dof_min((suspect_y1_test_8) ? ((suspect_y4_test) ? suspect_y1_part_2 : y4_accepted) : y4_held_part, 0.0366f), 0.0124f);
+    const float y2_minus_y4 = y2_held - y4_held;
+    const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
+    const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    bool latched_test_2 = latched_test;
+    float phi_disturbance = 0.0f;
+    float phi_estimate = phi;
+    float phi_rate = 0.0f;
+    float w_phi_part = 0.0f;
+    float theta_disturbance = 0.0f;
+    float theta_estimate = theta;
+    float theta_rate = 0.0f;
+    float w_theta_part = 0.0f;
+    float y_disturbance = 0.0f;
+    float y_estimate = y;
+    float y_rate = 0.0f;
+    if (guard_ready != 0u) {
+        const bool sufficient = (sufficient_part <= 2.0f) ? true : false;
+        latched_test_2 = sufficient;
+        const float phi_minus_observer_phi_q = phi - observer_phi_q;
+        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * phi_minus_observer_phi_q), 200.0f);
+        phi_estimate = observer_phi_q + (observer_phi_alpha * phi_minus_observer_phi_q);
+        const float phi_rate_part = state->observer_phi_v + (observer_phi_beta * phi_minus_observer_phi_q);
+        phi_rate = phi_rate_part;
+        w_phi_part = 80.0f * phi_rate_part;
+        const float theta_disturbance_part = theta - observer_theta_q;
+        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * theta_disturbance_part), 200.0f);
+        theta_estimate = observer_theta_q + (observer_theta_alpha * theta_disturbance_part);
+        const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * theta_disturbance_part);
+        theta_rate = theta_rate_part;
+        w_theta_part = 80.0f * theta_rate_part;
+        const float y_minus_observer_y_q = y - observer_y_q;
+        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * y_minus_observer_y_q), 50.0f);
+        y_estimate = observer_y_q + (observer_y_alpha * y_minus_observer_y_q);
+        y_rate = state->observer_y_v + (observer_y_beta * y_minus_observer_y_q);
+    } else {
+        redundancy_before_x_next = x_accepted;
+        redundancy_before_z_next = z_accepted;
+    }
+    bool suspect_x_test = false;
+    if (3u <= x_unchanged) {
+        suspect_x_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && ((4e-05f < fabsf(observer_x_q - redundancy_before_x_next)) || (169u <= x_unchanged));
+    }
+    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
+    const bool suspect_x_test_2 = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
+    const uint32_t suspect_x = (suspect_x_test && (guard_ready != 0u) && suspect_x_test_2) ? 1u : redundancy_excluded_x;
+    bool suspect_z_test = false;
+    if (3u <= z_unchanged) {
+        suspect_z_test = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && ((4e-05f < fabsf(observer_z_q - redundancy_before_z_next)) || (169u <= z_unchanged));
+    }
+    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
+    const bool suspect_z_test_2 = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
+    const uint32_t suspect_z = (suspect_z_test && (guard_ready != 0u) && suspect_z_test_2) ? 1u : redundancy_excluded_z;
+
+    /* landing: landing: ramps and state feedback */
+    const uint32_t landing_landing = state->landing_landing;
+    const float landing_r_y = state->landing_r_y;
+    const bool landed = ((landing_landing != 0u) && (0.0314f <= landing_r_y)) ? true : false;
+
+    /* guard: range acceptance, hold, latch */
+    const uint32_t guard_latched = state->guard_latched;
+    uint32_t latched_part = guard_latched;
+    if (latched_test_2) {
         state->guard_left = 5u;
-        state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
-            latched = 1u;
+            latched_part = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
+    }
+    const uint32_t latched = (landed) ? 1u : latched_part;
+    if (latched_test) {
+        state->guard_ready = 1u;
     }
 
     /* safe_output: slew to the safe output once latched */
@@ -248,6 +584,35 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_i_d4 = state->safe_output_last_i_d4;
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
+    if (suspect_y1 != 0u) {
+        faults |= 0x00000800u;
+    }
+    if (suspect_y2 != 0u) {
+        faults |= 0x00001000u;
+    }
+    if (suspect_y3 != 0u) {
+        faults |= 0x00002000u;
+    }
+    if (suspect_y4 != 0u) {
+        faults |= 0x00004000u;
+    }
+    if (suspect_x != 0u) {
+        faults |= 0x00008000u;
+    }
+    if (suspect_z != 0u) {
+        faults |= 0x00010000u;
+    }
+    const bool redundancy_excluded_y1_test = 2u <= redundancy_contradictions_0;
+    const bool redundancy_excluded_y1_test_2 = suspect_y1_test_19 && redundancy_excluded_y1_test;
+    const bool redundancy_excluded_y2_test = suspect_y2_test && redundancy_excluded_y1_test;
+    const bool redundancy_excluded_y3_test = suspect_y3_test && redundancy_excluded_y1_test;
+    const bool redundancy_excluded_y4_test = suspect_y4_test && redundancy_excluded_y1_test;
+    uint32_t redundancy_stuck_0_next = 1u;
+    if (!(redundancy_excluded_y4_test && suspect_y1_test_12)) {
+        if (!(redundancy_excluded_y3_test && suspect_y1_test_14)) {
+            redundancy_stuck_0_next = (redundancy_excluded_y2_test && suspect_y1_test_16) ? 1u : ((redundancy_excluded_y1_test_2 && suspect_y1_test_18) ? 1u : redundancy_stuck_0);
+        }
+    }
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, 2.5f, 0.1f);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -268,29 +633,145 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* kinematics: pose from the gaps, F(5) */
-        const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-        const float y3_minus_y1 = y3_held - y1_held;
-        const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-        const float y2_minus_y4 = y2_held - y4_held;
-        const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
+        /* redundancy: parity, innovations, frozen codes */
+        float x_held = x_accepted;
+        bool x_trusted = true;
+        bool regular = false;
+        if (suspect_x_test_2 && !(suspect_x != 0u)) {
+            regular = ((sufficient_part <= 1.0f) && !(suspect_y1_part_4 != 0u)) ? true : false;
+        } else {
+            x_held = observer_x_q;
+            x_trusted = false;
+        }
+        float z_held = z_accepted;
+        bool z_trusted = true;
+        if (!(suspect_z_test_2 && !(suspect_z != 0u))) {
+            z_held = observer_z_q;
+            z_trusted = false;
+            regular = false;
+        }
+        state->redundancy_code_y1 = y1_accepted;
+        state->redundancy_still_y1 = redundancy_still_y1_next;
+        state->redundancy_excluded_y1 = (suspect_y1_test_10) ? redundancy_excluded_y1 : ((redundancy_excluded_y1_test_2) ? 1u : redundancy_excluded_y1);
+        state->redundancy_code_y2 = y2_accepted;
+        state->redundancy_still_y2 = redundancy_still_y2_next;
+        state->redundancy_excluded_y2 = (suspect_y1_test_10) ? redundancy_excluded_y2 : ((redundancy_excluded_y2_test) ? 1u : redundancy_excluded_y2);
+        state->redundancy_code_y3 = y3_accepted;
+        state->redundancy_still_y3 = redundancy_still_y3_next;
+        state->redundancy_excluded_y3 = (suspect_y1_test_10) ? redundancy_excluded_y3 : ((redundancy_excluded_y3_test) ? 1u : redundancy_excluded_y3);
+        state->redundancy_code_y4 = y4_accepted;
+        state->redundancy_still_y4 = redundancy_still_y4_next;
+        state->redundancy_excluded_y4 = (suspect_y1_test_10) ? redundancy_excluded_y4 : ((redundancy_excluded_y4_test) ? 1u : redundancy_excluded_y4);
+        state->redundancy_code_x = x_accepted;
+        state->redundancy_still_x = x_unchanged;
+        state->redundancy_excluded_x = suspect_x;
+        state->redundancy_before_x = redundancy_before_x_next;
+        state->redundancy_code_z = z_accepted;
+        state->redundancy_still_z = z_unchanged;
+        state->redundancy_excluded_z = suspect_z;
+        state->redundancy_before_z = redundancy_before_z_next;
+        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
+        state->redundancy_stuck_0 = (suspect_y1_test_10) ? redundancy_stuck_0 : redundancy_stuck_0_next;
+        state->redundancy_undecided_0 = suspect_y1_part_4;
 
         /* errors: tracking errors, F(14) */
         const float e_y = y - y_ref_held;
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
-        const float w_y = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, filter_y_r_next);
+        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, filter_y_r_next);
         const float e_x = x_held - x_ref_held;
         const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
         const float e_z = z_held - z_ref_held;
         const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
         const float e_phi = phi - phi_ref_held;
         const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
-        const float w_phi = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi, filter_phi_r_next);
+        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi, filter_phi_r_next);
         const float e_theta = theta - theta_ref_held;
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
-        const float w_theta = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
-        const float w_x = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
-        const float w_z = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
+        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
+
+        /* landing: landing: ramps and state feedback */
+        const bool w_phi_test = ((regular ? 1.0f : 0.0f) == 0.0f) && (guard_ready != 0u);
+        const uint32_t landing_left = state->landing_left;
+        const bool w_phi_test_2 = landing_left <= 1u;
+        uint32_t w_phi_part_2 = 1u;
+        if (w_phi_test && w_phi_test_2) {
+            state->landing_landing = 1u;
+        } else {
+            w_phi_part_2 = landing_landing;
+        }
+        const float landing_dr_y = state->landing_dr_y;
+        const float landing_r_x = state->landing_r_x;
+        const float landing_dr_x = state->landing_dr_x;
+        const float landing_r_z = state->landing_r_z;
+        const float landing_dr_z = state->landing_dr_z;
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted, x_held, state->delay_a_x_last);
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted, z_held, state->delay_a_z_last);
+        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
+        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
+        float w_phi;
+        float w_theta;
+        float w_y;
+        float w_x_unprobed;
+        float w_z_unprobed;
+        float landing_r_y_part = landing_r_y;
+        float landing_dr_y_part = landing_dr_y;
+        float landing_r_x_part = landing_r_x;
+        float landing_dr_x_part = landing_dr_x;
+        float landing_r_z_part = landing_r_z;
+        float landing_dr_z_part = landing_dr_z;
+        if (w_phi_part_2 != 0u) {
+            /* observer_z: predictive observer, alpha-beta-gamma */
+            float w_y_part = landing_r_y;
+            float w_y_part_2 = landing_dr_y;
+            float w_x_unprobed_part = landing_r_x;
+            float w_x_unprobed_part_2 = landing_dr_x;
+            float w_z_unprobed_part = landing_r_z;
+            float w_z_unprobed_part_2 = landing_dr_z;
+            if (!(landing_landing != 0u)) {
+                w_y_part = y_estimate;
+                w_y_part_2 = y_rate;
+                w_x_unprobed_part = observer_x.estimate;
+                w_x_unprobed_part_2 = observer_x.rate;
+                w_z_unprobed_part = observer_z.estimate;
+                w_z_unprobed_part_2 = observer_z.rate;
+            }
+            float w_y_part_3 = 0.001f;
+            if (!(0.0311f < w_y_part)) {
+                w_y_part_3 = maglev_5dof_max(maglev_5dof_min(25.0f * (0.031f - w_y_part), 0.075f), 0.0f) + 0.005f;
+            }
+            const float w_y_part_4 = maglev_5dof_limit(w_y_part_3 - w_y_part_2, 0.002f);
+            const float w_y_part_5 = maglev_5dof_limit((3600.0f * (w_y_part - y_estimate)) + (120.0f * (w_y_part_2 - y_rate)) + ((1000.0f * w_y_part_4) - y_disturbance), 10000.0f);
+            w_y = w_y_part_5;
+            const float w_x_unprobed_part_3 = maglev_5dof_limit(-w_x_unprobed_part_2, 0.004f);
+            const float w_x_unprobed_part_4 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + ((1000.0f * w_x_unprobed_part_3) - observer_x.disturbance);
+            w_x_unprobed = w_x_unprobed_part_4;
+            const float w_z_unprobed_part_3 = maglev_5dof_limit(-w_z_unprobed_part_2, 0.004f);
+            const float w_z_unprobed_part_4 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + ((1000.0f * w_z_unprobed_part_3) - observer_z.disturbance);
+            w_z_unprobed = w_z_unprobed_part_4;
+            landing_r_y_part = w_y_part + (0.001f * w_y_part_2) + (0.0005f * w_y_part_4);
+            landing_dr_y_part = w_y_part_2 + w_y_part_4;
+            landing_r_x_part = w_x_unprobed_part + (0.001f * w_x_unprobed_part_2) + (0.0005f * w_x_unprobed_part_3);
+            landing_dr_x_part = w_x_unprobed_part_2 + w_x_unprobed_part_3;
+            landing_r_z_part = w_z_unprobed_part + (0.001f * w_z_unprobed_part_2) + (0.0005f * w_z_unprobed_part_3);
+            landing_dr_z_part = w_z_unprobed_part_2 + w_z_unprobed_part_3;
+            w_phi = -((1600.0f * phi_estimate) + w_phi_part + phi_disturbance);
+            w_theta = -((1600.0f * theta_estimate) + w_theta_part + theta_disturbance);
+        } else {
+            /* regulator_y: F(14)-(16) */
+            w_y = w_y_tracking;
+
+            /* regulator_x: F(14)-(17) */
+            w_x_unprobed = w_x_tracking;
+
+            /* regulator_z: F(14)-(17) */
+            w_z_unprobed = w_z_tracking;
+
+            /* regulator_phi: F(14)-(16) */
+            w_phi = w_phi_tracking;
+
+            /* regulator_theta: F(14)-(16) */
+            w_theta = w_theta_tracking;
+        }
 
         /* decoupling: direct and thrust currents, F(8), F(12) */
         const float thrust_per_ampere_1_part = 1.530832e-06f / (y1_held + 0.009233333f);
@@ -331,38 +812,89 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_c_4 = half_a_4_part * (0.0007232277f + thrust_per_ampere_4_part);
         const float half_load_4 = half_a_4 + (half_c_4 * (half_load_2_part + (safe_output_last_i_d4 * safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(half_a_4_part + (16.0f * (half_a_4 * half_c_4)));
-        const float u_x_demand = -10.6f * w_x / (thrust_per_ampere_2 + thrust_per_ampere_4);
-        const float u_z_demand = -8.6f * w_z / (thrust_per_ampere_1 + thrust_per_ampere_3);
         const float i_d1_computed_part = inverse_b_2 + inverse_b_4;
         const float i_d1_computed_part_2 = (3.45f * (w_y - 9.81f)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
         const float i_d1_computed_part_3 = (0.66347605f * (w_theta + (2850.0f * theta))) + (half_load_2 - half_load_4);
         const float i_d1_computed_part_4 = (0.66347605f * (w_phi + (11250.0f * phi))) + (half_load_3 - half_load_1);
         const float i_d1_computed_part_5 = ((i_d1_computed_part * i_d1_computed_part_2) + ((inverse_b_2 - inverse_b_4) * i_d1_computed_part_3) - ((inverse_b_3 - inverse_b_1) * i_d1_computed_part_4)) / (inverse_b_1 + inverse_b_3 + i_d1_computed_part);
         const float i_d1_computed = maglev_5dof_limit((i_d1_computed_part_5 - i_d1_computed_part_4) * inverse_b_1, 4.9492526f);
-        state->safe_output_last_i_d1 = i_d1_computed;
-        out->i_d1 = i_d1_computed;
         const float i_d2_computed_part = i_d1_computed_part_2 - i_d1_computed_part_5;
         const float i_d2_computed = maglev_5dof_limit((i_d2_computed_part + i_d1_computed_part_3) * inverse_b_2, 4.9492526f);
+        const float i_d3_computed = maglev_5dof_limit((i_d1_computed_part_5 + i_d1_computed_part_4) * inverse_b_3, 4.9492526f);
+        const float i_d4_computed = maglev_5dof_limit((i_d2_computed_part - i_d1_computed_part_3) * inverse_b_4, 4.9492526f);
+        const float w_x = maglev_5dof_probe(x_unchanged, w_x_unprobed);
+        const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
+        const float u_x_demand = -10.6f * w_x / u_x_demand_part;
+        const float u_x_computed = maglev_5dof_limit(u_x_demand, sqrtf(24.5f - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed)));
+
+        /* landing: landing: ramps and state feedback */
+        state->landing_left = (w_phi_test) ? ((w_phi_test_2) ? 1u : (landing_left - 1u)) : 5u;
+        const float w_z = maglev_5dof_probe(z_unchanged, w_z_unprobed);
+
+        /* decoupling: direct and thrust currents, F(8), F(12) */
+        const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
+        const float u_z_demand = -8.6f * w_z / u_z_demand_part;
+        const float u_z_computed = maglev_5dof_limit(u_z_demand, sqrtf(24.5f - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed)));
+        const float excess_x = u_x_computed - u_x_demand;
+        const float excess_z = u_z_computed - u_z_demand;
+        const float a_x = -0.094339624f * (u_x_computed * u_x_demand_part);
+        const float a_z = -0.11627907f * (u_z_computed * u_z_demand_part);
+
+        /* observer_y: predictive observer, alpha-beta-gamma */
+        const float observer_y_q_part = state->delay_w_y_last + y_disturbance;
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.001f * (y_rate + (0.0005f * observer_y_q_part))), 0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_limit(y_rate + (0.001f * observer_y_q_part), 1.0f);
+        state->safe_output_last_i_d1 = i_d1_computed;
+        out->i_d1 = i_d1_computed;
         state->safe_output_last_i_d2 = i_d2_computed;
         out->i_d2 = i_d2_computed;
-        const float i_d3_computed = maglev_5dof_limit((i_d1_computed_part_5 + i_d1_computed_part_4) * inverse_b_3, 4.9492526f);
         state->safe_output_last_i_d3 = i_d3_computed;
         out->i_d3 = i_d3_computed;
-        const float i_d4_computed = maglev_5dof_limit((i_d2_computed_part - i_d1_computed_part_3) * inverse_b_4, 4.9492526f);
         state->safe_output_last_i_d4 = i_d4_computed;
         out->i_d4 = i_d4_computed;
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, sqrtf(24.5f - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed)));
         state->safe_output_last_u_x = u_x_computed;
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, sqrtf(24.5f - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed)));
         state->safe_output_last_u_z = u_z_computed;
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
-        const float excess_x = u_x_computed - u_x_demand;
+
+        /* landing: landing: ramps and state feedback */
+        state->landing_r_y = maglev_5dof_max(maglev_5dof_min(landing_r_y_part, 0.0318f), -10.0f);
+        state->landing_dr_y = maglev_5dof_limit(landing_dr_y_part, 10.0f);
+        state->landing_r_x = maglev_5dof_limit(landing_r_x_part, 10.0f);
+        state->landing_dr_x = maglev_5dof_limit(landing_dr_x_part, 10.0f);
+        state->landing_r_z = maglev_5dof_limit(landing_r_z_part, 10.0f);
+        state->landing_dr_z = maglev_5dof_limit(landing_dr_z_part, 10.0f);
         maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
-        const float excess_z = u_z_computed - u_z_demand;
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma */
+        const float observer_phi_q_part = state->delay_w_phi_last + phi_disturbance;
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.001f * (phi_rate + (0.0005f * observer_phi_q_part))), 0.02f);
+        state->observer_phi_v = maglev_5dof_limit(phi_rate + (0.001f * observer_phi_q_part), 2.0f);
+
+        /* delay: delay of one sample */
+        const float delay_w_theta_last = state->delay_w_theta_last;
+        state->delay_w_y_last = maglev_5dof_limit(w_y, 10000.0f);
+        state->delay_a_x_last = a_x;
+        state->delay_a_z_last = a_z;
+        state->delay_w_phi_last = maglev_5dof_limit(w_phi, 10000.0f);
+        state->delay_w_theta_last = maglev_5dof_limit(w_theta, 10000.0f);
+
+        /* observer_theta: predictive observer, alpha-beta-gamma */
+        const float observer_theta_q_part = delay_w_theta_last + theta_disturbance;
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.001f * (theta_rate + (0.0005f * observer_theta_q_part))), 0.031f);
+        state->observer_theta_v = maglev_5dof_limit(theta_rate + (0.001f * observer_theta_q_part), 2.0f);
+
+        /* observer_y: predictive observer, alpha-beta-gamma */
+        state->observer_y_d = y_disturbance;
+
+        /* observer_phi: predictive observer, alpha-beta-gamma */
+        state->observer_phi_d = phi_disturbance;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma */
+        state->observer_theta_d = theta_disturbance;
     }
 
     return faults;

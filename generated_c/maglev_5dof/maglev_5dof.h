@@ -35,6 +35,13 @@ typedef struct {
 } maglev_5dof_filter_state_t;
 
 typedef struct {
+    float q;                            /* m: prediction */
+    float v;                            /* m/s: predicted rate */
+    float d;                            /* m/s^2: disturbance */
+    float g;                            /* 1: learnt gain */
+} maglev_5dof_observer_state_t;
+
+typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
     float y2;                           /* m, 0.0124 .. 0.0366: gap of motor 2 */
     float y3;                           /* m, 0.0168 .. 0.0322: gap of motor 3 */
@@ -74,6 +81,29 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    float redundancy_code_y1;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t redundancy_still_y1;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y1;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y2;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t redundancy_still_y2;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y2;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y3;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t redundancy_still_y3;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y3;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t redundancy_still_x;        /* 1, 0 .. 169: samples without a change */
+    uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
+    float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
+    float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t redundancy_still_z;        /* 1, 0 .. 169: samples without a change */
+    uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
+    float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
+    uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
+    uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
+    uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
     maglev_5dof_filter_state_t filter_y;
     maglev_5dof_regulator_state_t regulator_y;
     maglev_5dof_filter_state_t filter_x;
@@ -84,6 +114,30 @@ typedef struct {
     maglev_5dof_regulator_state_t regulator_phi;
     maglev_5dof_filter_state_t filter_theta;
     maglev_5dof_regulator_state_t regulator_theta;
+    float delay_w_y_last;               /* m/s^2, -10000 .. 10000: w_y one sample ago */
+    float delay_a_x_last;               /* m/s^2, -1000 .. 1000: a_x one sample ago */
+    float delay_a_z_last;               /* m/s^2, -1000 .. 1000: a_z one sample ago */
+    float delay_w_phi_last;             /* rad/s^2, -10000 .. 10000: w_phi one sample ago */
+    float delay_w_theta_last;           /* rad/s^2, -10000 .. 10000: w_theta one sample ago */
+    float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
+    float observer_y_v;                 /* m/s, -1 .. 1: predicted rate */
+    float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
+    maglev_5dof_observer_state_t observer_x;
+    maglev_5dof_observer_state_t observer_z;
+    float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
+    float observer_phi_v;               /* rad/s, -2 .. 2: predicted rate */
+    float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
+    float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
+    float observer_theta_v;             /* rad/s, -2 .. 2: predicted rate */
+    float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
+    uint32_t landing_left;              /* 1, 1 .. 5: samples until it lands */
+    uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
+    float landing_r_y;                  /* m, -10 .. 0.0318: set-point of the landing */
+    float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
+    float landing_r_x;                  /* m, -10 .. 10: set-point of the landing */
+    float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
+    float landing_r_z;                  /* m, -10 .. 10: set-point of the landing */
+    float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
@@ -96,11 +150,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 32u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 200u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 412u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_32[(sizeof(maglev_5dof_output_t) == 32u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_200[(sizeof(maglev_5dof_state_t) == 200u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_412[(sizeof(maglev_5dof_state_t) == 412u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -119,6 +173,12 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit  8  z_ref: not finite or outside its range
  *   bit  9  phi_ref: not finite or outside its range
  *   bit 10  theta_ref: not finite or outside its range
+ *   bit 11  y1: contradicts the others
+ *   bit 12  y2: contradicts the others
+ *   bit 13  y3: contradicts the others
+ *   bit 14  y4: contradicts the others
+ *   bit 15  x: contradicts the others
+ *   bit 16  z: contradicts the others
  *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);

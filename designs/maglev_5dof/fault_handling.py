@@ -1,0 +1,100 @@
+"""Fault handling of the maglev controller: readings replaced by parity and prediction, frozen encoders, landing.
+
+    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> probe -> decoupling -> safe output
+                 ^ expected gaps, x, z                |-> pose, demands -> observers -> estimates -> landing
+
+One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
+loss of x, of z or of two gap encoders starts the landing; with fewer than two gap encoders the currents go to the safe
+output at once.
+"""
+
+from dataclasses import replace
+
+from designs.maglev_5dof import control
+from designs.maglev_5dof.control import AXES, HELD, INTERFACE, MOTORS, NAME, OUTPUTS, RESOLUTION, TIME, Axis
+from synth import stage
+from synth.analyse import parity
+from synth.block import Block, Exprs, Step, build
+from synth.blocks import landing, predictor, probe, redundancy
+from synth.plant import Plant
+from synth.signals import signal_names
+
+OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the threshold is 48 um
+BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s
+RATES = {"y": 1.0, "x": 2.0, "z": 2.0, "phi": 2.0, "theta": 2.0}  # m/s or rad/s
+DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
+THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
+PROBE = probe.Probe(quiet=150, quarter=4, displacement=16e-6)  # 1 m/s^2: guide friction of 1.8 N takes 0.17 m/s^2
+TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
+DECISION = redundancy.Decision(
+    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.samples
+)
+STOP = control.GAP[1]
+COURSES: dict[str, landing.Course] = {
+    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0),
+    "x": landing.Braking("x", 4.0, 30.0),
+    "z": landing.Braking("z", 4.0, 30.0),
+    "phi": landing.Levelling("phi", 40.0),
+    "theta": landing.Levelling("theta", 40.0),
+}
+SENSORS = tuple(s.name for s in INTERFACE.sensors)
+INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS)
+
+
+def relations(plant: Plant) -> tuple[parity.Relation, ...]:
+    """Return the parity relation of the gap encoders, from the kinematics."""
+    tolerance = parity.Tolerance(RESOLUTION, OFFSET)
+    return parity.relations(plant, {s.name: s.of for s in INTERFACE.sensors}, dict.fromkeys(SENSORS, tolerance))
+
+
+def expected(plant: Plant) -> Block:
+    """Return the Block from the predicted pose to the expected gaps, F(5) for small angles."""
+    r = plant.parameter("r").value
+    inputs = [replace(axis.position, name=f"{axis.name}_expected") for axis in AXES if axis.name not in "xz"]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        y, phi, theta = u["y_expected"], r * u["phi_expected"], r * u["theta_expected"]
+        gaps = (y - phi, y + theta, y + phi, y - theta)
+        return Step({f"y{j}_expected": g for j, g in zip(MOTORS, gaps, strict=True)})
+
+    outputs = [replace(s, name=f"y{j}_expected", low=-1.0, high=1.0) for j, s in zip(MOTORS, HELD, strict=True)]
+    return build("expected", TIME, law, inputs=inputs, outputs=outputs, tag="gaps of the predicted pose, F(5)")
+
+
+def observer(axis: Axis) -> Block:
+    """Return the observer of an axis; x and z learn the gain of their thrust."""
+    before = replace(axis.acceleration, name=f"{axis.acceleration.name}_before")
+    return predictor.block(
+        axis.name,
+        TIME,
+        axis.position,
+        before,
+        bandwidth=BANDWIDTH[axis.name],
+        rate=RATES[axis.name],
+        disturbance=DISTURBANCES[axis.name],
+        trusted=f"{axis.name}_trusted" if axis.excess else None,
+        gain=THRUST_GAIN if axis.excess else None,
+    )
+
+
+def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
+    """Return the laws of `control` with the fault handling around them."""
+    tracking = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES}
+    law = control.laws(plant, corrected, anti_windup)
+    descent = landing.block(TIME, [COURSES[a.name] for a in AXES], [a.demand for a in AXES], control.BAD_SAMPLES)
+    return [
+        redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION),
+        expected(plant),
+        *(b.renamed(tracking) if b.name.startswith("regulator_") else b for b in law),
+        predictor.delay("delay", TIME, [a.acceleration for a in AXES]),
+        *(observer(a) for a in AXES),
+        descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
+        *(probe.block(TIME, a.name, a.demand, PROBE) for a in AXES if a.excess),
+    ]
+
+
+def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
+    """Return the shipped controller: the law of `control` with its fault handling."""
+    return stage.controller(
+        NAME, TIME, INTERFACE_OF_ALL, lambda: laws(plant, corrected, anti_windup), signal_names(OUTPUTS)
+    )
