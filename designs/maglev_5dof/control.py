@@ -116,13 +116,6 @@ class Axis:
         return Signal(f"w_{self.name}", f"{self.position.unit}/s^2", -1e4, 1e4, "demanded acceleration")
 
     @property
-    def acceleration(self) -> Signal:
-        """The acceleration that the limited currents give: of x and z by the model, of the others the demanded one."""
-        if not self.excess:
-            return self.demand
-        return Signal(f"a_{self.name}", "m/s^2", -1e3, 1e3, f"acceleration by u_{self.name}")
-
-    @property
     def excess(self) -> Signal | None:
         """The limited less the demanded thrust current of x and z."""
         about = f"u_{self.name} limited less u_{self.name} demanded"
@@ -216,7 +209,6 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
         thrust = {n: _limit_thrust(demand[n], *pair) for n, pair in pairs.items()}
         output = {f"{n}_computed": i for n, i in (i_d | thrust).items()}
         output |= {f"excess_{n[-1]}": thrust[n] - demand[n] for n in thrust}
-        output |= {f"a_{n}": a for n, a in maglev_stage.thrust_accelerations(thrust, motors, values).items()}
         named_signals = [
             pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named_forces(j, m, square)
         ]
@@ -225,7 +217,6 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
     outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
-    outputs += [a.acceleration for a in AXES if a.excess]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
 
 

@@ -12,12 +12,13 @@ from dataclasses import replace
 
 from designs.maglev_5dof import control
 from designs.maglev_5dof.control import AXES, HELD, INTERFACE, MOTORS, NAME, OUTPUTS, RESOLUTION, TIME, Axis
+from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Exprs, Step, build
 from synth.blocks import landing, predictor, probe, redundancy
 from synth.plant import Plant
-from synth.signals import signal_names
+from synth.signals import Signal, signal_names
 
 OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the threshold is 48 um
 BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s
@@ -47,7 +48,7 @@ def relations(plant: Plant) -> tuple[parity.Relation, ...]:
     return parity.relations(plant, {s.name: s.of for s in INTERFACE.sensors}, dict.fromkeys(SENSORS, tolerance))
 
 
-def expected(plant: Plant) -> Block:
+def predict_gaps(plant: Plant) -> Block:
     """Return the Block from the predicted pose to the expected gaps, F(5) for small angles."""
     r = plant.parameter("r").value
     inputs = [replace(axis.position, name=f"{axis.name}_expected") for axis in AXES if axis.name not in "xz"]
@@ -58,12 +59,31 @@ def expected(plant: Plant) -> Block:
         return Step({f"y{j}_expected": g for j, g in zip(MOTORS, gaps, strict=True)})
 
     outputs = [replace(s, name=f"y{j}_expected", low=-1.0, high=1.0) for j, s in zip(MOTORS, HELD, strict=True)]
-    return build("expected", TIME, law, inputs=inputs, outputs=outputs, tag="gaps of the predicted pose, F(5)")
+    return build("gap_prediction", TIME, law, inputs=inputs, outputs=outputs, tag="gaps of the predicted pose, F(5)")
+
+
+def acceleration(axis: Axis) -> Signal:
+    """Return the acceleration by the limited currents: of x and z from the model, of the others the demanded one."""
+    about = f"acceleration by u_{axis.name}"
+    return Signal(f"a_{axis.name}", "m/s^2", -1e3, 1e3, about) if axis.excess else axis.demand
+
+
+def accelerations(plant: Plant) -> Block:
+    """Return the Block from the limited thrust currents and the gaps to the accelerations of x and z, F(6)."""
+    values, currents = maglev_stage.nominal(plant), [INTERFACE.computed_output(f"u_{n}") for n in "xz"]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
+        thrust = {f"u_{n}": u[s.name] for n, s in zip("xz", currents, strict=True)}
+        return Step({f"a_{n}": a for n, a in maglev_stage.thrust_accelerations(thrust, motors, values).items()})
+
+    outputs = [acceleration(a) for a in AXES if a.excess]
+    return build("accelerations", TIME, law, inputs=[*HELD, *currents], outputs=outputs, tag="F(6)")
 
 
 def observer(axis: Axis) -> Block:
     """Return the observer of an axis; x and z learn the gain of their thrust."""
-    before = replace(axis.acceleration, name=f"{axis.acceleration.name}_before")
+    before = replace(acceleration(axis), name=f"{acceleration(axis).name}_before")
     return predictor.block(
         axis.name,
         TIME,
@@ -84,9 +104,10 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
     descent = landing.block(TIME, [COURSES[a.name] for a in AXES], [a.demand for a in AXES], control.BAD_SAMPLES)
     return [
         redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION),
-        expected(plant),
+        predict_gaps(plant),
         *(b.renamed(tracking) if b.name.startswith("regulator_") else b for b in law),
-        predictor.delay("delay", TIME, [a.acceleration for a in AXES]),
+        accelerations(plant),
+        predictor.delay("delay", TIME, [acceleration(a) for a in AXES]),
         *(observer(a) for a in AXES),
         descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
         *(probe.block(TIME, a.name, a.demand, PROBE) for a in AXES if a.excess),

@@ -309,14 +309,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* observer_y: predictive observer, alpha-beta-gamma */
     const float observer_y_q = state->observer_y_q;
 
-    /* expected: gaps of the predicted pose, F(5) */
+    /* gap_prediction: gaps of the predicted pose, F(5) */
     const float y1_expected_part = 0.397f * observer_phi_q;
     const float y1_expected = observer_y_q - y1_expected_part;
 
     /* observer_theta: predictive observer, alpha-beta-gamma */
     const float observer_theta_q = state->observer_theta_q;
 
-    /* expected: gaps of the predicted pose, F(5) */
+    /* gap_prediction: gaps of the predicted pose, F(5) */
     const float y2_expected_part = 0.397f * observer_theta_q;
     const float y2_expected = observer_y_q + y2_expected_part;
     const float y3_expected = observer_y_q + y1_expected_part;
@@ -837,6 +837,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_z_computed = maglev_5dof_limit(u_z_demand, sqrtf(24.5f - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed)));
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
+
+        /* accelerations: F(6) */
         const float a_x = -0.094339624f * (u_x_computed * u_x_demand_part);
         const float a_z = -0.11627907f * (u_z_computed * u_z_demand_part);
 

@@ -11,7 +11,7 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
     contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `isolation` which one; where
                     that is not clear, all of the group are suspects after `undecided` samples, and all stay in use.
     frozen          of a sensor without a group: its code does not change for FRESH samples or more while its
-                    prediction moves by more than `gate`; or for `at_rest` samples, in which `probe` has moved it (see there).
+                    prediction moves by more than `gate`; or for `at_rest` samples, in which `probe` has moved it.
 
 A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
 code stood still, and whose code then moves, makes the group undecided: the choice was wrong.
