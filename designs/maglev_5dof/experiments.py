@@ -48,7 +48,8 @@ LIMITS = (  # an encoder that fails does not harm the machine
     FaultLimit("impact_z", 0.10, target="y?"),
     FaultLimit("impact_phi", 0.10, target="[xyz]*"),  # rad/s
     FaultLimit("impact_theta", 0.10, target="[xyz]*"),
-    *(FaultLimit("excursion_y", 40e-6, target="y?", kind=kind) for kind in ("not finite", "out of range", "frozen")),
+    *(FaultLimit("excursion_y", 40e-6, target="y?", kind=kind) for kind in ("not finite", "out of range")),
+    FaultLimit("excursion_y", 40e-6, target="y?", kind="frozen", condition="in motion"),
     FaultLimit("notice_s", 0.05, target="[xyz]*", kind="frozen", condition="in motion", duration="permanent"),
     FaultLimit("wrong_names", 0.0, target="[xyz]*", kind="frozen", condition="in motion"),
     *(FaultLimit("notice_s", 0.5, s, "frozen", "at rest", "permanent") for s in "xz"),

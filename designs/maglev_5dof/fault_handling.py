@@ -39,7 +39,11 @@ COURSES: dict[str, landing.Course] = {
     "theta": landing.Levelling("theta", 40.0),
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
-INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS)
+REASON = (
+    "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands first, and "
+    "latches on the stop; without three it latches as said above; "
+)
+INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason)
 
 
 def relations(plant: Plant) -> tuple[parity.Relation, ...]:

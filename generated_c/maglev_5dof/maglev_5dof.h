@@ -7,8 +7,10 @@
  * different states may run at the same time.
  *
  * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
- * (zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above): i_d1, i_d2, i_d3, i_d4
- * to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ * (a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands first, and
+ * latches on the stop; without three it latches as said above; zero current pulls the platen up below 28.7 mm; 2.5 A
+ * rms lowers it from 18.1 mm and above): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at
+ * 100 A/s.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
