@@ -40,7 +40,7 @@ COURSES: dict[str, landing.Course] = {
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
 REASON = (
-    "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands first, and "
+    "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
     "latches on the stop; without three it latches as said above; "
 )
 INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason)

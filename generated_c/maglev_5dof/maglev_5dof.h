@@ -7,7 +7,7 @@
  * different states may run at the same time.
  *
  * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
- * (a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands first, and
+ * (a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then
  * latches on the stop; without three it latches as said above; zero current pulls the platen up below 28.7 mm; 2.5 A
  * rms lowers it from 18.1 mm and above): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at
  * 100 A/s.
