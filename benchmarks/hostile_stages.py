@@ -83,7 +83,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
             "time": time,
             "sensors": [Signal("q", "m", -1.0, 1.0)],
             "relations": [],
-            "decision": redundancy.Decision(**decision),
+            "decision": redundancy.Decision({"q": 1e-3}, {"q": (-0.9, 0.9)}),
         },
         "landing.Descent": vars(descent),
         "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0},
