@@ -4,8 +4,6 @@ Each prints tables, or with `as_json` one JSON document, and returns the exit st
 design has no result. A terminal shows progress as bars; elsewhere it is written as lines, to stderr with `as_json`.
 """
 
-import json
-import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
@@ -18,18 +16,21 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from synth import fault_jobs, progress, store, tables, tasks, workspace
+from synth import fault_jobs, progress, store, strict_json, study_jobs, tables, tasks, workspace
 from synth.check import Check
 from synth.emit import write
 from synth.errors import CompileError
 from synth.jobs import Job, Outcome, run
 from synth.new import create
 from synth.progress import Progress
+from synth.simulate import sampling
+from synth.simulate import study as studies
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
 
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
+SAFE_OUTPUT = "safe_output.json"  # in the folder of a design
 PROOFS = 5  # lines that `prove` reports for each folder of C
 Names = Sequence[str]
 
@@ -76,7 +77,7 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
-        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _strict_json(built.evidence) + "\n"}
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": strict_json.dumps(built.evidence) + "\n"}
         write.save(reports, root / "reports")
         failed = [c for c in built.checks if not c.passed]
         if failed and not as_json:
@@ -131,15 +132,15 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
     from synth.verify import on_target
 
     emitted = tasks.emission(design, CORES[core]).result(report)[design.name]
-    inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
+    inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
     checks = on_target.verify(emitted, inputs, core, report)
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
         report(note)
         return Verified(document, checks, {}, (note,))
-    drift = on_target.drift(emitted, inputs, core, design.bench.floor)
-    floor = design.bench.floor
+    drift = on_target.drift(emitted, inputs, core, design.cost_stimuli.floor)
+    floor = design.cost_stimuli.floor
     least = f"{floor:g}" if isinstance(floor, float) else "floor"
     what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     figures = {what: drift.worst, "fault words that differ": float(drift.faults)}
@@ -199,21 +200,82 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
     return _finish(as_json, documents, results, not all(c.passed for v in every for c in v.checks))
 
 
-def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool) -> int:
+def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool, sweep: bool = False) -> int:
     """Inject every fault of the interface of each design into its closed loop, and measure what the machine does."""
-    designs = workspace.designs(Path.cwd(), names)
-    closed = [d for d in designs if (d.stage and d.stage.interface.actuators) or d.name in names]
-    jobs = {d.name: fault_jobs.jobs(d, plants) for d in closed}
-    outcomes = _outcomes([job for each in jobs.values() for job in each], as_json, fresh)
-    results: dict[str, Any] = {}
-    for d in closed:
-        error = next((e for job in jobs[d.name] if (e := outcomes[job.name].error)), "")
-        results[d.name] = Failed(d.name, error) if error else fault_jobs.result(d, plants, outcomes)
+    results = _on_machine(
+        names, as_json, fresh, partial(fault_jobs.parts, plants=plants, sweep=sweep), fault_jobs.result
+    )
     campaigns = _successful(results)
     for campaign in campaigns if not as_json else ():
         tables.print_campaign(campaign, every)
     failed = not all(check.passed for campaign in campaigns for check in campaign.checks)
     return _finish(as_json, [campaign.document() for campaign in campaigns], results, failed)
+
+
+def measure_safe_output(names: Names, as_json: bool, fresh: bool, plants: int) -> int:
+    """Measure what each machine does after the latch, and write designs/<name>/safe_output.json."""
+    results = _on_machine(names, as_json, fresh, partial(fault_jobs.losses, plants=plants), fault_jobs.safe_output)
+    for name, measured in results.items():
+        if isinstance(measured, Failed):
+            continue
+        measured.write(Path.cwd() / "designs" / name / SAFE_OUTPUT)
+        _writer(as_json)(name, measured.text())
+    return _finish(as_json, [asdict(measured) for measured in _successful(results)], results)
+
+
+def _on_machine(
+    names: Names,
+    as_json: bool,
+    fresh: bool,
+    parts: Callable[[workspace.Design], Sequence[fault_jobs.Part]],
+    result: Callable[..., Any],
+) -> dict[str, Any]:
+    """Run parts of the fault campaign of each design that closes a loop; return the results by name."""
+    designs = workspace.designs(Path.cwd(), names)
+    closed = {d.name: (d, parts(d)) for d in designs if fault_jobs.closes_loop(d) or d.name in names}
+    jobs = {name: fault_jobs.jobs(*each) for name, each in closed.items()}
+    outcomes = _outcomes([job for each in jobs.values() for job in each], as_json, fresh)
+    results: dict[str, Any] = {}
+    for name, each in closed.items():
+        error = next((e for job in jobs[name] if (e := outcomes[job.name].error)), "")
+        results[name] = Failed(name, error) if error else result(*each, outcomes)
+    return results
+
+
+@dataclass(frozen=True)
+class StudyChoice:
+    """The options of `synth study`."""
+
+    plants: int
+    experiments: tuple[str, ...]
+    seed: int
+    method: str
+    row: int | None
+    csv: Path | None
+    scheduler: str | None
+
+
+def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
+    """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
+    (design,) = workspace.designs(Path.cwd(), [name])
+    drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
+    plan = study_jobs.Plan(drawn, chosen.experiments)
+    jobs = study_jobs.jobs(design, plan)
+    if chosen.row is not None:
+        jobs = [Job(name, name, partial(study_jobs.row, design, plan, chosen.row))]
+    elif chosen.scheduler is not None:
+        jobs = [Job(name, name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
+    outcomes = _outcomes(jobs, as_json, fresh)
+    if any(outcome.error for outcome in outcomes.values()):
+        return 2
+    table = outcomes[name].value if name in outcomes else study_jobs.result(plan, outcomes)
+    if chosen.csv is not None:
+        store.replace_text(chosen.csv, studies.csv_text(table))
+    if as_json:
+        sys.stdout.write(strict_json.dumps(studies.document(table)) + "\n")
+    else:
+        (tables.print_study if chosen.row is None else tables.print_machine)(name, table)
+    return int(not table.passed.all())
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
@@ -260,24 +322,11 @@ def _require_emulator() -> None:
         )
 
 
-def _strict_json(document: Any) -> str:
-    """Return strict JSON: null for a number that JSON does not have."""
-    return json.dumps(_finite(document), indent=1, allow_nan=False)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def _finish(
     as_json: bool, documents: Sequence[Mapping[str, Any]], results: Mapping[str, Any], failed: bool = False
 ) -> int:
     """Print the documents, errors last; return 2 where a design has no result, 1 where a check failed."""
     errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
     if as_json:
-        sys.stdout.write(_strict_json([*documents, *errors]) + "\n")
+        sys.stdout.write(strict_json.dumps([*documents, *errors]) + "\n")
     return 2 if errors else int(failed)

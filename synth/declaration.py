@@ -15,7 +15,7 @@ import numpy as np
 
 from synth import show
 from synth.block import Block
-from synth.campaign import FaultCampaign
+from synth.campaign import FaultCampaign, SafeOutput
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
@@ -32,12 +32,14 @@ class Sensor:
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
     the output's own range where they are left out, and takes `initial` before the first good sample: where it is left
     out, the value in the range that is nearest to 0. One that is not `held` has `initial` whenever it is refused.
+    `offset` is the largest error of its zero, for studies.
     """
 
     name: str
     of: str = ""
     resolution: float = 0.0
     noise: float = 0.0
+    offset: float = 0.0
     low: float | None = None
     high: float | None = None
     initial: float | None = None
@@ -253,6 +255,7 @@ class Stage:
     companions        Blocks that are emitted beside the controller
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
+    safe_output       what the machine does after the latch as measured, which header and manifest state
     """
 
     controller: Controller
@@ -276,6 +279,7 @@ class Stage:
     companions: Sequence[Companion] = ()
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)
+    safe_output: SafeOutput | None = None
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""

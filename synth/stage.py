@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from synth import standard_tasks
+from synth.analyse import robustness
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import safety
-from synth.campaign import FaultCampaign, FaultLimit
+from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.composition import compose
 from synth.declaration import (
     Actuator,
@@ -43,7 +44,7 @@ from synth.simulate.experiment import Experiment
 from synth.timing import Discrete
 from synth.verify import standard
 from synth.verify.evidence import Evidence
-from synth.workspace import Bench, Design
+from synth.workspace import CostStimuli, Design
 
 __all__ = [
     "Actuator",
@@ -58,6 +59,7 @@ __all__ = [
     "controller",
     "design",
     "interface",
+    "read_safe_output",
 ]
 
 
@@ -79,8 +81,10 @@ def interface(
     go to their safe values, for a `reason` that the C header states. `suspected` are sensors that a law compares.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
-    an actuator or a disturbance.
+    an actuator or a disturbance, and for a `delay` that is not a whole number of samples from 0.
     """
+    if not (isinstance(delay, int | np.integer) and delay >= 0):
+        raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
     outputs = {s.name: s for s in plant.outputs}
     positions = outputs | {s.name: s for s in plant.states}
     inputs = {s.name: s for s in plant.inputs}
@@ -248,7 +252,7 @@ def design(
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
     simulate: Callable[[Stage, Progress], Sequence[Experiment]] = standard_tasks.simulate,
     audit: Callable[[Stage], Iterator[Row]] = standard_tasks.no_audit,
-    bench: Callable[[Stage], Bench] = standard_tasks.bench,
+    cost_stimuli: Callable[[Stage], CostStimuli] = standard_tasks.cost_stimuli,
     report: Callable[..., str] = standard_tasks.report,
     **fields: Any,
 ) -> Design:
@@ -257,9 +261,11 @@ def design(
     Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`. A design may replace
     any of them.
 
-    Raises DesignError for a stage without `reference` that uses the standard verification.
+    Raises DesignError for a stage without `reference` that uses the standard verification, SignalError for a required
+    margin that is not known and for a tolerance of a parameter that the plant does not have.
     """
     stage = Stage(controller, plant, **fields)
+    _check_requirements(stage)
     if verify is standard.verify:
         standard.require_reference(stage)
     return Design(
@@ -269,7 +275,15 @@ def design(
         verify=partial(verify, stage),
         simulate=partial(simulate, stage),
         audit=partial(audit, stage),
-        bench=bench(stage),
+        cost_stimuli=cost_stimuli(stage),
         report=partial(report, stage),
         stage=stage,
     )
+
+
+def _check_requirements(stage: Stage) -> None:
+    """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
+    if unknown := [name for name in stage.require if name not in robustness.REQUIREMENTS]:
+        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
+    for name in stage.tolerances:
+        stage.plant.parameter(name)

@@ -1,7 +1,7 @@
 """Standard tasks of a declared stage, which the command line runs unless the design replaces them.
 
-emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
-simulate   the experiments, with the emitted C          bench      stimuli of the machine code
+emit       C, manifest, gains and test vectors        verify        evidence of all witnesses
+simulate   the experiments, with the emitted C        cost_stimuli  stimuli of the machine code
 report     the standard report
 """
 
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.block import Block
 from synth.blocks import safety
 from synth.declaration import Stage
 from synth.emit import write
@@ -28,7 +29,7 @@ from synth.verify import agree, stimuli
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
-from synth.workspace import Bench
+from synth.workspace import CostStimuli
 
 
 def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Controller:
@@ -56,7 +57,7 @@ def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
-    error, block = stage.surrogate_error.get(scalar), stage.controller.block
+    error, block = stage.surrogate_error.get(scalar), _with_measured_safe_output(stage)
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
     inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
@@ -69,6 +70,15 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
         companion_outputs = host.load(companion_files.files, companion_files.manifest).replay(recorded)
         folders[companion.block.name] = _with_vectors(companion_files, recorded, companion_outputs)
     return folders
+
+
+def _with_measured_safe_output(stage: Stage) -> Block:
+    """Return the controller's Block; its reason for the safe output goes on with what was measured."""
+    block = stage.controller.block
+    if stage.safe_output is None or block.safety is None:
+        return block
+    reason = f"{block.safety.reason}; {stage.safe_output.text()}"
+    return replace(block, safety=replace(block.safety, reason=reason))
 
 
 def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:
@@ -104,9 +114,9 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
     return ()
 
 
-def bench(
+def cost_stimuli(
     stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
-) -> Bench:
+) -> CostStimuli:
     """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
@@ -116,7 +126,7 @@ def bench(
         loop = Rig(stage, stage.plant, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
-    return Bench(lambda: stage.controller.block, replay, sequences, floor)
+    return CostStimuli(lambda: stage.controller.block, replay, sequences, floor)
 
 
 def report(

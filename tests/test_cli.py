@@ -21,6 +21,8 @@ from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.progress import Progress
+from synth.simulate.experiment import Experiment
+from synth.simulate.scenario import Trajectory
 from synth.verify import on_target, prove, steps
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -56,7 +58,7 @@ AXES = workspace.Design(
     verify=lambda report, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
     simulate=lambda report: (),
     audit=lambda: iter(()),
-    bench=workspace.Bench(lambda: axes.block(2), replay, sequences, 1.0),
+    cost_stimuli=workspace.CostStimuli(lambda: axes.block(2), replay, sequences, 1.0),
     report=report,
 )
 
@@ -203,6 +205,24 @@ def test_build_prints_the_failed_checks_and_counts_them_last(monkeypatch: pytest
     lines = result.stdout.splitlines()
     assert any("replay" in line and "0.002" in line and "FAILED" in line for line in lines)
     assert "replay: at step 7" in lines and lines[-1].startswith("axes_2: 2 checks, 1 failed; report in")
+
+
+def miss(report: Progress) -> list[Experiment]:
+    zero = np.zeros(1)
+    still = Trajectory(zero, {}, {}, {}, {}, {}, zero.astype(np.uint32), {})
+    return [Experiment("step", "z steps", "", still, (), checks=(Check("overshoot", 0.3, 0.05, "1", "of the step"),))]
+
+
+@pytest.mark.usefixtures("one_design")
+def test_the_evidence_file_does_not_pass_where_an_experiment_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file must say what the exit status and the last line say."""
+    monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(AXES, simulate=miss)])
+    result = RUNNER.invoke(cli.app, ["build"])
+    evidence = json.loads(Path("reports/axes_2.evidence.json").read_text())
+    failed = [c["about"] for c in evidence["checks"] if not c["passed"]]
+    assert result.exit_code == 1 and evidence["passed"] is False and failed == ["z steps: of the step"]
+    assert f"axes_2: {len(evidence['checks'])} checks, 1 failed" in result.stdout
 
 
 def crash(report: Progress, whole: bool) -> Evidence:

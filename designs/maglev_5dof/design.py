@@ -1,5 +1,6 @@
 """The five-axis maglev stage of Fulford, Maggiore and Apkarian, from physics to verified C."""
 
+from pathlib import Path
 from typing import Any
 
 from designs.maglev_5dof import control, experiments, fault_handling, gains, reference_faults, verification
@@ -30,6 +31,7 @@ DESIGN = stage.design(
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
     faults=experiments.FAULTS,
+    safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     recording=verification.vectors,
     gains=gains.document,
     companions=[Companion(control.phase_currents(PLANT), verification.commutation_inputs)],

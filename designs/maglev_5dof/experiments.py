@@ -57,8 +57,13 @@ LIMITS = (  # an encoder that fails does not harm the machine
     *(FaultLimit(f"excursion_{s}", 5e-3, s, "frozen", "at rest") for s in "xz"),
     *(FaultLimit(f"impact_{s}", 0.0, s, kind) for s in "xz" for kind in ("not finite", "out of range", "frozen")),
 )
+INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
 FAULTS = FaultCampaign(
-    {f"{n}_ref": course for n, course in COURSES.items()}, period_s=2 * pi / OMEGA0, watch_s=2.0, limits=LIMITS
+    {f"{n}_ref": course for n, course in COURSES.items()},
+    2 * pi / OMEGA0,
+    watch_s=2.0,
+    limits=LIMITS,
+    inertias=INERTIAS,
 )
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}

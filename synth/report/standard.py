@@ -1,8 +1,9 @@
 """Standard sections of a report, one function per section.
 
-    facts   model   law   gains   loops   experiments   faults   audit   verification   cost   files
+    facts   model   law   gains   loops   experiments   audit   verification   cost   files
 
-`template` combines them for a declared stage; other designs call the functions that they need.
+The section on faults is in `faults`. `template` combines them for a declared stage; other designs call the functions
+that they need.
 """
 
 from collections import defaultdict
@@ -31,7 +32,7 @@ from synth.timing import Discrete
 from synth.verify.evidence import Evidence
 
 MODEL, LAW, GAINS, LOOPS = "Model", "Control law", "Gains and certificates", "Loops and margins"
-EXPERIMENTS, FAULTS, AUDIT = "Experiments", "Faults", "Audit of the paper"
+EXPERIMENTS, AUDIT = "Experiments", "Audit of the paper"
 VERIFICATION, COST, FILES = "Verification", "Cost", "Files"
 WITNESSES = (
     "reference: NumPy, written from the equations, with independently computed gains. casadi: evaluation by CasADi. "
@@ -96,10 +97,13 @@ def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
     Raises ModelError as `display.block`.
     """
     ends = display.signals("Inputs and outputs", (*block.inputs, *block.outputs))
-    inside = [named.signal for named, _ in block.inside if named.signal not in block.outputs]
-    tables = [display.signals("Signals inside", inside), display.signals("States", [s.signal for s in block.states])]
+    internal = [named.signal for named, _ in block.computed_signals if named.signal not in block.outputs]
+    tables = [
+        display.signals("Internal signals", internal),
+        display.signals("States", [s.signal for s in block.states]),
+    ]
     tables += [display.constants(block)] if block.constants else []
-    folded = page.Folded("Signals inside, states and constants", tuple(tables))
+    folded = page.Folded("Internal signals, states and constants", tuple(tables))
     return Section(LAW, (*display.block(block, AROUND), ends, folded, *blocks))
 
 

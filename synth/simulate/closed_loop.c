@@ -30,10 +30,12 @@ typedef struct {
     const double *sensor_gain, *sensor_bias;      /* of the reading: gain y + bias + noise */
     const double *sensor_resolution;              /* 0: ideal */
     const double *sensor_low, *sensor_high;       /* saturation limits */
-    const double *noise;                          /* (samples, sensors): added before the encoder */
-    const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
+    const double *noise;                          /* 0, or (samples, sensors): added before the encoder */
+    const uint8_t *overridden;                    /* 0, or (samples, sensors): the input holds this sample already */
     const int64_t *sensor_lag; /* 0, or (samples, sensors): the input is the reading so many samples ago */
     double *readings;          /* with sensor_lag: (samples, sensors), what each sensor reads without a lag */
+    const double *word_low, *word_step; /* 0, or (sensors): a word counts steps from low */
+    const int64_t *flipped, *set_bits, *cleared; /* with word_low: (samples, sensors), masks of bits */
 
     int64_t commands;
     const int64_t *command_offset; /* byte offset in the controller's output */
@@ -113,17 +115,28 @@ static double delayed(const loop_t *loop, int64_t k, int64_t i, double reading) 
     return loop->readings[(k - lag) * loop->sensors + i];
 }
 
+static double with_faulty_bits(const loop_t *loop, int64_t k, int64_t i, double reading) {
+    if (!loop->word_low) return reading;
+    const int64_t j = k * loop->sensors + i, flipped = loop->flipped[j], set = loop->set_bits[j];
+    const int64_t cleared = loop->cleared[j];
+    const double count = (reading - loop->word_low[i]) / loop->word_step[i];
+    /* A count beyond 2^52, or one that is not finite, has no word. */
+    if (!(flipped | set | cleared) || !(fabs(count) < 4503599627370496.0)) return reading;
+    return loop->word_low[i] + loop->word_step[i] * (double)(((llrint(count) ^ flipped) | set) & ~cleared);
+}
+
 static void measure(const loop_t *loop, int64_t k, const double *y) {
     char *const in = loop->in + k * loop->in_size;
     for (int64_t i = 0; i < loop->sensors; i++) {
-        if (loop->overridden[k * loop->sensors + i]) continue;
+        if (loop->overridden && loop->overridden[k * loop->sensors + i]) continue;
         const double scaled = loop->sensor_gain[i] * y[loop->sensor_source[i]] + loop->sensor_bias[i];
-        const double seen = scaled + loop->noise[k * loop->sensors + i];
+        const double seen = loop->noise ? scaled + loop->noise[k * loop->sensors + i] : scaled;
         const double resolution = loop->sensor_resolution[i];
         const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
         /* Non-finite plant outputs are passed on unchanged. */
         const double held = counted > loop->sensor_high[i] ? loop->sensor_high[i] : counted;
-        const double value = delayed(loop, k, i, held < loop->sensor_low[i] ? loop->sensor_low[i] : held);
+        const double limited = held < loop->sensor_low[i] ? loop->sensor_low[i] : held;
+        const double value = with_faulty_bits(loop, k, i, delayed(loop, k, i, limited));
         const float narrow = (float)value;
         if (loop->single) memcpy(in + loop->sensor_offset[i], &narrow, sizeof narrow);
         else memcpy(in + loop->sensor_offset[i], &value, sizeof value);

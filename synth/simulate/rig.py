@@ -3,7 +3,7 @@
 plant --> sensors (noise, resolution) --> compiled controller --> delay --> hold --> plant
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from synth.simulate import closed_loop
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
+Simulate = Callable[[Plant, host.Controller, Scenario, ca.Function | None], Trajectory]
 Wires = Mapping[str, str | Mapping[str, float]]
 
 
@@ -27,6 +28,7 @@ class Rig:
 
     `quantised` False removes the resolution of the sensors; `noise` scales their declared noise, generated from `seed`;
     `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
+    `offsets` are errors of the sensors' zeros, in their units. `simulate` runs a scenario.
     """
 
     stage: Stage
@@ -37,6 +39,8 @@ class Rig:
     seed: int = 0
     actuators: Wires = field(default_factory=dict)
     disturbance: ca.Function | None = None
+    offsets: Mapping[str, float] = field(default_factory=dict)
+    simulate: Simulate = closed_loop.simulate
 
     @property
     def period_s(self) -> float:
@@ -91,7 +95,14 @@ class Rig:
             "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
-        return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
+        return self.simulate(self.plant, self.controller, scenario, self.disturbance)
+
+    @property
+    def positions(self) -> dict[str, str]:
+        """The plant state that each set-point controls, or the output behind its sensor where it names no state."""
+        states, interface = {s.name for s in self.plant.states}, self.stage.interface
+        sensors = {s.name: s.of for s in interface.sensors if s.name not in states}
+        return {s.name: sensors.get(s.of, s.of) for s in interface.set_points}
 
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
@@ -101,7 +112,12 @@ class Rig:
         return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:
-        return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
+        resolutions = {s.name: s.resolution if self.quantised else 0.0 for s in self.stage.interface.sensors}
+        return {
+            name: Encoder(resolution, self.offsets.get(name, 0.0))
+            for name, resolution in resolutions.items()
+            if resolution or name in self.offsets
+        }
 
     def sensor_noise(self, n: int) -> dict[str, Array]:
         """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""

@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
 from synth.errors import SignalError
-from synth.simulate.sensors import Override, Sensor
+from synth.simulate.sensors import Override, Sensor, Word
 from synth.statespace import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Columns = dict[str, NDArray[Any]]
+Columns = Mapping[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,9 @@ class Scenario:
     ideal. `noise` (N,) is added to the measured quantity before quantisation. `velocities` maps each position that
     `stops` (low, high) and `locked` may name to its velocity. `delay` is in samples.
 
-    A sensor in `lags` delivers the reading of `lags` (N,) samples ago. `input_faults` are faults of plant inputs that
-    an actuator drives. The controller is not called in the samples where `missed` (N,) is true; its outputs stay.
+    A sensor in `lags` delivers the reading of `lags` (N,) samples ago, and one in `words` has faulty bits.
+    `input_faults` are faults of plant inputs that an actuator drives. The controller is not called in the samples where
+    `missed` (N,) is true; its outputs stay.
     """
 
     duration_s: float
@@ -59,6 +60,7 @@ class Scenario:
     velocities: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lags: Mapping[str, ArrayLike] = field(default_factory=dict)
+    words: Mapping[str, Word] = field(default_factory=dict)
     input_faults: Mapping[str, InputFault] = field(default_factory=dict)
     missed: NDArray[np.bool_] | None = None
     locked: Sequence[str] = ()

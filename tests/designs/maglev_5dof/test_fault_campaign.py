@@ -25,7 +25,7 @@ def runs(target: str, kind: str, condition: str) -> list[FaultRun]:
     """Return the runs of a permanent fault on the nominal plant and wrong ones."""
     assert DESIGN.stage is not None
     rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
-    faults = [i for i in injections.derive(rig) if (i.target, i.kind, i.duration) == (target, kind, "permanent")]
+    faults = [i for i in injections.derive(rig.stage) if (i.target, i.kind, i.duration) == (target, kind, "permanent")]
     chosen = next(c for c in campaign.motion_and_standstill(rig) if c.name == condition)
     return [run for i in range(PLANTS) for run in campaign.run(rig, i, chosen, silent, faults)[1]]
 
@@ -71,3 +71,16 @@ def test_without_its_detection_a_frozen_encoder_of_x_harms_the_machine() -> None
     faults = [Injection("sensor", "x", "frozen", "permanent")]
     motion = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.IN_MOTION)
     assert all(run.impacts["x"] > 0.5 for run in campaign.run(rig, 0, motion, silent, faults)[1])  # m/s
+
+
+def test_pairs_of_faults_are_the_redundant_gap_encoders_and_each_sensor_with_its_motor() -> None:
+    """The four gap encoders see three coordinates, y1 + y3 = y2 + y4; x and z have one encoder each."""
+    assert DESIGN.stage is not None
+    gaps = {f"y{j}" for j in control.MOTORS}
+    pairs = injections.sensor_pairs(DESIGN.stage)
+    assert len(pairs) == 6 and all(set(pair) <= gaps for pair in pairs)
+    assert set(injections.driven_sensors(DESIGN.stage)) == {
+        *((f"y{j}", f"i_d{j}") for j in control.MOTORS),
+        ("x", "u_x"),
+        ("z", "u_z"),
+    }
