@@ -1,6 +1,6 @@
 """Fault handling of the maglev controller: readings replaced by parity and prediction, frozen encoders, landing.
 
-    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> probe -> decoupling -> safe output
+    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> decoupling -> safe output
                  ^ expected gaps, x, z                |-> pose, demands -> observers -> estimates -> landing
 
 One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
@@ -16,7 +16,7 @@ from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import landing, predictor, probe, redundancy
+from synth.blocks import landing, predictor, redundancy
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 
@@ -25,11 +25,8 @@ BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # 
 RATES = {"y": 1.0, "x": 2.0, "z": 2.0, "phi": 2.0, "theta": 2.0}  # m/s or rad/s
 DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
 THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
-PROBE = probe.Probe(quiet=150, quarter=4, displacement=16e-6)  # 1 m/s^2: guide friction of 1.8 N takes 0.17 m/s^2
 TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
-DECISION = redundancy.Decision(
-    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.samples
-)
+DECISION = redundancy.Decision(gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)))
 STOP = control.GAP[1]
 COURSES: dict[str, landing.Course] = {
     "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0),
@@ -113,8 +110,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
         accelerations(plant),
         predictor.delay("delay", TIME, [acceleration(a) for a in AXES]),
         *(observer(a) for a in AXES),
-        descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
-        *(probe.block(TIME, a.name, a.demand, PROBE) for a in AXES if a.excess),
+        descent,
     ]
 
 

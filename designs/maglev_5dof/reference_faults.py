@@ -32,8 +32,6 @@ THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encod
 FRESH, STILL, PERSISTENT, UNDECIDED = 3, 8, 3, 10  # samples
 CANDIDATE, CLEAR = 0.4, 0.5  # of |r|
 GATE, TRAVEL = 40e-6, 0.0499  # m, of x and z
-QUIET, QUARTER, DISPLACEMENT = 150, 4, 16e-6  # probe: samples, samples, m
-AT_REST = QUIET + 4 * QUARTER + 3  # samples
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (1.0, 2.0, 2.0, 2.0, 2.0), (50.0, 20.0, 20.0, 200.0, 200.0)
@@ -60,7 +58,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     expected = np.array([q[0] - r * q[3], q[0] + r * q[4], q[0] + r * q[3], q[0] - r * q[4], q[1], q[2]])
     same = y == reference.rows(state, [f"redundancy_code_{n}" for n in NAMES])
     excluded = flags(state, [f"redundancy_excluded_{n}" for n in NAMES])
-    usable, longest = good & ~excluded, by_row([STILL] * 4 + [AT_REST] * 2, y)
+    usable, longest = good & ~excluded, STILL
     count = reference.rows(state, [f"redundancy_still_{n}" for n in NAMES])
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
@@ -72,7 +70,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     before = np.where(ready, before, y[4:])
     free = ready & (np.abs(y[4:]) < TRAVEL)
     moving = (still[4:] >= FRESH) & (np.abs(expected[4:] - before) > GATE)
-    frozen = (free & (moving | (still[4:] >= AT_REST)) & usable[4:]) | excluded[4:]
+    frozen = (free & moving & usable[4:]) | excluded[4:]
     trusted = usable[4:] & ~frozen
     value = np.concatenate([gaps, np.where(trusted, y[4:], expected[4:])])
     low, high = by_row(LOW[:SENSORS], y), by_row(HIGH[:SENSORS], y)
@@ -167,15 +165,6 @@ def land(
     return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
 
 
-def probe(w: Array, still: Array) -> Array:
-    """Return the demands of x and z (2, n) with the doublet pair of the probe; `still` counts unchanged samples."""
-    since = still - QUIET
-    a = DISPLACEMENT / (QUARTER * T) ** 2
-    pulse = np.where((since >= QUARTER) & (since < 3 * QUARTER), -a, a)
-    probed = np.clip(w + np.where(since < 4 * QUARTER, pulse, 0.0), -1e4, 1e4)
-    return np.where(since >= 0, probed, w)
-
-
 def step(
     state: Columns, inputs: Columns, k: reference.Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
@@ -194,7 +183,6 @@ def step(
     e = pose - values[SENSORS:]
     rate, filtered = reference.rate(e, filters, ready, k)
     w, after_landing = land(state, reference.demand(e, rate, eta, k), (q, v, d), flag["regular"])
-    w[1:3] = probe(w[1:3], np.array([after_readings["redundancy_still_x"], after_readings["redundancy_still_z"]]))
     computed, excess = reference.currents(w, pose, used[:4], last, k)
     enough = np.where(ready, flag["sufficient"], good.all(axis=0))
     left = np.where(enough, reference.BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)

@@ -229,21 +229,6 @@ MAGLEV_5DOF_INLINE void maglev_5dof_regulator_update(maglev_5dof_regulator_state
     }
 }
 
-/* probe_x, probe_z: probe at rest */
-MAGLEV_5DOF_INLINE float maglev_5dof_probe(uint32_t unchanged, float w_unprobed)
-{
-    float w_part = w_unprobed;
-    if (150u <= unchanged) {
-        const float w_part_2 = (float)unchanged - 150.0f;
-        float w_part_3 = 0.0f;
-        if (w_part_2 < 16.0f) {
-            w_part_3 = ((4.0f <= w_part_2) && (w_part_2 < 12.0f)) ? -1.0f : 1.0f;
-        }
-        w_part = maglev_5dof_limit(w_unprobed + w_part_3, 10000.0f);
-    }
-    return w_part;
-}
-
 void maglev_5dof_init(maglev_5dof_state_t *state)
 {
     /* A member that is not named is 0. */
@@ -469,7 +454,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float redundancy_before_x_next = observer_x_q;
     if (x_accepted == state->redundancy_code_x) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
-        x_unchanged = (169u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        x_unchanged = (8u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         redundancy_before_x_next = state->redundancy_before_x;
     }
     const float observer_z_q = state->observer_z.q;
@@ -477,7 +462,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float redundancy_before_z_next = observer_z_q;
     if (z_accepted == state->redundancy_code_z) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
-        z_unchanged = (169u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        z_unchanged = (8u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         redundancy_before_z_next = state->redundancy_before_z;
     }
     const bool complete = (faults & 0x0000003fu) == 0u;
@@ -541,14 +526,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     bool suspect_x_test = false;
     if (3u <= x_unchanged) {
-        suspect_x_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && ((4e-05f < fabsf(observer_x_q - redundancy_before_x_next)) || (169u <= x_unchanged));
+        suspect_x_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (4e-05f < fabsf(observer_x_q - redundancy_before_x_next));
     }
     const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
     const bool suspect_x_test_2 = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
     const uint32_t suspect_x = (suspect_x_test && (guard_ready != 0u) && suspect_x_test_2) ? 1u : redundancy_excluded_x;
     bool suspect_z_test = false;
     if (3u <= z_unchanged) {
-        suspect_z_test = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && ((4e-05f < fabsf(observer_z_q - redundancy_before_z_next)) || (169u <= z_unchanged));
+        suspect_z_test = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (4e-05f < fabsf(observer_z_q - redundancy_before_z_next));
     }
     const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
     const bool suspect_z_test_2 = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
@@ -711,8 +696,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_phi;
         float w_theta;
         float w_y;
-        float w_x_unprobed;
-        float w_z_unprobed;
+        float w_x;
+        float w_z;
         float landing_r_y_part = landing_r_y;
         float landing_dr_y_part = landing_dr_y;
         float landing_r_x_part = landing_r_x;
@@ -723,17 +708,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             /* observer_z: predictive observer, alpha-beta-gamma */
             float w_y_part = landing_r_y;
             float w_y_part_2 = landing_dr_y;
-            float w_x_unprobed_part = landing_r_x;
-            float w_x_unprobed_part_2 = landing_dr_x;
-            float w_z_unprobed_part = landing_r_z;
-            float w_z_unprobed_part_2 = landing_dr_z;
+            float w_x_part = landing_r_x;
+            float w_x_part_2 = landing_dr_x;
+            float w_z_part = landing_r_z;
+            float w_z_part_2 = landing_dr_z;
             if (!(landing_landing != 0u)) {
                 w_y_part = y_estimate;
                 w_y_part_2 = y_rate;
-                w_x_unprobed_part = observer_x.estimate;
-                w_x_unprobed_part_2 = observer_x.rate;
-                w_z_unprobed_part = observer_z.estimate;
-                w_z_unprobed_part_2 = observer_z.rate;
+                w_x_part = observer_x.estimate;
+                w_x_part_2 = observer_x.rate;
+                w_z_part = observer_z.estimate;
+                w_z_part_2 = observer_z.rate;
             }
             float w_y_part_3 = 0.001f;
             if (!(0.0311f < w_y_part)) {
@@ -742,18 +727,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float w_y_part_4 = maglev_5dof_limit(w_y_part_3 - w_y_part_2, 0.002f);
             const float w_y_part_5 = maglev_5dof_limit((3600.0f * (w_y_part - y_estimate)) + (120.0f * (w_y_part_2 - y_rate)) + ((1000.0f * w_y_part_4) - y_disturbance), 10000.0f);
             w_y = w_y_part_5;
-            const float w_x_unprobed_part_3 = maglev_5dof_limit(-w_x_unprobed_part_2, 0.004f);
-            const float w_x_unprobed_part_4 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + ((1000.0f * w_x_unprobed_part_3) - observer_x.disturbance);
-            w_x_unprobed = w_x_unprobed_part_4;
-            const float w_z_unprobed_part_3 = maglev_5dof_limit(-w_z_unprobed_part_2, 0.004f);
-            const float w_z_unprobed_part_4 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + ((1000.0f * w_z_unprobed_part_3) - observer_z.disturbance);
-            w_z_unprobed = w_z_unprobed_part_4;
+            const float w_x_part_3 = maglev_5dof_limit(-w_x_part_2, 0.004f);
+            const float w_x_part_4 = (900.0f * (w_x_part - observer_x.estimate)) + (60.0f * (w_x_part_2 - observer_x.rate)) + ((1000.0f * w_x_part_3) - observer_x.disturbance);
+            w_x = w_x_part_4;
+            const float w_z_part_3 = maglev_5dof_limit(-w_z_part_2, 0.004f);
+            const float w_z_part_4 = (900.0f * (w_z_part - observer_z.estimate)) + (60.0f * (w_z_part_2 - observer_z.rate)) + ((1000.0f * w_z_part_3) - observer_z.disturbance);
+            w_z = w_z_part_4;
             landing_r_y_part = w_y_part + (0.001f * w_y_part_2) + (0.0005f * w_y_part_4);
             landing_dr_y_part = w_y_part_2 + w_y_part_4;
-            landing_r_x_part = w_x_unprobed_part + (0.001f * w_x_unprobed_part_2) + (0.0005f * w_x_unprobed_part_3);
-            landing_dr_x_part = w_x_unprobed_part_2 + w_x_unprobed_part_3;
-            landing_r_z_part = w_z_unprobed_part + (0.001f * w_z_unprobed_part_2) + (0.0005f * w_z_unprobed_part_3);
-            landing_dr_z_part = w_z_unprobed_part_2 + w_z_unprobed_part_3;
+            landing_r_x_part = w_x_part + (0.001f * w_x_part_2) + (0.0005f * w_x_part_3);
+            landing_dr_x_part = w_x_part_2 + w_x_part_3;
+            landing_r_z_part = w_z_part + (0.001f * w_z_part_2) + (0.0005f * w_z_part_3);
+            landing_dr_z_part = w_z_part_2 + w_z_part_3;
             w_phi = -((1600.0f * phi_estimate) + w_phi_part + phi_disturbance);
             w_theta = -((1600.0f * theta_estimate) + w_theta_part + theta_disturbance);
         } else {
@@ -761,10 +746,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             w_y = w_y_tracking;
 
             /* regulator_x: F(14)-(17) */
-            w_x_unprobed = w_x_tracking;
+            w_x = w_x_tracking;
 
             /* regulator_z: F(14)-(17) */
-            w_z_unprobed = w_z_tracking;
+            w_z = w_z_tracking;
 
             /* regulator_phi: F(14)-(16) */
             w_phi = w_phi_tracking;
@@ -822,14 +807,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float i_d2_computed = maglev_5dof_limit((i_d2_computed_part + i_d1_computed_part_3) * inverse_b_2, 4.9492526f);
         const float i_d3_computed = maglev_5dof_limit((i_d1_computed_part_5 + i_d1_computed_part_4) * inverse_b_3, 4.9492526f);
         const float i_d4_computed = maglev_5dof_limit((i_d2_computed_part - i_d1_computed_part_3) * inverse_b_4, 4.9492526f);
-        const float w_x = maglev_5dof_probe(x_unchanged, w_x_unprobed);
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -10.6f * w_x / u_x_demand_part;
         const float u_x_computed = maglev_5dof_limit(u_x_demand, sqrtf(24.5f - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed)));
 
         /* landing: landing: ramps and state feedback */
         state->landing_left = (w_phi_test) ? ((w_phi_test_2) ? 1u : (landing_left - 1u)) : 5u;
-        const float w_z = maglev_5dof_probe(z_unchanged, w_z_unprobed);
 
         /* decoupling: direct and thrust currents, F(8), F(12) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;

@@ -98,11 +98,11 @@ typedef struct {
     uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
     float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
-    uint32_t redundancy_still_x;        /* 1, 0 .. 169: samples without a change */
+    uint32_t redundancy_still_x;        /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
     float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
     float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
-    uint32_t redundancy_still_z;        /* 1, 0 .. 169: samples without a change */
+    uint32_t redundancy_still_z;        /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
     float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */

@@ -63,7 +63,7 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
     for sensor, of in sensors.items():
         if of not in outputs or sensor not in tolerances:
             raise ModelError(f"sensor '{sensor}' reads '{of}': give an output of '{plant.name}' and a tolerance for it")
-    h, middle, points = _measured(plant, list(sensors.values()))
+    h, middle, points = _output_map(plant, list(sensors.values()))
     W = _left_null_space(np.array(h.jacobian()(middle, h(middle))))
     names = list(sensors)
     bound = np.array([tolerances[n].resolution / 2 + tolerances[n].offset for n in names])
@@ -81,7 +81,7 @@ def relations(plant: Plant, sensors: Mapping[str, str], tolerances: Mapping[str,
     return tuple(parities)
 
 
-def _measured(plant: Plant, names: Sequence[str]) -> tuple[ca.Function, Array, Array]:
+def _output_map(plant: Plant, names: Sequence[str]) -> tuple[ca.Function, Array, Array]:
     """Return q -> the outputs `names`, the middle of the range of q, and a grid (GRID^n, n) of it."""
     x, u, p = (ca.SX.sym(name, n) for name, n in zip("xup", map(plant.h.size1_in, range(3)), strict=True))
     rows = {s.name: e for s, e in zip(plant.outputs, ca.vertsplit(plant.h(x, u, p)), strict=True)}

@@ -90,7 +90,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
             if not isinstance(c, Levelling):
                 r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
                 dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
-                change = (_speed(c, r) if isinstance(c, Descent) else 0.0) - dr
+                change = (_descent_rate(c, r) if isinstance(c, Descent) else 0.0) - dr
                 step = ca.fmax(ca.fmin(change, T * c.acceleration), -T * c.acceleration)
                 ddr = step / T
                 ahead = {f"r_{c.coordinate}": r + T * dr + T / 2 * step, f"dr_{c.coordinate}": dr + step}
@@ -115,7 +115,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     )  # fmt: skip
 
 
-def _speed(c: Descent, r: ca.SX) -> ca.SX:
+def _descent_rate(c: Descent, r: ca.SX) -> ca.SX:
     """Return the speed at r: an exponential approach of the end, decelerated by at most the acceleration."""
     rate = c.acceleration / c.speed
     approach = ca.fmax(ca.fmin(rate * (c.end - r), c.speed - c.touch), 0.0) + c.touch

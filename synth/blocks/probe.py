@@ -1,4 +1,4 @@
-"""Probe of a sensor at rest: a doublet pair of acceleration that moves the body by more than the sensor's resolution.
+"""Probe of a sensor at rest: a doublet pair of acceleration moves the body by more than the resolution.
 
     +a for n samples, -a for 2 n, +a for n:   the body moves by a (n T)^2 and stands still again, there and back
 
@@ -6,6 +6,8 @@ At rest the reading of a working sensor stays in one count only while nothing mo
 without a change the probe moves it by `displacement`, with a margin over the resolution that covers the error of the
 demand's gain. A code that does not change in the probe either is frozen. A sensor whose code changes is not probed.
 Friction F of a mass m allows no motion while a <= F/m: choose n so short that a is above it.
+
+Library: no shipped design uses it. On `maglev_5dof` its motion broke the requirement of one count at rest.
 
 Source: active fault diagnosis; Campbell, Nikoukhah, *Auxiliary Signal Design for Failure Detection*, 2004, chapter 1.
 """

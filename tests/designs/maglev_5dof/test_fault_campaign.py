@@ -38,12 +38,6 @@ def test_an_encoder_of_x_that_freezes_in_motion_is_named_within_20_ms_and_the_pl
     assert all(math.isfinite(run.latch_s) for run in frozen)
 
 
-def test_an_encoder_of_z_that_freezes_at_rest_is_named_by_the_probe() -> None:
-    frozen = runs("z", "frozen", campaign.AT_REST)
-    assert all(run.named and not run.wrong_names and run.notice_s <= 0.2 for run in frozen)
-    assert all(run.excursion["z"] < 5e-3 and run.impacts["y"] < 0.02 for run in frozen)
-
-
 @pytest.mark.parametrize("kind", ["not finite", "frozen"])
 def test_a_lost_gap_encoder_is_named_and_the_loop_continues(kind: str) -> None:
     for j in control.MOTORS:
