@@ -30,7 +30,7 @@ from synth.simulate.rig import Rig
 from synth.simulate.scenario import Scenario, Trajectory
 
 DURATION_S, MACHINES, TURNS, SUBSTEPS = 20.0, 256, 5, 2
-STAGE = study_jobs.stage_of(design.DESIGN)
+STAGE = replace(study_jobs.stage_of(design.DESIGN), drive=None)  # lanes have no drive
 
 
 @dataclass(frozen=True)

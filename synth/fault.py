@@ -12,14 +12,15 @@ LATCH_BIT = 31  # of the fault word: it has latched
 class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
 
-    `input` is the input that is out of range, `suspect` the one that contradicts others. Without either the bit reports
-    the latch.
+    `input` is the input that is out of range, `suspect` the one that contradicts others. `about` is the meaning of a
+    bit that concerns no single input. Without any of them the bit reports the latch.
     """
 
     bit: int
     output: str
     input: str | None = None
     suspect: str | None = None
+    about: str = ""
 
 
 @arguments.checked

@@ -220,7 +220,15 @@ def _identity(stage: Stage) -> str | None:
         block = replace(block, safety=replace(block.safety, reason=""))
     loop = (
         *(block, stage.scalar, stage.surrogate_error, stage.plant, replace(stage.interface, reason="")),
-        *(stage.wires, stage.start, stage.stops, stage.velocities, stage.substeps, replace(stage.faults, limits=())),
+        *(
+            stage.drive,
+            stage.wires,
+            stage.start,
+            stage.stops,
+            stage.velocities,
+            stage.substeps,
+            replace(stage.faults, limits=()),
+        ),
     )
     compiler = host_compiler.find_compiler()
     try:

@@ -97,7 +97,7 @@ def build(
     """
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
-    named = (law.Named(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
+    named = (law.NamedSymbols(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
     derivative, output = _pair(name, law.evaluate(f"the physics of plant '{name}'", physics, *named))
     law.require_names(f"plant '{name}': derivatives", signal_names(states), derivative)
     law.require_names(f"plant '{name}': outputs", signal_names(outputs), output)

@@ -27,6 +27,7 @@ from synth.declaration import (
     Companion,
     Composition,
     Controller,
+    Drive,
     Interface,
     Law,
     Sensor,
@@ -49,6 +50,7 @@ from synth.workspace import CostStimuli, Design
 __all__ = [
     "Actuator",
     "Companion",
+    "Drive",
     "FaultCampaign",
     "FaultLimit",
     "Interface",
@@ -142,41 +144,48 @@ def _signal(declared: Sensor | SetPoint | Actuator, of: Signal) -> Signal:
     return Signal(declared.name, of.unit, declared.low, declared.high, declared.about)
 
 
-def guarded_inputs(around: Interface) -> tuple[safety.GuardedInput, ...]:
+def guarded_inputs(interface: Interface) -> tuple[safety.GuardedInput, ...]:
     """Return the inputs of the controller in the form of the guard; sensors are its measurements."""
-    sensors = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
-    points = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
+    sensors = [
+        safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, True, s.held) for s in interface.sensors
+    ]
+    points = [safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, False) for s in interface.set_points]
     return (*sensors, *points)
 
 
-def safe(around: Interface) -> safety.Safety:
+def safe(interface: Interface) -> safety.Safety:
     """Return the safe outputs after too many bad samples."""
-    values, slews = {a.name: a.safe for a in around.actuators}, {a.name: a.slew_per_s for a in around.actuators}
-    return safety.Safety(around.bad_samples, values, slews, around.reason)
+    values, slews = {a.name: a.safe for a in interface.actuators}, {a.name: a.slew_per_s for a in interface.actuators}
+    return safety.Safety(interface.bad_samples, values, slews, interface.reason)
 
 
-def errors(time: Discrete, around: Interface, of: Sequence[str]) -> Block:
+def errors(time: Discrete, interface: Interface, of: Sequence[str]) -> Block:
     """Return the Block of the tracking errors, set-point minus measurement: ``<sensor>_error``."""
-    points = {s.of: s for s in around.set_points if s.of in of}
-    held = [around.held(name) for of, s in points.items() for name in (of, s.name)]
+    points = {s.of: s for s in interface.set_points if s.of in of}
+    held = [interface.held(name) for of, s in points.items() for name in (of, s.name)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({f"{of}_error": u[f"{s.name}_held"] - u[f"{of}_held"] for of, s in points.items()})
 
-    return build("errors", time, law, inputs=held, outputs=[around.error(of) for of in points], tag="tracking errors")
+    return build(
+        "errors", time, law, inputs=held, outputs=[interface.error(of) for of in points], tag="tracking errors"
+    )
 
 
-def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Block:
+def limits(time: Discrete, interface: Interface, demands: Sequence[Signal]) -> Block:
     """Return the Block that limits ``<name>_demand`` to ``<name>_computed``; ``<name>_excess`` is the difference."""
     ends = {s.name.removesuffix("_demand"): s for s in demands}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        limited = {n: clip(u[s.name], around.signals[n]) for n, s in ends.items()}
+        limited = {n: clip(u[s.name], interface.signals[n]) for n, s in ends.items()}
         excess = {f"{n}_excess": limited[n] - u[s.name] for n, s in ends.items()}
         return Step({f"{n}_computed": v for n, v in limited.items()} | excess)
 
     bounds = {n: max(abs(s.low), abs(s.high)) for n, s in ends.items()}
-    outputs = [*(around.computed_output(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
+    outputs = [
+        *(interface.computed_output(n) for n in ends),
+        *(interface.excess(n, bound) for n, bound in bounds.items()),
+    ]
     return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
 
 
@@ -186,7 +195,7 @@ Laws = Sequence[Law | Synthesis | Block]
 def controller(
     name: str,
     time: Discrete,
-    around: Interface,
+    interface: Interface,
     laws: Laws | Callable[[], Laws],
     outputs: Sequence[str] | None = None,
 ) -> Controller:
@@ -203,45 +212,45 @@ def controller(
     """
 
     def compose_laws() -> Composition:
-        return _composition(name, time, around, laws() if callable(laws) else laws, outputs)
+        return _composition(name, time, interface, laws() if callable(laws) else laws, outputs)
 
-    return Controller(name, time, around, compose_laws)
+    return Controller(name, time, interface, compose_laws)
 
 
 def _composition(
-    name: str, time: Discrete, around: Interface, laws: Laws, outputs: Sequence[str] | None
+    name: str, time: Discrete, interface: Interface, laws: Laws, outputs: Sequence[str] | None
 ) -> Composition:
-    resolved = tuple(_law(law, time, around) for law in laws)
+    resolved = tuple(_law(law, time, interface) for law in laws)
     blocks = [block for law in resolved for block in law.blocks]
     read = {s.name for block in blocks for s in block.inputs}
     driven = {s.name: s for block in blocks for s in block.outputs}
-    demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
-    controlled = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
-    actuators = [a.name for a in around.actuators]
+    demands = [driven[f"{a.name}_demand"] for a in interface.actuators if f"{a.name}_demand" in driven]
+    controlled = [s.of for s in interface.set_points if f"{s.of}_error" in read - set(driven)]
+    actuators = [a.name for a in interface.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
-    replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in around.sensors if f"{s.name}_held" in driven}
+    replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in interface.sensors if f"{s.name}_held" in driven}
     guard = safety.guard(
-        time, guarded_inputs(around), around.bad_samples, around.suspected, around.reason, bool(replaced)
+        time, guarded_inputs(interface), interface.bad_samples, interface.suspected, interface.reason, bool(replaced)
     )
     parts = (
         guard.renamed(replaced),
-        *([errors(time, around, controlled)] if controlled else []),
+        *([errors(time, interface, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
-        *([limits(time, around, demands)] if demands else []),
-        *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
+        *([limits(time, interface, demands)] if demands else []),
+        *([safety.safe_output(time, interface.outputs, safe(interface))] if interface.actuators else []),
         *behind,
     )
     driven_outputs = list(actuators) or [s.name for block in blocks for s in block.outputs]
     block = compose(
-        name, parts, inputs=signal_names(around.inputs), outputs=driven_outputs if outputs is None else list(outputs)
+        name, parts, inputs=signal_names(interface.inputs), outputs=driven_outputs if outputs is None else list(outputs)
     )
-    return Composition(resolved, parts, safety.frozen(block) if around.actuators else block)
+    return Composition(resolved, parts, safety.frozen(block) if interface.actuators else block)
 
 
-def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:
+def _law(law: Law | Synthesis | Block, time: Discrete, interface: Interface) -> Law:
     if isinstance(law, Block):
         return Law(law.name, (law,))
-    return law if isinstance(law, Law) else law.law(time, around)
+    return law if isinstance(law, Law) else law.law(time, interface)
 
 
 def design(

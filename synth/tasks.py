@@ -19,6 +19,7 @@ import numpy as np
 from synth import cache, fault_jobs, slices, store, workspace
 from synth.check import Check
 from synth.emit import write
+from synth.emit.c import vectors
 from synth.emit.write import EmittedCode
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
@@ -142,6 +143,21 @@ def whole_cost(design: Design) -> Task[Cost]:
         return meter.measure(files, design.cost_stimuli.block(), sequences, say)
 
     return Task("cost", compute, (meter.measure, design.emit, design.cost_stimuli.block, design.cost_stimuli.sequences))
+
+
+def companion_costs(design: Design) -> Task[list[Cost]]:
+    """Return the task of measuring the cost of the Blocks beside the controller, over their test vectors."""
+    from synth.verify import meter
+
+    companions = design.stage.companions if design.stage else ()
+
+    def compute(say: Progress) -> list[Cost]:
+        emitted = emission(design, np.float32).result(say)
+        codes = [emitted[c.block.name] for c in companions]
+        recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
+        return [meter.brief(code, c.block, u) for code, c, u in zip(codes, companions, recorded, strict=True)]
+
+    return Task("cost of companions", compute, (meter.brief, design.emit))
 
 
 def build(design: Design) -> Task[Built]:

@@ -90,12 +90,12 @@ def undetected_defects(stage: Stage) -> list[str]:
         gap = agree.compare(name, ("witness", witness), ("casadi", observed), None, block)
         return max(gap.worst, gap.state_worst) <= tolerance and not gap.faults_differ
 
-    undetected = [(n, v) for n, v in variants(stage) if agrees(n, v, expected, NOTICED * suite.EXACT)]
+    undetected = [(n, v) for n, v in variants(stage) if agrees(n, v, expected, NOTICED * suite.DOUBLE_TOLERANCE)]
     signs = {f"sign of {c.name}": c.name for c in block.constants}
     even = [signs[name] for name, v in undetected if name in signs and agrees(name, v, correct, 0.0)]
     doubled = [(f"{name} doubled", _with_constant(block, name, 2.0)) for name in even]
     remaining = [name for name, _ in undetected if signs.get(name) not in even]
-    return [*remaining, *(n for n, v in doubled if agrees(n, v, expected, NOTICED * suite.EXACT))]
+    return [*remaining, *(n for n, v in doubled if agrees(n, v, expected, NOTICED * suite.DOUBLE_TOLERANCE))]
 
 
 def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
@@ -117,8 +117,8 @@ def variants(stage: Stage) -> Iterator[tuple[str, Block]]:
     for constant in block.constants:
         yield f"sign of {constant.name}", _with_constant(block, constant.name, -1.0)
     outputs = [s.name for s in block.outputs]
-    for name, around in _interfaces(made):
-        yield name, stages.controller(made.name, made.time, around, made.laws, outputs).block
+    for name, interface in _interfaces(made):
+        yield name, stages.controller(made.name, made.time, interface, made.laws, outputs).block
 
 
 def _with_constant(block: Block, name: str, factor: float) -> Block:
@@ -128,16 +128,16 @@ def _with_constant(block: Block, name: str, factor: float) -> Block:
 
 
 def _interfaces(controller: Controller) -> Iterator[tuple[str, Interface]]:
-    around, driven = (
+    interface, driven = (
         controller.interface,
         {s.name for law in controller.laws for block in law.blocks for s in block.outputs},
     )
-    yield "bad_samples", replace(around, bad_samples=around.bad_samples + 1)
-    for k, a in enumerate(around.actuators):
-        others = around.actuators[:k], around.actuators[k + 1 :]
+    yield "bad_samples", replace(interface, bad_samples=interface.bad_samples + 1)
+    for k, a in enumerate(interface.actuators):
+        others = interface.actuators[:k], interface.actuators[k + 1 :]
         faster = (*others[0], replace(a, slew_per_s=2 * a.slew_per_s), *others[1])
-        yield f"slew of {a.name} doubled", replace(around, actuators=faster)
-    limited = [s for s in around.outputs if f"{s.name}_demand" in driven]  # the laws limit the others
-    for s in (*limited, *around.inputs):
+        yield f"slew of {a.name} doubled", replace(interface, actuators=faster)
+    limited = [s for s in interface.outputs if f"{s.name}_demand" in driven]  # the laws limit the others
+    for s in (*limited, *interface.inputs):
         wider = replace(s, high=s.high + (WIDER - 1) * (s.high - s.low))
-        yield f"range of {s.name} wider", replace(around, signals={**around.signals, s.name: wider})
+        yield f"range of {s.name} wider", replace(interface, signals={**interface.signals, s.name: wider})

@@ -39,6 +39,7 @@ VOCABULARY = (
     "block",
     "composition",
     "campaign",
+    "companion",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
@@ -53,6 +54,7 @@ LAYERS += (
     "stage",
     "testing",
     "new",
+    "command_results",
 )
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}

@@ -112,13 +112,13 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
 @pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     def differs(emitted: EmittedCode, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
-        return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
+        return (Check("outputs that differ", 3, 0, "values", "i1 3 times"),)
 
     monkeypatch.setattr(on_target, "verify", differs)
     (document,) = printed("verify", "--target", "cortex-m4f", status=1)
     assert [c["passed"] for c in document["checks"]] == [False]
     said = RUNNER.invoke(cli.app, ["verify", "--target", "cortex-m4f"]).stdout
-    assert "FAILED" in said and "outputs with other bits: i1 3 times" in said
+    assert "FAILED" in said and "outputs that differ: i1 3 times" in said
 
 
 @pytest.mark.usefixtures("one_design")

@@ -3,11 +3,20 @@
 from pathlib import Path
 from typing import Any
 
-from designs.maglev_5dof import control, experiments, fault_handling, gains, reference_faults, verification
+from designs.maglev_5dof import (
+    commutation,
+    control,
+    experiments,
+    fault_campaign,
+    fault_handling,
+    gains,
+    reference_faults,
+    verification,
+)
 from designs.maglev_5dof.paper import rows
-from models import maglev_stage
+from models import maglev_phases, maglev_stage
 from synth import stage
-from synth.stage import Companion
+from synth.stage import Companion, Drive
 
 
 def report(*arguments: Any) -> str:
@@ -18,6 +27,7 @@ def report(*arguments: Any) -> str:
 
 
 PLANT = maglev_stage.plant()
+PHASES = commutation.phase_currents(PLANT)
 DESIGN = stage.design(
     fault_handling.controller(PLANT),
     PLANT,
@@ -30,11 +40,12 @@ DESIGN = stage.design(
     stops={name: control.BOX[name] for name in ("y", "phi", "theta")},
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
-    faults=experiments.FAULTS,
+    faults=fault_campaign.FAULTS,
     safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     recording=verification.vectors,
     gains=gains.document,
-    companions=[Companion(control.phase_currents(PLANT), verification.commutation_inputs)],
+    companions=[Companion(PHASES)],
+    drive=Drive(maglev_phases.plant(), (PHASES,)),
     verify=verification.verify,
     audit=rows.rows,
     report=report,

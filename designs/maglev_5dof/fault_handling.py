@@ -5,13 +5,27 @@
 
 One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
 loss of x, of z or of two gap encoders starts the landing; with fewer than two gap encoders the currents go to the safe
-output at once.
+output at once. The commutation gets x and z as they are used, predictions included.
 """
 
 from dataclasses import replace
 
+import casadi as ca
+
 from designs.maglev_5dof import control
-from designs.maglev_5dof.control import AXES, HELD, INTERFACE, MOTORS, NAME, OUTPUTS, RESOLUTION, TIME, Axis
+from designs.maglev_5dof.control import (
+    AXES,
+    COMMUTATED,
+    HELD,
+    INTERFACE,
+    LOST,
+    MOTORS,
+    NAME,
+    OUTPUTS,
+    RESOLUTION,
+    TIME,
+    Axis,
+)
 from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
@@ -98,6 +112,21 @@ def observer(axis: Axis) -> Block:
     )
 
 
+def positions_to_commutate() -> Block:
+    """Return the Block from the readings of x and z to use to the positions for the commutation.
+
+    While the controller lands, the prediction takes the place of a lost reading. After the latch nothing predicts it.
+    """
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        lost = {n: ca.logic_and(u["latched"], ca.logic_not(u[f"{n}_trusted"])) for n in COMMUTATED}
+        return Step({s.name: ca.if_else(lost[n], LOST, u[f"{n}_held"]) for n, s in COMMUTATED.items()})
+
+    flags = [Signal(f, "1", 0, 1) for f in ("latched", *(f"{n}_trusted" for n in COMMUTATED))]
+    inputs, outputs = [*(INTERFACE.held(n) for n in COMMUTATED), *flags], [*COMMUTATED.values()]
+    return build("angles", TIME, law, inputs=inputs, outputs=outputs, tag="positions for the commutation")
+
+
 def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
     """Return the laws of `control` with the fault handling around them."""
     tracking = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES}
@@ -111,11 +140,12 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
         predictor.delay("delay", TIME, [acceleration(a) for a in AXES]),
         *(observer(a) for a in AXES),
         descent,
+        positions_to_commutate(),
     ]
 
 
 def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the shipped controller: the law of `control` with its fault handling."""
     return stage.controller(
-        NAME, TIME, INTERFACE_OF_ALL, lambda: laws(plant, corrected, anti_windup), signal_names(OUTPUTS)
+        NAME, TIME, INTERFACE_OF_ALL, lambda: laws(plant, corrected, anti_windup), signal_names((*OUTPUTS, *COMMUTATED.values()))
     )

@@ -31,7 +31,7 @@ SIGN = np.array([1.0, -1.0, 1.0, -1.0])  # of y1..y4 in the parity relation
 THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encoder
 FRESH, STILL, PERSISTENT, UNDECIDED = 3, 8, 3, 10  # samples
 CANDIDATE, CLEAR = 0.4, 0.5  # of |r|
-GATE, TRAVEL = 40e-6, 0.0499  # m, of x and z
+GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (1.0, 2.0, 2.0, 2.0, 2.0), (50.0, 20.0, 20.0, 200.0, 200.0)
@@ -203,4 +203,6 @@ def step(
     after |= zip(LAST, out, strict=True)
     word = (word & 0x7FF) | (1 << np.arange(11, 17)) @ suspects | (latched.astype(np.uint32) << 31)
     outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))
+    positions = np.where(latched & ~flag["trusted"], LOST, used[4:])
+    outputs |= {"x_commutation": positions[0], "z_commutation": positions[1]}
     return after, outputs, np.asarray(word).astype(np.uint32)

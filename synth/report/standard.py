@@ -21,7 +21,7 @@ from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
 from synth.report.audit import Row
 from synth.report.equations import display
-from synth.report.equations.derive import Named
+from synth.report.equations.derive import NamedTerms
 from synth.report.notation import number
 from synth.report.page import Section
 from synth.report.presentation import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
@@ -80,13 +80,13 @@ def facts(time: Discrete, scalar: type[np.floating], inputs: str, outputs: str) 
     )
 
 
-def model(plant: Plant, named: Named | None = None, blocks: Sequence[page.Block] = ()) -> Section:
+def model(plant: Plant, terms: NamedTerms | None = None, blocks: Sequence[page.Block] = ()) -> Section:
     """Return the derived equations, signals and parameters of a plant, then further `blocks`.
 
     Raises ModelError as `display.plant`.
     """
     signals = display.signals("States and inputs", (*plant.states, *plant.inputs))
-    derived = display.plant(plant, named)
+    derived = display.plant(plant, terms)
     tables = (signals, sections.parameters(plant))
     return Section(MODEL, (page.Text(display.LEGEND), *derived, *tables, *blocks))
 
@@ -97,7 +97,7 @@ def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
     Raises ModelError as `display.block`.
     """
     ends = display.signals("Inputs and outputs", (*block.inputs, *block.outputs))
-    internal = [named.signal for named, _ in block.computed_signals if named.signal not in block.outputs]
+    internal = [computed.signal for computed, _ in block.computed_signals if computed.signal not in block.outputs]
     tables = [
         display.signals("Internal signals", internal),
         display.signals("States", [s.signal for s in block.states]),

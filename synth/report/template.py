@@ -19,7 +19,7 @@ from synth.declaration import Stage
 from synth.emit.write import EmittedCode
 from synth.report import faults, page, prose, sections, standard
 from synth.report.audit import Row
-from synth.report.equations.derive import Named
+from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
 from synth.report.presentation import Shown
 from synth.report.prose import Value
@@ -43,7 +43,7 @@ class Extra:
 
     values: Mapping[str, Value] = field(default_factory=dict)
     sections: Sequence[Section] = ()
-    named: Named | None = None
+    terms: NamedTerms | None = None
     facts: Sequence[tuple[str, str]] = ()
     shown: Shown | None = None
 
@@ -103,7 +103,7 @@ def _computed_sections(
     """Return the sections that are computed for the report, except for those that the design replaces."""
     block = stage.controller.block.rounded(stage.scalar)
     makers = {
-        standard.MODEL: lambda: standard.model(stage.plant, extra.named),
+        standard.MODEL: lambda: standard.model(stage.plant, extra.terms),
         standard.LAW: lambda: standard.law(block),
         standard.GAINS: lambda: standard.gains(gains),
         standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),

@@ -166,7 +166,7 @@ def inject(
     fields = fault_effects.scenario_fields(rig, rig.stage.faults, injection, healthy, onset)
     faulty = rig.run(condition.duration_s, condition.start, condition.references, **fields)
     new_bits = faulty.faults & ~healthy.faults
-    notice, latch = _first(new_bits), _first(new_bits >> LATCH_BIT & 1)
+    notice, latch = _first(_all_bits(faulty) & ~_all_bits(healthy)), _first(new_bits >> LATCH_BIT & 1)
     notice_s, latch_s = (np.inf if k is None else (k - onset) * rig.period_s for k in (notice, latch))
     bits_to_latch = int(np.bitwise_or.reduce(new_bits[: None if latch is None else latch + 1], initial=0))
     input_bits = _input_bits(rig)
@@ -192,6 +192,11 @@ def inject(
         wrong_names=tuple(sorted(named.difference(injection.targets))),
         effect=not same,
     )
+
+
+def _all_bits(run: Trajectory) -> NDArray[np.uint32]:
+    """Return the fault bits of the controller and of the drive in each sample."""
+    return np.bitwise_or.reduce([run.faults, *run.drive_faults.values()])
 
 
 def _input_bits(rig: Rig) -> dict[str, int]:

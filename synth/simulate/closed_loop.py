@@ -2,7 +2,7 @@
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
     m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the sample of the override
-    c_k = step(state, m_k, references_k)
+    c_k = step(state, m_k, references_k)              then the steps of the drive, see `drive`
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
 `faulty` states what faults of sensors, actuators and calls change in these equations.
@@ -14,6 +14,7 @@ position and velocity.
 
 import ctypes
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -25,7 +26,8 @@ from synth.errors import SignalError, WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
-from synth.simulate import faulty, plant_code
+from synth.simulate import faulty, forcing, plant_code
+from synth.simulate.drive import DriveBlock, connect
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Analogue, Encoder
 
@@ -33,7 +35,10 @@ __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
 Arrays = dict[str, NDArray[Any]]
 
-_COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
+_COUNTS = (
+    *("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size"),
+    *("drive_blocks", "last_out_size"),
+)
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
@@ -41,7 +46,8 @@ _MEMBERS = (
     *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
     *("word_low", "word_step", "flipped", "set_bits", "cleared"),
     *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
-    *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
+    *("single", "step", "state", "in_size", "out_size", "in", "out", "faults"),
+    *("drive_blocks", "drive", "last_out", "last_out_size", "states", "outputs", "applied"),
 )
 
 
@@ -59,8 +65,11 @@ def simulate(
     scenario: Scenario,
     disturbance: ca.Function | None = None,
     flags: Sequence[str] = (),
+    drive: Sequence[host.Controller] = (),
 ) -> Trajectory:
     """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
+
+    With a `drive` the commands are the outputs of its last Block.
 
     The plant's parameters enter at run time: one compilation, with `flags`, serves every `plant.with_parameters(...)`.
 
@@ -71,11 +80,14 @@ def simulate(
         plant_arrays(plant, scenario)
         | controller_arrays(controller, scenario, len(time))
         | sensor_arrays(plant, controller, scenario, len(time))
-        | actuator_arrays(plant, controller, scenario, time)
+        | actuator_arrays(plant, drive[-1] if drive else controller, scenario, time)
         | faulty.arrays(plant, scenario, len(time))
     )
     every_sample = (len(time), *arrays["forcing"].shape[1:])
     arrays["forcing"] = np.ascontiguousarray(np.broadcast_to(arrays["forcing"], every_sample))
+    records = connect(controller, arrays["in"], arrays["out"], drive)
+    drive_blocks = (DriveBlock * len(records))(*(block.struct for block in records))
+    last = records[-1].outputs if records else arrays["out"]
     counts = {
         "samples": len(time),
         "substeps": scenario.substeps,
@@ -86,33 +98,38 @@ def simulate(
         "single": int(controller.scalar is np.float32),
         "in_size": controller.inputs.itemsize,
         "out_size": controller.outputs.itemsize,
+        "drive_blocks": len(records),
+        "last_out_size": last.itemsize,
     }
     signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     arrays |= {name: np.zeros((len(time), len(group))) for name, group in signals.items()}
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
+    addresses |= {"drive": ctypes.addressof(drive_blocks), "last_out": last.ctypes.data}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
+    groups["driven"] = {name: column for block in records for name, column in host.columns(block.outputs).items()}
     for column in chain(*(columns.values() for columns in groups.values())):
         column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    return trajectory(plant, controller, time, groups, arrays["faults"], impacts)
+    blocks = controller, *(block.controller for block in records)
+    drive_faults = {block.name: block.faults for block in records}
+    return replace(trajectory(plant, blocks, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
 
 
 def trajectory(
     plant: Plant,
-    controller: host.Controller,
+    blocks: Sequence[host.Controller],
     time: Array,
     groups: Mapping[str, Mapping[str, NDArray[Any]]],
     faults: NDArray[np.uint32],
     impacts: dict[str, float],
 ) -> Trajectory:
-    """Return a trajectory, whose columns are read-only, with the units of the plant's and the controller's signals."""
+    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
     time.flags.writeable = faults.flags.writeable = False
-    members = {
-        m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
-    }
+    structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
+    members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
     return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
 
@@ -217,40 +234,9 @@ def actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenari
     return {
         "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
         "mixing": np.array([[rows.get(u, {}).get(c, 0.0) for c in commands] for u in inputs], dtype=np.float64),
-        "forcing": _forcing(inputs, scenario, time),
+        "forcing": forcing.columns(inputs, scenario, time),
         "waiting": np.tile(hold, (max(scenario.delay, 1), 1)),
     }
-
-
-def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs.
-
-    Forcing by constants has one row for all samples.
-    """
-    n, m = len(time), scenario.substeps
-    varies = any(callable(course) or np.ndim(course) for course in scenario.forcing.values())
-    period = scenario.duration_s / n if n == 1 else time[1]
-    moments = time if varies else time[:1]
-    middles = moments[:, None] + period * (np.arange(m) + 0.5) / m
-    forcing = np.zeros((*middles.shape, len(inputs)))
-    for j, (name, signal) in enumerate(inputs.items()):
-        course = scenario.forcing.get(name, 0.0)
-        try:
-            values = np.vectorize(course, otypes=[float])(middles) if callable(course) else np.asarray(course, float)
-        except (TypeError, ValueError) as error:
-            raise SignalError(
-                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_remedy(n, signal)}"
-            ) from error
-        if not callable(course) and values.shape not in ((), (n,)):
-            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_remedy(n, signal)}")
-        if not np.isfinite(values).all():
-            raise SignalError(f"forcing of '{name}' is not finite: {_forcing_remedy(n, signal)}")
-        forcing[:, :, j] = values[:, None] if values.shape == (n,) else values
-    return forcing
-
-
-def _forcing_remedy(n: int, signal: Signal) -> str:
-    return f"give a finite number in {signal.unit}, {n} of them, one a sample, or a function of the time in s"
 
 
 def _offset(struct: np.dtype[np.void], name: str) -> int:

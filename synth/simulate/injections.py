@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.declaration import Stage
+from synth.plant import Plant
 from synth.simulate.rig import Rig
 
 PERMANENT, SHORT = "permanent", "short"
@@ -103,8 +104,15 @@ def is_loss(injection: Injection) -> bool:
     return (injection.group, injection.kind, injection.duration) == (SENSOR, "not finite", PERMANENT)
 
 
+def _plant(stage: Stage) -> Plant:
+    """Return the plant with the inputs that faults of actuators concern: that of the drive, where there is one."""
+    return stage.drive.plant if stage.drive else stage.plant
+
+
 def _connections(stage: Stage) -> Iterable[str]:
     """Return the plant inputs that an actuator drives."""
+    if stage.drive:
+        return [s.name for s in stage.drive.plant.inputs if s.name not in stage.interface.disturbances]
     return stage.wires or [a.of for a in stage.interface.actuators]
 
 
@@ -123,9 +131,10 @@ def driven_sensors(stage: Stage) -> tuple[tuple[str, str], ...]:
     The Markov parameter is the first of C B, C A B, C A^2 B that is not 0; a sensor that no actuator moves is left out.
     """
     C, A, B = _linear_model(stage)
-    inputs = [s.name for s in stage.plant.inputs]
+    plant_inputs = _plant(stage).inputs
+    inputs = [s.name for s in plant_inputs]
     driven = [inputs.index(name) for name in _connections(stage)]
-    spans = np.array([stage.plant.inputs[j].high - stage.plant.inputs[j].low for j in driven])
+    spans = np.array([plant_inputs[j].high - plant_inputs[j].low for j in driven])
     pairs = []
     for sensor, row in zip(stage.interface.sensors, C, strict=True):
         markov = [np.abs(row @ np.linalg.matrix_power(A, k) @ B[:, driven]) * spans for k in range(3)]
@@ -140,7 +149,7 @@ def _linear_model(stage: Stage) -> tuple[NDArray[np.float64], NDArray[np.float64
 
     Rows and columns are scaled by the spans of the signals, so that metres and radians compare.
     """
-    plant = stage.plant
+    plant = _plant(stage)
     x, u = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs))
     f, h = plant.f(x, u, plant.values), plant.h(x, u, plant.values)
     jacobians = ca.Function("jacobians", [x, u], [ca.jacobian(h, x), ca.jacobian(f, x), ca.jacobian(f, u)])

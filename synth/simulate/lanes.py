@@ -177,7 +177,7 @@ class LaneLoop:
         groups = {g: lane_memory.LaneColumns(names[g], arrays[member][:, :, lane]) for g, member in members.items()}
         impacts = dict(zip(scenario.stops, arrays["impact"][:, lane].tolist(), strict=True))
         faults = arrays["faults"][:, lane].astype(np.uint32)
-        return closed_loop.trajectory(plant, self.controller, time, groups, faults, impacts)
+        return closed_loop.trajectory(plant, (self.controller,), time, groups, faults, impacts)
 
 
 @lru_cache(maxsize=8)

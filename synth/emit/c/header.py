@@ -11,6 +11,7 @@ from synth.emit.lower import Program
 
 WIDTH = 117
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
+LATCHED = "latched: safe output until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
@@ -85,7 +86,7 @@ def _faults(block: Block) -> list[str]:
 def _meaning(fault: Fault) -> str:
     if fault.input:
         return f"{fault.input}: not finite or outside its range"
-    return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
+    return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
 
 
 def _size_checks(block: Block, layout: Layout) -> list[str]:

@@ -41,7 +41,7 @@ def manifest(
 
 
 def _fault(fault: Fault) -> dict[str, Any]:
-    named = {"input": fault.input, "suspect": fault.suspect}
+    named = {"input": fault.input, "suspect": fault.suspect, "about": fault.about}
     return {"bit": fault.bit, **({k: v for k, v in named.items() if v} or {"latched": True})}
 
 
