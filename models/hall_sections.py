@@ -163,7 +163,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
             SUSPECTED.name: x["contradiction_confirmed"]
         }
         named = list(zip(RATIOS, ratio.values(), strict=True))
-        return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
+        certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
+        return Step(output | seen, next, named, certified, _numbers(A, l))
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS]
@@ -194,6 +195,28 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
         for name, v, unit in (*position, *slope, *power)
     ]
     return [*fits, Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+
+
+def _numbers(A: float, l: float) -> list[Constant]:
+    """Return the numbers that the C names."""
+    amplitude = f"A = {A:.6g} V"
+    return [
+        Constant("pitch", l, "m", "pitch of the matrix"),
+        Constant("half_pitch", l / 2, "m", "half of the pitch"),
+        Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
+        Constant("m_weight", (RESIDUAL / (POWER * A)) ** 2, "1/V^2", f"({RESIDUAL:g} / ({POWER:g} A))^2, {amplitude}"),
+        Constant("squared_residual_limit", (RESIDUAL * A) ** 2, "V^2", f"({RESIDUAL:g} A)^2: rho = 1"),
+        Constant("squared_confirmation", (CONFIRMATION * RESIDUAL * A) ** 2, "V^2", f"rho = {CONFIRMATION:g}"),
+        Constant("squared_jump", (BIG * RESIDUAL * A) ** 2, "V^2", f"rho = {BIG:g}: a voltage jumped"),
+        Constant("significant_m", PART["m"] * POWER * A**2, "V^2", f"{PART['m'] * POWER:g} A^2"),
+        Constant("significant_r", PART["r"] * RESIDUAL * A, "V", f"{PART['r'] * RESIDUAL:g} A"),
+        Constant("nearly_zero_m", NEARLY * A**2, "V^2", f"{NEARLY:g} A^2"),
+        Constant("small_m", SMALL * A**2, "V^2", f"{SMALL:g} A^2"),
+        Constant("least_square", LEAST * A**2, "V^2", f"{LEAST:g} A^2: keeps a divisor from 0"),
+        Constant("least_information", REGULAR * A**2, "V^2", f"{REGULAR:g} A^2: keeps a divisor from 0"),
+        Constant("max_known_yaw", MAX_KNOWN_YAW, "rad", "beyond it every voltage is suspected"),
+        Constant("max_yaw", YAW, "rad", "limit of the raw yaw"),
+    ]
 
 
 _POWERS = ("V^2", "1/V^2", "1/V^6")

@@ -7,10 +7,18 @@
  * different states may run at the same time.
  *
  * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
- * (zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants,
- * each sensor lost in turn: at rest the machine reaches 0.43 m/s (y) and 0.017 rad/s (theta) and hits a stop at 0.43
- * m/s (y); in motion the machine reaches 0.44 m/s (y) and 0.59 rad/s (theta) and hits a stop at 0.44 m/s (y)): i_d1,
- * i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ * (a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then
+ * latches on the stop; without three it latches as said above; zero current pulls the platen up below 28.7 mm; 2.5 A
+ * rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in turn: at rest the machine reaches
+ * 0.43 m/s (y) and 0.017 rad/s (theta) and hits a stop at 0.43 m/s (y); in motion the machine reaches 0.44 m/s (y) and
+ * 0.59 rad/s (theta) and hits a stop at 0.44 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3,
+ * i_q4 to 0 A at 100 A/s.
+ *
+ * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
+ * again. gains.json and manifest.json say where each number comes from.
+ *
+ * With MAGLEV_5DOF_DIAGNOSTICS defined, for the .c as well, maglev_5dof_step_diagnosed also says which signals it
+ * computed, what is saturated and why it latched. Without it nothing is paid for that.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
@@ -25,9 +33,9 @@ extern "C" {
 #endif
 
 typedef struct {
-    float sum;                          /* m: internal model */
-    float p1;                           /* m: internal model */
-    float q1;                           /* m: internal model */
+    float sum;                          /* m, -600 .. 600: internal model */
+    float p1;                           /* m, -3 .. 3: internal model */
+    float q1;                           /* m, -600 .. 600: internal model */
 } maglev_5dof_regulator_state_t;
 
 typedef struct {
@@ -35,13 +43,6 @@ typedef struct {
     float s;                            /* m: fading sum of the differences */
     float r;                            /* m: filtered rate over h */
 } maglev_5dof_filter_state_t;
-
-typedef struct {
-    float q;                            /* m: prediction */
-    float v;                            /* m/s: predicted rate */
-    float d;                            /* m/s^2: disturbance */
-    float g;                            /* 1: learnt gain */
-} maglev_5dof_observer_state_t;
 
 typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
@@ -66,6 +67,8 @@ typedef struct {
     float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
     float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
     float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
+    float x_commutation;                /* m, -0.1 .. 0.2: x for the commutation, 0.2 if lost */
+    float z_commutation;                /* m, -0.1 .. 0.2: z for the commutation, 0.2 if lost */
 } maglev_5dof_output_t;
 
 typedef struct {
@@ -124,8 +127,14 @@ typedef struct {
     float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
     float observer_y_v;                 /* m/s, -1 .. 1: predicted rate */
     float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
-    maglev_5dof_observer_state_t observer_x;
-    maglev_5dof_observer_state_t observer_z;
+    float observer_x_q;                 /* m, -0.1 .. 0.1: prediction */
+    float observer_x_v;                 /* m/s, -2 .. 2: predicted rate */
+    float observer_x_d;                 /* m/s^2, -20 .. 20: disturbance */
+    float observer_x_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    float observer_z_q;                 /* m, -0.1 .. 0.1: prediction */
+    float observer_z_v;                 /* m/s, -2 .. 2: predicted rate */
+    float observer_z_d;                 /* m/s^2, -20 .. 20: disturbance */
+    float observer_z_g;                 /* 1, 0.8 .. 1.2: learnt gain */
     float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
     float observer_phi_v;               /* rad/s, -2 .. 2: predicted rate */
     float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
@@ -151,11 +160,11 @@ typedef struct {
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
-_Static_assert(sizeof(maglev_5dof_output_t) == 32u, "size of maglev_5dof_output_t");
+_Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
 _Static_assert(sizeof(maglev_5dof_state_t) == 412u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
-extern char maglev_5dof_output_size_is_32[(sizeof(maglev_5dof_output_t) == 32u) ? 1 : -1];
+extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
 extern char maglev_5dof_state_size_is_412[(sizeof(maglev_5dof_state_t) == 412u) ? 1 : -1];
 #endif
 
@@ -184,6 +193,79 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
+
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. Bits of `saturated`: 0 i_d1_computed, 1 i_d2_computed, 2 i_d3_computed, 3 i_d4_computed, 4 u_x_computed, 5 u_z_computed. */
+typedef struct {
+    float y1_expected;                  /* m: gap of motor 1 */
+    float y2_expected;                  /* m: gap of motor 2 */
+    float y3_expected;                  /* m: gap of motor 3 */
+    float y4_expected;                  /* m: gap of motor 4 */
+    float suspect_y1;                   /* 1: contradicts the other measurements */
+    float suspect_y2;                   /* 1: contradicts the other measurements */
+    float suspect_y3;                   /* 1: contradicts the other measurements */
+    float suspect_y4;                   /* 1: contradicts the other measurements */
+    float suspect_x;                    /* 1: contradicts the other measurements */
+    float suspect_z;                    /* 1: contradicts the other measurements */
+    float landed;                       /* 1: the landing is over */
+    float sufficient;                   /* 1: the machine can be controlled */
+    float y1_held;                      /* m: gap of motor 1 */
+    float y2_held;                      /* m: gap of motor 2 */
+    float y3_held;                      /* m: gap of motor 3 */
+    float y4_held;                      /* m: gap of motor 4 */
+    float x_trusted;                    /* 1: measured, not predicted */
+    float z_trusted;                    /* 1: measured, not predicted */
+    float x_unchanged;                  /* 1: samples without a change of the code */
+    float z_unchanged;                  /* 1: samples without a change of the code */
+    float regular;                      /* 1: every coordinate is measured */
+    float y;                            /* m: gap at the centre */
+    float phi;                          /* rad: rotation about X */
+    float theta;                        /* rad: rotation about Z */
+    float e_y;                          /* m: tracking error */
+    float e_x;                          /* m: tracking error */
+    float e_z;                          /* m: tracking error */
+    float e_phi;                        /* rad: tracking error */
+    float e_theta;                      /* rad: tracking error */
+    float w_y_tracking;                 /* m/s^2: demanded acceleration */
+    float w_x_tracking;                 /* m/s^2: demanded acceleration */
+    float w_z_tracking;                 /* m/s^2: demanded acceleration */
+    float w_phi_tracking;               /* rad/s^2: demanded acceleration */
+    float w_theta_tracking;             /* rad/s^2: demanded acceleration */
+    float phi_disturbance;              /* rad/s^2: acceleration that the demand lacks */
+    float phi_estimate;                 /* rad: phi after the correction */
+    float phi_rate;                     /* rad/s: rate of phi after the correction */
+    float w_phi;                        /* rad/s^2: demanded acceleration */
+    float theta_disturbance;            /* rad/s^2: acceleration that the demand lacks */
+    float theta_estimate;               /* rad: theta after the correction */
+    float theta_rate;                   /* rad/s: rate of theta after the correction */
+    float w_theta;                      /* rad/s^2: demanded acceleration */
+    float y_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float y_estimate;                   /* m: y after the correction */
+    float y_rate;                       /* m/s: rate of y after the correction */
+    float w_y;                          /* m/s^2: demanded acceleration */
+    float x_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float x_estimate;                   /* m: x after the correction */
+    float x_rate;                       /* m/s: rate of x after the correction */
+    float w_x;                          /* m/s^2: demanded acceleration */
+    float z_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float z_estimate;                   /* m: z after the correction */
+    float z_rate;                       /* m/s: rate of z after the correction */
+    float w_z;                          /* m/s^2: demanded acceleration */
+    float excess_x;                     /* A: u_x limited less u_x demanded */
+    float excess_z;                     /* A: u_z limited less u_z demanded */
+    float a_x;                          /* m/s^2: acceleration by u_x */
+    float a_z;                          /* m/s^2: acceleration by u_z */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} maglev_5dof_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
+    maglev_5dof_diagnostics_t *diagnostics);
+#endif
 
 #ifdef __cplusplus
 }

@@ -26,6 +26,8 @@ from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError
 from synth.execute import compile as compiler
 from synth.execute import host
+from synth.signals import Signal
+from synth.timing import Discrete
 from tests import tolerances
 from tests.emit import dyadic, one_step
 from tests.emit.dyadic import TIME, Value, choose, combine, signal
@@ -208,7 +210,8 @@ def test_a_planted_change_of_the_c_is_detected(name: str, old: str, new: str) ->
 def test_a_missing_parenthesis_is_detected() -> None:
     block = trees()
     emitted = c_files(block, F64)["trees.c"]
-    places = list(re.finditer(r"(?<=[-*] )\((\w+ [-+] [\w.]+)\)", emitted))[:6]
+    code = re.sub(r"/\*.*?\*/", lambda comment: " " * len(comment[0]), emitted, flags=re.S)
+    places = list(re.finditer(r"(?<=[-*] )\((\w+ [-+] [\w.]+)\)", code))[:6]
     mutants = [emitted[: m.start()] + m[1] + emitted[m.end() :] for m in places]
     seen = [bool(differences(block, F64, lambda text, mutant=mutant: mutant)) for mutant in mutants]
     # A tree may mask the value of a subtree: (x || y) is the same for 3 and 5.
@@ -332,7 +335,7 @@ def test_comments_carry_tag_unit_range_and_cannot_be_closed_early() -> None:
         "tagged", TIME, lambda u, x, k: Step({"y": 3 * u["a"]}), inputs=[a], outputs=[signal("y")], tag="flag(12) /*"
     )
     files = c_files(block, F32)
-    assert "/* tagged: flag(12) / * */" in files["tagged.c"] and "uint32_t flag(" not in files["tagged.c"]
+    assert "/* tagged: flag(12) / *\n" in files["tagged.c"] and "uint32_t flag(" not in files["tagged.c"]
     assert "/* kg m/s^2, -2 .. 3: a * / force */" in files["tagged.h"]
     compiler.check(files)
 
@@ -351,3 +354,23 @@ def test_a_polynomial_is_printed_by_horner_without_zero_terms() -> None:
         assert text.count("+") == sum(c != 0 for c in coefficients[:-1])
         for t in (-0.75, 0.0, 0.5):
             assert float(eval(text.replace("f", ""), {"t": t})) == float(p.evaluate(t))
+
+
+@pytest.mark.parametrize("scalar", [F32, F64])
+def test_real_numbers_are_compared_without_the_operator_that_compilers_warn_about(scalar: type[np.floating]) -> None:
+    """The comparisons agree with == and != for NaN, infinities and zeros of both signs; truth values need no choice."""
+    signals = [Signal(n, "1", -9, 9) for n in "ab"]
+    block = build(
+        "comparison",
+        Discrete(1e-3),
+        lambda u, x, k: Step({"same": u["a"] == u["b"], "other": u["a"] != u["b"], "set": ca.if_else(u["a"], 1, 0)}),
+        inputs=signals,
+        outputs=[Signal(n, "1", 0, 1) for n in ("same", "other", "set")],
+    )
+    made = emit(block, scalar)
+    assert "? true" not in made.files["comparison.c"] and "comparison_equal(a, b)" in made.files["comparison.c"]
+    values = np.array([0.0, -0.0, 1.0, np.inf, -np.inf, np.nan, 1e-30], scalar)
+    a, b = (m.ravel() for m in np.meshgrid(values, values))
+    outputs = host.load(made.files, made.manifest).replay({"a": a, "b": b}).outputs
+    for name, expected in {"same": a == b, "other": a != b, "set": a != 0}.items():
+        np.testing.assert_array_equal(outputs[name], expected)
