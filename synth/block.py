@@ -138,7 +138,7 @@ class Block:
             symbol=_under({n: new for n, new in names.items() if n in inputs}, self.symbol),
             output=_under(names, self.output),
             computed_signals=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.computed_signals),
-            faults=tuple(replace(f, output=names.get(f.output, f.output)) for f in self.faults),
+            faults=tuple(f.renamed(names) for f in self.faults),
             safety=safety,
         )
 

@@ -1,7 +1,7 @@
 """Fault word: the bits that a step returns, and the safe output after a latch."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from synth import arguments
 
@@ -21,6 +21,11 @@ class Fault:
     input: str | None = None
     suspect: str | None = None
     about: str = ""
+
+    def renamed(self, names: Mapping[str, str]) -> "Fault":
+        """Return the bit with its flag and inputs renamed, old name to new; an input without a bit is not refused."""
+        input, suspect = (n if n is None else names.get(n, n) for n in (self.input, self.suspect))
+        return replace(self, output=names.get(self.output, self.output), input=input, suspect=suspect)
 
 
 @arguments.checked

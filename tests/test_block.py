@@ -297,6 +297,12 @@ def test_numbers_may_stand_for_expressions() -> None:
     assert (next.full().ravel().tolist(), float(y)) == ([10, 1], 0.25)
 
 
+def test_a_renamed_input_keeps_its_fault_bits() -> None:
+    """Without its bit an input is taken for one that never leaves its range, and its guard is folded away."""
+    block = replace(delay("d", "a", "kept"), faults=(Fault(0, "kept", input="a"), Fault(1, "kept", suspect="a")))
+    assert [(f.input, f.suspect) for f in block.renamed({"a": "b"}).faults] == [("b", None), (None, "b")]
+
+
 def test_a_renamed_block_steps_as_before_under_its_new_names() -> None:
     """A state keeps its name, even where an output of the same name is renamed."""
     block = replace(delay("d", "a", "kept"), faults=(Fault(0, "kept"),))

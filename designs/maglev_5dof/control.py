@@ -81,7 +81,9 @@ OUTPUTS = (
     *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in MOTORS),
 )
 COMMUTATED = {  # positions for the commutation; LOST says that a position is not known
-    n: replace(INTERFACE.signals[n], name=f"{n}_commutation", high=LOST, about=f"{n} for the commutation, {LOST:g} if lost")
+    n: replace(
+        INTERFACE.signals[n], name=f"{n}_commutation", high=LOST, about=f"{n} for the commutation, {LOST:g} if lost"
+    )
     for n in "xz"
 }
 HELD = tuple(INTERFACE.held(f"y{j}") for j in MOTORS)

@@ -4,15 +4,15 @@
                  ^ expected gaps, x, z                |-> pose, demands -> observers -> estimates -> landing
 
 One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
-loss of x, of z or of two gap encoders starts the landing; with fewer than two gap encoders the currents go to the safe
-output at once. The commutation gets x and z as they are used, predictions included.
+loss of x, of z or of two gap encoders starts the landing; with fewer than two gap encoders, or without x and z, the
+currents go to the safe output at once. The commutation gets x and z as they are used, predictions included.
 """
 
 from dataclasses import replace
 
 import casadi as ca
 
-from designs.maglev_5dof import control
+from designs.maglev_5dof import control, handover
 from designs.maglev_5dof.control import (
     AXES,
     COMMUTATED,
@@ -112,6 +112,18 @@ def observer(axis: Axis) -> Block:
     )
 
 
+def sufficiency() -> Block:
+    """Return the Block that lets the platen land with two gap encoders, and x or z measured."""
+    gaps, *trusted = (Signal(n, "1", 0, 1) for n in ("gaps_sufficient", "x_trusted", "z_trusted"))
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        one = ca.logic_or(*(u[s.name] for s in trusted))
+        return Step({"sufficient": ca.logic_and(u[gaps.name], one)})
+
+    outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled")]
+    return build("sufficiency", TIME, law, inputs=[gaps, *trusted], outputs=outputs, tag="it can land")
+
+
 def positions_to_commutate() -> Block:
     """Return the Block from the readings of x and z to use to the positions for the commutation.
 
@@ -131,11 +143,15 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
     """Return the laws of `control` with the fault handling around them."""
     tracking = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES}
     law = control.laws(plant, corrected, anti_windup)
+    changed = {"decoupling": handover.BALANCED, **{f"regulator_{a.name}": tracking for a in AXES}}
+    readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
     descent = landing.block(TIME, [COURSES[a.name] for a in AXES], [a.demand for a in AXES], control.BAD_SAMPLES)
     return [
-        redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION),
+        readings.renamed({"sufficient": "gaps_sufficient"}),
+        sufficiency(),
         predict_gaps(plant),
-        *(b.renamed(tracking) if b.name.startswith("regulator_") else b for b in law),
+        *(b.renamed(changed.get(b.name, {})) for b in law),
+        handover.block(),
         accelerations(plant),
         predictor.delay("delay", TIME, [acceleration(a) for a in AXES]),
         *(observer(a) for a in AXES),
@@ -147,5 +163,9 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
 def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the shipped controller: the law of `control` with its fault handling."""
     return stage.controller(
-        NAME, TIME, INTERFACE_OF_ALL, lambda: laws(plant, corrected, anti_windup), signal_names((*OUTPUTS, *COMMUTATED.values()))
+        NAME,
+        TIME,
+        INTERFACE_OF_ALL,
+        lambda: laws(plant, corrected, anti_windup),
+        signal_names((*OUTPUTS, *COMMUTATED.values())),
     )

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import reference
+from designs.maglev_5dof import reference, reference_phase
 from designs.maglev_5dof.reference import AXES, HIGH, LAST, LIMITS, LOW, MEMORY, OUTPUTS, SAFE, SENSORS, SLEW, STATES
 
 Array = NDArray[np.float64]
@@ -165,6 +165,19 @@ def land(
     return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
 
 
+def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[Array, Array]:
+    """Return the next transfer and the currents (6, n), as the commutation hands over direct currents."""
+    i_d, (u_x, u_z), lost = computed[:4], computed[4:], ~trusted
+    before = np.asarray(state["handover_transfer"], dtype=np.float64)
+    active = lost.any(axis=0) | (before != 0)
+    transfer = reference_phase.next_transfer(before, lost[0], lost[1])
+    values = {f"i_d{j}": i for j, i in enumerate(i_d, 1)} | {"i_q1": u_z, "i_q2": u_x, "i_q3": u_z, "i_q4": u_x}
+    direct = reference_phase.direct_currents(values, transfer, active)
+    part = {"x": np.maximum(transfer, 0), "z": np.maximum(-transfer, 0)}
+    kept = [np.where(active, (1 - part["zxzx"[j - 1]]) * direct[j], i) for j, i in enumerate(i_d, 1)]
+    return np.where(active, transfer, 0), np.concatenate([kept, computed[4:]])
+
+
 def step(
     state: Columns, inputs: Columns, k: reference.Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
@@ -184,7 +197,8 @@ def step(
     rate, filtered = reference.rate(e, filters, ready, k)
     w, after_landing = land(state, reference.demand(e, rate, eta, k), (q, v, d), flag["regular"])
     computed, excess = reference.currents(w, pose, used[:4], last, k)
-    enough = np.where(ready, flag["sufficient"], good.all(axis=0))
+    transfer, computed = without_positions(state, computed, flag["trusted"])
+    enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), good.all(axis=0))
     left = np.where(enough, reference.BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
     latched = was_latched | (left < 1) | after_landing.pop("landed")
     after |= {"guard_left": np.maximum(left, 1), "guard_latched": latched}
@@ -196,6 +210,7 @@ def step(
     next: dict[str, Any] = (
         after_readings | after_observers | after_landing | {f"delay_{n}_last": x for n, x in demands.items()}
     )
+    next["handover_transfer"] = transfer
     next_memory = np.array([*filtered, *reference.model_step(e, excess, eta, k)])
     next |= zip(MEMORY, next_memory.reshape(memory.shape), strict=True)
     after |= {n: np.where(latched, state[n], x) for n, x in next.items()}

@@ -349,9 +349,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     suspect_x = suspected if (-0.0499 < x_accepted and x_accepted < 0.0499 and 4e-05 < |observer_x_q -
      *         before_x_next| if 3 <= x_unchanged, else 0) and guard_ready and (|x| <= 0.1 and not excluded_x),
      *         else excluded_x; likewise suspect_z
+     *     x_trusted = suspected if |x| <= 0.1 and not excluded_x and not suspect_x, else 0; likewise z_trusted
      *     x_held = x_accepted if |x| <= 0.1 and not excluded_x and not suspect_x, else observer_x_q; likewise
      *         z_held
-     *     x_trusted = suspected if |x| <= 0.1 and not excluded_x and not suspect_x, else 0; likewise z_trusted
      *     x_unchanged = (still_x if 8 <= still_x, else still_x + suspected) if x_accepted == code_x, else 0;
      *         likewise z_unchanged, still_y1_next, still_y2_next, still_y3_next, still_y4_next */
     const bool suspect_y1_test = (faults & 0x00000001u) == 0u;
@@ -403,13 +403,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool suspect_y1_test_18 = 3u <= redundancy_still_y1_next;
     const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
-    float sufficient_part = 0.0f;
+    float gaps_sufficient_part = 0.0f;
     uint32_t redundancy_contradictions_0_part = 0u;
     if (suspect_y1_test_9) {
         redundancy_contradictions_0_part = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
     } else {
-        const float sufficient_part_2 = (((suspect_y1_test_2) ? false : true) ? 1.0f : 0.0f) + (((suspect_y1_test_4) ? false : true) ? 1.0f : 0.0f) + (((suspect_y1_test_6) ? false : true) ? 1.0f : 0.0f);
-        sufficient_part = sufficient_part_2 + (((suspect_y1_test_8) ? false : true) ? 1.0f : 0.0f);
+        const float gaps_sufficient_part_2 = (((suspect_y1_test_2) ? false : true) ? 1.0f : 0.0f) + (((suspect_y1_test_4) ? false : true) ? 1.0f : 0.0f) + (((suspect_y1_test_6) ? false : true) ? 1.0f : 0.0f);
+        gaps_sufficient_part = gaps_sufficient_part_2 + (((suspect_y1_test_8) ? false : true) ? 1.0f : 0.0f);
     }
     bool suspect_y1_test_19 = false;
     uint32_t suspect_y1_part_4 = redundancy_undecided_0;
@@ -518,8 +518,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         z_unchanged = (8u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         redundancy_before_z_next = state->redundancy_before_z;
     }
-    const bool complete = (faults & 0x0000003fu) == 0u;
-    const bool latched_test = !maglev_5dof_equal(complete ? 1.0f : 0.0f, 0.0f);
     const float y3_held_part = -(suspect_y1_part - y4_accepted);
     const float y1_held_part = -(y3_accepted - y2_accepted - y4_accepted);
     const float y2_held_part = y1_accepted + y3_accepted - y4_accepted;
@@ -527,7 +525,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float y2_held_part_2 = y2_held_part;
     float y3_held_part_2 = y3_held_part;
     float y4_held_part = suspect_y1_part_2;
-    if (!maglev_5dof_equal(sufficient_part, 1.0f)) {
+    if (!maglev_5dof_equal(gaps_sufficient_part, 1.0f)) {
         y1_held_part_2 = y1_expected;
         y2_held_part_2 = y2_expected;
         y3_held_part_2 = y3_expected;
@@ -542,7 +540,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-    bool latched_test_2 = latched_test;
     float phi_disturbance = 0.0f;
     float phi_estimate = phi;
     float phi_rate = 0.0f;
@@ -555,8 +552,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float y_estimate = y;
     float y_rate = 0.0f;
     if (guard_ready != 0u) {
-        const bool sufficient = sufficient_part <= 2.0f;
-        latched_test_2 = sufficient;
         const float phi_minus_observer_phi_q = phi - observer_phi_q;
         phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * phi_minus_observer_phi_q), 200.0f);
         phi_estimate = observer_phi_q + (observer_phi_alpha * phi_minus_observer_phi_q);
@@ -573,11 +568,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * y_minus_observer_y_q), 50.0f);
         y_estimate = observer_y_q + (observer_y_alpha * y_minus_observer_y_q);
         y_rate = state->observer_y_v + (observer_y_beta * y_minus_observer_y_q);
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-        if (diagnostics != NULL) {
-            diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
-        }
-#endif
     } else {
         redundancy_before_x_next = x_accepted;
         redundancy_before_z_next = z_accepted;
@@ -613,10 +603,35 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
 
+    /* redundancy: parity, innovations, frozen codes */
+    const bool gaps_sufficient = gaps_sufficient_part <= 2.0f;
+    bool x_trusted = true;
+    float x_held = x_accepted;
+    bool regular = false;
+    if (suspect_x_test_2 && !(suspect_x != 0u)) {
+        regular = (gaps_sufficient_part <= 1.0f) && !(suspect_y1_part_4 != 0u);
+    } else {
+        x_trusted = false;
+        x_held = observer_x_q;
+    }
+    bool z_trusted = true;
+    float z_held = z_accepted;
+    if (!(suspect_z_test_2 && !(suspect_z != 0u))) {
+        z_trusted = false;
+        z_held = observer_z_q;
+        regular = false;
+    }
+
+    /* sufficiency: it can land
+     *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+    const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
+
     /* guard: range acceptance, hold, latch */
+    const bool complete = (faults & 0x0000003fu) == 0u;
+    const bool latched_test = !maglev_5dof_equal(complete ? 1.0f : 0.0f, 0.0f);
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
-    if (latched_test_2) {
+    if ((guard_ready != 0u) ? sufficient : latched_test) {
         state->guard_left = 5u;
     } else {
         const uint32_t guard_left = state->guard_left;
@@ -631,24 +646,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_ready = 1u;
     }
 
-    /* redundancy: parity, innovations, frozen codes */
-    float x_held = x_accepted;
-    bool x_trusted = true;
-    bool regular = false;
-    if (suspect_x_test_2 && !(suspect_x != 0u)) {
-        regular = (sufficient_part <= 1.0f) && !(suspect_y1_part_4 != 0u);
-    } else {
-        x_held = observer_x_q;
-        x_trusted = false;
-    }
-    float z_held = z_accepted;
-    bool z_trusted = true;
-    if (!(suspect_z_test_2 && !(suspect_z != 0u))) {
-        z_held = observer_z_q;
-        z_trusted = false;
-        regular = false;
-    }
-
     /* safe_output: slew to the safe output once latched */
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
@@ -658,6 +655,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_z = state->safe_output_last_u_z;
 
     /* observer_x: predictive observer, alpha-beta-gamma */
+    const float z_minus_observer_z_q = z_held - observer_z_q;
+    const float delay_a_z_last = state->delay_a_z_last;
+    float z_disturbance_part = 0.0f;
+    float i_d1_computed_part = 0.0f;
+    float observer_z_g_part = 0.0f;
+    if (z_trusted) {
+        const float z_disturbance_part_2 = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * z_minus_observer_z_q), 20.0f);
+        z_disturbance_part = z_disturbance_part_2;
+        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part_2);
+    } else {
+        i_d1_computed_part = -1.0f;
+    }
     const float x_minus_observer_x_q = x_held - observer_x_q;
     const float delay_a_x_last = state->delay_a_x_last;
     float x_disturbance_part = 0.0f;
@@ -666,6 +675,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float x_disturbance_part_2 = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * x_minus_observer_x_q), 20.0f);
         x_disturbance_part = x_disturbance_part_2;
         observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part_2);
+    } else {
+        i_d1_computed_part = 1.0f;
     }
     const float x_disturbance = (guard_ready != 0u) ? x_disturbance_part : 0.0f;
     const float x_estimate = (guard_ready != 0u) ? (observer_x_q + (observer_x_alpha * x_minus_observer_x_q)) : x_held;
@@ -680,24 +691,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float z_minus_observer_z_q = z_held - observer_z_q;
-    const float delay_a_z_last = state->delay_a_z_last;
-    float z_disturbance_part = 0.0f;
-    float observer_z_g_part = 0.0f;
-    if (z_trusted) {
-        const float z_disturbance_part_2 = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * z_minus_observer_z_q), 20.0f);
-        z_disturbance_part = z_disturbance_part_2;
-        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part_2);
-    }
     const float z_disturbance = (guard_ready != 0u) ? z_disturbance_part : 0.0f;
     const float z_estimate = (guard_ready != 0u) ? (observer_z_q + (observer_z_alpha * z_minus_observer_z_q)) : z_held;
     const float z_rate = (guard_ready != 0u) ? (state->observer_z_v + (observer_z_beta * z_minus_observer_z_q)) : 0.0f;
 
     /* angles: positions for the commutation
      *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
-    const float x_commutation = ((latched != 0u) && !x_trusted) ? 0.2f : x_held;
+    const bool i_d1_computed_test = !x_trusted;
+    const float x_commutation = ((latched != 0u) && i_d1_computed_test) ? 0.2f : x_held;
     out->x_commutation = x_commutation;
-    const float z_commutation = ((latched != 0u) && !z_trusted) ? 0.2f : z_held;
+    const bool i_d1_computed_test_2 = !z_trusted;
+    const float z_commutation = ((latched != 0u) && i_d1_computed_test_2) ? 0.2f : z_held;
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
@@ -897,8 +901,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     half_force_1_3 = ((inverse_b_2 + inverse_b_4) * half_force + (inverse_b_2 - inverse_b_4) *
          *         half_force_theta - (inverse_b_3 - inverse_b_1) * half_force_phi) / (inverse_b_1 + inverse_b_3 +
          *         inverse_b_2 + inverse_b_4)
-         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_computed^2,
-         *         i_d4_computed^2))); likewise u_z_computed */
+         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
+         *         i_d4_balanced^2))); likewise u_z_computed */
         const float thrust_per_ampere_1_part = slot_pull / (y1_held + gap_offset);
         const float thrust_per_ampere_1_argument = thrust_per_ampere_1_part - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
@@ -944,21 +948,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) + ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
         const float half_force_1_3 = half_force_1_3_part / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
         const float half_force_2_4 = half_force - half_force_1_3;
-        const float i_d1_computed = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
-        out->i_d1 = i_d1_computed;
-        const float i_d2_computed = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
-        out->i_d2 = i_d2_computed;
-        const float i_d3_computed = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
-        out->i_d3 = i_d3_computed;
-        const float i_d4_computed = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
-        state->safe_output_last_i_d1 = i_d1_computed;
-        state->safe_output_last_i_d2 = i_d2_computed;
-        state->safe_output_last_i_d3 = i_d3_computed;
-        state->safe_output_last_i_d4 = i_d4_computed;
-        out->i_d4 = i_d4_computed;
+        const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
+        const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
+        const float i_d3_balanced = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
+        const float i_d4_balanced = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x / u_x_demand_part;
-        const float u_x_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed));
+        const float u_x_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, u_x_computed_part);
         state->safe_output_last_u_x = u_x_computed;
         out->i_q2 = u_x_computed;
@@ -976,7 +972,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* decoupling: direct and thrust currents, F(8), F(12) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z / u_z_demand_part;
-        const float u_z_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed));
+        const float u_z_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, u_z_computed_part);
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
@@ -985,6 +981,43 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float excess_z = u_z_computed - u_z_demand;
         state->safe_output_last_u_z = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+
+        /* handover: direct currents without x or z */
+        const float handover_transfer = state->handover_transfer;
+        if (i_d1_computed_test || i_d1_computed_test_2 || (0.0f < fabsf(handover_transfer))) {
+            /* safe_output: slew to the safe output once latched */
+            const float i_d1_computed_part_2 = maglev_5dof_slew(handover_transfer, (i_d1_computed_test && i_d1_computed_test_2) ? handover_transfer : i_d1_computed_part, 0.04f);
+            const float i_d1_computed_part_3 = maglev_5dof_max(-i_d1_computed_part_2, 0.0f);
+            const float i_d1_computed_part_4 = 1.0f - i_d1_computed_part_3;
+            const float i_d1_computed_part_5 = maglev_5dof_max(i_d1_computed_part_2, 0.0f);
+            const float i_d1_computed_part_6 = 0.5f * (i_d1_computed_part_5 * (i_d2_balanced + i_d4_balanced));
+            const float i_d1_computed_part_7 = 4.9497476f - fabsf(u_z_computed);
+            state->safe_output_last_i_d1 = i_d1_computed_part_4 * maglev_5dof_limit(i_d1_balanced + i_d1_computed_part_6, i_d1_computed_part_7);
+            out->i_d1 = state->safe_output_last_i_d1;
+            const float i_d2_computed_part = 1.0f - i_d1_computed_part_5;
+            const float i_d2_computed_part_2 = 0.5f * (i_d1_computed_part_3 * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            out->i_d2 = state->safe_output_last_i_d2;
+            state->safe_output_last_i_d3 = i_d1_computed_part_4 * maglev_5dof_limit(i_d3_balanced + i_d1_computed_part_6, i_d1_computed_part_7);
+            out->i_d3 = state->safe_output_last_i_d3;
+            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            out->i_d4 = state->safe_output_last_i_d4;
+            state->handover_transfer = i_d1_computed_part_2;
+        } else {
+            /* safe_output: slew to the safe output once latched */
+            state->safe_output_last_i_d1 = i_d1_balanced;
+            out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d2 = i_d2_balanced;
+            out->i_d2 = i_d2_balanced;
+            state->safe_output_last_i_d3 = i_d3_balanced;
+            out->i_d3 = i_d3_balanced;
+            state->safe_output_last_i_d4 = i_d4_balanced;
+            out->i_d4 = i_d4_balanced;
+
+            /* handover: direct currents without x or z */
+            state->handover_transfer = 0.0f;
+        }
 
         /* accelerations: F(6)
          *     a_x = -0.0943396 * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)) */
@@ -1078,14 +1111,18 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->w_y = w_y;
             diagnostics->w_x = w_x;
             diagnostics->w_z = w_z;
+            diagnostics->i_d1_balanced = i_d1_balanced;
+            diagnostics->i_d2_balanced = i_d2_balanced;
+            diagnostics->i_d3_balanced = i_d3_balanced;
+            diagnostics->i_d4_balanced = i_d4_balanced;
             diagnostics->excess_x = excess_x;
             diagnostics->excess_z = excess_z;
             diagnostics->a_x = a_x;
             diagnostics->a_z = a_z;
-            diagnostics->saturated |= (fabsf(i_d1_computed) >= direct_limit) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_computed) >= direct_limit) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_computed) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_computed) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(u_x_computed) >= u_x_computed_part) ? 0x00000010u : 0u;
             diagnostics->saturated |= (fabsf(u_z_computed) >= u_z_computed_part) ? 0x00000020u : 0u;
         }
@@ -1122,9 +1159,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->suspect_x = (float)suspect_x;
         diagnostics->suspect_z = (float)suspect_z;
         diagnostics->landed = landed ? 1.0f : 0.0f;
+        diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
         diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
         diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
         diagnostics->regular = regular ? 1.0f : 0.0f;
+        diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
         diagnostics->x_disturbance = x_disturbance;
         diagnostics->x_estimate = x_estimate;
         diagnostics->x_rate = x_rate;

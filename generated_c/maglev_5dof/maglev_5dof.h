@@ -119,6 +119,7 @@ typedef struct {
     maglev_5dof_regulator_state_t regulator_phi;
     maglev_5dof_filter_state_t filter_theta;
     maglev_5dof_regulator_state_t regulator_theta;
+    float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
     float delay_w_y_last;               /* m/s^2, -10000 .. 10000: w_y one sample ago */
     float delay_a_x_last;               /* m/s^2, -1000 .. 1000: a_x one sample ago */
     float delay_a_z_last;               /* m/s^2, -1000 .. 1000: a_z one sample ago */
@@ -161,11 +162,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 412u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 416u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_412[(sizeof(maglev_5dof_state_t) == 412u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_416[(sizeof(maglev_5dof_state_t) == 416u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -196,7 +197,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
 /* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 i_d1_computed, 1 i_d2_computed, 2 i_d3_computed, 3 i_d4_computed, 4 u_x_computed, 5 u_z_computed. */
+ * to zero when you call init. Bits of `saturated`: 0 i_d1_balanced, 1 i_d2_balanced, 2 i_d3_balanced, 3 i_d4_balanced, 4 u_x_computed, 5 u_z_computed. */
 typedef struct {
     float y1_expected;                  /* m: gap of motor 1 */
     float y2_expected;                  /* m: gap of motor 2 */
@@ -209,13 +210,14 @@ typedef struct {
     float suspect_x;                    /* 1: contradicts the other measurements */
     float suspect_z;                    /* 1: contradicts the other measurements */
     float landed;                       /* 1: the landing is over */
-    float sufficient;                   /* 1: the machine can be controlled */
+    float gaps_sufficient;              /* 1: the machine can be controlled */
+    float x_trusted;                    /* 1: measured, not predicted */
+    float z_trusted;                    /* 1: measured, not predicted */
+    float sufficient;                   /* 1: it can be controlled */
     float y1_held;                      /* m: gap of motor 1 */
     float y2_held;                      /* m: gap of motor 2 */
     float y3_held;                      /* m: gap of motor 3 */
     float y4_held;                      /* m: gap of motor 4 */
-    float x_trusted;                    /* 1: measured, not predicted */
-    float z_trusted;                    /* 1: measured, not predicted */
     float x_unchanged;                  /* 1: samples without a change of the code */
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */
@@ -244,6 +246,10 @@ typedef struct {
     float y_estimate;                   /* m: y after the correction */
     float y_rate;                       /* m/s: rate of y after the correction */
     float w_y;                          /* m/s^2: demanded acceleration */
+    float i_d1_balanced;                /* A: direct current of motor 1, rms */
+    float i_d2_balanced;                /* A: direct current of motor 2, rms */
+    float i_d3_balanced;                /* A: direct current of motor 3, rms */
+    float i_d4_balanced;                /* A: direct current of motor 4, rms */
     float x_disturbance;                /* m/s^2: acceleration that the demand lacks */
     float x_estimate;                   /* m: x after the correction */
     float x_rate;                       /* m/s: rate of x after the correction */

@@ -13,6 +13,11 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
+static inline float maglev_5dof_phase_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
 static inline float maglev_5dof_phase_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -27,11 +32,6 @@ static inline float maglev_5dof_phase_slew(float last, float target, float step)
 {
     const float below = (target < (last + step)) ? target : (last + step);
     return (below > (last - step)) ? below : (last - step);
-}
-
-static inline bool maglev_5dof_phase_equal(float a, float b)
-{
-    return (a <= b) && (b <= a);
 }
 
 #if defined(__GNUC__)
@@ -101,35 +101,61 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u, &faults);
     const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u, &faults);
     const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u, &faults);
-    const float x_commutation = in->x_commutation;
-    const float z_commutation = in->z_commutation;
-    state->guard_last_x = x_commutation;
-    state->guard_last_z = z_commutation;
+    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
+    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
     /* advance: positions 1.5 samples later, when the currents act
-     *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_commutation)); likewise
+     *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
      *         z_acting
-     *     last_x_next = max(min(x_commutation, (last_x if 1 <= left_x, else x_commutation) + 0.001), (last_x
-     *         if 1 <= left_x, else x_commutation) - 0.001); likewise last_z_next */
+     *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
+     *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
+     *         else x_held) - 0.001); likewise last_z_next
+     *     left_x_next = 5 if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise
+     *         left_z_next */
     const uint32_t advance_left_x = state->advance_left_x;
-    const float advance_last_x_part = (1u <= advance_left_x) ? state->advance_last_x : x_commutation;
-    const float advance_last_x_next = maglev_5dof_phase_slew(advance_last_x_part, x_commutation, 0.001f);
+    float advance_last_x_part = x_held;
+    uint32_t advance_left_x_part = 0u;
+    if (1u <= advance_left_x) {
+        advance_last_x_part = state->advance_last_x;
+        advance_left_x_part = advance_left_x - 1u;
+    }
+    const float advance_last_x_next = maglev_5dof_phase_slew(advance_last_x_part, x_held, 0.001f);
     const float x_acting = advance_last_x_next + (1.5f * (advance_last_x_next - advance_last_x_part));
+    const bool lost_x_test = (faults & 0x00000100u) == 0u;
+    const bool lost_x = (lost_x_test) ? false : (advance_left_x <= 1u);
     const uint32_t advance_left_z = state->advance_left_z;
-    const float advance_last_z_part = (1u <= advance_left_z) ? state->advance_last_z : z_commutation;
-    const float advance_last_z_next = maglev_5dof_phase_slew(advance_last_z_part, z_commutation, 0.001f);
+    float advance_last_z_part = z_held;
+    uint32_t advance_left_z_part = 0u;
+    if (1u <= advance_left_z) {
+        advance_last_z_part = state->advance_last_z;
+        advance_left_z_part = advance_left_z - 1u;
+    }
+    const float advance_last_z_next = maglev_5dof_phase_slew(advance_last_z_part, z_held, 0.001f);
     const float z_acting = advance_last_z_next + (1.5f * (advance_last_z_next - advance_last_z_part));
+    const bool lost_z_test = (faults & 0x00000200u) == 0u;
+    const bool lost_z = (lost_z_test) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
     state->advance_last_z = advance_last_z_next;
-    state->advance_left_x = 5u;
-    state->advance_left_z = 5u;
+    state->advance_left_x = (lost_x_test) ? 5u : advance_left_x_part;
+    state->advance_left_z = (lost_z_test) ? 5u : advance_left_z_part;
+    const uint32_t value = (lost_x) ? (faults | 0x00000400u) : faults;
+    float i_a1_part = -1.0f;
+    uint32_t fault_word = value;
+    if (lost_z) {
+        fault_word = value | 0x00000800u;
+    } else {
+        i_a1_part = 0.0f;
+    }
 
     /* commutation: phase currents, inverse Park
      *     distance_x = limit(x_acting - 0.114288 * (floor(8.74891 * x_acting + 4.5) - 4) - 1.16699e-05 *
      *         (floor(8.74891 * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
      *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
-     *     transfer_next = max(min(lost_x, transfer + 0.04), transfer - 0.04) if lost_x != lost_x or lost_x <
-     *         |transfer|, else lost_x */
+     *     transfer_next = max(min(transfer if lost_x and lost_z, else (1 if lost_x is set, else (-1 if lost_z
+     *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or 0 < |transfer|, else
+     *         0
+     *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
+     *         lost_x or lost_z or 0 < |transfer|, else 0 */
     const float distance_x_part = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
     const float distance_x = x_acting - (0.11428833f * distance_x_part) - (1.1669922e-05f * distance_x_part);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
@@ -140,51 +166,62 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
-    const float i_a1_part = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
-    const float i_a1_part_2 = i_a1_part * (5.656854f - (11.313708f * quarter_sine_z_squared));
-    const float i_a1_part_3 = root_2 - (11.313708f * (i_a1_part * i_a1_part));
+    const float i_a1_part_2 = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
+    const float i_a1_part_3 = i_a1_part_2 * (5.656854f - (11.313708f * quarter_sine_z_squared));
+    const float i_a1_part_4 = root_2 - (11.313708f * (i_a1_part_2 * i_a1_part_2));
     const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
     const float i_a2_part = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
     const float i_a2_part_2 = i_a2_part * (5.656854f - (11.313708f * quarter_sine_x_squared));
     const float i_a2_part_3 = root_2 - (11.313708f * (i_a2_part * i_a2_part));
-    float i_a1_part_4 = i_d1_held;
-    float i_a1_part_5 = i_a1_part_2;
+    float i_a1_part_5 = i_d1_held;
     float i_a1_part_6 = i_a1_part_3;
+    float i_a1_part_7 = i_a1_part_4;
     float i_a2_part_4 = i_d2_held;
     float i_a2_part_5 = i_a2_part_2;
     float i_a2_part_6 = i_a2_part_3;
     float i_a3_part = i_d3_held;
     float i_a4_part = i_d4_held;
-    if (!maglev_5dof_phase_equal(0.0f, 0.0f) || (0.0f < fabsf(commutation_transfer))) {
-        const float i_a1_part_7 = maglev_5dof_phase_slew(commutation_transfer, 0.0f, 0.04f);
-        const float i_a1_part_8 = maglev_5dof_phase_max(i_a1_part_7, 0.0f);
-        const float i_a1_part_9 = 0.5f * (i_a1_part_8 * (i_d2_held + i_d4_held));
-        i_a1_part_4 = maglev_5dof_phase_limit(i_d1_held + i_a1_part_9, 4.9497476f - fabsf(i_q1_held));
-        const float i_a1_part_10 = maglev_5dof_phase_max(-i_a1_part_7, 0.0f);
-        const float i_a1_part_11 = 1.0f - i_a1_part_10;
-        i_a1_part_5 = i_a1_part_11 * i_a1_part_2;
-        i_a1_part_6 = i_a1_part_11 * i_a1_part_3;
-        const float i_a2_part_7 = 0.5f * (i_a1_part_10 * (i_d1_held + i_d3_held));
+    if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer))) {
+        float i_a1_part_8 = commutation_transfer;
+        uint32_t i_a1_part_9 = 0u;
+        if (lost_x && lost_z) {
+            const uint32_t commutation_unknown = state->commutation_unknown;
+            i_a1_part_9 = (105u <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
+        } else {
+            i_a1_part_8 = (lost_x) ? 1.0f : i_a1_part;
+        }
+        const float i_a1_part_10 = maglev_5dof_phase_slew(commutation_transfer, i_a1_part_8, 0.04f);
+        const float i_a1_part_11 = maglev_5dof_phase_max(i_a1_part_10, 0.0f);
+        const float i_a1_part_12 = 0.5f * (i_a1_part_11 * (i_d2_held + i_d4_held));
+        i_a1_part_5 = maglev_5dof_phase_limit(i_d1_held + i_a1_part_12, 4.9497476f - fabsf(i_q1_held));
+        const float i_a1_part_13 = maglev_5dof_phase_min(0.04f * (105.0f - (float)i_a1_part_9), 1.0f);
+        const float i_a1_part_14 = maglev_5dof_phase_max(-i_a1_part_10, 0.0f);
+        const float i_a1_part_15 = i_a1_part_13 * (1.0f - i_a1_part_14);
+        i_a1_part_6 = i_a1_part_15 * i_a1_part_3;
+        i_a1_part_7 = i_a1_part_15 * i_a1_part_4;
+        const float i_a2_part_7 = 0.5f * (i_a1_part_14 * (i_d1_held + i_d3_held));
         i_a2_part_4 = maglev_5dof_phase_limit(i_d2_held + i_a2_part_7, 4.9497476f - fabsf(i_q2_held));
-        const float i_a2_part_8 = 1.0f - i_a1_part_8;
+        const float i_a2_part_8 = i_a1_part_13 * (1.0f - i_a1_part_11);
         i_a2_part_5 = i_a2_part_8 * i_a2_part_2;
         i_a2_part_6 = i_a2_part_8 * i_a2_part_3;
-        i_a3_part = maglev_5dof_phase_limit(i_d3_held + i_a1_part_9, 4.9497476f - fabsf(i_q3_held));
+        i_a3_part = maglev_5dof_phase_limit(i_d3_held + i_a1_part_12, 4.9497476f - fabsf(i_q3_held));
         i_a4_part = maglev_5dof_phase_limit(i_d4_held + i_a2_part_7, 4.9497476f - fabsf(i_q4_held));
-        state->commutation_transfer = i_a1_part_7;
+        state->commutation_transfer = i_a1_part_10;
+        state->commutation_unknown = i_a1_part_9;
     } else {
         state->commutation_transfer = 0.0f;
+        state->commutation_unknown = 0u;
     }
-    const float i_a1_part_12 = (i_a1_part_4 * i_a1_part_5) - (i_q1_held * i_a1_part_6);
-    const float i_a1 = i_a1_part_12;
+    const float i_a1_part_16 = (i_a1_part_5 * i_a1_part_6) - (i_q1_held * i_a1_part_7);
+    const float i_a1 = i_a1_part_16;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
     out->i_a1 = i_a1;
-    const float i_b1_part = half_root_3 * ((i_q1_held * i_a1_part_5) + (i_a1_part_4 * i_a1_part_6));
-    const float half_i_a1_part_12 = 0.5f * i_a1_part_12;
-    const float i_b1 = i_b1_part - half_i_a1_part_12;
+    const float i_b1_part = half_root_3 * ((i_q1_held * i_a1_part_6) + (i_a1_part_5 * i_a1_part_7));
+    const float half_i_a1_part_16 = 0.5f * i_a1_part_16;
+    const float i_b1 = i_b1_part - half_i_a1_part_16;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
     out->i_b1 = i_b1;
-    const float i_c1 = -(half_i_a1_part_12 + i_b1_part);
+    const float i_c1 = -(half_i_a1_part_16 + i_b1_part);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
     out->i_c1 = i_c1;
     const float i_a2_part_9 = (i_a2_part_4 * i_a2_part_5) - (i_q2_held * i_a2_part_6);
@@ -199,11 +236,11 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_c2 = -(half_i_a2_part_9 + i_b2_part);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
     out->i_c2 = i_c2;
-    const float i_a3_part_2 = (i_a3_part * i_a1_part_5) - (i_q3_held * i_a1_part_6);
+    const float i_a3_part_2 = (i_a3_part * i_a1_part_6) - (i_q3_held * i_a1_part_7);
     const float i_a3 = i_a3_part_2;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
     out->i_a3 = i_a3;
-    const float i_b3_part = half_root_3 * ((i_q3_held * i_a1_part_5) + (i_a3_part * i_a1_part_6));
+    const float i_b3_part = half_root_3 * ((i_q3_held * i_a1_part_6) + (i_a3_part * i_a1_part_7));
     const float half_i_a3_part_2 = 0.5f * i_a3_part_2;
     const float i_b3 = i_b3_part - half_i_a3_part_2;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
@@ -222,19 +259,20 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     out->i_b4 = i_b4;
     const float i_c4 = -(half_i_a4_part_2 + i_b4_part);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
-    state->commutation_unknown = 0u;
     out->i_c4 = i_c4;
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_acting = x_acting;
+        diagnostics->lost_x = lost_x ? 1.0f : 0.0f;
         diagnostics->z_acting = z_acting;
+        diagnostics->lost_z = lost_z ? 1.0f : 0.0f;
     }
 #endif
 
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
     if (diagnostics != NULL) {
-        diagnostics->faults = faults;
+        diagnostics->faults = fault_word;
     }
 #endif
-    return faults;
+    return fault_word;
 }

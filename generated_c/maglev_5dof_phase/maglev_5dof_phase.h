@@ -95,8 +95,8 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  *   bit  5  i_q2: not finite or outside its range
  *   bit  6  i_q3: not finite or outside its range
  *   bit  7  i_q4: not finite or outside its range
- *   bit  8  x: not finite or outside its range
- *   bit  9  z: not finite or outside its range
+ *   bit  8  x_commutation: not finite or outside its range
+ *   bit  9  z_commutation: not finite or outside its range
  *   bit 10  x: lost; motors 2 and 4 hand their direct currents over and fade out
  *   bit 11  z: lost; motors 1 and 3 hand their direct currents over and fade out
  */
@@ -107,7 +107,9 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
  * to zero when you call init. */
 typedef struct {
     float x_acting;                     /* m: x when the current acts */
+    float lost_x;                       /* 1: x is unknown */
     float z_acting;                     /* m: z when the current acts */
+    float lost_z;                       /* 1: z is unknown */
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
