@@ -5,8 +5,8 @@
 Motors 2 and 4 lie along X, motors 1 and 3 along Z; th = pi s/tau + pi/2. The angle is that of the position at which the
 current acts, ADVANCE samples after the measurement; `advance=0` is the commutation at the measured position.
 
-The position is that which the controller uses: while an encoder is refused, the prediction. Where the controller says
-that it is lost, or the input is refused, the angle is wrong.
+The controller gives the position: the reading, or the prediction while the encoder is refused. After the latch nothing
+predicts it, and the controller gives a value out of range, which is refused here.
 
 Currents for a wrong angle are worse than none: a direct current that repels the platen also pushes it sideways, away
 from the assumed angle. While the position along an axis is lost, its motors therefore hand their direct currents over

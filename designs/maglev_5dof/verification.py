@@ -147,6 +147,7 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Column
     for name in "xz":
         states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
     states["redundancy_undecided_0"] = states["redundancy_stuck_0"] = np.zeros(n)
+    states["handover_transfer"] = np.where(rng.uniform(size=n) < RARE, rng.uniform(-1, 1, n), 0.0)
     states["landing_landing"] = (rng.uniform(size=n) < RARE).astype(float)
     for s in ("y", "x", "z"):
         states[f"landing_r_{s}"] = states[f"observer_{s}_q"] + rng.normal(0, 1e-4, n)

@@ -1,5 +1,6 @@
 """The commutation on the machine: its advance, its sines, and what becomes of the platen whose position is lost."""
 
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -54,7 +55,7 @@ def test_any_other_advance_is_worse_by_far(samples: float) -> None:
 
 def test_the_c_calls_no_sine_and_costs_no_more_than_it_did() -> None:
     files = write.emit(PHASES, np.float32, error=ERROR[np.float32]).files
-    code = files[f"{PHASES.name}.c"]
+    code = re.sub(r"/\*.*?\*/", "", files[f"{PHASES.name}.c"], flags=re.DOTALL)  # comments have the equations
     assert not [f for f in ("sin", "cos", "floor") if f"{f}f(" in code or f"{f}(" in code]
     assert "maglev_5dof_phase_limit(i_a" not in code  # no limit of a phase is left: all are proved idle
     assert "x: lost; motors 2 and 4 hand their direct currents over and fade out" in files[f"{PHASES.name}.h"]
@@ -68,9 +69,9 @@ def test_the_reference_differs_where_the_advance_does(monkeypatch: pytest.Monkey
         agreements = suite.compare("steps", by, *samples, 1.0)
         return next(a.worst for a in agreements if a.first == "reference")
 
-    assert worst() < suite.EXACT
+    assert worst() < suite.DOUBLE_TOLERANCE
     monkeypatch.setattr(reference_phase, "ADVANCE", 1.5 * (1 + 1e-9))
-    assert worst() > suite.EXACT
+    assert worst() > suite.DOUBLE_TOLERANCE
 
 
 def lose(
@@ -113,7 +114,7 @@ def test_the_commutation_follows_the_prediction_until_the_platen_has_landed(sens
     run = lose(rig(), (sensor,), onset_s=0.6)
     landing = slice(600, int(np.flatnonzero(run.faults >> 31)[0]))
     predicted = run.commands[f"{sensor}_commutation"][landing].astype(float)
-    assert np.abs(predicted - run[sensor][landing]).max() < 1e-3 < np.ptp(run[sensor][landing])
+    assert np.abs(predicted - run[sensor][landing]).max() < 1e-4 < np.ptp(run[sensor][landing])
     assert (run.commands[f"{sensor}_commutation"][landing.stop :] == np.float32(control.LOST)).all()
 
 
