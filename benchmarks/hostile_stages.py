@@ -1,11 +1,12 @@
 """Valid calls of the functions on a declared stage: its controller, its loops, its control axes."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from benchmarks.hostile_examples import Call, usual
+from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse import robustness
-from synth.blocks import axis
+from synth.blocks import axis, dead_reckoning
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
 
@@ -32,7 +33,11 @@ def examples() -> Mapping[str, Call]:
     )
     controller = stage.controller("held", Discrete(1e-3), around, [axis.servo(**asked)])
     loops = robustness.of_controller(controller, maglev, POINTS)
+    moving = dead_reckoning.Axis("gap", GAP, replace(GAP, name="predicted"), U, 0.5, 1.0, 0.9)
     return {
+        "braking.block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
+        "dead_reckoning.Axis": fields(moving),
+        "dead_reckoning.block": {"axes": [moving]},
         "axis.kalman": noise,
         "axis.servo": asked,
         "axis.decouple": {"axes": [axis.servo(**asked)]},

@@ -64,12 +64,16 @@ VOLTAGE = 5.0  # V: 1.7 times the amplitude of 2.93 V
 PITCHES = 2  # counted to either side: 2.5 pitches are 127 mm, the travel is 110 mm
 YAW = 0.025  # rad: the stage rotates by 0.02 at most; a larger raw yaw is clipped
 WEIGHT = 0.1  # of the squared amplitudes in the yaw: a larger one means less noise and more influence of lift and tilt
-REGULAR = 0.01  # of A^2, added to the yaw's sum of squares of at least 0.27 A^2
+REGULAR = 2.5e-5  # of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails
 LEAST = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
 # Noise of 5e-5 m rms in a position is 0.62 % of A in a voltage, 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
 RESIDUAL = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
 POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
 PART = {"m": 0.2, "r": 0.3}  # of these
+INNOVATION = {
+    "x": 5e-4,
+    "phi": 0.08,
+}  # m; of A, for the yaw's error times the root of its sum of squares: 7 times the noise
 BIG = 1.5
 NEARLY, SMALL = 0.1, 0.3  # of A^2
 MAX_KNOWN_YAW = 0.01  # rad
@@ -113,10 +117,11 @@ class _Pair:
     m: ca.SX
 
 
-def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
+def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bool = False) -> Block:
     """Return the Block from held voltages to the raw position, the position within the pitch, residuals and suspects.
 
-    Predictions are inputs, or else the raw position of the previous sample.
+    Predictions are inputs, or else the raw position of the previous sample. With `innovation` the raw position less the
+    prediction counts as a residual, too: the predictions must then know the forces.
     """
     cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
@@ -133,11 +138,17 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
+        excess, information = _yaw_equation(X, Y, (h1, h2), (r1, r2), k, A)
+        turn = excess / information
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared_residual(r1, r2, X.m, Y.m, A)
+        if innovation:
+            off = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
+            squared += (RESIDUAL * A / INNOVATION["x"]) ** 2 * (off["x"] ** 2 + off["y"] ** 2)
+            squared += (RESIDUAL / INNOVATION["phi"]) ** 2 * (turn * excess)
         beyond = ca.logic_or(x["contradiction_left"], squared > (RESIDUAL * A) ** 2)
         doubt = ca.if_else(known, ca.logic_and(squared > (CONFIRMATION * RESIDUAL * A) ** 2, beyond), 0)
         sure = ca.logic_and(ca.logic_not(doubt), u["complete"])
-        output = {yaw: clip(phi + ca.if_else(sure, _yaw_correction(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
+        output = {yaw: clip(phi + ca.if_else(sure, turn, 0), RAW["phi"])}
         next: dict[str, ca.SX] = {}
         first = ca.logic_and(doubt, ca.logic_not(x["contradiction_left"]))
         seen = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
@@ -145,7 +156,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
         for axis, at in within.items():
             next[f"offset_{axis}"] = ca.if_else(sure, offset[axis], x[f"offset_{axis}"])
-            next[f"within_{axis}"] = ca.if_else(sure, at, x[f"within_{axis}"])
+            passed = clip(expected[axis], WITHIN[0]) if predicted else x[f"within_{axis}"]
+            next[f"within_{axis}"] = ca.if_else(sure, at, passed)
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
@@ -209,12 +221,14 @@ def _slope(p: _Pair, k: Exprs) -> ca.SX:
     return p.c * p.c**2 * (k["slope_0"] + p.s**2 * k["slope_1"])
 
 
-def _yaw_correction(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float) -> ca.SX:
-    """Return the yaw less the predicted one, rad; h3 is half of h_3."""
+def _yaw_equation(
+    X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float
+) -> tuple[ca.SX, ca.SX]:
+    """Return numerator and denominator, V^2, of the yaw less the predicted one in rad; h3 is half of h_3."""
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
     (h1, h2), (r1, r2) = h, r
     information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + REGULAR * A**2
-    return (h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m))) / information
+    return h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m)), information
 
 
 def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:

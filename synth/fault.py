@@ -6,20 +6,22 @@ from dataclasses import dataclass
 from synth import arguments
 
 LATCH_BIT = 31  # of the fault word: it has latched
+BRAKING_BIT = 30  # it brakes before the latch
 
 
 @dataclass(frozen=True)
 class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
 
-    `input` is the input that is out of range, `suspect` the one that contradicts others. Without either the bit reports
-    the latch.
+    `input` is the input that is out of range, `suspect` the one that contradicts others. `about` is the meaning of a
+    bit that concerns no single input. Without any of them the bit reports the latch.
     """
 
     bit: int
     output: str
     input: str | None = None
     suspect: str | None = None
+    about: str = ""
 
 
 @arguments.checked
@@ -28,10 +30,11 @@ class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
     Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
-    these values.
+    these values. `braking` of these samples are the last before the latch, in which the step brakes.
     """
 
     bad_samples: int
     safe_output: Mapping[str, float]
     slew_per_s: Mapping[str, float]
     reason: str
+    braking: int = 0

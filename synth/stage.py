@@ -72,11 +72,13 @@ def interface(
     bad_samples: int = 5,
     reason: str = "",
     suspected: Sequence[str] = (),
+    braking: int = 0,
 ) -> Interface:
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
     go to their safe values, for a `reason` that the C header states. `suspected` are sensors that a law compares.
+    Before that, ``braking`` is 1 for `braking` samples more.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
     an actuator or a disturbance.
@@ -103,7 +105,7 @@ def interface(
     named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
         plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples, reason,
-        tuple(suspected),
+        tuple(suspected), braking,
     )  # fmt: skip
 
 
@@ -148,7 +150,7 @@ def guarded_inputs(around: Interface) -> tuple[safety.GuardedInput, ...]:
 def safe(around: Interface) -> safety.Safety:
     """Return the safe outputs after too many bad samples."""
     values, slews = {a.name: a.safe for a in around.actuators}, {a.name: a.slew_per_s for a in around.actuators}
-    return safety.Safety(around.bad_samples, values, slews, around.reason)
+    return safety.Safety(around.bad_samples + around.braking, values, slews, around.reason, around.braking)
 
 
 def errors(time: Discrete, around: Interface, of: Sequence[str]) -> Block:
@@ -213,7 +215,7 @@ def _composition(
     actuators = [a.name for a in around.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     parts = (
-        safety.guard(time, guarded_inputs(around), around.bad_samples, around.suspected, reason=around.reason),
+        safety.guard(time, guarded_inputs(around), around.bad_samples, around.suspected, around.reason, around.braking),
         *([errors(time, around, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, around, demands)] if demands else []),

@@ -8,6 +8,7 @@ from designs.planar_6dof import artefacts, bench, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, planar_stage
 from synth import stage, standard_tasks
+from synth.declaration import Interface
 from synth.report.audit import Row
 from synth.simulate.experiments import Run
 from synth.simulate.rig import Rig
@@ -25,14 +26,17 @@ def design(
     experiments: Sequence[Run],
     audit: Callable[[Rig], Iterator[Row]],
     report: Callable[..., str],
+    around: Interface = interface.INTERFACE,
+    **fields: Any,
 ) -> Design:
     """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `audit` yields the rows of the paper's audit, computed with the shipped loop.
+    `around` is the interface of the controller, and `fields` are further ones of the stage. `audit` yields the rows of
+    the paper's audit, computed with the shipped loop.
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
-        interface.declare_controller(name, time, lambda: subject().block),
+        interface.declare_controller(name, time, lambda: subject().block, around),
         planar_stage.plant(halbach.HARMONICS),
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
@@ -44,4 +48,5 @@ def design(
         audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
         bench=partial(standard_tasks.bench, further_steps=bench.stimuli, floor=bench.FLOOR),
         report=lambda _, *arguments: report(*arguments),
+        **fields,
     )

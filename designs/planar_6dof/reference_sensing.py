@@ -35,9 +35,10 @@ DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
 YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
-WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation; regularisation of the yaw and of a ratio
+WEIGHT, REGULAR, LEAST = 0.1, 2.5e-5, 1e-6  # of the third equation; regularisation of the yaw and of a ratio
 RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
+INNOVATION, YAW_INNOVATION = 5e-4, 0.08  # m; of A, times the square root of the yaw's information
 AGAIN = 0.5  # of rho
 MEMORY = 4.0  # samples
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
@@ -162,11 +163,17 @@ def predicted_pose(state: Columns) -> dict[str, Array]:
 
 
 def sense(
-    state: Columns, v: Columns, flags: tuple[Array, Array], predicted: Columns, k: Constants
+    state: Columns,
+    v: Columns,
+    flags: tuple[Array, Array],
+    predicted: Columns,
+    k: Constants,
+    innovation: bool = False,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
-    `flags` say whether every voltage has been good in one sample, and is good in this one. Y(1)-(5), Fig. 4.
+    `flags` say whether every voltage has been good in one sample, and is good in this one. With `innovation` a measured
+    motion that differs from the predicted one is a contradiction, too. Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
@@ -177,7 +184,11 @@ def sense(
     weight = WEIGHT / A**2
     information = h1**2 + h2**2 + weight * h3**2 + REGULAR * A**2
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
-    rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
+    counted = {a: count_pitches(p.place, state[f"sensing_offset_{a}"], predicted[a]) for a, p in (("x", x), ("y", y))}
+    off = [(p.place + counted[a] - predicted[a]) / INNOVATION for a, p in (("x", x), ("y", y))]
+    motion = off[0] ** 2 + off[1] ** 2 + information * (step / (YAW_INNOVATION * A)) ** 2
+    squared = (r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2
+    rho = np.sqrt(squared + motion if innovation else squared)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
@@ -194,15 +205,20 @@ def sense(
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
-        offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
-        off = pair.place + offset - predicted[axis]
-        correction = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
-        next_offset = np.where(np.abs(offset + correction) <= COUNT * PITCH, offset + correction, offset)
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + next_offset, predicted[axis])
-        out[f"within_{axis}"] = np.where(accepted, pair.place, within)
-        after[f"sensing_offset_{axis}"] = np.where(accepted, next_offset, offset)
+        offset = state[f"sensing_offset_{axis}"]
+        expected = np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2)
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
+        out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
+        after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
         after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
     return out, after
+
+
+def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
+    """Return the whole pitches, m, that bring a place within the pitch nearest to the prediction, one more at most."""
+    off = place + offset - predicted
+    counted = offset + np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
+    return np.where(np.abs(counted) <= COUNT * PITCH, counted, offset)
 
 
 def suspects(state: Columns, A: float) -> dict[str, Array]:

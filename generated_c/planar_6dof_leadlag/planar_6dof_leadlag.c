@@ -376,6 +376,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         const bool x_raw_test_2 = !x_raw_test && complete;
         const float filter_y_p = state->filter_y.p;
+        const float sensing_offset_x = state->sensing_offset_x;
+        const float x_raw_part_2 = filter_x_p - sensing_offset_x;
+        const float sensing_offset_y = state->sensing_offset_y;
+        const float y_raw_part = filter_y_p - sensing_offset_y;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
         float phi_raw_part = 0.0f;
@@ -385,87 +389,83 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float ratio_x = ratio_x_part_3 / (planar_6dof_leadlag_max(ratio_x_part_2, ratio_x_part_squared) + 8.612998e-06f);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
-            const float x_raw_part_2 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float sensing_within_x_next;
+            const float x_raw_part_3 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            float x_raw_part_4;
             if (ratio_x_part_2 <= ratio_x_part_squared) {
                 if (ratio_x_part < 0.0f) {
-                    if (0.0f < x_raw_part_2) {
-                        sensing_within_x_next = x_raw_part_2 - 0.0254f;
+                    if (0.0f < x_raw_part_3) {
+                        x_raw_part_4 = x_raw_part_3 - 0.0254f;
                     } else {
-                        sensing_within_x_next = x_raw_part_2 + 0.0254f;
+                        x_raw_part_4 = x_raw_part_3 + 0.0254f;
                     }
                 } else {
-                    sensing_within_x_next = x_raw_part_2;
+                    x_raw_part_4 = x_raw_part_3;
                 }
             } else {
-                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_2;
+                x_raw_part_4 = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_3;
             }
-            const float sensing_offset_x = state->sensing_offset_x;
-            const float x_raw_part_3 = sensing_within_x_next - (filter_x_p - sensing_offset_x);
-            float x_raw_part_4 = sensing_offset_x;
-            if (0.0254f < fabsf(x_raw_part_3)) {
-                if (0.0f < x_raw_part_3) {
+            const float x_raw_part_5 = x_raw_part_4 - x_raw_part_2;
+            float x_raw_part_6 = sensing_offset_x;
+            if (0.0254f < fabsf(x_raw_part_5)) {
+                if (0.0f < x_raw_part_5) {
                     if (-0.0508f <= sensing_offset_x) {
-                        const float x_raw_part_5 = sensing_offset_x - 0.0508f;
-                        x_raw_part_4 = x_raw_part_5;
-                        state->sensing_offset_x = x_raw_part_5;
+                        const float x_raw_part_7 = sensing_offset_x - 0.0508f;
+                        x_raw_part_6 = x_raw_part_7;
+                        state->sensing_offset_x = x_raw_part_7;
                     }
                 } else {
                     if (sensing_offset_x <= 0.0508f) {
-                        const float x_raw_part_6 = sensing_offset_x + 0.0508f;
-                        x_raw_part_4 = x_raw_part_6;
-                        state->sensing_offset_x = x_raw_part_6;
+                        const float x_raw_part_8 = sensing_offset_x + 0.0508f;
+                        x_raw_part_6 = x_raw_part_8;
+                        state->sensing_offset_x = x_raw_part_8;
                     }
                 }
             }
-            x_raw = sensing_within_x_next + x_raw_part_4;
-            within_x = sensing_within_x_next;
+            x_raw = x_raw_part_4 + x_raw_part_6;
+            within_x = x_raw_part_4;
             const float ratio_y = -(ratio_y_part_3 / (planar_6dof_leadlag_max(ratio_y_part_2, ratio_y_part_squared) + 8.612998e-06f));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float y_raw_part = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float sensing_within_y_next;
+            const float y_raw_part_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            float y_raw_part_3;
             if (ratio_y_part_2 <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
-                    if (0.0f < y_raw_part) {
-                        sensing_within_y_next = y_raw_part - 0.0254f;
+                    if (0.0f < y_raw_part_2) {
+                        y_raw_part_3 = y_raw_part_2 - 0.0254f;
                     } else {
-                        sensing_within_y_next = y_raw_part + 0.0254f;
+                        y_raw_part_3 = y_raw_part_2 + 0.0254f;
                     }
                 } else {
-                    sensing_within_y_next = y_raw_part;
+                    y_raw_part_3 = y_raw_part_2;
                 }
             } else {
-                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - y_raw_part;
+                y_raw_part_3 = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - y_raw_part_2;
             }
-            const float sensing_offset_y = state->sensing_offset_y;
-            const float y_raw_part_2 = sensing_within_y_next - (filter_y_p - sensing_offset_y);
-            float y_raw_part_3 = sensing_offset_y;
-            if (0.0254f < fabsf(y_raw_part_2)) {
-                if (0.0f < y_raw_part_2) {
+            const float y_raw_part_4 = y_raw_part_3 - y_raw_part;
+            float y_raw_part_5 = sensing_offset_y;
+            if (0.0254f < fabsf(y_raw_part_4)) {
+                if (0.0f < y_raw_part_4) {
                     if (-0.0508f <= sensing_offset_y) {
-                        const float y_raw_part_4 = sensing_offset_y - 0.0508f;
-                        y_raw_part_3 = y_raw_part_4;
-                        state->sensing_offset_y = y_raw_part_4;
+                        const float y_raw_part_6 = sensing_offset_y - 0.0508f;
+                        y_raw_part_5 = y_raw_part_6;
+                        state->sensing_offset_y = y_raw_part_6;
                     }
                 } else {
                     if (sensing_offset_y <= 0.0508f) {
-                        const float y_raw_part_5 = sensing_offset_y + 0.0508f;
-                        y_raw_part_3 = y_raw_part_5;
-                        state->sensing_offset_y = y_raw_part_5;
+                        const float y_raw_part_7 = sensing_offset_y + 0.0508f;
+                        y_raw_part_5 = y_raw_part_7;
+                        state->sensing_offset_y = y_raw_part_7;
                     }
                 }
             }
-            y_raw = sensing_within_y_next + y_raw_part_3;
-            state->sensing_within_x = sensing_within_x_next;
-            within_y = sensing_within_y_next;
-            state->sensing_within_y = sensing_within_y_next;
+            y_raw = y_raw_part_3 + y_raw_part_5;
+            within_y = y_raw_part_3;
             const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part));
-            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + 0.08612997f);
+            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + 0.00021532494f);
             phi_raw_part = phi_raw_part_3;
         } else {
-            within_x = state->sensing_within_x;
-            within_y = state->sensing_within_y;
+            within_x = planar_6dof_leadlag_limit(x_raw_part_2, 0.0254f);
+            within_y = planar_6dof_leadlag_limit(y_raw_part, 0.0254f);
         }
         const float phi_raw = planar_6dof_leadlag_limit(filter_phi_p + phi_raw_part, 0.025f);
         if (x_raw_test) {
@@ -487,6 +487,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->sensing_first_s_y = sensing_first_s_y_next;
             state->sensing_first_phi = filter_phi_p;
         }
+        state->sensing_within_x = within_x;
+        state->sensing_within_y = within_y;
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);

@@ -103,7 +103,7 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 {
     /* A member that is not named is 0. */
     *state = (planar_6dof_lqg_state_t){
-        .guard_left = 5u,
+        .guard_left = 29u,
     };
 }
 
@@ -125,6 +125,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
+    static const float reckoning_x_position_gain = 0.19f;       /* 1; 1 - r^2, r = 0.9 */
+    static const float reckoning_x_rate_gain = 0.01f;           /* 1; (1 - r)^2, r = 0.9 */
+    static const float reckoning_x_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
+    static const float reckoning_y_position_gain = 0.19f;       /* 1; 1 - r^2, r = 0.9 */
+    static const float reckoning_y_rate_gain = 0.01f;           /* 1; (1 - r)^2, r = 0.9 */
+    static const float reckoning_y_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
+    static const float reckoning_phi_position_gain = 0.0975f;   /* 1; 1 - r^2, r = 0.95 */
+    static const float reckoning_phi_rate_gain = 0.0025f;       /* 1; (1 - r)^2, r = 0.95 */
+    static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
     static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
     static const float lqg_x_integral_input = 0.056925878f;     /* 1; (49): k3 T / (k1 + k3 T) */
@@ -161,6 +170,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float loop_psi_integral_decay = 0.9875776f;    /* 1; (25): zero of the integral action in z */
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
+    static const float braking_x_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
+    static const float braking_y_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
+    static const float braking_phi_gain = -1433.3131f;          /* (A)/rad; 0.5 / (b T^2) */
     /* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
     static const float loop_z_integral_input_x_allocation_rear_share = 0.004140787f;
     /* 1 1; (25): 1 - integral_decay; times allocation_half */
@@ -188,6 +200,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
+    const uint32_t guard_left = state->guard_left;
     bool complete = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */
@@ -258,19 +271,26 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
     uint32_t latched = guard_latched;
-    if (complete && ((faults & 0x000001c0u) == 0u)) {
-        state->guard_left = 5u;
+    bool braking = false;
+    if ((guard_left <= 24u) ? false : (complete && ((faults & 0x000001c0u) == 0u))) {
+        state->guard_left = 29u;
         state->guard_ready = 1u;
     } else {
-        const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
             latched = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
+        braking = guard_left <= 25u;
     }
 
     /* safe_output: slew to the safe output once latched */
+    bool braking_share_part = true;
+    if (braking) {
+        faults |= 0x40000000u;
+    } else {
+        braking_share_part = false;
+    }
     if (latched != 0u) {
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, 0.1575f);
         out->i_AA = state->safe_output_last_i_AA;
@@ -295,129 +315,129 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
+        /* reckoning: alpha-beta filter, dead reckoning */
+        const float reckoning_phi_position = state->reckoning_phi_position;
+        const float reckoning_x_position = state->reckoning_x_position;
+        const float reckoning_y_position = state->reckoning_y_position;
+
         /* sensing: position and yaw, (1)-(5) */
-        const float sensing_phi_raw = state->sensing_phi_raw;
-        const float ratio_x_part = sensing_phi_raw * V_ay_held;
-        const float ratio_x_part_minus_V_bx = ratio_x_part - V_bx_held;
+        const float ratio_x_part = reckoning_phi_position * V_ay_held;
         const float sensing_first_s_x_next = V_ax_held - ratio_x_part;
-        const float ratio_y_part = sensing_phi_raw * V_ax_held;
-        const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
-        const float ratio_y_part_2 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
-        const float sensing_first_s_y_next = V_ay_held + ratio_y_part;
-        const float ratio_y_part_3 = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float r_1_part = ratio_x_part_minus_V_bx + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_2 * (sensing_slope_0 + (ratio_y_part_3 * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (r_1_part * sensing_phi_raw);
-        const float ratio_x_part_2 = ratio_x_part_minus_V_bx * ratio_x_part_minus_V_bx;
+        const float ratio_x_part_minus_V_bx = ratio_x_part - V_bx_held;
+        const float ratio_x_part_2 = sensing_first_s_x_next * ratio_x_part_minus_V_bx;
         const float ratio_x_part_3 = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float r_2_part = (ratio_x_part_minus_V_bx * ratio_x_part_2 * (sensing_slope_0 + (ratio_x_part_3 * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
-        const float r_2 = V_cx_held - V_ax_held + (r_2_part * sensing_phi_raw);
-        const float ratio_x_part_4 = sensing_first_s_x_next * ratio_x_part_minus_V_bx;
-        const float ratio_x_part_4_squared = ratio_x_part_4 * ratio_x_part_4;
-        const float m_x = ratio_x_part_3 + ratio_x_part_2 - (sensing_power_0 + (ratio_x_part_4_squared * (sensing_power_1 + (ratio_x_part_4_squared * sensing_power_2))));
-        const float ratio_y_part_4 = sensing_first_s_y_next * V_cy_plus_ratio_y_part;
-        const float ratio_y_part_4_squared = ratio_y_part_4 * ratio_y_part_4;
-        const float m_y = ratio_y_part_3 + ratio_y_part_2 - (sensing_power_0 + (ratio_y_part_4_squared * (sensing_power_1 + (ratio_y_part_4_squared * sensing_power_2))));
+        const float ratio_x_part_4 = ratio_x_part_minus_V_bx * ratio_x_part_minus_V_bx;
+        const float ratio_x = ratio_x_part_2 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_4) + 8.612998e-06f);
+        /*@ admit -1.0f <= ratio_x <= 1.0f; */
+        const float ratio_y_part = reckoning_phi_position * V_ax_held;
+        const float sensing_first_s_y_next = V_ay_held + ratio_y_part;
+        const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
+        const float ratio_y_part_2 = sensing_first_s_y_next * V_cy_plus_ratio_y_part;
+        const float ratio_y_part_3 = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float ratio_y_part_4 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
+        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_4) + 8.612998e-06f));
+        /*@ admit -1.0f <= ratio_y <= 1.0f; */
+        const float r_1_part = ratio_x_part_minus_V_bx + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_4 * (sensing_slope_0 + (ratio_y_part_3 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (r_1_part * reckoning_phi_position);
+        const float r_2_part = (ratio_x_part_minus_V_bx * ratio_x_part_4 * (sensing_slope_0 + (ratio_x_part_3 * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
+        const float r_2 = V_cx_held - V_ax_held + (r_2_part * reckoning_phi_position);
+        const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
+        const float m_x = ratio_x_part_3 + ratio_x_part_4 - (sensing_power_0 + (ratio_x_part_2_squared * (sensing_power_1 + (ratio_x_part_2_squared * sensing_power_2))));
+        const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
+        const float m_y = ratio_y_part_3 + ratio_y_part_4 - (sensing_power_0 + (ratio_y_part_2_squared * (sensing_power_1 + (ratio_y_part_2_squared * sensing_power_2))));
+        const float ratio_x_squared = ratio_x * ratio_x;
+        const float x_raw_part = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+        float x_raw_part_2;
+        if (ratio_x_part_3 <= ratio_x_part_4) {
+            if (ratio_x_part_minus_V_bx < 0.0f) {
+                if (0.0f < x_raw_part) {
+                    x_raw_part_2 = x_raw_part - 0.0254f;
+                } else {
+                    x_raw_part_2 = x_raw_part + 0.0254f;
+                }
+            } else {
+                x_raw_part_2 = x_raw_part;
+            }
+        } else {
+            x_raw_part_2 = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part;
+        }
+        const float sensing_offset_x = state->sensing_offset_x;
+        const float x_raw_part_3 = reckoning_x_position - sensing_offset_x;
+        const float x_raw_part_4 = x_raw_part_2 - x_raw_part_3;
+        float x_raw_part_5 = sensing_offset_x;
+        if (0.0254f < fabsf(x_raw_part_4)) {
+            if (0.0f < x_raw_part_4) {
+                if (-0.0508f <= sensing_offset_x) {
+                    x_raw_part_5 = sensing_offset_x - 0.0508f;
+                }
+            } else {
+                if (sensing_offset_x <= 0.0508f) {
+                    x_raw_part_5 = sensing_offset_x + 0.0508f;
+                }
+            }
+        }
+        const float x_raw_part_6 = x_raw_part_2 + x_raw_part_5;
+        const float ratio_y_squared = ratio_y * ratio_y;
+        const float x_raw_part_7 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+        float x_raw_part_8;
+        if (ratio_y_part_3 <= ratio_y_part_4) {
+            if (-V_cy_plus_ratio_y_part < 0.0f) {
+                if (0.0f < x_raw_part_7) {
+                    x_raw_part_8 = x_raw_part_7 - 0.0254f;
+                } else {
+                    x_raw_part_8 = x_raw_part_7 + 0.0254f;
+                }
+            } else {
+                x_raw_part_8 = x_raw_part_7;
+            }
+        } else {
+            x_raw_part_8 = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_7;
+        }
+        const float sensing_offset_y = state->sensing_offset_y;
+        const float x_raw_part_9 = reckoning_y_position - sensing_offset_y;
+        const float x_raw_part_10 = x_raw_part_8 - x_raw_part_9;
+        float x_raw_part_11 = sensing_offset_y;
+        if (0.0254f < fabsf(x_raw_part_10)) {
+            if (0.0f < x_raw_part_10) {
+                if (-0.0508f <= sensing_offset_y) {
+                    x_raw_part_11 = sensing_offset_y - 0.0508f;
+                }
+            } else {
+                if (sensing_offset_y <= 0.0508f) {
+                    x_raw_part_11 = sensing_offset_y + 0.0508f;
+                }
+            }
+        }
+        const float x_raw_part_12 = x_raw_part_8 + x_raw_part_11;
+        const float x_raw_part_13 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
+        const float x_raw_part_14 = (r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (x_raw_part_13 * (m_x - m_y)));
+        const float x_raw_part_15 = x_raw_part_14 / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (x_raw_part_13 * x_raw_part_13))) + 0.00021532494f);
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool x_raw_test = false;
         if ((guard_ready != 0u) && complete) {
-            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y)));
-            x_raw_test = (0.013780796f < x_raw_part) && ((sensing_contradiction_left != 0u) || (0.055123184f < x_raw_part));
+            const float x_raw_part_16 = x_raw_part_6 - reckoning_x_position;
+            const float x_raw_part_17 = x_raw_part_12 - reckoning_y_position;
+            const float x_raw_part_18 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((x_raw_part_16 * x_raw_part_16) + (x_raw_part_17 * x_raw_part_17)));
+            const float x_raw_part_19 = x_raw_part_18 + (x_raw_part_15 * x_raw_part_14);
+            x_raw_test = (0.013780796f < x_raw_part_19) && ((sensing_contradiction_left != 0u) || (0.055123184f < x_raw_part_19));
         }
         const bool x_raw_test_2 = !x_raw_test && complete;
-        const float sensing_within_x = state->sensing_within_x;
-        const float sensing_within_y = state->sensing_within_y;
-        const float sensing_offset_x = state->sensing_offset_x;
-        const float sensing_offset_y = state->sensing_offset_y;
-        float x_raw;
-        float y_raw;
-        float phi_raw_part = 0.0f;
-        float within_x = sensing_within_x;
-        float within_y = sensing_within_y;
+        float x_raw = x_raw_part_6;
+        float y_raw = x_raw_part_12;
+        float phi_raw_part = x_raw_part_15;
+        float within_x = x_raw_part_2;
+        float within_y = x_raw_part_8;
         if (x_raw_test_2) {
-            const float ratio_x = ratio_x_part_4 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_2) + 8.612998e-06f);
-            /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float ratio_x_squared = ratio_x * ratio_x;
-            const float x_raw_part_2 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float sensing_within_x_next;
-            if (ratio_x_part_3 <= ratio_x_part_2) {
-                if (ratio_x_part_minus_V_bx < 0.0f) {
-                    if (0.0f < x_raw_part_2) {
-                        sensing_within_x_next = x_raw_part_2 - 0.0254f;
-                    } else {
-                        sensing_within_x_next = x_raw_part_2 + 0.0254f;
-                    }
-                } else {
-                    sensing_within_x_next = x_raw_part_2;
-                }
-            } else {
-                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_2;
-            }
-            const float x_raw_part_3 = sensing_within_x_next - sensing_within_x;
-            float x_raw_part_4 = sensing_offset_x;
-            if (0.0254f < fabsf(x_raw_part_3)) {
-                if (0.0f < x_raw_part_3) {
-                    if (-0.0508f <= sensing_offset_x) {
-                        const float x_raw_part_5 = sensing_offset_x - 0.0508f;
-                        x_raw_part_4 = x_raw_part_5;
-                        state->sensing_offset_x = x_raw_part_5;
-                    }
-                } else {
-                    if (sensing_offset_x <= 0.0508f) {
-                        const float x_raw_part_6 = sensing_offset_x + 0.0508f;
-                        x_raw_part_4 = x_raw_part_6;
-                        state->sensing_offset_x = x_raw_part_6;
-                    }
-                }
-            }
-            x_raw = sensing_within_x_next + x_raw_part_4;
-            within_x = sensing_within_x_next;
-            const float ratio_y = -(ratio_y_part_4 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_2) + 8.612998e-06f));
-            /*@ admit -1.0f <= ratio_y <= 1.0f; */
-            const float ratio_y_squared = ratio_y * ratio_y;
-            const float y_raw_part = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float sensing_within_y_next;
-            if (ratio_y_part_3 <= ratio_y_part_2) {
-                if (-V_cy_plus_ratio_y_part < 0.0f) {
-                    if (0.0f < y_raw_part) {
-                        sensing_within_y_next = y_raw_part - 0.0254f;
-                    } else {
-                        sensing_within_y_next = y_raw_part + 0.0254f;
-                    }
-                } else {
-                    sensing_within_y_next = y_raw_part;
-                }
-            } else {
-                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - y_raw_part;
-            }
-            const float y_raw_part_2 = sensing_within_y_next - sensing_within_y;
-            float y_raw_part_3 = sensing_offset_y;
-            if (0.0254f < fabsf(y_raw_part_2)) {
-                if (0.0f < y_raw_part_2) {
-                    if (-0.0508f <= sensing_offset_y) {
-                        const float y_raw_part_4 = sensing_offset_y - 0.0508f;
-                        y_raw_part_3 = y_raw_part_4;
-                        state->sensing_offset_y = y_raw_part_4;
-                    }
-                } else {
-                    if (sensing_offset_y <= 0.0508f) {
-                        const float y_raw_part_5 = sensing_offset_y + 0.0508f;
-                        y_raw_part_3 = y_raw_part_5;
-                        state->sensing_offset_y = y_raw_part_5;
-                    }
-                }
-            }
-            y_raw = sensing_within_y_next + y_raw_part_3;
-            state->sensing_within_x = sensing_within_x_next;
-            within_y = sensing_within_y_next;
-            state->sensing_within_y = sensing_within_y_next;
-            const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
-            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + 0.08612997f);
-            phi_raw_part = phi_raw_part_3;
+            state->sensing_offset_x = x_raw_part_5;
+            state->sensing_offset_y = x_raw_part_11;
         } else {
-            x_raw = sensing_within_x + sensing_offset_x;
-            y_raw = sensing_within_y + sensing_offset_y;
+            x_raw = reckoning_x_position;
+            y_raw = reckoning_y_position;
+            phi_raw_part = 0.0f;
+            within_x = planar_6dof_lqg_limit(x_raw_part_3, 0.0254f);
+            within_y = planar_6dof_lqg_limit(x_raw_part_9, 0.0254f);
         }
-        const float phi_raw = planar_6dof_lqg_limit(sensing_phi_raw + phi_raw_part, 0.025f);
+        const float phi_raw = planar_6dof_lqg_limit(reckoning_phi_position + phi_raw_part, 0.025f);
         if (x_raw_test) {
             state->sensing_contradiction_left = 4u;
         } else {
@@ -435,9 +455,57 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             state->sensing_first_r_2 = r_2;
             state->sensing_first_s_x = sensing_first_s_x_next;
             state->sensing_first_s_y = sensing_first_s_y_next;
-            state->sensing_first_phi = sensing_phi_raw;
+            state->sensing_first_phi = reckoning_phi_position;
         }
-        state->sensing_phi_raw = phi_raw;
+        state->sensing_within_x = within_x;
+        state->sensing_within_y = within_y;
+
+        /* reckoning: alpha-beta filter, dead reckoning */
+        const float x_advance_part = x_raw - reckoning_x_position;
+        const float y_advance_part = y_raw - reckoning_y_position;
+        const float phi_advance_part = phi_raw - reckoning_phi_position;
+        const float lqg_x_L_times_x_raw = lqg_x_L * x_raw;
+        const float lqg_y_L_times_y_raw = lqg_y_L * y_raw;
+        const float lqg_phi_L_times_phi_raw = lqg_phi_L * phi_raw;
+        float x_advance_part_2 = 0.0f;
+        float y_advance_part_2 = 0.0f;
+        float phi_advance_part_2 = 0.0f;
+        float law_x_part;
+        float law_y_part;
+        float law_phi_part;
+        float reckoning_x_position_part = reckoning_x_position_gain;
+        float reckoning_y_position_part = reckoning_y_position_gain;
+        float reckoning_phi_position_part = reckoning_phi_position_gain;
+        if (guard_ready != 0u) {
+            x_advance_part_2 = reckoning_x_rate_gain * x_advance_part;
+            y_advance_part_2 = reckoning_y_rate_gain * y_advance_part;
+            phi_advance_part_2 = reckoning_phi_rate_gain * phi_advance_part;
+            law_x_part = state->lqg_x_x3;
+            law_y_part = state->lqg_y_x3;
+            law_phi_part = state->lqg_phi_x3;
+        } else {
+            law_x_part = -lqg_x_L_times_x_raw;
+            law_y_part = -lqg_y_L_times_y_raw;
+            law_phi_part = -lqg_phi_L_times_phi_raw;
+            reckoning_x_position_part = 1.0f;
+            reckoning_y_position_part = 1.0f;
+            reckoning_phi_position_part = 1.0f;
+        }
+        const float x_advance_part_3 = reckoning_x_half_step * state->reckoning_x_acting;
+        const float x_advance_part_4 = state->reckoning_x_rate + x_advance_part_2 + x_advance_part_3;
+        const float x_advance = x_advance_part_4 + x_advance_part_3;
+        const float y_advance_part_3 = reckoning_y_half_step * state->reckoning_y_acting;
+        const float y_advance_part_4 = state->reckoning_y_rate + y_advance_part_2 + y_advance_part_3;
+        const float y_advance = y_advance_part_4 + y_advance_part_3;
+        const float phi_advance_part_3 = reckoning_phi_half_step * state->reckoning_phi_acting;
+        const float phi_advance_part_4 = state->reckoning_phi_rate + phi_advance_part_2 + phi_advance_part_3;
+        const float phi_advance = phi_advance_part_4 + phi_advance_part_3;
+        state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (reckoning_x_position_part * x_advance_part) + x_advance_part_4, 0.2f);
+        state->reckoning_x_rate = planar_6dof_lqg_limit(x_advance, 0.0025f);
+        state->reckoning_y_position = planar_6dof_lqg_limit(reckoning_y_position + (reckoning_y_position_part * y_advance_part) + y_advance_part_4, 0.2f);
+        state->reckoning_y_rate = planar_6dof_lqg_limit(y_advance, 0.0025f);
+        state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (reckoning_phi_position_part * phi_advance_part) + phi_advance_part_4, 0.05f);
+        state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
         /* vertical_kinematics: z and tilts from distances */
         const float z_part = 0.5f * (d1_held + d2_held);
@@ -447,43 +515,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool d_x_test = fabsf(x_ref_minus_x_raw) <= 0.0015f;
+        const bool law_x_test = fabsf(x_ref_minus_x_raw) <= 0.0015f;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float lqg_x_L_times_x_raw = lqg_x_L * x_raw;
-        const float lqg_y_L_times_y_raw = lqg_y_L * y_raw;
-        const float lqg_phi_L_times_phi_raw = lqg_phi_L * phi_raw;
-        float d_x_part;
-        float d_y_part;
-        float d_phi_part;
-        if (guard_ready != 0u) {
-            d_x_part = state->lqg_x_x3;
-            d_y_part = state->lqg_y_x3;
-            d_phi_part = state->lqg_phi_x3;
-        } else {
-            d_x_part = -lqg_x_L_times_x_raw;
-            d_y_part = -lqg_y_L_times_y_raw;
-            d_phi_part = -lqg_phi_L_times_phi_raw;
-        }
         const float lqg_x_achieved = state->lqg_x_achieved;
-        const float d_x_part_2 = d_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float d_x = (lqg_x_error_gain * ((d_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - d_x_part_2);
-        state->lqg_x_x3 = (lqg_x_F * d_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+        const float law_x_part_2 = law_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float law_x = (lqg_x_error_gain * ((law_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - law_x_part_2);
+        state->lqg_x_x3 = (lqg_x_F * law_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool d_y_test = fabsf(y_ref_minus_y_raw) <= 0.004f;
+        const bool law_y_test = fabsf(y_ref_minus_y_raw) <= 0.004f;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_achieved = state->lqg_y_achieved;
-        const float d_y_part_2 = d_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float d_y = (lqg_y_error_gain * ((d_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - d_y_part_2);
-        state->lqg_y_x3 = (lqg_y_F * d_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+        const float law_y_part_2 = law_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float law_y = (lqg_y_error_gain * ((law_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - law_y_part_2);
+        state->lqg_y_x3 = (lqg_y_F * law_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
-        const float d_phi_part_2 = d_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
-        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - d_phi_part_2);
-        state->lqg_phi_x3 = (lqg_phi_F * d_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+        const float law_phi_part_2 = law_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - law_phi_part_2);
+        state->lqg_phi_x3 = (lqg_phi_F * law_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* loop_z: lead-lag, (23) */
         const float z_ref_minus_z = z_ref_held - z;
@@ -502,6 +555,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float loop_psi_integral = state->loop_psi_integral;
         const float d_psi = (loop_psi_gain * psi_ref_minus_psi) + state->loop_psi_lead + loop_psi_integral;
         state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
+
+        /* braking: braking before the latch */
+        const float braking_share = state->braking_share;
+        const float d_phi_part = 1.0f - braking_share;
+        const float d_phi = (d_phi_part * law_phi) + (braking_share * (braking_phi_gain * phi_advance));
+        const float d_x = (d_phi_part * law_x) + (braking_share * (braking_x_gain * x_advance));
+        const float d_y = (d_phi_part * law_y) + (braking_share * (braking_y_gain * y_advance));
+        state->braking_share = planar_6dof_lqg_max(braking_share_part ? 1.0f : 0.0f, 0.0f);
 
         /* allocation: motor currents, Table 3, (17) */
         const float phi_raw_squared = phi_raw * phi_raw;
@@ -528,25 +589,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* allocation: motor currents, Table 3, (17) */
         const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
+        state->reckoning_x_acting = achieved_x;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (d_x_test) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + d_x_part_2))) : lqg_x_integral_part;
+        state->lqg_x_integral = (law_x_test) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + law_x_part_2))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* allocation: motor currents, Table 3, (17) */
         const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
+        state->reckoning_y_acting = achieved_y;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (d_y_test) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + d_y_part_2))) : lqg_y_integral_part;
+        state->lqg_y_integral = (law_y_test) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + law_y_part_2))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* allocation: motor currents, Table 3, (17) */
         const float achieved_phi = i_AQ_part - i_CQ;
+        state->reckoning_phi_acting = achieved_phi;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
-        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + d_phi_part_2));
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + law_phi_part_2));
         state->lqg_phi_achieved = achieved_phi;
 
         /* allocation: motor currents, Table 3, (17) */

@@ -11,6 +11,7 @@ from synth.emit.lower import Program
 
 WIDTH = 117
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno"
+LATCHED = "latched: safe output until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
@@ -65,7 +66,8 @@ def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
-    bad = f"After {safety.bad_samples} samples in a row with a refused measurement"
+    bad = f"After {safety.bad_samples - safety.braking} samples in a row with a refused measurement"
+    bad += f" and {safety.braking} more in which it brakes" if safety.braking else ""
     if not safety.safe_output:
         return [f"{bad} the latch bit is set until init. {safety.reason}."]
     units = {s.name: s.unit for s in block.outputs}
@@ -85,7 +87,7 @@ def _faults(block: Block) -> list[str]:
 def _meaning(fault: Fault) -> str:
     if fault.input:
         return f"{fault.input}: not finite or outside its range"
-    return f"{fault.suspect}: contradicts the others" if fault.suspect else "latched: safe output until init"
+    return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
 
 
 def _size_checks(block: Block, layout: Layout) -> list[str]:

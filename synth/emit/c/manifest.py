@@ -41,7 +41,7 @@ def manifest(
 
 
 def _fault(fault: Fault) -> dict[str, Any]:
-    named = {"input": fault.input, "suspect": fault.suspect}
+    named = {"input": fault.input, "suspect": fault.suspect, "about": fault.about}
     return {"bit": fault.bit, **({k: v for k, v in named.items() if v} or {"latched": True})}
 
 
@@ -91,6 +91,7 @@ def _safety(block: Block) -> dict[str, Any] | None:
         )
     return {
         "bad_samples": safety.bad_samples,
+        **({"braking": safety.braking} if safety.braking else {}),
         "safe_output": dict(safety.safe_output),
         "slew_per_s": dict(safety.slew_per_s),
         "reason": safety.reason,
