@@ -211,5 +211,5 @@ def sensing_blocks(plant: Plant) -> list[Block]:
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    blocks = motion.braked(plant, TIME, law(plant, variant, regulate))
+    blocks = motion.add_braking(plant, TIME, law(plant, variant, regulate))
     return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)

@@ -48,7 +48,7 @@ def prediction(plant: Plant, time: Discrete) -> Block:
     return dead_reckoning.block("reckoning", time, axes(plant))
 
 
-def braked(plant: Plant, time: Discrete, law: Sequence[Block]) -> list[Block]:
+def add_braking(plant: Plant, time: Discrete, law: Sequence[Block]) -> list[Block]:
     """Return a law whose horizontal demands brake before the latch."""
     passed = {axis: vertical.DEMAND[axis] for axis in HORIZONTAL}
     demanded = {a: Signal(f"law_{a}", s.unit, s.low, s.high, "demand of the law") for a, s in passed.items()}

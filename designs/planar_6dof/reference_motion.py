@@ -78,7 +78,7 @@ def brake(demands: Columns, rates: Columns, state: Columns, T: float) -> dict[st
 
 def next_state(state: Columns, measured: Columns, ready: Array, achieved: Columns, T: float) -> dict[str, Array]:
     """Return the next predictions; `achieved` are the achieved demands in N and N m."""
-    after = {}
+    after: dict[str, Array] = {}
     for axis, q in measured.items():
         at, v = correct(axis, state, q, ready, T)
         acting = acceleration(axis) * state[f"reckoning_{axis}_acting"]
