@@ -142,7 +142,7 @@ def examples() -> Mapping[str, Call]:
         "transfer.is_stable": {"poles": np.array([-1.0 + 0j]), "time": Continuous()},
         "transfer.check_limits": {"low": 1.0, "high": 2.0},
         "transfer.check_turns": {"late": 1e-3, "top": 10.0},
-        "refinement.log": {"value": np.array([1 + 1j])},
+        "refinement.log_magnitude": {"value": np.array([1 + 1j])},
         "operating_points.trim": {"plant": maglev, "fixed": {"gap": 0.02}, "free": ["current"]},
         "worst_case_search.Criterion": {"name": "f", "unit": "1", "of": lambda loop: 1.0, "largest": False},
         "worst_case_search.search": {"loop": example_loop, "parameters": [K], "figure": worst_case_search.PHASE_MARGIN},

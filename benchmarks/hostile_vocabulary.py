@@ -62,7 +62,7 @@ def examples() -> Mapping[str, Call]:
         "statespace.from_control": {"system": stage.to_control()},
         "block.State": {"signal": GAP, "initial": 0.02, "integer": False},
         "block.Constant": {"name": "k", "value": 1.0, "unit": "1", "source": "given"},
-        "block.Named": {"signal": GAP, "block": "b", "tag": "", "certificate": None},
+        "block.ComputedSignal": {"signal": GAP, "block": "b", "tag": "", "certificate": None},
         "fault.Fault": {"bit": 1, "output": "fault", "input": "gap", "suspect": None},
         "block.Step": {"output": {"y": u}, "next": {"x": u}, "named": [(GAP, u)], "certified": {}},
         "block.Block": fields(example_step()),

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks import parts
-from designs.planar_6dof import bench, interface, loop, lqg
+from designs.planar_6dof import cost_stimuli, interface, loop, lqg
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import experiments as of_leadlag
 from designs.planar_6dof_lqg import core
@@ -74,12 +74,12 @@ def controllers() -> Iterator[Subject]:
 
 
 def controller_subject(name: str, block: Block, experiments: Sequence[Run]) -> Subject:
-    """Return a controller with every sequence of its bench."""
+    """Return a controller with every sequence of its cost stimuli."""
     emitted = write.emit(block, np.float32, error=interface.SURROGATE_ERROR[np.float32])
     controller = host.load(emitted.files, emitted.manifest)
     rig = loop.of(block, controller)
     runs = [experiment.run(rig) for experiment in experiments]
-    sequences = stimuli.sequences(rig, runs, lambda _: None, bench.stimuli(controller))
+    sequences = stimuli.sequences(rig, runs, lambda _: None, cost_stimuli.stimuli(controller))
     loops = steps.concatenate("closed loops", [s for s in sequences if s.closed_loop])
     sound = steps.thinned(steps.without_faults(controller, loops), BREAKDOWN_STEPS)
     return Subject(name, block, emitted, controller, sound, steps.concatenate("all", sequences))

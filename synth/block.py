@@ -74,8 +74,8 @@ class Constant:
 
 @arguments.checked
 @dataclass(frozen=True)
-class Named:
-    """An intermediate signal of a composition, the Block that computes it, and the tag of its equation.
+class ComputedSignal:
+    """An output or internal signal, the Block that computes it, and the tag of its equation.
 
     `certificate`, of a signal that is limited to +-h, says how large it is before the limit; see `Step`.
     """
@@ -91,7 +91,8 @@ class Named:
 class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
-    `safety` describes the step after a latch, of a Block that can latch.
+    `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
+    a latch, of a Block that can latch.
     """
 
     name: str
@@ -104,7 +105,7 @@ class Block:
     symbol: Exprs
     output: Exprs
     next: Exprs
-    inside: tuple[tuple[Named, ca.SX], ...] = ()
+    computed_signals: tuple[tuple[ComputedSignal, ca.SX], ...] = ()
     faults: tuple[Fault, ...] = field(default=())
     safety: Safety | None = None
 
@@ -136,7 +137,7 @@ class Block:
             outputs=tuple(_signal(names, s) for s in self.outputs),
             symbol=_under({n: new for n, new in names.items() if n in inputs}, self.symbol),
             output=_under(names, self.output),
-            inside=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.inside),
+            computed_signals=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.computed_signals),
             faults=tuple(replace(f, output=names.get(f.output, f.output)) for f in self.faults),
             safety=safety,
         )
@@ -222,11 +223,11 @@ def build(
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
     laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
-    inside = [(Named(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
-    inside += [(Named(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
-    _check_symbols(name, [*next.values(), *(e for _, e in inside)], symbol)
+    computed = [(ComputedSignal(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
+    computed += [(ComputedSignal(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
+    _check_symbols(name, [*next.values(), *(e for _, e in computed)], symbol)
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
-    return Block(name, tag, time, *declared, symbol, output, next, tuple(inside))
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed))
 
 
 @arguments.checked

@@ -24,7 +24,7 @@ app = typer.Typer(
 )
 
 
-KEPT = "finished results are kept and no file is half-written; run the same command again to continue"
+AFTER_INTERRUPTION = "finished results are kept and no file is half-written; run the same command again to continue"
 
 
 class Core(StrEnum):
@@ -66,7 +66,7 @@ def main() -> None:
         with _interruptible():
             app()
     except Interrupted as interrupt:
-        sys.stderr.write(f"interrupted: {KEPT}\n")
+        sys.stderr.write(f"interrupted: {AFTER_INTERRUPTION}\n")
         raise SystemExit(interrupt.code) from None
     except Exception as error:
         from synth.errors import SynthError

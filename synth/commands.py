@@ -131,15 +131,15 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
     from synth.verify import on_target
 
     emitted = tasks.emission(design, CORES[core]).result(report)[design.name]
-    inputs = design.bench.replay(host.load(emitted.files, emitted.manifest))
+    inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
     checks = on_target.verify(emitted, inputs, core, report)
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
         report(note)
         return Verified(document, checks, {}, (note,))
-    drift = on_target.drift(emitted, inputs, core, design.bench.floor)
-    floor = design.bench.floor
+    drift = on_target.drift(emitted, inputs, core, design.cost_stimuli.floor)
+    floor = design.cost_stimuli.floor
     least = f"{floor:g}" if isinstance(floor, float) else "floor"
     what = f"drift with contraction over {drift.steps} steps, worst in {drift.output}, of max({least}, |i|)"
     figures = {what: drift.worst, "fault words that differ": float(drift.faults)}

@@ -13,7 +13,7 @@ from dataclasses import replace
 import casadi as ca
 
 from synth import arguments
-from synth.block import Block, Exprs, Named, Safety
+from synth.block import Block, ComputedSignal, Exprs, Safety
 from synth.errors import WiringError
 from synth.signals import Signal, dimension, signal_names
 from synth.timing import Discrete, common
@@ -41,7 +41,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
     _check_fault_bits(blocks, driver)
     symbol: dict[str, ca.SX] = {n: ca.SX.sym(n) for n in (*driver, *open_inputs)}
     definitions = {s: _substitute_inputs(b, symbol, [b.output[s]])[0] for s, b in driver.items()}
-    resolved, inside = _resolve(blocks, definitions, symbol)
+    resolved, computed = _resolve(blocks, definitions, symbol)
     for s in outputs:
         if s not in driver:
             raise WiringError(f"'{name}': no Block drives output '{s}': add a Block that does, or leave it out")
@@ -74,7 +74,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         symbols,
         {s: resolved[s] for s in outputs} | dict(zip((f.output for f in faults), flags, strict=True)),
         next_state,
-        inside,
+        computed,
         faults,
         _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
     )
@@ -206,7 +206,7 @@ def _substitute_inputs(block: Block, symbol: Exprs, exprs: Sequence[ca.SX]) -> l
 
 def _resolve(
     blocks: Sequence[Block], definitions: Exprs, symbol: Exprs
-) -> tuple[dict[str, ca.SX], tuple[tuple[Named, ca.SX], ...]]:
+) -> tuple[dict[str, ca.SX], tuple[tuple[ComputedSignal, ca.SX], ...]]:
     """Express each driven signal in states, constants and open inputs, in the order of computation.
 
     Also return the internal signals of the Blocks with their expressions, each as soon as its inputs are available.
@@ -232,8 +232,8 @@ def _resolve(
             visit(s.name)
     owner = {s.name: b for b in blocks for s in b.outputs}
     resolved: dict[str, ca.SX] = {}
-    inside: list[tuple[Named, ca.SX]] = []
-    waiting = {b: [(n, e) for n, e in b.inside if n.signal.name not in owner] for b in blocks}
+    computed: list[tuple[ComputedSignal, ca.SX]] = []
+    waiting = {b: [(n, e) for n, e in b.computed_signals if n.signal.name not in owner] for b in blocks}
     for signal in order:
         b = owner[signal]
         keys, values = [symbol[s] for s in resolved], list(resolved.values())
@@ -242,13 +242,13 @@ def _resolve(
         exprs = [definitions[signal], *_substitute_inputs(b, symbol, [e for _, e in ready])]
         exprs = ca.substitute(exprs, keys, values) if keys else exprs
         resolved[signal] = exprs[0]
-        inside += zip((n for n, _ in ready), exprs[1:], strict=True)
-        inside.append((next(n for n, _ in b.inside if n.signal.name == signal), exprs[0]))
+        computed += zip((n for n, _ in ready), exprs[1:], strict=True)
+        computed.append((next(n for n, _ in b.computed_signals if n.signal.name == signal), exprs[0]))
     for b, remaining in waiting.items():  # internal signals that need a signal driven after all outputs of their Block
         exprs = _substitute_inputs(b, symbol, [e for _, e in remaining])
         exprs = ca.substitute(exprs, [symbol[s] for s in resolved], list(resolved.values())) if exprs else []
-        inside += zip((n for n, _ in remaining), exprs, strict=True)
-    return resolved, tuple(inside)
+        computed += zip((n for n, _ in remaining), exprs, strict=True)
+    return resolved, tuple(computed)
 
 
 def _input_names(block: Block, expr: ca.SX) -> set[str]:

@@ -43,7 +43,7 @@ from synth.simulate.experiment import Experiment
 from synth.timing import Discrete
 from synth.verify import standard
 from synth.verify.evidence import Evidence
-from synth.workspace import Bench, Design
+from synth.workspace import CostStimuli, Design
 
 __all__ = [
     "Actuator",
@@ -243,7 +243,7 @@ def design(
     verify: Callable[[Stage, Progress, bool], Evidence] = standard.verify,
     simulate: Callable[[Stage, Progress], Sequence[Experiment]] = standard_tasks.simulate,
     audit: Callable[[Stage], Iterator[Row]] = standard_tasks.no_audit,
-    bench: Callable[[Stage], Bench] = standard_tasks.bench,
+    cost_stimuli: Callable[[Stage], CostStimuli] = standard_tasks.cost_stimuli,
     report: Callable[..., str] = standard_tasks.report,
     **fields: Any,
 ) -> Design:
@@ -264,7 +264,7 @@ def design(
         verify=partial(verify, stage),
         simulate=partial(simulate, stage),
         audit=partial(audit, stage),
-        bench=bench(stage),
+        cost_stimuli=cost_stimuli(stage),
         report=partial(report, stage),
         stage=stage,
     )

@@ -1,7 +1,7 @@
 """Standard tasks of a declared stage, which the command line runs unless the design replaces them.
 
-emit       C, manifest, gains and test vectors        verify     evidence of all witnesses
-simulate   the experiments, with the emitted C          bench      stimuli of the machine code
+emit       C, manifest, gains and test vectors        verify        evidence of all witnesses
+simulate   the experiments, with the emitted C        cost_stimuli  stimuli of the machine code
 report     the standard report
 """
 
@@ -28,7 +28,7 @@ from synth.verify import agree, stimuli
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.verify.steps import Steps
-from synth.workspace import Bench
+from synth.workspace import CostStimuli
 
 
 def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Controller:
@@ -104,9 +104,9 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
     return ()
 
 
-def bench(
+def cost_stimuli(
     stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
-) -> Bench:
+) -> CostStimuli:
     """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
@@ -116,7 +116,7 @@ def bench(
         loop = Rig(stage, stage.plant, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
-    return Bench(lambda: stage.controller.block, replay, sequences, floor)
+    return CostStimuli(lambda: stage.controller.block, replay, sequences, floor)
 
 
 def report(

@@ -113,9 +113,11 @@ def brief_cost(design: Design) -> Task[Cost | None]:
     def compute(say: Progress) -> Cost:
         files = emission(design, design.scalar).result(_silent)[design.name]
         say("cost")
-        return meter.brief(files, design.bench.block(), design.bench.replay(host.load(files.files, files.manifest)))
+        return meter.brief(
+            files, design.cost_stimuli.block(), design.cost_stimuli.replay(host.load(files.files, files.manifest))
+        )
 
-    return Task("cost", compute, (meter.brief, design.emit, design.bench.block, design.bench.replay))
+    return Task("cost", compute, (meter.brief, design.emit, design.cost_stimuli.block, design.cost_stimuli.replay))
 
 
 def whole_cost(design: Design) -> Task[Cost]:
@@ -124,10 +126,10 @@ def whole_cost(design: Design) -> Task[Cost]:
 
     def compute(say: Progress) -> Cost:
         files = emission(design, np.float32).result(say)[design.name]
-        sequences = design.bench.sequences(host.load(files.files, files.manifest), say)
-        return meter.measure(files, design.bench.block(), sequences, say)
+        sequences = design.cost_stimuli.sequences(host.load(files.files, files.manifest), say)
+        return meter.measure(files, design.cost_stimuli.block(), sequences, say)
 
-    return Task("cost", compute, (meter.measure, design.emit, design.bench.block, design.bench.sequences))
+    return Task("cost", compute, (meter.measure, design.emit, design.cost_stimuli.block, design.cost_stimuli.sequences))
 
 
 def build(design: Design) -> Task[Built]:

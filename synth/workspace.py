@@ -30,7 +30,7 @@ Report = Callable[[Mapping[str, EmittedCode], Evidence, Sequence[Experiment], Se
 
 
 @dataclass(frozen=True)
-class Bench:
+class CostStimuli:
     """The stimuli with which the machine code of a design is measured.
 
     `block` is what is emitted under the design's name. `replay` returns inputs (N,) of a closed loop with faults, and
@@ -62,7 +62,7 @@ class Design:
     emit: Callable[[type[np.floating]], Mapping[str, EmittedCode]]
     verify: Callable[[Progress, bool], Evidence]
     simulate: Callable[[Progress], Sequence[Experiment]]
-    bench: Bench
+    cost_stimuli: CostStimuli
     report: Report
     audit: Callable[[], Iterator[Row]] = _no_rows
     stage: Stage | None = None

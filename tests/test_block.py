@@ -116,7 +116,7 @@ def test_a_composition_equals_its_blocks_stepped_one_by_one(seed: int) -> None:
     np.testing.assert_allclose(computed, np.array([expected[s] for s in sorted(expected)]).T, rtol=0, atol=1e-13)
     bounds = np.array([[s.signal.low, s.signal.high] for s in whole.states]).T
     assert (states >= bounds[0]).all() and (states <= bounds[1]).all()
-    assert {n.signal.name for n, _ in whole.inside} == {*expected, *(f"inner{b}" for b in range(4))}
+    assert {n.signal.name for n, _ in whole.computed_signals} == {*expected, *(f"inner{b}" for b in range(4))}
     # Composing in two stages, with some outputs hidden in the first, changes nothing.
     again, _ = run(compose("outer", [whole], inputs=["open"], outputs=["s3"]), u)
     np.testing.assert_array_equal(again[:, 0], computed[:, sorted(expected).index("s3")])
@@ -125,7 +125,7 @@ def test_a_composition_equals_its_blocks_stepped_one_by_one(seed: int) -> None:
 def test_every_signal_is_listed_after_those_that_it_needs() -> None:
     chain = [gain("c", "y", "z"), gain("b", "x", "y"), gain("a", "u", "x")]
     whole = compose("chain", chain, inputs=["u"], outputs=["z"])
-    assert [n.signal.name for n, _ in whole.inside] == ["x", "y", "z"]
+    assert [n.signal.name for n, _ in whole.computed_signals] == ["x", "y", "z"]
     assert float(whole.function()([], 3)[1]) == 24
 
 
@@ -303,6 +303,8 @@ def test_a_renamed_block_steps_as_before_under_its_new_names() -> None:
     renamed = block.renamed({"a": "b", "kept": "late", "other": "none"})
     assert [s.name for s in (*renamed.inputs, *renamed.outputs)] == ["b", "late"]
     assert [s.name for s in renamed.states] == ["kept"] and renamed.faults[0].output == "late"
-    assert [named.signal.name for named, _ in renamed.inside] == ["late"] and {"b", "kept"} == set(renamed.symbol)
+    assert [named.signal.name for named, _ in renamed.computed_signals] == ["late"] and {"b", "kept"} == set(
+        renamed.symbol
+    )
     for before, after in zip(block.function()(2.0, 3.0), renamed.function()(2.0, 3.0), strict=True):
         assert float(before) == float(after)

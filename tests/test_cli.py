@@ -56,7 +56,7 @@ AXES = workspace.Design(
     verify=lambda report, whole: Evidence("axes_2", (), (Check("replay", 0, 0, "1"),)),
     simulate=lambda report: (),
     audit=lambda: iter(()),
-    bench=workspace.Bench(lambda: axes.block(2), replay, sequences, 1.0),
+    cost_stimuli=workspace.CostStimuli(lambda: axes.block(2), replay, sequences, 1.0),
     report=report,
 )
 

@@ -42,7 +42,7 @@ def never(*arguments):
 
 DESIGN = workspace.Design(
     "stage", np.float32, never, lambda report, whole: Evidence("stage", (), ()), simulate,
-    workspace.Bench(never, never, never), never,
+    workspace.CostStimuli(never, never, never), never,
 )
 '''
 SCRIPT = "from synth.cli import main; main()"

@@ -62,7 +62,7 @@ def design(name: str, **emitted: write.EmittedCode) -> workspace.Design:
         raise AssertionError("reached")
 
     return workspace.Design(
-        name, np.float32, lambda _: emitted, never, never, workspace.Bench(never, never, never), never
+        name, np.float32, lambda _: emitted, never, never, workspace.CostStimuli(never, never, never), never
     )
 
 

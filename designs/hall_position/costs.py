@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from designs.hall_position import bench, config
+from designs.hall_position import config, stimuli
 from designs.hall_position.glsdc import channels, six_estimator
 from models import hall_array, hall_two_waves
 from models import hall_motions as motions
@@ -38,7 +38,7 @@ COSTLY = (
     "states resampled",
     "random states and inputs",
     "rare among states resampled",
-)  # of bench: the costliest
+)  # of stimuli: the costliest
 EACH, SIX = 100, 120  # steps of each of these, and of each kind in six degrees of freedom
 TRAVEL, YAW, TILT, GAP = 0.3, 0.09, 8e-3, 4e-4  # m, rad, rad, m, of a motion in six degrees of freedom
 FALSE_VOLTAGES = slice(40, 60)  # samples whose voltages belong to no pose
@@ -99,7 +99,7 @@ def row(of: Subject, build: Build) -> Row:
 
 def of_three(emitted: EmittedCode) -> Subject:
     """Return the emitted C of three sensors, with steps that include the costliest ones."""
-    sequences = bench.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
+    sequences = stimuli.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
     costly = steps.concatenate("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
     casadi = baselines.casadi(config.block(config.THREE), shimmed=True)
     return Subject("three sensors", baselines.emitted_c(emitted), casadi, costly)

@@ -3,13 +3,13 @@
 from functools import partial
 from typing import Any
 
-from designs.hall_position import bench, config, random_steps, reference_guard, verification
+from designs.hall_position import config, random_steps, reference_guard, stimuli, verification
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
 from synth import stage
 from synth.stage import Companion
-from synth.workspace import Bench
+from synth.workspace import CostStimuli
 
 
 def report(*arguments: Any) -> str:
@@ -25,13 +25,13 @@ DESIGN = stage.design(
     CONTROLLER.interface.plant,
     reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
-    recording=lambda rig: bench.recording(config.NAME, rig.controller.scalar),
+    recording=lambda rig: stimuli.recording(config.NAME, rig.controller.scalar),
     gains=partial(config.gains, config.NAME),
-    companions=[Companion(THREE, bench.vectors_of_three, partial(config.gains, config.THREE))],
+    companions=[Companion(THREE, stimuli.vectors_of_three, partial(config.gains, config.THREE))],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: experiments.run(progress),
     audit=lambda of: rows.rows(),
-    bench=lambda of: Bench(config.block, bench.replay, bench.sequences, bench.FLOOR),
+    cost_stimuli=lambda of: CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR),
     report=lambda of, *parts: report(*parts),
     about=__doc__,
 )

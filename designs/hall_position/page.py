@@ -14,7 +14,7 @@ from models.hall_stage import Stage
 from synth.emit.write import EmittedCode
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
-from synth.report.captions import Made
+from synth.report.captions import Content
 from synth.simulate.experiment import Experiment
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -54,7 +54,7 @@ def report(
     return template.assemble(config.NAME, ABOUT, facts, parts, {**equations, **blocks})
 
 
-def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Made]:
+def _blocks(stage: Stage, data: Mapping[str, Any], runs: Sequence[Experiment]) -> dict[str, Content]:
     return {
         **field.blocks(stage),
         **estimator.blocks(data["meaning"]),

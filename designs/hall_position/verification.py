@@ -100,7 +100,7 @@ def compare_witnesses(of: Subject, by: Witnesses, sizes: Mapping[str, int], prog
             yield compare_double(of, steps, (name, by.by_name[name](steps.states, steps.inputs)), c64)
         if kind == "motions":
             yield compare_single(of, by, steps)
-    progress(f"{of.name}: each its own way")
+    progress(f"{of.name}: free-running")
     yield (), free_running(of, by, inputs)
 
 
@@ -134,7 +134,7 @@ def ill_conditioned_share(steps: Steps) -> Check:
     """Check the share of steps that are compared at their condition number times epsilon."""
     above = steps.severity > ILL_CONDITIONED
     about = f"{np.count_nonzero(above)} of {len(above)} steps, at most {steps.severity.max():.2g}"
-    name = f"{steps.what}: magnified over {ILL_CONDITIONED:g} times"
+    name = f"{steps.what}: share with a condition number above {ILL_CONDITIONED:g}"
     return Check(name, float(np.mean(above)), MAX_ILL_CONDITIONED, "1", about)
 
 
@@ -151,8 +151,13 @@ def compare_double(of: Subject, steps: Steps, first: tuple[str, StepResults], c6
         Check(name, a.worst, suite.EXACT, f"max({FLOOR:g}, |y|)", f"worst of {a.samples} steps, {a.signal}"),
         Check(f"{name}, next states", a.state_worst, suite.EXACT, "of range", a.state),
         Check(f"{name}, deviations", _relative_deviation_error(pair[0][1], pair[1][1]), RELATIVE, "of itself"),
-        Check(f"{name}, where magnified", float(magnified[above].max(initial=0.0)), MAX_ROUNDING_ERRORS, OF_CONDITION),
-        Check(f"{name}, fault words unlike", differing, 0, "1"),
+        Check(
+            f"{name}, at ill-conditioned steps",
+            float(magnified[above].max(initial=0.0)),
+            MAX_ROUNDING_ERRORS,
+            OF_CONDITION,
+        ),
+        Check(f"{name}, fault words that differ", differing, 0, "1"),
     ]
 
 
@@ -174,8 +179,8 @@ def compare_single(of: Subject, by: Witnesses, steps: Steps) -> Comparison:
         (f"yaw, {less}", _gap(*pair, "yaw").max(initial=0.0), SINGLE_YAW, "rad", ""),
         (f"residual, {less}", _gap(*pair, "residual").max(initial=0.0), SINGLE_RESIDUAL, "V", ""),
         (f"deviations, {less}", _relative_deviation_error(*pair), SINGLE_DEVIATION, "of itself", ""),
-        ("decisions otherwise in single", np.mean(~same), OTHER_DECISIONS, "1", ""),
-        ("not converged, costs apart by rounding in single", np.mean(narrow), NARROW, "1", ""),
+        ("decisions that differ in single precision", np.mean(~same), OTHER_DECISIONS, "1", ""),
+        ("not converged, costs that differ only by rounding", np.mean(narrow), NARROW, "1", ""),
     ]
     off = np.maximum(_gap(double, single, "X"), _gap(double, single, "Y"))
     for where, among in (("converged", chosen & converged), ("not converged", chosen & ~converged)):
@@ -221,7 +226,7 @@ def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
         worst = max(float(np.abs(outputs[y] - double[y])[both].max(initial=0.0)) for y in ("X", "Y"))
         differing = float(np.mean(outputs["valid"] != double["valid"]))
         about = f"{np.count_nonzero(both)} of {both.size} samples from init are valid"
-        what = f"{of.name}, each its own way: {name} against c64"
+        what = f"{of.name}, free-running: {name} against c64"
         checks.append(Check(f"{what}, where valid", worst, limit, "m", about))
-        checks.append(Check(f"{what}, valid unlike", differing, share, "1"))
+        checks.append(Check(f"{what}, share of samples whose validity differs", differing, share, "1"))
     return checks

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from designs.planar_6dof import artefacts, bench, interface, loop, verification
+from designs.planar_6dof import artefacts, cost_stimuli, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
 from models import halbach, planar_stage
 from synth import stage, standard_tasks
@@ -46,7 +46,7 @@ def design(
         recording=artefacts.record_inputs,
         verify=lambda _, progress, whole: verification.verify(subject(), progress, replays[whole]),
         audit=lambda shipped: audit(standard_tasks.rig(shipped, shipped.scalar)),
-        bench=partial(standard_tasks.bench, further_steps=bench.stimuli, floor=bench.FLOOR),
+        cost_stimuli=partial(standard_tasks.cost_stimuli, further_steps=cost_stimuli.stimuli, floor=cost_stimuli.FLOOR),
         report=lambda _, *arguments: report(*arguments),
         **fields,
     )

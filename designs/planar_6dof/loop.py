@@ -95,7 +95,7 @@ def _position_controller(time: Discrete) -> host.Controller:
 @cache
 def _inner_signals(block: Block) -> host.Controller:
     """Return the controller with raw positions, residuals, and positions behind filters as outputs."""
-    inside = {named.signal.name: (named.signal, expr) for named, expr in block.inside}
+    inside = {named.signal.name: (named.signal, expr) for named, expr in block.computed_signals}
     names = [s.name for s in (*sensing.RAW.values(), *sensing.RESIDUALS)]
     chosen = [inside[name] for name in (*names, sensing.READY.name)]
     output = {**block.output, **{signal.name: expr for signal, expr in chosen}}

@@ -23,7 +23,7 @@ from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
 from synth.report import captions, page, sections, standard, template
 from synth.report.audit import Row
-from synth.report.captions import Made
+from synth.report.captions import Content
 from synth.report.figures import SYMBOLS
 from synth.report.notation import readable
 from synth.report.page import Section
@@ -116,7 +116,7 @@ def _forces(x: Symbols, u: Symbols, p: Symbols) -> dict[str, ca.SX]:
     return {f"f_{motor}": f.y for motor, f in planar_stage.motor_forces(x, u, p).items()}
 
 
-def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
+def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Content]:
     """Return figures and tables of the stage: derived parameters, sensing, loops and failures."""
     K, M, a, Izz = allocation.force_constant(plant), *(plant.parameter(n).value for n in ("M", "a", "Izz"))
     filters = filtering.blocks(block.time) if filtered else []
@@ -146,7 +146,7 @@ def _stage(plant: Plant, block: Block, filtered: bool) -> dict[str, Made]:
     }
 
 
-def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Made]:
+def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Content]:
     """Return the figure of the filter at a standstill; nothing for a law without filters."""
     if not design.filters_positions:
         return {}
@@ -160,10 +160,10 @@ def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> di
     return {"sensing.filtered": figure, "sensing.left": 100 * float(np.std(filtered) / np.std(raw))}
 
 
-def _run_figures(runs: Sequence[Experiment], design: Contents) -> dict[str, Made]:
+def _run_figures(runs: Sequence[Experiment], design: Contents) -> dict[str, Content]:
     """Return the paths of circles, and the spectrum of a step where the paper shows one."""
     rest = [e.trajectory for e in runs if e.name == REST]
-    figures: dict[str, Made] = {}
+    figures: dict[str, Content] = {}
     for e in runs:
         if e.name.removesuffix(FINITE) == CIRCLE:
             paths = ([np.asarray(source[n]) for n in "xy"] for source in (e.references, e.trajectory))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.planar_6dof import bench
+from designs.planar_6dof import cost_stimuli
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models import planar_stage
@@ -81,7 +81,7 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
         raise SignalError(f"'{block.name}' has the states {listed} with no value for a known pose: add them here")
     error = {a: rng.normal(0, PART, n) * subject.size * _saturating_error(block, plant, a) for a in allocation.AXES}
     references = {f"{a}_ref": sampling.limited_to_range(box[a], pose[a] + error[a]) for a in allocation.AXES}
-    inputs = _with_wrong_voltage(bench.sensor_values(pose), rng, n) | references
+    inputs = _with_wrong_voltage(cost_stimuli.sensor_values(pose), rng, n) | references
     return {s: known.get(s, random) for s, random in states.items()}, inputs
 
 

@@ -34,9 +34,9 @@ def refine(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
 def _log_step(value: Complex) -> Array:
     """Return the magnitudes of the differences of the complex logarithm, with phase steps in -pi .. pi."""
     phase_step = np.diff(np.angle(value))
-    return np.hypot(np.diff(log(value)), (phase_step + np.pi) % (2 * np.pi) - np.pi)
+    return np.hypot(np.diff(log_magnitude(value)), (phase_step + np.pi) % (2 * np.pi) - np.pi)
 
 
-def log(value: Complex) -> Array:
+def log_magnitude(value: Complex) -> Array:
     """Return the natural logarithm of |value|, at least that of 1e-300."""
     return np.log(np.maximum(np.abs(value), 1e-300))

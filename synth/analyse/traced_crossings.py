@@ -34,8 +34,8 @@ def of_curve(curve: Curve) -> Crossings:
 
 def _unit_gain_frequencies(curve: Curve) -> list[float]:
     """Return the frequencies with |L| = 1; for a stretch, those with the least phase and delay margins."""
-    value, w = refinement.log(curve.value), curve.w
-    frequencies = [] if len(w) < 3 else _roots(lambda v: refinement.log(curve.L(v)), w, value)
+    value, w = refinement.log_magnitude(curve.value), curve.w
+    frequencies = [] if len(w) < 3 else _roots(lambda v: refinement.log_magnitude(curve.L(v)), w, value)
     _require_parity(frequencies, value)
     for run in _stretches(value):
         above = np.angle(-curve.value[run])
@@ -65,7 +65,7 @@ def _real_axis_frequencies(curve: Curve, unit: list[float]) -> list[float]:
     frequencies = _roots(sine, w, value)
     for run in _stretches(value):
         inside = [f for f in unit if w[run][0] <= f <= w[run][-1]]
-        frequencies += inside or [float(w[run][np.abs(refinement.log(curve.value[run])).argmin()])]
+        frequencies += inside or [float(w[run][np.abs(refinement.log_magnitude(curve.value[run])).argmin()])]
     return sorted(set(frequencies))
 
 

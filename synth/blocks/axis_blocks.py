@@ -89,7 +89,7 @@ def _servo(regulator: Regulator, wires: _Wires, interface: Interface) -> Block:
     excess = command.excess_signal(bound + wires.bounds[1])
     inputs = (wires.error, command.limited, wires.measured, excess, wires.reference)
     predicted = axis_inverse.predicted_states(axis)
-    selected = model.select([model.outputs[0], *(f"{name}_ahead" for name in predicted)], model.inputs)
+    selected = model.select([model.outputs[0], *(f"{name}_predicted" for name in predicted)], model.inputs)
     names = dict(zip(model.inputs, (s.name for s in inputs), strict=True)) | {model.outputs[0]: command.name}
     return linear_block.block(
         f"servo_{axis.output}",

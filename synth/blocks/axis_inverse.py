@@ -73,7 +73,7 @@ def predicted_states(axis: Axis) -> dict[str, Signal]:
     if axis.inverse is None:
         return {}
     needed = _states_in_law(axis.inverse)
-    return {s.name: replace(s, name=f"{s.name}_ahead") for s in needed if s.name in axis.model.states}
+    return {s.name: replace(s, name=f"{s.name}_predicted") for s in needed if s.name in axis.model.states}
 
 
 def _states_in_law(inverse: Linearisation) -> list[Signal]:
@@ -122,7 +122,7 @@ def blocks(time: Discrete, axes: Sequence[Axis], commands: Mapping[str, Command]
     return [
         build(f"inverse_{name}", time, invert, inputs=[*states, *demands], outputs=actuator_demands, tag=tag),
         build(
-            f"made_{name}",
+            f"achieved_{name}",
             time,
             achieved_demands,
             inputs=[*states, *actuator_excess, *computed],

@@ -85,7 +85,7 @@ class Regulator:
     """The synthesised axis at a period and a delay in samples.
 
     `controller` has the inputs ``<output>_error``, ``<command>_limited``, ``<output>``, ``<command>_excess`` and
-    ``<output>_reference``, the output ``<command>_command``, and ``<state>_ahead`` of the model's states when the
+    ``<output>_reference``, the output ``<command>_command``, and ``<state>_predicted`` of the model's states when the
     command acts. `servo` and `anti_windup` certify it, `undelayed` is the optimal servo from which its gain comes,
     `filter` the Kalman filter, and `feedforward` the gain from the set-point to the command.
     """
@@ -270,7 +270,7 @@ def _with_reference(controller: StateSpace, axis: Axis, feedforward: float) -> S
 
 
 def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: StateSpace, delay: int) -> StateSpace:
-    """Return the controller with additional outputs ``<state>_ahead``: the model's states when its command acts."""
+    """Return the controller with additional outputs ``<state>_predicted``: the model's states when its command acts."""
     n = len(plant.states)
     advance = np.linalg.matrix_power(plant.A, delay)
     from_commands = [np.linalg.matrix_power(plant.A, delay - 1 - j) @ plant.B for j in range(delay)]
@@ -281,7 +281,7 @@ def _with_predicted_states(controller: StateSpace, plant: StateSpace, form: Stat
     for j, name in enumerate(form.inputs):
         target = name if name in controller.inputs else f"{name}_limited"
         direct[:, controller.inputs.index(target)] = D[:, j]
-    names = tuple(f"{name}_ahead" for name in plant.states)
+    names = tuple(f"{name}_predicted" for name in plant.states)
     units = {end: plant.unit(name) for end, name in zip(names, plant.states, strict=True) if plant.unit(name)}
     return replace(
         controller,

@@ -11,7 +11,7 @@ from typing import Any
 
 import casadi as ca
 
-from synth.block import Block, Named
+from synth.block import Block, ComputedSignal
 from synth.emit.approx.polynomial import Polynomial
 from synth.errors import EmitError
 
@@ -81,7 +81,7 @@ class Program:
     """
 
     nodes: tuple[Node, ...]
-    marks: tuple[tuple[Named, int], ...]
+    marks: tuple[tuple[ComputedSignal, int], ...]
     outputs: dict[str, int]
     next: dict[str, int]
     integers: frozenset[str] = field(default=frozenset())
@@ -141,19 +141,19 @@ def program(block: Block) -> Program:
     """
     loads = [*(("input", s.name) for s in block.inputs), *(("state", s.name) for s in block.states)]
     loads += [("constant", c.name) for c in block.constants]
-    exprs = [e for _, e in block.inside] + list(block.output.values()) + list(block.next.values())
+    exprs = [e for _, e in block.computed_signals] + list(block.output.values()) + list(block.next.values())
     shared = ca.cse(exprs)
     f = ca.Function("step", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat(shared)])
     tables: dict[str, tuple[float, ...]] = {}
     nodes, results = walk(f, loads, tables)
-    count = len(block.inside)
-    marks = tuple((named, node) for (named, _), node in zip(block.inside, results[:count], strict=True))
+    count = len(block.computed_signals)
+    marks = tuple((named, node) for (named, _), node in zip(block.computed_signals, results[:count], strict=True))
     tail = results[count:]
     outputs = dict(zip(block.output, tail, strict=False))
     next = dict(zip(block.next, tail[len(outputs) :], strict=True))
     word = _fault_word(nodes, [(outputs[fault.output], fault.bit) for fault in block.faults])
     outputs = {s.name: outputs[s.name] for s in block.outputs}
-    titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.inside}
+    titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.computed_signals}
     integers = frozenset([s.name for s in block.states if s.integer])
     return _without_dead_nodes(
         Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables)

@@ -16,10 +16,10 @@ from synth.report import figures, page, prose
 from synth.report.prose import Value
 
 Rows = Sequence[Sequence[page.Cell]]
-Made = Value | Figure | Rows
+Content = Value | Figure | Rows
 
 
-def with_captions(values: Mapping[str, Made], described: Mapping[str, Any]) -> dict[str, Value]:
+def with_captions(values: Mapping[str, Content], described: Mapping[str, Any]) -> dict[str, Value]:
     """Return values for report.md: drawings and rows with their captions, other values unchanged.
 
     Raises DesignError for a drawing or rows without a description, and as `prose.fill_placeholders`.
@@ -27,7 +27,7 @@ def with_captions(values: Mapping[str, Made], described: Mapping[str, Any]) -> d
     return {name: _block(name, each, described, values) for name, each in values.items()}
 
 
-def _block(name: str, each: Made, described: Mapping[str, Any], values: Mapping[str, Any]) -> Value:
+def _block(name: str, each: Content, described: Mapping[str, Any], values: Mapping[str, Any]) -> Value:
     if not isinstance(each, Figure | list | tuple):
         return each  # type: ignore[return-value]
     if name not in described:

@@ -65,12 +65,12 @@ def _draw(axes: Any, chart: Chart) -> None:
         axes.axhline(level, **LEVEL)
     for axis in chart.log:
         axes.set(**{f"{axis}scale": "log"})
-    maps.signs(axes)
+    maps.use_minus_signs(axes)
     if "y" in chart.log:
         maps.plain_log(axes)
     axes.set(xlabel=chart.xlabel, ylabel=chart.ylabel, **chart.options)
     axes.set_title(chart.title, loc="left" if chart.legend == "above" else "center")
     if chart.legend == "above":
-        figures.above(axes)
+        figures.put_legend_above(axes)
     elif chart.legend and chart.legend != "figure":
         axes.legend(loc=chart.legend)

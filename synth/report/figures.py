@@ -225,10 +225,10 @@ def _styles(curves: Iterable[Curve]) -> list[dict[str, Any]]:
 def _legend(axes: Axes) -> None:
     """Put a legend above the axes if there are two or more curves."""
     if len(axes.get_legend_handles_labels()[0]) > 1:
-        above(axes)
+        put_legend_above(axes)
 
 
-def above(axes: Axes) -> None:
+def put_legend_above(axes: Axes) -> None:
     """Put the legend above the axes, where it hides no curve."""
     count = len(axes.get_legend_handles_labels()[0])
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=count, frameon=False, borderaxespad=0.1)

@@ -23,7 +23,7 @@ from synth.statespace import Array
 SIGNED, PLAIN = "RdBu_r", "viridis"
 PLANE = ("X, mm", "Y, mm")
 Side = tuple[float, float]
-SIGNS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # with typographic minus signs
+TICK_LABELS = FuncFormatter(lambda v, _: f"{v:.4g}".replace("-", "−"))  # with typographic minus signs
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def signed_maps(shown: Sequence[Map], sides: Sequence[Side], labels: tuple[str, 
         for axes, each in zip(np.atleast_1d(grid), shown, strict=True):
             high = float(np.nanmax(np.abs(each.values))) or 1.0
             image = _draw_map(axes, each, sides, labels, cmap=SIGNED, norm=Normalize(-high, high))
-            figure.colorbar(image, ax=axes, shrink=0.8, format=SIGNS)
+            figure.colorbar(image, ax=axes, shrink=0.8, format=TICK_LABELS)
     return figure
 
 
@@ -82,7 +82,7 @@ def _draw_map(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, s
     image = axes.imshow(each.values.T, origin="lower", extent=(*sides[0], *sides[1]), aspect="equal", **colours)
     axes.set(title=each.title, xlabel=labels[0], ylabel=labels[1])
     axes.grid(visible=False)
-    signs(axes)
+    use_minus_signs(axes)
     if each.marks is not None and len(each.marks):
         axes.plot(*each.marks.T, "o", ms=2.6, mfc="none", mec="#ffffff", mew=0.7)
         axes.set(xlim=sides[0], ylim=sides[1])
@@ -92,11 +92,11 @@ def _draw_map(axes: Axes, each: Map, sides: Sequence[Side], labels: tuple[str, s
 def plain_log(axes: Axes) -> None:
     """Label a logarithmic axis by plain numbers, at 1, 2 and 5 of each decade."""
     axes.yaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(SIGNS)
+    axes.yaxis.set_major_formatter(TICK_LABELS)
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def signs(axes: Axes) -> None:
+def use_minus_signs(axes: Axes) -> None:
     """Use typographic minus signs on both axes."""
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(SIGNS)
+        axis.set_major_formatter(TICK_LABELS)

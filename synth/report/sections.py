@@ -27,7 +27,7 @@ AGREEMENT = {
     "in": "signal",
     "at step": "sample",
     "ulp": "ulps",
-    "fault words unlike": "faults_differ",
+    "differing fault words": "faults_differ",
     "worst state, of range": "state_worst",
     "state": "state",
 }

@@ -96,10 +96,13 @@ def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
     Raises ModelError as `display.block`.
     """
     ends = display.signals("Inputs and outputs", (*block.inputs, *block.outputs))
-    inside = [named.signal for named, _ in block.inside if named.signal not in block.outputs]
-    tables = [display.signals("Signals inside", inside), display.signals("States", [s.signal for s in block.states])]
+    internal = [named.signal for named, _ in block.computed_signals if named.signal not in block.outputs]
+    tables = [
+        display.signals("Internal signals", internal),
+        display.signals("States", [s.signal for s in block.states]),
+    ]
     tables += [display.constants(block)] if block.constants else []
-    folded = page.Folded("Signals inside, states and constants", tuple(tables))
+    folded = page.Folded("Internal signals, states and constants", tuple(tables))
     return Section(LAW, (*display.block(block, AROUND), ends, folded, *blocks))
 
 

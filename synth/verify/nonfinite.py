@@ -64,7 +64,7 @@ class Equivalence:
         """Return the comparison as a count that must be zero."""
         about = f"{self.compared} steps specialised for NaN or infinity at one of {len(self.inputs)} inputs"
         summary = "; ".join([about, *self.different[:3]])
-        name = "inputs not finite: steps unlike the one for a finite input out of range"
+        name = "inputs not finite: steps that differ from the one for a finite input out of range"
         return (Check(name, len(self.different), 0, "steps", summary),)
 
 

@@ -130,7 +130,7 @@ def compare_precisions(
     share, unit = float(np.mean(~alike)), UNIT if floor is None else "of the output's floor or more"
     return a, [
         Check("random steps: single against double", a.worst, SINGLE, unit, a.signal),
-        Check("random steps: decisions otherwise in single precision", share, DIVERGENT_SHARE, "1"),
+        Check("random steps: decisions that differ in single precision", share, DIVERGENT_SHARE, "1"),
     ]
 
 

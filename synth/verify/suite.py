@@ -77,7 +77,7 @@ def exact_checks(agreements: Sequence[Agreement], unit: str) -> list[Check]:
         checks += [
             Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, unit, about),
             Check(f"{a.what}: next states of {pair}", a.state_worst, EXACT, "of range", a.state),
-            Check(f"{a.what}: fault words of {pair} unlike", a.faults_differ, 0, "1"),
+            Check(f"{a.what}: fault words of {pair} that differ", a.faults_differ, 0, "1"),
         ]
     return checks
 

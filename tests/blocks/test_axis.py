@@ -108,7 +108,7 @@ def test_the_modes_leave_no_error_in_another_plant() -> None:
     regulator = regulator_for(1, modes={0.0: 5.0, 60.0: 4.0}, model=mass(50.0))
     assert regulator.servo.steady.vanishes
     other = loop.sampled(mass(500.0), TIME.period_s, TIME.period_s)
-    assert regulator.servo.around(other).vanishes
+    assert regulator.servo.steady_error_with(other).vanishes
 
 
 def test_the_default_set_point_weight_cancels_the_pole_of_the_integrator() -> None:

@@ -14,7 +14,7 @@ from models.hall_array import Array
 from models.hall_stage import PUBLISHED, Stage, grid
 from models.hall_two_waves import PlanarArray
 from synth.report import charts, maps
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.charts import LEVEL, Chart, Line
 from synth.report.maps import Map
 
@@ -33,7 +33,7 @@ OFF = ("off along X, pitches", "off along Y, pitches")  # labels of the axes: of
 NEAR = (0.0625, 0.125, 0.25)  # pitches: half sides of the squares over which the table averages
 
 
-def blocks(stage: Stage) -> dict[str, Made]:
+def blocks(stage: Stage) -> dict[str, Content]:
     """Return the blocks of the section: accuracy of each layout, errors of the field model, regions of convergence."""
     layouts = layouts_by_name(stage)
     positions = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
@@ -105,7 +105,7 @@ def _singular(stage: Stage, yaw: float) -> tuple[float, ...]:
     return yaw, len(points), *(1e3 * first).tolist()
 
 
-def _errors(stage: Stage) -> dict[str, Made]:
+def _errors(stage: Stage) -> dict[str, Content]:
     by_layout = {
         "two sensors, yaw known": errors.errors(stage, True),
         "two sensors, yaw estimated": errors.errors(stage, False),
@@ -119,7 +119,7 @@ def _errors(stage: Stage) -> dict[str, Made]:
     }
 
 
-def _basins(stage: Stage) -> dict[str, Made]:
+def _basins(stage: Stage) -> dict[str, Content]:
     """Return the regions of convergence (basins of attraction) of GLSDC, without damping or prediction."""
     shares = {
         "two sensors, yaw known": basin(stage.pair, True),

@@ -6,10 +6,10 @@ from math import degrees, pi
 from designs.hall_position import config
 from models import hall_chain
 from models.hall_chain import Chain
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 
 
-def blocks(meaning: Mapping[str, str]) -> dict[str, Made]:
+def blocks(meaning: Mapping[str, str]) -> dict[str, Content]:
     """Return the tuning with the meaning of each number, the sensors, and the chain."""
     tuning = vars(config.TUNING)
     return {

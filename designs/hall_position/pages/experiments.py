@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from synth.blocks.error_map import ErrorMap
 from synth.report import charts, figures, maps, page, standard
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
 from synth.report.maps import Map
 from synth.report.notation import readable
@@ -25,7 +25,7 @@ STEPS, ZIGZAGS, SOURCES = ("step_plain", "step_calibrated"), ("zigzag_plain", "z
 ABSENT = page.Text("Not run.")
 
 
-def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Made]:
+def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Content]:
     """Return the map of a source's errors, its effect, and Figs. 10 and 11; ABSENT for runs that are missing."""
     by_name = {e.name: e for e in runs}
     return {
@@ -76,7 +76,7 @@ def _unit(what: str) -> str:
     return readable(re.sub(r"\bphi\b", "φ", what))
 
 
-def _calibration(of: ErrorMap) -> dict[str, Made]:
+def _calibration(of: ErrorMap) -> dict[str, Content]:
     """Return the map of a source's errors, and how large it is, rms and at most."""
     named = zip(("X", "Y", "yaw"), ("mm", "mm", "mrad"), of.added, strict=True)
     shown = [Map(f"added to {name}, {unit}", 1e3 * values) for name, unit, values in named]

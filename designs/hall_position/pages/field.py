@@ -12,7 +12,7 @@ from models.hall_figures import Surface
 from models.hall_scan import Decay, Fit
 from models.hall_stage import Stage
 from synth.report import charts, maps
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
 from synth.report.figures import COLOURS
 from synth.report.maps import Map
@@ -27,7 +27,7 @@ PRINTED = 3  # spacings of (3)
 GREEK = {"alpha": "α", "beta": "β", "gamma": "γ"}
 
 
-def blocks(stage: Stage) -> dict[str, Made]:
+def blocks(stage: Stage) -> dict[str, Content]:
     """Return the matrix' field with Figs. 3, 4, 5 and 8, and the dependence on the air gap."""
     fit, (fits, decays) = audited.fit_above_blocks(stage), over_gap(stage)
     left = 1e3 * np.abs(fit.residual)
@@ -81,7 +81,7 @@ def _amplitudes(stage: Stage) -> Rows:
     for label, ideal in (("ideal", True), ("as made", False)):
         for z in (0.0, stage.height):
             sizes = stage.amplitudes(NUMBERS, z, ideal)
-            shown = np.where(np.abs(sizes) < audited.NONE, 0.0, sizes).tolist()
+            shown = np.where(np.abs(sizes) < audited.NEGLIGIBLE_AMPLITUDE, 0.0, sizes).tolist()
             rows.append((label, f"{1e3 * z:g} mm", *shown, 0.0 if ideal else stage.cross(z)))
     return rows
 

@@ -14,7 +14,7 @@ from models.hall_stage import PUBLISHED, Stage
 from models.hall_two_waves import SpatialArray
 from synth.analyse.observability.information import Accuracy
 from synth.report import figures, maps, page
-from synth.report.captions import Made
+from synth.report.captions import Content
 from synth.report.maps import Map
 
 POINTS = 48  # of maps, along a pitch
@@ -23,7 +23,7 @@ LEVEL = hall_accuracy.CONDITIONS[hall_accuracy.LEVEL]
 COLUMNS = ("", "X, µm", "Y, µm", "Z, µm", "roll, µrad", "pitch, µrad", "yaw, µrad")
 
 
-def blocks(stage: Stage) -> dict[str, Made]:
+def blocks(stage: Stage) -> dict[str, Content]:
     """Return the layouts, the determinants of three sensors, and the tuning."""
     three = {"third sensor added": PUBLISHED} | {f"searched, ±{turn}°": LAYOUTS[turn] for turn in LAYOUTS}
     return {

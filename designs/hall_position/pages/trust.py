@@ -12,7 +12,7 @@ from designs.hall_position.trust.estimator_ensemble import EstimatorConfig
 from models import hall_two_waves
 from models.hall_motions import Pose
 from synth.report import charts, maps, page
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.charts import Chart, Line
 from synth.report.figures import COLOURS
 from synth.report.maps import Map
@@ -38,7 +38,7 @@ def estimators() -> dict[str, EstimatorConfig]:
     return {name: EstimatorConfig(config.array(name)) for name in NAMES}
 
 
-def blocks(of: EstimatorConfigs) -> dict[str, Made]:
+def blocks(of: EstimatorConfigs) -> dict[str, Content]:
     """Return basins, cold starts, motions and failures."""
     return {
         "trust.window_deg": float(np.degrees(config.TUNING.yaw_window)),
@@ -56,7 +56,7 @@ def blocks(of: EstimatorConfigs) -> dict[str, Made]:
     }
 
 
-def basins(of: EstimatorConfigs) -> dict[str, Made]:
+def basins(of: EstimatorConfigs) -> dict[str, Content]:
     """Return capture radius and basins of the compiled C."""
     radius = [Map(NAMES[n], 1e3 * starts.capture_radius(estimator, POINTS)) for n, estimator in of.items()]
     pitch = 1e3 * next(iter(of.values())).array.pitch
@@ -73,11 +73,11 @@ def basins(of: EstimatorConfigs) -> dict[str, Made]:
     return {
         "trust.capture_radius": maps.maps(radius, sides, (0.0, pitch / 4), columns=2, log=False, label="mm"),
         "trust.basins": page.Table("Starts that converge to the true position, %", columns, tuple(rows), digits=3),
-        "trust.wrong": [(name, each.samples, each.wrong) for name, each in by_name.items()],
+        "trust.wrong": [(name, each.samples, each.misleading) for name, each in by_name.items()],
     }
 
 
-def cold_starts(of: EstimatorConfigs) -> dict[str, Made]:
+def cold_starts(of: EstimatorConfigs) -> dict[str, Content]:
     """Return the times from `init` to a valid estimate."""
     runs: dict[str, Scores] = {}
     for name, estimator in of.items():
@@ -111,7 +111,7 @@ def _cold_start_row(name: str, each: Scores) -> tuple[page.Cell, ...]:
 def _motion(name: str, estimator: EstimatorConfig) -> tuple[page.Cell, ...]:
     """Return the limits of motion, and the result of random motions up to them."""
     run = endurance.run(estimator, MOVING, LONG, endurance.limits(estimator))
-    shares = 100 * run.valid, 100 * run.lost, run.wrong, 1e6 * run.worst
+    shares = 100 * run.valid, 100 * run.lost, run.misleading, 1e6 * run.max_valid_error
     return NAMES[name], run.limits.speed, run.limits.acceleration, run.samples, *shares
 
 

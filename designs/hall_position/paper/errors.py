@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from designs.hall_position.paper import field
-from designs.hall_position.paper.field import KEPT
+from designs.hall_position.paper.field import CACHED_RESULTS
 from models import concentrated_field, hall_array, hall_correction
 from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage, grid
@@ -17,7 +17,7 @@ CORRECTIONS, SCALE = 200, 0.2  # of GLSDC: the remaining step is below any print
 WAVES = (*concentrated_field.orders_on_axes((1, 3, 5, 9)), *concentrated_field.CROSS)
 
 
-@lru_cache(KEPT)
+@lru_cache(CACHED_RESULTS)
 def errors(stage: Stage, yaw_known: bool) -> Array:
     """Return the errors of GLSDC in X and Y (2, N) in m above six pitches of blocks, at yaw 0, X slowest."""
     of, fit = stage.truth, field.fit_above_blocks(stage).estimate
@@ -58,7 +58,7 @@ def true_motions(off: Array, spacing: float, step: float) -> Array:
     return np.array(motions)
 
 
-@lru_cache(KEPT)
+@lru_cache(CACHED_RESULTS)
 def by_waves(stage: Stage, of: PlanarArray, points: int = PER_PITCH) -> Array:
     """Return the errors of GLSDC in X and Y (2, N) in m above the infinite matrix at yaw 0, with the yaw estimated."""
     q = grid(of, points)

@@ -16,9 +16,9 @@ from models.hall_array import Array
 from models.hall_stage import PER_PITCH, Stage
 from synth.synthesise.identify.logs import Log
 
-KEPT = 8  # most cached results of each function
+CACHED_RESULTS = 8  # most cached results of each function
 ODD = (1, 3, 5, 7, 9, 11, 13)
-NONE = 1e-6  # T: a harmonic with a smaller amplitude counts as absent
+NEGLIGIBLE_AMPLITUDE = 1e-6  # T: a harmonic with a smaller amplitude counts as absent
 PLACES = 480  # positions over a pitch
 
 
@@ -27,9 +27,13 @@ def harmonics(stage: Stage, z: float, ideal: bool = False) -> dict[int, float]:
     return dict(zip(ODD, stage.amplitudes(ODD, z, ideal).tolist(), strict=True))
 
 
-def has_every_nth(step: float, *above: Mapping[int, float]) -> bool:
+def has_every_nth(step: float, *at_heights: Mapping[int, float]) -> bool:
     """Return whether exactly the harmonics n = 1 + k step, k = 0, 1, .., of ODD are present at each height."""
-    return all((abs(a) > NONE) == ((n - 1) % step == 0) for amplitudes in above for n, a in amplitudes.items())
+    return all(
+        (abs(a) > NEGLIGIBLE_AMPLITUDE) == ((n - 1) % step == 0)
+        for amplitudes in at_heights
+        for n, a in amplitudes.items()
+    )
 
 
 def largest_two(sizes: Mapping[int, float]) -> list[int]:
@@ -52,7 +56,7 @@ def line_slopes(stage: Stage) -> Array:
     return hall_figures.line(waves, 0.0, PLACES + 1, stage.height).slopes[0]
 
 
-def better_slope(slopes: Array, spacing: float) -> float:
+def least_slope_of_pair(slopes: Array, spacing: float) -> float:
     """Return min over X of max(|slope of sensor 1|, |slope of sensor 2|), for sensors at a spacing in pitches."""
     magnitude = np.abs(slopes[:-1])
     return float(np.maximum(magnitude, np.roll(magnitude, -round(spacing * PLACES))).min())
@@ -64,7 +68,7 @@ def relative_to_best_spacing(stage: Stage, spacing: float) -> float:
     return float(least[round(spacing * PLACES)] / least.max())
 
 
-@lru_cache(KEPT)
+@lru_cache(CACHED_RESULTS)
 def fit_above_blocks(stage: Stage) -> hall_scan.Fit:
     """Return the fit of model (2) to a scan over a pitch above six pitches of blocks."""
     truth = stage.truth

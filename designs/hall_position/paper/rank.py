@@ -11,7 +11,7 @@ from math import radians
 import numpy as np
 
 from designs.hall_position.accuracy import layouts
-from designs.hall_position.paper.field import KEPT
+from designs.hall_position.paper.field import CACHED_RESULTS
 from models import (
     concentrated_field,
     hall_accuracy,
@@ -44,7 +44,7 @@ def deviation_at_known_yaw(of: PlanarArray, points: int = 4096) -> Array:
     return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
 
 
-@lru_cache(KEPT)
+@lru_cache(CACHED_RESULTS)
 def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> LargestDeviation:
     """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `hall_fisher.worst`."""
     return hall_fisher.worst(of, (radians(low), radians(high)), tolerance)

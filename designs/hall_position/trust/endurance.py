@@ -36,17 +36,17 @@ YAW_SHARE = 0.95  # of the valid yaw limit
 class Endurance:
     """Result of a simulation: the fraction of `valid` samples, and of bodies that have `lost` position lock at the end.
 
-    `wrong` is the number of samples that are valid at a wrong position, `worst` the largest position error of the valid
-    samples in m, and `off` that of all samples.
+    `misleading` is the number of samples that are valid at a wrong position, `max_valid_error` the largest position
+    error of the valid samples in m, and `max_error` that of all samples.
     """
 
     limits: Limits
     samples: int
     valid: float
     lost: float
-    wrong: int
-    worst: float
-    off: float
+    misleading: int
+    max_valid_error: float
+    max_error: float
 
 
 def checks(name: str, config: EstimatorConfig, bodies: int, samples: int) -> list[Check]:
@@ -56,9 +56,9 @@ def checks(name: str, config: EstimatorConfig, bodies: int, samples: int) -> lis
     about = f"{conditions}, {100 * outcome.valid:.3g} % valid"
     what = f"{name}, random motion"
     return [
-        Check(f"{what}: bodies lost", outcome.lost, 0, "1", about),
-        Check(f"{what}: samples valid elsewhere", outcome.wrong, 0, "1", about),
-        Check(f"{what}: worst valid position", outcome.worst, MAX_ERROR, "m", about),
+        Check(f"{what}: share of bodies that lose position lock", outcome.lost, 0, "1", about),
+        Check(f"{what}: samples valid at a wrong position", outcome.misleading, 0, "1", about),
+        Check(f"{what}: largest error of a valid position", outcome.max_valid_error, MAX_ERROR, "m", about),
     ]
 
 
@@ -82,11 +82,13 @@ def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed
     rng = np.random.default_rng(seed)
     course = motions.random_course(config.array, estimator_ensemble.TIME, bodies, within, rng, SLOWEST)
     state = estimator_ensemble.states_on_course(config, course)
-    valid = wrong = 0
-    worst = off = 0.0
+    valid = misleading = 0
+    max_valid_error = max_error = 0.0
     for batch, scores in estimator_ensemble.track(config, state, course, samples, rng):
         state = batch.states
-        valid, wrong = valid + int(scores.valid.sum()), wrong + int(scores.is_wrong.sum())
-        worst, off = max(worst, float(scores.error[scores.valid].max(initial=0))), max(off, float(scores.error.max()))
+        valid, misleading = valid + int(scores.valid.sum()), misleading + int(scores.is_wrong.sum())
+        max_valid_error = max(max_valid_error, float(scores.error[scores.valid].max(initial=0)))
+        max_error = max(max_error, float(scores.error.max()))
     lost = float((state["estimator_lock_lost"] > 0).mean())
-    return Endurance(within, bodies * samples, valid / (bodies * samples), lost, wrong, worst, off)
+    total = bodies * samples
+    return Endurance(within, total, valid / total, lost, misleading, max_valid_error, max_error)

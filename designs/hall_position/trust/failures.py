@@ -64,7 +64,7 @@ class Outcome:
     Shares: `residual_exceeded` its limit, failure `flagged`, failed sensor `isolated` (excluded by number), position
     lock `lost`, estimate `valid` at the end, ever `misleading` (valid with an error above 10 standard deviations).
     `delay`: largest number of samples from the exceeded residual to the flag, AFTER without a flag. `error`: rms of the
-    valid estimates in standard deviations; `worst`: the largest, m.
+    valid estimates in standard deviations; `max_valid_error`: the largest, m.
     """
 
     residual_exceeded: float
@@ -74,7 +74,7 @@ class Outcome:
     delay: int
     valid: float
     error: float
-    worst: float
+    max_valid_error: float
     misleading: float
 
 
@@ -148,7 +148,7 @@ def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
         delay=int((flag - exceeding)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
         error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
-        worst=float(scores.error[valid].max(initial=0)),
+        max_valid_error=float(scores.error[valid].max(initial=0)),
         misleading=float(scores.is_wrong.any(axis=0).mean()),
     )
 

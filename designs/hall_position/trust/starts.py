@@ -31,7 +31,7 @@ DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a position; distances 
 class Basin:
     """Shares (n, m) of starts that converge, by upper bounds of their `displacement` (n,) in m and `yaw` (m,) in rad.
     `first` in the first sample, `last` in the last one, NaN in bins without a start. Of all `samples` of all bodies
-    `wrong` were valid elsewhere.
+    `misleading` were valid at a wrong position.
     """
 
     displacement: Numbers
@@ -39,7 +39,7 @@ class Basin:
     first: Numbers
     last: Numbers
     samples: int
-    wrong: int
+    misleading: int
 
 
 def basin(config: EstimatorConfig, bodies: int, yaw: float, samples: int = 60, seed: int = 0) -> Basin:

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from designs.maglev_5dof.paper import bench as benches
-from designs.maglev_5dof.paper.bench import BY_GROUP, AuditSetup
+from designs.maglev_5dof.paper import closed_loop_runs
+from designs.maglev_5dof.paper.closed_loop_runs import BY_GROUP, AuditSetup
 from models import maglev_figures
 from synth.declaration import Stage
 from synth.report import audit
 from synth.report.audit import Published, Row, Scope
 
-FORMULAS = (benches, maglev_figures)  # formulas may use all names of these modules
+FORMULAS = (closed_loop_runs, maglev_figures)  # formulas may use all names of these modules
 
 
 def rows(stage: Stage) -> Iterator[Row]:
@@ -22,11 +22,11 @@ def rows(stage: Stage) -> Iterator[Row]:
     return audit.rows(scope(AuditSetup(stage, stage.plant), published_rows()))
 
 
-def scope(bench: AuditSetup, prints: Mapping[str, Published]) -> Scope:
-    """Return the scope of the formulas; `bench` and `plant` take the parameters that a row depends on."""
+def scope(setup: AuditSetup, prints: Mapping[str, Published]) -> Scope:
+    """Return the scope of the formulas; `setup` and `plant` take the parameters that a row depends on."""
     functions = {name: value for module in FORMULAS for name, value in vars(module).items()}
-    functions |= {"bench": lambda **_: bench, "plant": lambda **_: bench.plant, "mm": 1e-3, "cells": bench.cells}
-    return Scope({p.name: p.value for p in bench.plant.parameters}, functions, prints)
+    functions |= {"setup": lambda **_: setup, "plant": lambda **_: setup.plant, "mm": 1e-3, "cells": setup.cells}
+    return Scope({p.name: p.value for p in setup.plant.parameters}, functions, prints)
 
 
 def published_rows() -> dict[str, Published]:

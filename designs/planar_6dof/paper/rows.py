@@ -7,7 +7,7 @@ formulas in published.toml. No verdict is stored.
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from designs.planar_6dof.paper import filter, gains, records
+from designs.planar_6dof.paper import gains, kalman_filter, records
 from models import axis_figures, motor_figures, planar_stage, platen_figures, switching_figures
 from synth.plant import Plant
 from synth.report import audit
@@ -16,7 +16,7 @@ from synth.simulate.rig import Rig
 
 UNITS = {"mm": 1e-3, "um": 1e-6, "inch": 25.4e-3}  # in m
 FIGURES = (motor_figures, platen_figures, switching_figures, axis_figures)  # of the physics
-MODULES = (*FIGURES, filter, gains, records)  # whose functions the formulas name
+MODULES = (*FIGURES, kalman_filter, gains, records)  # whose functions the formulas name
 OPTIMAL = {f"Y-{n}" for n in (*range(10, 16), *range(36, 42))}  # the rows of planar_6dof_lqg
 
 

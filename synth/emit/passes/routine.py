@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from synth.block import Named
+from synth.block import ComputedSignal
 from synth.emit.c.expressions import HELPERS, RESERVED
 from synth.emit.c.kinds import kinds
 from synth.emit.c.naming import Naming
@@ -136,7 +136,7 @@ class _Builder:
     def _program(self, next: dict[str, int]) -> Program:
         part, p = self.part, self.p
         marks = tuple(
-            (Named(n.signal, self.part_name, n.tag), self.index[k])
+            (ComputedSignal(n.signal, self.part_name, n.tag), self.index[k])
             for n, k in p.marks
             if k in part.region and k not in part.results and k in self.index
         )

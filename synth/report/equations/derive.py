@@ -163,7 +163,7 @@ def block(block: Block) -> tuple[Group, ...]:
         )
         for n, k in program.next.items()
     ]
-    tags = {named.block: named.tag for named, _ in block.inside}
+    tags = {named.block: named.tag for named, _ in block.computed_signals}
     equations = [*_assign_owners(inside, next_states), *next_states]
     owners = dict.fromkeys([*program.titles, *(e.owner for e in equations)])
     private = [s.name for s in block.states] + [c.name for c in block.constants]

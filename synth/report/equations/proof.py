@@ -48,7 +48,9 @@ def block(block: Block, groups: Sequence[Group]) -> None:
         if state.integer:
             row[:] = rng.integers(int(state.signal.low), int(state.signal.high) + 1, POINTS)
     points = np.vstack([points, _perturbations(np.array([c.value for c in block.constants]), rng)])
-    exprs = {named.signal.name: e for named, e in block.inside} | {f"{n} next": e for n, e in block.next.items()}
+    exprs = {named.signal.name: e for named, e in block.computed_signals} | {
+        f"{n} next": e for n, e in block.next.items()
+    }
     f = ca.Function("block", [ca.vcat([block.symbol[n] for n in names])], [ca.vcat([*exprs.values()])])
     computed = dict(zip(exprs, _at(f, points), strict=True))
     tables = {name: _lookup(numbers) for name, numbers in lower.program(block).tables.items()}

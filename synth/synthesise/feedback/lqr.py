@@ -7,7 +7,7 @@
            int_0^T (x'Qx + u'Ru + 2 x'Nu) dt = [x; u]' W [x; u],   W = int_0^T M(t)' [Q, N; N', R] M(t) dt
 
            with M(t) = exp([[A, B], [0, 0]] t), which has a cross term even for N = 0 (Van Loan 1978);
-           the input may be delayed (`held_cost`)
+           the input may be delayed (`period_cost`)
 
     u --->[ x' = A x + B u, or x+ ]--- x ---+          y = C x + D u,  q' = y, or q+ = q + T y
     ^                                       |
@@ -28,7 +28,7 @@ from synth import arguments, show
 from synth.analyse import interconnect, structure
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.feedback import held_cost, modes, weights
+from synth.synthesise.feedback import modes, period_cost, weights
 from synth.synthesise.riccati import doubling, riccati
 from synth.timing import Continuous, Discrete, Time, period
 
@@ -182,7 +182,7 @@ def sampled_cost(
             f"the cost over a period needs a continuous model, but this one is in {model.time}: give the "
             "continuous model"
         )
-    held = held_cost.over_period(model, weights.joint_weight(Q, R, N), period_s, delay_s, exact)
+    held = period_cost.over_period(model, weights.joint_weight(Q, R, N), period_s, delay_s, exact)
     W, n = held.W, len(held.model.A)
     return SampledCost(held.model, readonly(W[:n, :n]), readonly(W[n:, n:]), readonly(W[:n, n:]))
 

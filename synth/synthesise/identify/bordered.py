@@ -29,9 +29,9 @@ class Jacobian:
         """The number of all parameters, k + s f."""
         return self.shared.shape[2] + self.group.shape[0] * self.group.shape[3]
 
-    def weighted(self, weight: Array) -> "Jacobian":
-        """Return the derivatives of the outputs divided by `weight` (p,)."""
-        return Jacobian(self.shared / weight[:, None], self.group / weight[:, None])
+    def weighted(self, deviation: Array) -> "Jacobian":
+        """Return the derivatives of the outputs divided by `deviation` (p,)."""
+        return Jacobian(self.shared / deviation[:, None], self.group / deviation[:, None])
 
     def parameters_per_output(self) -> Array:
         """Return an upper bound of the number of parameters on which each output (p,) depends."""

@@ -4,7 +4,7 @@
 
 with the standard deviation w_j of output j, up to a common factor. The steps are d in (J'J + mu I) d = J' e, for
 J = dg/dtheta and e = y - g, both divided by w, and columns of J scaled to length 1. The Levenberg-Marquardt damping mu
-grows until a step descends. The iteration ends when the projection of e onto the range of J is below UNEXPLAINED |e|.
+grows until a step descends. The iteration ends when the projection of e onto the range of J is below OPTIMALITY |e|.
 The confidence intervals are those of the problem linearised at the minimum (`least_squares`). If the noise of several
 outputs is unknown, it is estimated from the residuals, and the minimisation is repeated until the noise converges.
 
@@ -20,15 +20,15 @@ from numpy.typing import ArrayLike
 from synth import arguments, show
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise.identify import bordered, least_squares, undetermined
+from synth.synthesise.identify import bordered, identifiability, least_squares
 from synth.synthesise.identify.estimate import Estimate
 
 Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
 """Maps theta (k,) to g (N, p) and dg/dtheta (N, p, k). In theta, shared parameters precede those of groups of rows."""
 
 STEPS = 100  # most steps of a minimisation
-UNEXPLAINED = 1e-6  # at the minimum: |projection of e onto the range of J| / |e|, about 1e-6 standard errors
-EXACT = 1e-3  # |e| counts as at least this fraction of |y|: an exact fit, e = 0, also meets UNEXPLAINED
+OPTIMALITY = 1e-6  # at the minimum: |projection of e onto the range of J| / |e|, about 1e-6 standard errors
+EXACT = 1e-3  # |e| counts as at least this fraction of |y|: an exact fit, e = 0, also meets OPTIMALITY
 PASSES = 200  # most minimisations, with the noise estimated after each
 
 
@@ -36,35 +36,35 @@ PASSES = 200  # most minimisations, with the noise estimated after each
 class Fit:
     """The estimate, the number of steps and the optimality of the minimum.
 
-    `theta` is the argument of the model at the minimum. `unexplained` is |projection of e onto the range of J| / |e|,
-    which is 0 at an exact minimum.
+    `theta` is the argument of the model at the minimum. `optimality` is the first-order optimality, |projection of e
+    onto the range of J| / |e|, which is 0 at an exact minimum.
     """
 
     estimate: Estimate
     theta: Array
     steps: int
-    unexplained: float
+    optimality: float
 
     def sheet(self) -> show.Sheet:
         """Return the estimate's sheet with the convergence."""
         sheet = self.estimate.sheet()
-        line = f"Converged after {self.steps} steps; unexplained {self.unexplained:.1e}."
+        line = f"Converged after {self.steps} steps; first-order optimality {self.optimality:.1e}."
         return replace(sheet, lines=(*sheet.lines, line))
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """The model at theta: residual e = y - g, Jacobian J, and the standard deviations `weight` that divide both."""
+    """The model at theta: residual e = y - g, Jacobian J, and the outputs' standard deviations, which divide both."""
 
     theta: Array
     e: Array
     J: bordered.Jacobian
-    weight: Array
+    deviation: Array
 
     @property
     def cost(self) -> float:
         with np.errstate(over="ignore", invalid="ignore"):
-            cost = float(np.linalg.norm(self.e / self.weight))
+            cost = float(np.linalg.norm(self.e / self.deviation))
         finite = np.isfinite(self.J.shared).all() and np.isfinite(self.J.group).all()
         return cost if np.isfinite(cost) and finite else np.inf
 
@@ -94,24 +94,25 @@ def minimise(
     theta = arguments.real("start values", start)
     _check_shapes(model, y, theta, parameters, outputs)
     arguments.check_samples(y, outputs)
-    weight, steps, estimated = least_squares.weights(noise, outputs, y), 0, noise is None and len(outputs) > 1
+    deviation, steps = least_squares.initial_deviations(noise, outputs, y), 0
+    estimated = noise is None and len(outputs) > 1
     for _ in range(PASSES):
-        point, new_steps, unexplained = _minimum(model, y, theta, weight, outputs)
+        point, new_steps, optimality = _minimum(model, y, theta, deviation, outputs)
         theta, steps = point.theta, steps + new_steps
         J, values = point.J, theta[: len(parameters)]
         least_squares.check_rows(J, y, parameters, outputs, noise)
         try:
-            linear = least_squares.solve_with_weights(J, point.e + J.shared @ values, weight, parameters, values)
+            linear = least_squares.solve_with_deviations(J, point.e + J.shared @ values, deviation, parameters, values)
         except ModelError as error:
-            raise ModelError(f"{error}; the residual is {_largest_residual(point.e / weight, outputs)}") from error
-        previous_weight = weight
-        weight = least_squares.deviations(linear, y, outputs) if estimated else weight
-        if np.allclose(previous_weight, weight, rtol=least_squares.CONVERGED, atol=0.0):
+            raise ModelError(f"{error}; the residual is {_largest_residual(point.e / deviation, outputs)}") from error
+        previous_deviation = deviation
+        deviation = least_squares.deviations(linear, y, outputs) if estimated else deviation
+        if np.allclose(previous_deviation, deviation, rtol=least_squares.CONVERGED, atol=0.0):
             break
     else:
         raise ModelError(least_squares.no_convergence_text(PASSES))
     estimate = least_squares.estimate(linear, y, parameters, outputs, noise, level, units)
-    return Fit(estimate, readonly(theta), steps, unexplained)
+    return Fit(estimate, readonly(theta), steps, optimality)
 
 
 def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str], outputs: Sequence[str]) -> None:
@@ -136,23 +137,25 @@ def _check_shapes(model: Model, y: Array, theta: Array, parameters: Sequence[str
         )
 
 
-def _minimum(model: Model, y: Array, theta: Array, weight: Array, outputs: Sequence[str]) -> tuple[_Point, int, float]:
-    """Return the minimum for fixed weights, the number of steps and the unexplained residual."""
-    point, damping = _evaluate(model, y, theta, weight), 1e-3
+def _minimum(
+    model: Model, y: Array, theta: Array, deviation: Array, outputs: Sequence[str]
+) -> tuple[_Point, int, float]:
+    """Return the minimum for fixed standard deviations, the number of steps and the first-order optimality."""
+    point, damping = _evaluate(model, y, theta, deviation), 1e-3
     if not point.cost < np.inf:
         raise ModelError("the model is not finite at the start: start nearer to the truth, or simulate shorter spans")
-    y_norm = float(np.linalg.norm(y / weight)) or 1.0
+    y_norm = float(np.linalg.norm(y / deviation)) or 1.0
     for step in range(STEPS):
-        J, e = point.J.weighted(weight), (point.e / weight).ravel()
+        J, e = point.J.weighted(deviation), (point.e / deviation).ravel()
         factors = bordered.factors(J)
-        determined = factors.sigma > undetermined.RANK * max(1.0, factors.sigma.max(initial=0.0))
+        determined = factors.sigma > identifiability.RANK * max(1.0, factors.sigma.max(initial=0.0))
         projection = np.concatenate([(factors.U.T @ e)[determined], factors.group_components(e).ravel()])
-        unexplained = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), EXACT * y_norm)
-        if unexplained <= UNEXPLAINED:
-            return point, step, unexplained
+        optimality = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), EXACT * y_norm)
+        if optimality <= OPTIMALITY:
+            return point, step, optimality
         while damping < 1e12:
             shared_step, group_step = factors.step(e, damping, determined)
-            trial = _evaluate(model, y, point.theta + np.concatenate([shared_step, group_step.ravel()]), weight)
+            trial = _evaluate(model, y, point.theta + np.concatenate([shared_step, group_step.ravel()]), deviation)
             if trial.cost < point.cost:
                 point, damping = trial, damping / 10
                 break
@@ -160,16 +163,16 @@ def _minimum(model: Model, y: Array, theta: Array, weight: Array, outputs: Seque
         else:
             break
     raise ModelError(
-        f"no minimum was found in {step + 1} steps: a fraction {unexplained:.1e} of the residual is still in the range "
-        f"of the Jacobian; the residual is {_largest_residual(point.e / weight, outputs)}: start nearer to the truth, "
-        "leave outliers out, simulate shorter spans or estimate fewer parameters"
+        f"no minimum was found in {step + 1} steps: a fraction {optimality:.1e} of the residual is still in the range "
+        f"of the Jacobian; the residual is {_largest_residual(point.e / deviation, outputs)}: start nearer "
+        "to the truth, leave outliers out, simulate shorter spans or estimate fewer parameters"
     )
 
 
-def _evaluate(model: Model, y: Array, theta: Array, weight: Array) -> _Point:
+def _evaluate(model: Model, y: Array, theta: Array, deviation: Array) -> _Point:
     with np.errstate(all="ignore"):
         g, J = model(theta)
-    return _Point(theta, y - g, bordered.of(J), weight)
+    return _Point(theta, y - g, bordered.of(J), deviation)
 
 
 def _largest_residual(e: Array, outputs: Sequence[str]) -> str:

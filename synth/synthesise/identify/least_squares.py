@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from synth import arguments
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
-from synth.synthesise.identify import bordered, undetermined, variances
+from synth.synthesise.identify import bordered, identifiability, variances
 from synth.synthesise.identify.estimate import Estimate, Residual
 
 PASSES = 500  # most fits until the outputs' noise converges
@@ -31,9 +31,10 @@ PASSED_THROUGH = 1e-9  # of a residual's variance: below it the fit interpolates
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The solution for fixed weights (p,): theta = root U'(y / weight), residuals e (N, p), the bases U, Q of the fit.
+    """The solution for fixed standard deviations (p,) of the noise: theta = root U'(y / deviation), residuals e (N, p).
 
-    U is (N, p, k); Q (s, L, p, f) is the basis of the parameters of groups of rows, which are not reported.
+    U (N, p, k) is the basis of the fit. Q (s, L, p, f) is that of the parameters of groups of rows, which are not
+    reported.
     """
 
     theta: Array
@@ -41,7 +42,7 @@ class Solution:
     U: Array
     Q: Array
     root: Array
-    weight: Array
+    deviation: Array
     condition: float
 
 
@@ -70,12 +71,12 @@ def solve(
     nominal = None if near is None else arguments.real("values near which to solve", near)
     J = bordered.of(Phi)
     check_rows(J, y, parameters, outputs, noise)
-    weight = weights(noise, outputs, y)
-    solution = solve_with_weights(J, y, weight, parameters, nominal)
+    deviation = initial_deviations(noise, outputs, y)
+    solution = solve_with_deviations(J, y, deviation, parameters, nominal)
     for _ in range(PASSES if noise is None and len(outputs) > 1 else 0):
-        before, weight = weight, deviations(solution, y, outputs)
-        solution = solve_with_weights(J, y, weight, parameters, nominal)
-        if np.allclose(before, weight, rtol=CONVERGED, atol=0.0):
+        before, deviation = deviation, deviations(solution, y, outputs)
+        solution = solve_with_deviations(J, y, deviation, parameters, nominal)
+        if np.allclose(before, deviation, rtol=CONVERGED, atol=0.0):
             break
     else:
         if noise is None and len(outputs) > 1:
@@ -83,32 +84,34 @@ def solve(
     return estimate(solution, y, parameters, outputs, noise, level, units)
 
 
-def solve_with_weights(
-    Phi: bordered.Jacobian, y: Array, weight: Array, parameters: Sequence[str], near: Array | None = None
+def solve_with_deviations(
+    Phi: bordered.Jacobian, y: Array, deviation: Array, parameters: Sequence[str], near: Array | None = None
 ) -> Solution:
-    """Return the solution with output j divided by `weight[j]`; raise ModelError for undetermined parameters."""
-    J, b = Phi.weighted(weight), (y / weight).ravel()
+    """Return the solution with output j divided by `deviation[j]`; raise ModelError for undetermined parameters."""
+    J, b = Phi.weighted(deviation), (y / deviation).ravel()
     factors = bordered.factors(J)
-    if not (factors.group_sigma > undetermined.RANK).all():
+    if not (factors.group_sigma > identifiability.RANK).all():
         group = int(factors.group_sigma.min(axis=1).argmin())
         raise ModelError(
             f"the data leave initial states of span {group} undetermined: take longer spans, or measure more signals"
         )
-    if not factors.sigma[-1] > undetermined.RANK * max(1.0, factors.sigma[0]):
-        combinations = undetermined.combinations(factors.sigma, factors.V, factors.size, parameters, near)
+    if not factors.sigma[-1] > identifiability.RANK * max(1.0, factors.sigma[0]):
+        combinations = identifiability.undetermined_combinations(
+            factors.sigma, factors.V, factors.size, parameters, near
+        )
         raise ModelError(
             f"the data leave {' and '.join(combinations)} undetermined: log samples in which the "
             "parameters act independently, or hold one of them at a known value"
         )
     root = factors.V / factors.sigma / factors.size[:, None]
-    e, condition = factors.outside_range(b).reshape(y.shape) * weight, max(1.0, factors.sigma[0]) / factors.sigma[-1]
+    e, condition = factors.outside_range(b).reshape(y.shape) * deviation, max(1.0, factors.sigma[0]) / factors.sigma[-1]
     return Solution(
         root @ (factors.U.T @ b),
         e,
         factors.U.reshape(Phi.shared.shape),
         factors.Q.reshape(Phi.group.shape),
         root,
-        weight,
+        deviation,
         float(condition),
     )
 
@@ -124,15 +127,15 @@ def estimate(
 ) -> Estimate:
     """Return a solution with its confidence.
 
-    The weights are the noise up to a factor; for several outputs without `noise` they are the estimated noise.
+    The deviations are the noise up to a factor; for several outputs without `noise` they are the estimated noise.
     """
     arguments.check_level(level)
-    freedom, scale = y.size - len(parameters) - solution.Q.shape[0] * solution.Q.shape[3], solution.weight
+    freedom, scale = y.size - len(parameters) - solution.Q.shape[0] * solution.Q.shape[3], solution.deviation
     if noise is None and len(outputs) > 1:
         confidence = variances.confidence(solution.U, solution.Q, solution.root)
     else:
-        s = float(np.linalg.norm(solution.e / solution.weight)) / np.sqrt(freedom)
-        scale = s * solution.weight
+        s = float(np.linalg.norm(solution.e / solution.deviation)) / np.sqrt(freedom)
+        scale = s * solution.deviation
         degrees_of_freedom = np.full(len(parameters), float(freedom))
         confidence = variances.Confidence(s**2 * solution.root @ solution.root.T, degrees_of_freedom)
     return Estimate(
@@ -150,7 +153,7 @@ def estimate(
     )
 
 
-def weights(noise: Mapping[str, float] | None, outputs: Sequence[str], y: Array) -> Array:
+def initial_deviations(noise: Mapping[str, float] | None, outputs: Sequence[str], y: Array) -> Array:
     """Return the noise (p,) of the outputs, or their rms without `noise`.
 
     Raises SignalError for a noise that is missing, not positive or of no output.

@@ -34,13 +34,13 @@ class TrajectoryFit:
 
     estimate: Estimate
     steps: int
-    unexplained: float
+    optimality: float
     substeps: int
     shift: float
 
     def sheet(self) -> show.Sheet:
         """Return the sheet of the fit with its integration error."""
-        sheet = gauss_newton.Fit(self.estimate, self.estimate.values, self.steps, self.unexplained).sheet()
+        sheet = gauss_newton.Fit(self.estimate, self.estimate.values, self.steps, self.optimality).sheet()
         line = (
             f"{self.substeps} Runge-Kutta steps a period; half as many change a parameter by at most "
             f"{self.shift:.1e} standard errors."
@@ -68,7 +68,7 @@ def refine_steps(
         negligible = NEGLIGIBLE * np.abs([fit.estimate[name] for name in parameters])
         if ((shift <= SHIFT) | (np.abs(change) <= negligible)).all():
             most = float(shift.max())
-            return TrajectoryFit(fit.estimate, steps + fit.steps, fit.unexplained, substeps, most)
+            return TrajectoryFit(fit.estimate, steps + fit.steps, fit.optimality, substeps, most)
     worst = int(shift.argmax())
     raise ModelError(
         f"with {substeps} Runge-Kutta steps a period instead of {substeps // 2} '{parameters[worst]}' still changes by "

@@ -20,7 +20,7 @@ from synth.analyse import discretise, precise
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.feedback import weights
-from synth.synthesise.riccati import spectrum
+from synth.synthesise.riccati import exact_eigenvalues
 from synth.timing import Continuous, Time
 
 NoiseInput = ArrayLike | Sequence[str] | None
@@ -132,7 +132,7 @@ def stationary(A: ArrayLike, W: ArrayLike, time: Time) -> Array:
     """
     A = arguments.matrix("A", A)
     A, W = arguments.matrix_of_shape("A", A, len(A), len(A)), arguments.matrix_of_shape("W", W, len(A), len(A))
-    if (pole := spectrum.unstable_pole(A, time)) is not None:
+    if (pole := exact_eigenvalues.unstable_pole(A, time)) is not None:
         raise ModelError(
             f"the pole {show.number(pole)} does not decay, and the covariance is unbounded: stabilise it or take "
             "it out of the model"

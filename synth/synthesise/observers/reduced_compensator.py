@@ -28,8 +28,8 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.observers.reduced_observer import ReducedObserver
 from synth.synthesise.observers.reduced_partition import Partition, measurement_rows
-from synth.synthesise.riccati import spectrum
-from synth.synthesise.riccati.spectrum import ball
+from synth.synthesise.riccati import exact_eigenvalues
+from synth.synthesise.riccati.exact_eigenvalues import ball
 from synth.timing import common
 
 
@@ -101,8 +101,8 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
         )
     with precise.precision():
         regulated = ball(plant.A) + ball(plant.B) * ball(gain)
-        regulator = spectrum.eigenvalues(regulated)
-    decaying = spectrum.decays(regulator, plant.time)
+        regulator = exact_eigenvalues.eigenvalues(regulated)
+    decaying = exact_eigenvalues.decays(regulator, plant.time)
     if not decaying.all():
         raise ModelError(
             f"u = K x leaves the poles {', '.join(show.number(p, 9) for p in regulator[~decaying])}, which do not "
@@ -111,7 +111,7 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
     model = _model(observer, extra, gain)
     loop = _loop(observer.partition, model)
     with precise.precision():
-        poles = spectrum.eigenvalues(ball(loop.A))
+        poles = exact_eigenvalues.eigenvalues(ball(loop.A))
     separation = _separation(observer, loop.A, precise.rounded(regulated))
     return Compensator(observer, extra, readonly(gain), model, loop, regulator, poles, separation)
 

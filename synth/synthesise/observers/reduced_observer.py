@@ -34,8 +34,8 @@ from synth.synthesise.feedback import deadbeat as nilpotent
 from synth.synthesise.feedback import pole_placement
 from synth.synthesise.observers import reduced_noise, reduced_partition
 from synth.synthesise.observers.reduced_partition import Partition
-from synth.synthesise.riccati import spectrum
-from synth.synthesise.riccati.spectrum import ball
+from synth.synthesise.riccati import exact_eigenvalues
+from synth.synthesise.riccati.exact_eigenvalues import ball
 from synth.timing import Continuous
 
 Certificate = pole_placement.Placement | nilpotent.Deadbeat | reduced_noise.Filter | None
@@ -189,10 +189,10 @@ def _observer(part: Partition, gain: Array, certificate: Certificate) -> Reduced
         A11, A12, A21, A22, B1, B2, L = (ball(block) for block in blocks)
         exact = A22 - L * A12
         F, G, H = (readonly(precise.rounded(m)) for m in (exact, exact * L + A21 - L * A11, B2 - L * B1))
-        poles, inverse = spectrum.eigenvalues(ball(F)), ball(part.inverse)
+        poles, inverse = exact_eigenvalues.eigenvalues(ball(F)), ball(part.inverse)
         columns = inverse * ball(np.vstack([np.eye(len(part.measured)), gain]))
         from_x1, from_x3 = readonly(precise.rounded(columns)), readonly(part.inverse[:, len(part.measured) :])
-    decaying = spectrum.decays(poles, part.model.time)
+    decaying = exact_eigenvalues.decays(poles, part.model.time)
     if not decaying.all():
         bound = "Re s < 0" if isinstance(part.model.time, Continuous) else "|z| < 1"
         raise ModelError(

@@ -21,7 +21,7 @@ from synth import arguments, show
 from synth.analyse import precise, staircase, structure
 from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
-from synth.synthesise.riccati.spectrum import ball
+from synth.synthesise.riccati.exact_eigenvalues import ball
 
 DEPENDENT = 0.1  # of the largest coefficient of a dependence between outputs: an output with a smaller one is not named
 

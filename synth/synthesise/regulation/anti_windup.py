@@ -33,7 +33,7 @@ from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.feedback import weights
 from synth.synthesise.regulation import internal_model, minimal_polynomial
 from synth.synthesise.regulation.servo import Servo
-from synth.synthesise.riccati import kronecker, spectrum
+from synth.synthesise.riccati import exact_eigenvalues, kronecker
 from synth.timing import Continuous, Time
 
 SINGULAR = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
@@ -169,7 +169,7 @@ def _with_excess_inputs(model: StateSpace, gain: Array, mend: str) -> AntiWindup
     )
     held_A = model.A - gain @ model.C
     values = np.sort_complex(np.linalg.eigvals(held_A).astype(np.complex128))
-    if (pole := spectrum.unstable_pole(held_A, model.time)) is not None:
+    if (pole := exact_eigenvalues.unstable_pole(held_A, model.time)) is not None:
         raise ModelError(
             f"while its commands are held the controller has the eigenvalue {show.number(pole)}, which does not "
             f"decay, and it winds up: {mend}"

@@ -82,7 +82,7 @@ class Servo:
     @cached_property
     def steady(self) -> SteadyError:
         """The steady-state error under the exosystem's signals."""
-        return self.around(self.plant)
+        return self.steady_error_with(self.plant)
 
     def closed_loop(self, plant: System | None = None) -> StateSpace:
         """Return the loop, as `steady_error.closed_loop`, with the plant or with another one that has its signals.
@@ -99,7 +99,7 @@ class Servo:
             seen = replace(other, C=C, D=np.zeros((len(C), len(other.inputs))), outputs=self.measured)
         return steady_error.closed_loop(other, seen, self.regulated, self.controls, self.controller)
 
-    def around(self, plant: System) -> SteadyError:
+    def steady_error_with(self, plant: System) -> SteadyError:
         """Return the steady-state error when the same regulator controls another plant.
 
         Raises as `closed_loop`.

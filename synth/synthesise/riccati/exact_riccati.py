@@ -21,7 +21,7 @@ import numpy as np
 from synth.analyse import precise
 from synth.errors import ModelError
 from synth.statespace import Array, Complex
-from synth.synthesise.riccati import spectrum
+from synth.synthesise.riccati import exact_eigenvalues
 from synth.synthesise.riccati.equation import Equation, Solution, decays
 
 Mat = flint.arb_mat
@@ -194,7 +194,7 @@ def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
                 return None
             if precise.norm(step) <= CONVERGED * precise.norm(H):
                 X = X0 + H
-                poles = spectrum.eigenvalues(precise.midpoints(p.A - p.B * p.feedback(X)))
+                poles = exact_eigenvalues.eigenvalues(precise.midpoints(p.A - p.B * p.feedback(X)))
                 return X if _decays_clearly(poles, p.continuous) else None
     except ZeroDivisionError:
         return None
@@ -226,7 +226,7 @@ def _rounded_solution(problem: _Problem, X: Mat) -> Solution:
     rounded = precise.rounded(X)
     ball = precise.matrix(rounded)
     closed = problem.A - problem.B * L
-    poles = spectrum.eigenvalues(precise.midpoints(closed))
+    poles = exact_eigenvalues.eigenvalues(precise.midpoints(closed))
     defect, step = _bounds(problem.residual(ball)), _bounds(problem.newton(ball) - ball)
     step = step if decays(poles, problem.continuous) else np.full_like(step, np.inf)
     return Solution(rounded, precise.rounded(L), precise.rounded(closed), defect, step, poles)

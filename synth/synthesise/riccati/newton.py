@@ -24,7 +24,7 @@ ROUNDED = 2.0**-52  # of sqrt(X_ii X_jj), times n: an error of the size of the r
 FINE = 1e-10  # likewise: a sufficient error where the linear equation is ill-conditioned
 RIGID = 1e13  # condition above which the linear equation has few correct digits and steps gain nothing
 STALLED = 1e-6  # likewise: errors below it should decrease in each step
-KEPT = 1e-8  # likewise: below this error the linear equation of the last step is used again
+REUSED = 1e-8  # likewise: below this error the linear equation of the last step is used again
 SMALL = 1e-10  # likewise: below this error the residual is updated, not evaluated
 STEPS = 60  # far from the optimum each step only halves the excess of X
 CANCELLED = 1e-9  # of its terms: the floor for a row of L, as 1e-15 of the terms is rounding error
@@ -59,7 +59,7 @@ def refine(equation: Equation, X: Array, bilinear: Bilinear) -> CertifiedSolutio
         defect, L = equation.residual(X)
         for _ in range(STEPS):
             closed = equation.A - equation.B @ L
-            decay = decay if decay and last < KEPT else doubling.stable_map(closed, bilinear)
+            decay = decay if decay and last < REUSED else doubling.stable_map(closed, bilinear)
             if decay is None:
                 return None
             iterate = _Iterate.of(equation, Solution(X, L, closed, defect, decay.gramian(defect)))

@@ -10,7 +10,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, config, costs
+from designs.hall_position import config, costs, stimuli
 from designs.hall_position.costs import BUILDS, Row, Subject
 from synth.emit import write
 from synth.emit.write import EmittedCode
@@ -67,7 +67,7 @@ def test_a_loop_that_is_planted_shows_as_more() -> None:
 @GCC
 def test_no_kind_of_steps_has_costlier_ones() -> None:
     """Up to the hundredth by which few of a kind miss its worst."""
-    every = bench.sequences(host.load(three().files, three().manifest), lambda _: None)
+    every = stimuli.sequences(host.load(three().files, three().manifest), lambda _: None)
     all_steps = steps.concatenate("all", [steps.thinned(s, THIN) for s in every])
     spent = meter.run(subject().emitted, all_steps, PLAIN).cost.instructions
     assert {s.name for s in every} > set(costs.COSTLY)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, config
+from designs.hall_position import config, stimuli
 from designs.hall_position.glsdc import estimator
 from synth import contents, testing, workspace
 from synth.check import Check
@@ -36,10 +36,10 @@ def committed_files(name: str) -> tuple[dict[str, str], dict[str, Any]]:
 
 def test_the_workspace_finds_it(design: Design) -> None:
     assert (design.name, design.scalar) == (config.NAME, np.float32)
-    block = design.bench.block()
+    block = design.cost_stimuli.block()
     assert block.name == design.name and block.time == config.TIME and block.time.period_s == 1 / 800
     assert [s.name for s in block.inputs] == ["V_ax", "V_ay", "V_bx", "V_by"]
-    assert design.bench == workspace.Bench(config.block, bench.replay, bench.sequences, bench.FLOOR)
+    assert design.cost_stimuli == workspace.CostStimuli(config.block, stimuli.replay, stimuli.sequences, stimuli.FLOOR)
 
 
 def test_what_is_declared_is_the_guarded_estimator(design: Design) -> None:

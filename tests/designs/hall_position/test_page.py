@@ -14,7 +14,7 @@ from models import hall_accuracy, hall_fisher
 from models.hall_stage import Stage, grid
 from synth.emit.write import EmittedCode
 from synth.report import audit, sections, template
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.page import Section, Table, Text
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -36,7 +36,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
 
 
-def rows_of(block: Made) -> Rows:
+def rows_of(block: Content) -> Rows:
     assert isinstance(block, list)
     return block
 
@@ -56,8 +56,8 @@ def test_every_part_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(costs, "measure", lambda three, four: others[id(three), four])
     monkeypatch.setattr(sections, "cost", lambda _: Section("Cost of two sensors"))
     cost = Cost(config.NAME, "cortex-m4f", 1e-3, (), (), (), {}, ())
-    bench = rows.scope(STAGE, rows.published_rows())
-    few = [audit.recompute(bench.published[n], bench) for n in ("K-1", "K-8")]
+    scope = rows.scope(STAGE, rows.published_rows())
+    few = [audit.recompute(scope.published[n], scope) for n in ("K-1", "K-8")]
     html = page.report({config.THREE: three}, Evidence(config.NAME, (), ()), [], few, cost)
     assert len(html.encode()) < MOST and html.count("<svg") == len(set(re.findall(r"Figure (\d+)\.", html)))
     for text in (

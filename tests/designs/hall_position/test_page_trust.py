@@ -16,7 +16,7 @@ from models.hall_motions import Pose
 from synth.block import unranged
 from synth.emit import write
 from synth.execute import host
-from synth.report.captions import Made, Rows
+from synth.report.captions import Content, Rows
 from synth.report.page import Table
 from synth.simulate import ensemble
 
@@ -47,7 +47,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(trust, name, value)
 
 
-def rows_of(block: Made) -> Rows:
+def rows_of(block: Content) -> Rows:
     return block.rows if isinstance(block, Table) else block  # type: ignore[return-value]
 
 
@@ -59,7 +59,7 @@ def test_the_basin_is_shown_as_it_is() -> None:
     for k, (row, expected) in enumerate(rows):
         assert row[:2] == ("two sensors", 1 if k < len(basin.displacement) else 20)
         assert row[3:] == pytest.approx(tuple(100 * expected))
-    assert rows_of(blocks["trust.wrong"]) == [("two sensors", basin.samples, basin.wrong)]
+    assert rows_of(blocks["trust.wrong"]) == [("two sensors", basin.samples, basin.misleading)]
     assert isinstance(blocks["trust.capture_radius"], Figure)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, config
+from designs.hall_position import config, stimuli
 from designs.hall_position.design import DESIGN
 from designs.hall_position.glsdc import channels
 from synth.blocks import safety
@@ -72,19 +72,19 @@ def test_the_committed_c_answers_its_vectors(name: str) -> None:
 def test_the_vectors_find_the_place_and_hold_bad_samples(name: str) -> None:
     _, _, recorded = committed_files(name)
     words, out = np.array(recorded["faults"]), {n: np.array(v) for n, v in recorded["outputs"].items()}
-    expected = np.zeros(bench.VECTORS, dtype=np.int64)
-    expected[bench.SHORT_FAULT] = 1 << 1
-    expected[bench.LONG_FAULT] = 1 << 2
-    expected[bench.LONG_FAULT.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
+    expected = np.zeros(stimuli.VECTORS, dtype=np.int64)
+    expected[stimuli.SHORT_FAULT] = 1 << 1
+    expected[stimuli.LONG_FAULT] = 1 << 2
+    expected[stimuli.LONG_FAULT.start + channels.BAD_SAMPLES - 1 :] |= 1 << safety.LATCH_BIT
     np.testing.assert_array_equal(words, expected)
-    way, pitch, valid = bench.path(), config.array(name).pitch, out["valid"] > 0
-    assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : bench.SHORT_FAULT.start].all() and valid.mean() > 0.5
+    way, pitch, valid = stimuli.path(), config.array(name).pitch, out["valid"] > 0
+    assert np.ptp(way.X) > 2 * pitch and valid[SEARCH : stimuli.SHORT_FAULT.start].all() and valid.mean() > 0.5
     for axis, true in (("X", way.X), ("Y", way.Y)):
         off = (out[axis] - true + pitch / 2) % pitch - pitch / 2  # pitches are counted from init on
         deviations = off[valid] / out[f"deviation_{axis}"][valid]
         # They are those of a body at rest: the damping adds what it holds back of a motion.
         assert np.abs(deviations).max() < 10 and np.sqrt(np.mean(deviations**2)) < 1.2
-    survives = valid[bench.SHORT_FAULT].all() and valid[bench.LONG_FAULT].all()
+    survives = valid[stimuli.SHORT_FAULT].all() and valid[stimuli.LONG_FAULT].all()
     assert survives == (name == config.THREE)
 
 

@@ -71,7 +71,7 @@ def test_the_sound_estimator_passes() -> None:
     pairs = {(a.what, a.first, a.second) for agreements, _ in parts for a in agreements}
     kinds = [f"{PAIR}, {kind} steps" for kind in SIZES]
     assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {(kinds[0], "c64", "c32")}
-    counted = [c for c in checks if "magnified over" in c.name]
+    counted = [c for c in checks if "condition number above" in c.name]
     assert len(counted) == 3 and all(" of " in c.about for c in counted)
 
 
@@ -129,7 +129,7 @@ def test_an_error_where_errors_are_magnified_is_detected(monkeypatch: pytest.Mon
         return replace(stepped, outputs={**stepped.outputs, "X": stepped.outputs["X"] + np.where(above, 1e-8, 0.0)})
 
     (name,) = failing_checks(corrupted)
-    assert "where magnified" in name and not failing_checks(witness)
+    assert "at ill-conditioned steps" in name and not failing_checks(witness)
     assert not verification.ill_conditioned_share(steps).passed  # too many are compared so
     one = replace(steps, severity=np.ones(len(above)))
     assert verification.ill_conditioned_share(one).value == 0
@@ -187,7 +187,7 @@ def test_a_wider_margin_leaves_out_too_many_steps(monkeypatch: pytest.MonkeyPatc
     """The share of steps left out in single precision is limited: a thousand times the margin exceeds it."""
     monkeypatch.setattr(verification, "STEP", 1000 * verification.STEP)
     (name,) = failed_names(verification.compare_single(subject(), sound(), steps_of("motions")))
-    assert name.endswith("costs apart by rounding in single")
+    assert name.endswith("costs that differ only by rounding")
 
 
 def test_a_deviation_that_is_wrong_in_double_is_detected() -> None:
@@ -209,7 +209,7 @@ def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPat
         ),
     )
     names = failed_names(verification.compare_single(subject(), other, steps_of("motions")))
-    assert any("decisions otherwise" in name for name in names)
+    assert any("decisions that differ" in name for name in names)
 
 
 def test_free_running_witnesses_that_diverge_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from scipy.linalg import solve_continuous_are
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
 from designs.maglev_5dof.paper import rows as paper
-from designs.maglev_5dof.paper.bench import SPRINGS, AuditSetup
+from designs.maglev_5dof.paper.closed_loop_runs import SPRING_STIFFNESSES, AuditSetup
 from models import maglev_figures, maglev_polynomial, maglev_stage
 from synth.analyse import operating_points
 from synth.report import audit
@@ -146,22 +146,22 @@ def test_the_nonlinear_step_is_that_of_a_loop_written_out_by_hand(rows: dict[str
     assert rows["F-11"]["overshoot, nonlinear, 22 to 29 mm"] == pytest.approx(overshoot, abs=1e-4)
 
 
-def bench(**changed: float) -> AuditSetup:
+def setup_with(**changed: float) -> AuditSetup:
     return AuditSetup(DESIGN.stage, PLANT.with_parameters(**changed), SHORT, COARSE)
 
 
 def row(name: str, on: AuditSetup, printed: Published | None = None) -> Row:
-    """Return a row as recomputed on a bench, as printed or with another print of it."""
+    """Return a row as recomputed with a setup, as printed or with another print of it."""
     published = {**PRINTS, name: printed or PRINTS[name]}
     return audit.recompute(published[name], paper.scope(on, published))
 
 
 def recomputed(names: Iterable[str], **changed: float) -> dict[str, Row]:
-    setup = bench(**changed)
+    setup = setup_with(**changed)
     return {n: row(n, setup) for n in names}
 
 
-SHARED = bench()
+SHARED = setup_with()
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +183,7 @@ def wrong_dependences(before: dict[str, Row], after: dict[str, Row], parameter: 
 @pytest.mark.parametrize("parameter", NAMES)
 def test_a_parameter_moves_the_rows_that_depend_on_it_and_no_other(nominal: dict[str, Row], parameter: str) -> None:
     """Every row for Table I and the springs; the tracking rows, which take longest, not for the other constants."""
-    rows = [n for n in nominal if n not in TRACKING or parameter in (*TABLE_I, *SPRINGS)]
+    rows = [n for n in nominal if n not in TRACKING or parameter in (*TABLE_I, *SPRING_STIFFNESSES)]
     after = recomputed(rows, **{parameter: PLANT.parameter(parameter).value * 1.01})
     assert not wrong_dependences({n: nominal[n] for n in rows}, after, parameter)
 
@@ -198,12 +198,12 @@ def test_a_wrong_declaration_is_found(nominal: dict[str, Row]) -> None:
     frozen = {"F-7": nominal["F-7"]}
     assert wrong_dependences(frozen, frozen, "r") == ["F-7"]
     undeclared = {"F-7": replace(nominal["F-7"], depends=())}
-    after = {"F-7": row("F-7", bench(r=0.4))}
+    after = {"F-7": row("F-7", setup_with(r=0.4))}
     assert wrong_dependences(undeclared, after, "r") == ["F-7"]
 
 
 def one(name: str, **changed: float) -> Row:
-    return row(name, bench(**changed))
+    return row(name, setup_with(**changed))
 
 
 @pytest.mark.parametrize(

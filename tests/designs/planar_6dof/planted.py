@@ -20,7 +20,7 @@ RANDOM_STEPS, EDGES = 30_000, 5000
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class WitnessSteps:
     """A controller, steps drawn in operation and at the edges, and what its C answers to them."""
 
     subject: Subject
@@ -30,12 +30,14 @@ class Bench:
     c64: agree.StepResults
 
 
-def bench(subject: Subject, edges: int = EDGES) -> Bench:
+def witness_steps(subject: Subject, edges: int = EDGES) -> WitnessSteps:
     """Draw steps in operation and so many at the edges, and take them with the C in double precision."""
     drawn = random_steps.in_operation(subject, PLANT, RANDOM_STEPS), random_steps.at_the_edges(subject.block, edges)
     states, inputs = ({n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(*drawn, strict=True))
     made = emitted(subject.block)
-    return Bench(subject, states, inputs, made, agree.emitted_c(host.load(made.files, made.manifest))(states, inputs))
+    return WitnessSteps(
+        subject, states, inputs, made, agree.emitted_c(host.load(made.files, made.manifest))(states, inputs)
+    )
 
 
 def emitted(block: Block) -> write.EmittedCode:
@@ -43,14 +45,14 @@ def emitted(block: Block) -> write.EmittedCode:
     return write.emit(block, np.float64, error=interface.SURROGATE_ERROR[np.float64])
 
 
-def is_detected(at: Bench, witness: agree.Witness) -> bool:
+def is_detected(at: WitnessSteps, witness: agree.Witness) -> bool:
     """Tell whether a witness fails one of the checks against the sound C."""
     pair = {"casadi": witness(at.states, at.inputs), "c64": at.c64}
     ((_, checks),) = verification.compare_witnesses("planted", at.subject, pair)
     return not all(c.passed for c in checks)
 
 
-def constants(at: Bench, factor: float) -> Iterator[tuple[str, agree.Witness]]:
+def constants(at: WitnessSteps, factor: float) -> Iterator[tuple[str, agree.Witness]]:
     """Yield CasADi's evaluation with one constant off by a factor, and its name; what is 0 is left alone."""
     block = at.subject.block
     for name in (c.name for c in block.constants if c.value):
@@ -58,14 +60,14 @@ def constants(at: Bench, factor: float) -> Iterator[tuple[str, agree.Witness]]:
         yield name, agree.casadi(replace(block, constants=tuple(off)))
 
 
-def thinned(at: Bench, every: int) -> Bench:
+def thinned(at: WitnessSteps, every: int) -> WitnessSteps:
     """Return every so manieth of the steps."""
     states, inputs = ({n: v[::every] for n, v in columns.items()} for columns in (at.states, at.inputs))
     c64 = agree.emitted_c(host.load(at.emitted.files, at.emitted.manifest))(states, inputs)
-    return Bench(at.subject, states, inputs, at.emitted, c64)
+    return WitnessSteps(at.subject, states, inputs, at.emitted, c64)
 
 
-def mutants(at: Bench, count: int) -> Iterator[tuple[str, agree.Witness]]:
+def mutants(at: WitnessSteps, count: int) -> Iterator[tuple[str, agree.Witness]]:
     """Yield C in which one sum became a difference or the reverse, evenly over the step, with the line changed.
 
     Left alone are what keeps a divisor away from 0, whose sign changes next to nothing, and the margin of the test that

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from synth.block import Named, State, Step, build
+from synth.block import ComputedSignal, State, Step, build
 from synth.emit import lower
 from synth.emit.c import wording
 from synth.emit.lower import Node, Program
@@ -49,5 +49,5 @@ def test_nodes_are_described_by_signals_and_units() -> None:
     names = [p.nodes[k].name for k in loads]
     units = {"a": "m", "s": "kg"}
     assert values == f"{names[0]} = 0.5 {units[names[0]]}, {names[1]} = 2 .. 2.5 {units[names[1]]}, y = 3 m"
-    plain = Program(p.nodes, ((Named(Signal("y", "m", -9, 9), "made", ""), y),), p.outputs, p.next)
+    plain = Program(p.nodes, ((ComputedSignal(Signal("y", "m", -9, 9), "made", ""), y),), p.outputs, p.next)
     assert wording.signal(plain, y) == "'y' (block 'made')"

@@ -18,7 +18,7 @@ from tests.synthesise.feedback.problems import model, random_problem
 
 @settings(derandomize=True, max_examples=10, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0.01, 0.5))
-def test_the_held_cost_agrees_with_quadrature(seed: int, T: float) -> None:
+def test_the_period_cost_agrees_with_quadrature(seed: int, T: float) -> None:
     c, Q, R = random_problem(seed)
     n, m = c.B.shape
     F, weight = np.block([[c.A, c.B], [np.zeros((m, n + m))]]), scipy.linalg.block_diag(Q, R)
@@ -33,7 +33,7 @@ def test_the_held_cost_agrees_with_quadrature(seed: int, T: float) -> None:
 
 
 @pytest.mark.parametrize("exact", [False, True])
-def test_the_held_cost_of_an_integrator_is_its_closed_form(exact: bool) -> None:
+def test_the_period_cost_of_an_integrator_is_its_closed_form(exact: bool) -> None:
     """x' = u, Q = R = 1: W = [[T, T^2/2], [T^2/2, T + T^3/3]]."""
     T = 0.5
     cost = lqr.sampled_cost(model([[0]], [[1]]), [[1]], [[1]], T, exact=exact)
@@ -41,7 +41,7 @@ def test_the_held_cost_of_an_integrator_is_its_closed_form(exact: bool) -> None:
 
 
 @pytest.mark.parametrize("a", [-30.0, -300.0])
-def test_the_held_cost_of_a_fast_mode_keeps_its_digits(a: float) -> None:
+def test_the_period_cost_of_a_fast_mode_keeps_its_digits(a: float) -> None:
     """x' = a x + u over 1 s: int exp(2 a t) dt; the exponentials inside reach exp(300)."""
     for exact, few in ((True, 1e-15), (False, tolerances.of("folded"))):
         cost = lqr.sampled_cost(model([[a]], [[1]]), [[1]], [[1]], 1.0, exact=exact)

@@ -35,7 +35,7 @@ def test_the_minimum_and_its_errors_are_those_of_curve_fit(start: list[float]) -
     np.testing.assert_allclose(fit.estimate.covariance, covariance, rtol=1e-4)
     rest = y.ravel() - scipy_theta[0] * np.exp(-scipy_theta[1] * T)
     assert fit.estimate.r_squared["y"] == pytest.approx(1 - rest @ rest / ((y - y.mean()) ** 2).sum())
-    assert fit.unexplained <= gauss_newton.UNEXPLAINED and "Converged after" in str(fit)
+    assert fit.optimality <= gauss_newton.OPTIMALITY and "Converged after" in str(fit)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:

@@ -54,7 +54,7 @@ def test_noise_and_confidence_are_those_of_the_restricted_likelihood(f: int) -> 
     y = X @ rng.normal(size=X.shape[1]) + (rng.normal(size=(20, 2)) * [0.3, 2.0]).ravel()
     s = np.ones(2)
     for _ in range(200):
-        solution = least_squares.solve_with_weights(J, y.reshape(20, 2), s, NAMES)
+        solution = least_squares.solve_with_deviations(J, y.reshape(20, 2), s, NAMES)
         s = variances.deviations(solution.e, solution.U, solution.Q)
     expected = scipy.optimize.minimize(
         lambda v: restricted_likelihood(X, y, v), np.zeros(2), method="BFGS", options={"gtol": 1e-8}

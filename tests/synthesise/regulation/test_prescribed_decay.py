@@ -80,7 +80,7 @@ def test_several_outputs_inputs_and_multiplicities(seed: int, counts: dict[float
     regulator = prescribed_decay.design(plant, gain, rates, multiplicity=counts)
     assert distance(regulator.poles, expected_poles(gain, rates, counts, 2)) < (1e-3 if counts else 1e-6)
     assert regulator.steady.vanishes
-    assert regulator.around(replace(plant, B=plant.B * 0.97)).vanishes
+    assert regulator.steady_error_with(replace(plant, B=plant.B * 0.97)).vanishes
 
 
 def return_difference(regulator: servo.Servo, w: np.ndarray) -> np.ndarray:

@@ -65,7 +65,7 @@ def test_every_error_of_a_random_plant_dies_out_and_so_it_does_in_a_plant_that_d
     other = replace(
         plant, **{k: getattr(plant, k) * rng.uniform(0.995, 1.005, getattr(plant, k).shape) for k in "ABCD"}
     )
-    meets = regulator.around(other)
+    meets = regulator.steady_error_with(other)
     poles = np.linalg.eigvals(regulator.closed_loop(other).A)
     growth = np.abs(poles).max() - 1 if period else poles.real.max()
     assert (meets.worst < np.inf) == (growth < 0)
@@ -198,7 +198,7 @@ def test_an_observer_adds_its_poles_and_leaves_no_error() -> None:
     assert seen.controller.states == ("xi1", "xi2", "xi3", "gap_estimate", "speed_estimate")
     assert seen.controller.unit("force_command") == "m/s^2"
     heavier = replace(plant, B=plant.B * 0.9)
-    assert seen.around(heavier).vanishes
+    assert seen.steady_error_with(heavier).vanishes
     with pytest.raises(SignalError, match=r"L is \(1, 2\): give \(2, 1\), states by the outputs gap"):
         servo.with_observer(regulator, L.T)
     with pytest.raises(ModelError, match="and an estimator whose error decays"):
@@ -244,11 +244,11 @@ def test_the_states_of_an_estimator_keep_their_units() -> None:
 def test_other_plants_must_have_the_signals() -> None:
     regulator = optimal_servo.lqrd(DOUBLE, (0.0,), np.eye(3), [1.0], T)
     with pytest.raises(SignalError, match="no state 'speed', which the regulator feeds back"):
-        regulator.around(regulator.plant.renamed({"speed": "v"}))
+        regulator.steady_error_with(regulator.plant.renamed({"speed": "v"}))
     with pytest.raises(SignalError, match="'gap' is not one of height"):
-        regulator.around(replace(regulator.plant, outputs=("height",)))
+        regulator.steady_error_with(replace(regulator.plant, outputs=("height",)))
     with pytest.raises(TimingError, match="continuous time meets discrete time"):
-        regulator.around(DOUBLE)
+        regulator.steady_error_with(DOUBLE)
     slower = discretise.zero_order_hold(
         StateSpace(
             [[0, 1, 0], [0, 0, 500], [0, 0, -500]],
@@ -256,7 +256,7 @@ def test_other_plants_must_have_the_signals() -> None:
         ),
         T,
     )  # fmt: skip
-    assert regulator.around(slower).vanishes  # an actuator that the design did not know
+    assert regulator.steady_error_with(slower).vanishes  # an actuator that the design did not know
 
 
 def test_a_plant_that_cannot_be_regulated_is_refused() -> None:

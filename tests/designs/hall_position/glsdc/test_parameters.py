@@ -16,7 +16,7 @@ from tests.designs.hall_position.posed import FOUR
 
 PLACES = ((0.0, 0.0), (0.01, 0.02))
 SIX_PLACES = ((0.0, 0.0, 0.0), (0.01, 0.02, 0.0), (0.03, 0.0, 1e-3))
-NONE: tuple[Any, ...] = (None, "1", True, float("nan"), float("inf"), 10**400, [1.0])
+INVALID: tuple[Any, ...] = (None, "1", True, float("nan"), float("inf"), 10**400, [1.0])
 FIGURES = ("c", "alpha", "beta", "pitch", "deviation")
 
 
@@ -38,7 +38,7 @@ def test_places_may_be_lists_or_arrays(of: Any) -> None:
     assert six(positions=of([of(r) for r in SIX_PLACES])) == six()
 
 
-@pytest.mark.parametrize("value", NONE, ids=lambda v: repr(v)[:6])
+@pytest.mark.parametrize("value", INVALID, ids=lambda v: repr(v)[:6])
 @pytest.mark.parametrize("name", FIGURES)
 def test_what_is_no_figure_of_an_array_is_refused(name: str, value: Any) -> None:
     with pytest.raises(ModelError, match=rf"{name} is .*must be finite"):
@@ -77,7 +77,7 @@ def test_more_sensors_than_are_named_are_refused() -> None:
 @pytest.mark.parametrize("of", [Tuning, SpatialTuning])
 def test_each_figure_of_a_tuning_is_a_number_or_refused(of: Any) -> None:
     for name in of.__dataclass_fields__:
-        for value in NONE:
+        for value in INVALID:
             with pytest.raises(ModelError, match=f"^{name} is "):
                 of(**{name: value})
 

@@ -101,8 +101,8 @@ def recompute(name: str, stage: Stage = STAGE, **numbers: str) -> Row:
 
 def compute_with(name: str, **functions: object) -> Row:
     """Return a row that some functions are given in place of those of its name."""
-    bench = paper.scope(STAGE, PRINTED)
-    return audit.recompute(PRINTED[name], replace(bench, functions={**bench.functions, **functions}))
+    scope = paper.scope(STAGE, PRINTED)
+    return audit.recompute(PRINTED[name], replace(scope, functions={**scope.functions, **functions}))
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ def test_three_sensors_stay_with_a_body_at_the_limits() -> None:
     """Half a million samples here: ten million take 20 seconds."""
     run = endurance.run(THREE, BODIES, SAMPLES, endurance.limits(THREE))
     assert run.samples == BODIES * SAMPLES and run.valid == 1.0
-    assert run.lost == run.wrong == 0 and run.off == run.worst < 25e-6
+    assert run.lost == run.misleading == 0 and run.max_error == run.max_valid_error < 25e-6
 
 
 @pytest.mark.parametrize(("speed", "acceleration"), [(1.15, 1.0), (1.0, 3.0)])
@@ -38,20 +38,25 @@ def test_beyond_them_bodies_are_lost_and_none_is_wrong(speed: float, acceleratio
     limits = endurance.limits(THREE)
     beyond = Limits(speed * limits.speed, acceleration * limits.acceleration)
     run = endurance.run(THREE, BODIES, SAMPLES, beyond)
-    assert run.lost > 0.1 and run.wrong == 0
+    assert run.lost > 0.1 and run.misleading == 0
 
 
 def test_two_sensors_stay_with_it_and_are_not_valid_where_they_lose_rank() -> None:
     """Nor are they until the place is certain again. A yaw that is held as loosely as the phases slips off further."""
     run = endurance.run(TWO, BODIES, SAMPLES, endurance.limits(TWO))
-    assert 0.7 < run.valid < 0.85 and run.lost == run.wrong == 0 and run.worst < 1e-4 and run.off < 2e-4
+    assert (
+        0.7 < run.valid < 0.85
+        and run.lost == run.misleading == 0
+        and run.max_valid_error < 1e-4
+        and run.max_error < 2e-4
+    )
     loose, looser = (
         endurance.run(
             replace(TWO, tuning=replace(TWO.tuning, yaw_damping_ratio=ratio)), BODIES, SAMPLES, endurance.limits(TWO)
         )
         for ratio in (1.0, 0.2)
     )
-    assert loose.off > 2 * run.off and looser.lost > 0.9
+    assert loose.max_error > 2 * run.max_error and looser.lost > 0.9
 
 
 def test_motions_creep_and_swing() -> None:
@@ -78,7 +83,7 @@ def test_an_estimate_that_is_valid_wherever_it_converges_is_seen(monkeypatch: py
     monkeypatch.setattr(estimator_ensemble, "step", careless)
     limits = endurance.limits(TWO)
     beyond = Limits(limits.speed, 3 * limits.acceleration)
-    assert endurance.run(TWO, BODIES, SAMPLES, beyond).wrong > 20
+    assert endurance.run(TWO, BODIES, SAMPLES, beyond).misleading > 20
 
 
 def test_the_checks_tell_a_body_that_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,7 @@ def test_of_three_sensors_every_start_within_a_sixteenth_of_a_pitch_leads_to_the
     """In a sample those whose yaw is off by up to 2.5 degrees, as it is held to the expected one; later all."""
     basin = starts.basin(THREE, BODIES, YAW)
     near, small = basin.displacement < THREE.array.pitch / 15.9, basin.yaw < np.radians(2.6)
-    assert basin.wrong == 0 and basin.samples == 60 * BODIES
+    assert basin.misleading == 0 and basin.samples == 60 * BODIES
     assert (basin.first[np.ix_(near, small)] == 1).all() and (basin.last == 1).all()
     # A sample corrects no more than half the reach, 4 mm, along each axis.
     assert not basin.first[basin.displacement > 0.2 * THREE.array.pitch].any()
@@ -36,7 +36,7 @@ def test_of_three_sensors_every_start_within_a_sixteenth_of_a_pitch_leads_to_the
 
 def test_of_two_sensors_some_lead_elsewhere_and_none_is_valid_there() -> None:
     basin = starts.basin(TWO, BODIES, YAW)
-    assert basin.wrong == 0 and 0.5 < basin.first[0, 0] < 0.7 and 0.9 < basin.last.mean() < 1
+    assert basin.misleading == 0 and 0.5 < basin.first[0, 0] < 0.7 and 0.9 < basin.last.mean() < 1
 
 
 def test_a_map_over_the_pitch_shows_where_starts_must_be_nearer() -> None:
@@ -59,7 +59,7 @@ def test_places_that_are_valid_wherever_the_estimate_converges_are_seen(
         return batch._replace(outputs=batch.outputs | {"valid": batch.outputs["converged"]})
 
     monkeypatch.setattr(estimator_ensemble, "step", careless)
-    assert starts.basin(kind, 1000, YAW).wrong > 10
+    assert starts.basin(kind, 1000, YAW).misleading > 10
 
 
 @pytest.mark.parametrize("number", [0, -1, 2.5, None, True])

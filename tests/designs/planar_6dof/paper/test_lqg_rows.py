@@ -10,7 +10,7 @@ import scipy.signal
 from scipy.optimize import brentq
 
 from designs.planar_6dof import filtering
-from designs.planar_6dof.paper import filter, gains
+from designs.planar_6dof.paper import gains, kalman_filter
 from designs.planar_6dof.paper.records import prominent_line
 from synth.report.audit import Published, Row
 from synth.report.formulas import Formula
@@ -169,11 +169,11 @@ def test_the_bandwidth_is_that_of_scipys_filter(
     needed = next(f for f in rows[name].recomputed if f.name.startswith("deviation"))
     bandwidth = PRINTED[name]["bandwidth"].value
     better = kalman.discrete(filtering.model("x", Discrete(1e-3)), [q], [needed.value**2], ("jerk",))
-    assert filter.half_power(better.current()) == pytest.approx(bandwidth, rel=1e-6)
+    assert kalman_filter.half_power(better.current()) == pytest.approx(bandwidth, rel=1e-6)
 
 
 def test_simulated_noise_is_let_through_as_the_row_says(rows: dict[str, Row]) -> None:
-    form = filter.steady(100.0, T, 5e-5).current()
+    form = kalman_filter.steady(100.0, T, 5e-5).current()
     y, x, left = np.random.default_rng(3).normal(size=60_000), np.zeros(3), []
     for value in y:
         left.append(form.C[0] @ x + form.D[0, 0] * value)
@@ -190,7 +190,7 @@ def test_the_recursion_is_that_of_covariances_written_out(rows: dict[str, Row]) 
         history.append(K[0, 0])
         rest = np.eye(3) - K @ C
         P = A @ (rest @ P @ rest.T + R * K @ K.T) @ A.T + 100 * Gamma @ Gamma.T
-    np.testing.assert_allclose(filter.position_gains(100.0, T, 5e-5, 1e8, True)[:200], history, rtol=1e-3)
+    np.testing.assert_allclose(kalman_filter.position_gains(100.0, T, 5e-5, 1e8, True)[:200], history, rtol=1e-3)
     settled = 1 + int(np.flatnonzero(np.abs(np.array(history) / rows["Y-39"]["steady gain"] - 1) > 0.01)[-1])
     assert rows["Y-39"]["time until the gain is within 1 % of it, P updated"] == pytest.approx(1e3 * settled * T)
 
@@ -286,7 +286,7 @@ def _unsampled_cost(patch: pytest.MonkeyPatch) -> None:
 
 
 def _no_update(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(filter, "position_gains", filter.position_gains.__wrapped__)
+    patch.setattr(kalman_filter, "position_gains", kalman_filter.position_gains.__wrapped__)
     patch.setattr(square_root_kalman, "update", lambda now, *_: now)
 
 

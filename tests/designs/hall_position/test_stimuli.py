@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from designs.hall_position import bench, config, costs, random_steps
+from designs.hall_position import config, costs, random_steps, stimuli
 from synth.blocks import safety
 from synth.emit.write import EmittedCode
 from synth.errors import DesignError
@@ -54,15 +54,15 @@ def subject(name: str) -> Subject:
     files = {path.name: path.read_text() for path in folder.glob("*.[ch]")}
     emitted = EmittedCode(files, json.loads((folder / "manifest.json").read_text()))
     controller = host.load(emitted.files, emitted.manifest)
-    return Subject(emitted, controller, {s.name: s for s in bench.sequences(controller, lambda _: None)})
+    return Subject(emitted, controller, {s.name: s for s in stimuli.sequences(controller, lambda _: None)})
 
 
 @pytest.mark.parametrize("name", config.PLACES)
 def test_the_replay_has_faults_and_in_the_end_latches(name: str) -> None:
     controller = subject(name).controller
-    replay = controller.replay(bench.replay(controller))
+    replay = controller.replay(stimuli.replay(controller))
     latched = (replay.faults & LATCH) != 0
-    assert len(latched) == bench.REPLAY and int(np.argmax(latched)) == 9505 and latched[9505:].all()
+    assert len(latched) == stimuli.REPLAY and int(np.argmax(latched)) == 9505 and latched[9505:].all()
     seen = [k for k in range(2 * len(config.PLACES[name])) if (replay.faults[:9500] >> k & 1).any()]
     assert seen == [1, 2, 3] and np.count_nonzero(replay.faults[:9500]) < 100
     assert 0.1 < np.mean(replay.outputs["valid"]) < 1
@@ -123,11 +123,11 @@ def test_another_design_is_refused() -> None:
     controller = subject(config.NAME).controller
     other = SimpleNamespace(manifest={**controller.manifest, "design": "other"})
     with pytest.raises(DesignError, match="'other' is not one of hall_position, hall_position_three"):
-        bench.replay(other)  # type: ignore[arg-type]
+        stimuli.replay(other)  # type: ignore[arg-type]
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), bench.RANDOM)
+    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), stimuli.RANDOM)
     sequence = subject(config.NAME).sequences["random"]
-    assert len(sequence) == bench.RANDOM
+    assert len(sequence) == stimuli.RANDOM
     np.testing.assert_array_equal(sequence.states["estimator_yaw"], states["estimator_yaw"].astype(np.float32))

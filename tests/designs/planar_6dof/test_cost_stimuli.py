@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from designs.planar_6dof import bench, interface
+from designs.planar_6dof import cost_stimuli, interface
 from designs.planar_6dof import loop as loops
 from designs.planar_6dof_leadlag import design as leadlag
 from designs.planar_6dof_lqg import design as lqg_design
@@ -75,7 +75,7 @@ def subject(name: str) -> Subject:
     emitted = emitted_code(name)
     controller = host.load(emitted.files, emitted.manifest)
     at_rest = loops.of(BLOCKS[name], controller).at_rest()
-    excursions = stimuli.excursions(controller, at_rest, [], bench.stimuli(controller))
+    excursions = stimuli.excursions(controller, at_rest, [], cost_stimuli.stimuli(controller))
     return Subject(emitted, controller, {s.name: s for s in excursions})
 
 
@@ -85,7 +85,7 @@ BLOCKS = {d.DESIGN.name: d.subject().block for d in (leadlag, lqg_design)}
 
 @cache
 def recorded_inputs(name: str) -> dict[str, Any]:
-    return dict(DESIGNS[name].bench.replay(subject(name).controller))
+    return dict(DESIGNS[name].cost_stimuli.replay(subject(name).controller))
 
 
 @pytest.fixture(params=CEILINGS)
@@ -119,7 +119,7 @@ def test_the_replay_is_the_hosts_to_the_bit() -> None:
 
 
 def test_the_travel_goes_through_all_pairs_of_sections_both_ways_and_to_both_yaws() -> None:
-    pose, pitch = bench.poses(np.random.default_rng(0)), planar_stage.plant().parameter("l").value
+    pose, pitch = cost_stimuli.poses(np.random.default_rng(0)), planar_stage.plant().parameter("l").value
     x, y = (np.floor(8 * pose[axis] / pitch) % 8 for axis in "xy")
     assert set(zip(x.tolist(), y.tolist(), strict=True)) == {(i, j) for i in range(8) for j in range(8)}
     for axis in "xy":
@@ -131,8 +131,8 @@ def test_the_travel_goes_through_all_pairs_of_sections_both_ways_and_to_both_yaw
 
 def test_the_controller_follows_the_travel_in_all_pitches(design: Subject) -> None:
     """Some state holds x and some y, or two of them together, to within what they move in a few samples."""
-    way, pose = design.sequences["travel"], bench.poses(np.random.default_rng(bench.SEED))
-    at = np.linspace(0, bench.TRAVEL - 1, len(way)).round().astype(int)
+    way, pose = design.sequences["travel"], cost_stimuli.poses(np.random.default_rng(cost_stimuli.SEED))
+    at = np.linspace(0, cost_stimuli.TRAVEL - 1, len(way)).round().astype(int)
     held = [np.zeros(len(way)), *(way.states[name].astype(float) for name in way.states.dtype.names or ())]
     for axis in "xy":
         off = [np.abs(one + other - pose[axis][at])[10:].max() for one, other in combinations(held, 2)]
@@ -140,7 +140,7 @@ def test_the_controller_follows_the_travel_in_all_pitches(design: Subject) -> No
 
 
 def test_every_motor_stands_at_its_limit_and_none_goes_beyond(design: Subject) -> None:
-    (far,) = (s for s in bench.stimuli(design.controller) if s.name == "saturated")
+    (far,) = (s for s in cost_stimuli.stimuli(design.controller) if s.name == "saturated")
     outputs = steps.evaluate(design.controller, far).outputs
     amplitudes = sizes(outputs)
     # Both currents of a motor have limits of their own: only where both stand there its size is LIMIT.
@@ -222,11 +222,11 @@ def test_the_costliest_step_keeps_below_its_ceiling(build: str, design: Subject)
 def test_a_design_measures_its_own_steps_beside_the_standard_ones(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     measured_steps: list[Any] = []
     monkeypatch.setattr(stimuli, "sequences", lambda *arguments: measured_steps.append(arguments) or [])
-    monkeypatch.setattr(bench, "stimuli", lambda controller: [])
+    monkeypatch.setattr(cost_stimuli, "stimuli", lambda controller: [])
     stage, controller = DESIGNS[name].stage, subject(name).controller
     assert stage is not None
-    standard_tasks.bench(replace(stage, experiments=()), bench.stimuli, bench.FLOOR).sequences(
+    standard_tasks.cost_stimuli(replace(stage, experiments=()), cost_stimuli.stimuli, cost_stimuli.FLOOR).sequences(
         controller, lambda _: None
     )
     assert measured_steps[0][0].controller is controller and measured_steps[0][3] == []
-    assert DESIGNS[name].bench.floor == bench.FLOOR and DESIGNS[name].bench.block() is BLOCKS[name]
+    assert DESIGNS[name].cost_stimuli.floor == cost_stimuli.FLOOR and DESIGNS[name].cost_stimuli.block() is BLOCKS[name]

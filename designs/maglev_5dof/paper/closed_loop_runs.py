@@ -35,7 +35,7 @@ from synth.simulate.scenario import sample_times
 from synth.statespace import Array
 from synth.synthesise.feedback import inverse_lqr
 
-Springs = Literal["known", "unknown", "absent"]
+SpringModel = Literal["known", "unknown", "absent"]
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "field": ("b0", "t1", "h_m", "L_A", "p_m", "tau", "tau_p", "H_c", "mu_rec", "W", "p")
@@ -45,7 +45,7 @@ GROUPS["forces"] = (*GROUPS["magnets"], "W", "w_c", "p", "z1")
 GROUPS["level"] = (*GROUPS["forces"], "M_x", "M_z", "M_y", "G")  # parameters without rotation
 GROUPS["turning"] = (*GROUPS["level"], "r", "I_z", "k_s_theta")  # parameters with a rotation theta
 BY_GROUP = {name: Formula(f"dict({', '.join(f'{n}={n}' for n in group)})") for name, group in GROUPS.items()}
-SPRINGS = ("k_s_phi", "k_s_theta")
+SPRING_STIFFNESSES = ("k_s_phi", "k_s_theta")
 FRICTION = {"x": 1.8, "z": 1.3}  # N, guide friction by axis, fitted to the two printed errors of the ellipse
 CACHED_RUNS = 32  # most results in each cache; rows of the audit share them
 SAMPLE = 1e-3  # s, sample period of the continuous responses
@@ -75,16 +75,16 @@ class AuditSetup:
     @cached_property
     def without_springs(self) -> Plant:
         """The plant without guide springs."""
-        return self.plant.with_parameters(**dict.fromkeys(SPRINGS, 0.0))
+        return self.plant.with_parameters(**dict.fromkeys(SPRING_STIFFNESSES, 0.0))
 
-    def pair(self, springs: Springs) -> tuple[Plant, Plant]:
+    def pair(self, springs: SpringModel) -> tuple[Plant, Plant]:
         """Return the true plant, and the plant for which the law (12) is computed."""
         plant = self.without_springs if springs == "absent" else self.plant
         return plant, self.plant if springs == "known" else self.without_springs
 
 
 @lru_cache(maxsize=CACHED_RUNS)
-def ideal(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> Motion:
+def ideal(setup: AuditSetup, four: bool, springs: SpringModel, lv3: str = "csch2") -> Motion:
     """Return an ideal run under (12): 4-DOF tracking if `four`, otherwise the 3-DOF ellipse.
 
     `lv3` names the factor in L_v3, of both plant and law.
@@ -92,7 +92,7 @@ def ideal(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -
     courses = {axis: experiments.COURSES[axis] for axis in ("y", "x", "z")}
     if four:
         courses |= {"phi": Sine(0.0, control.OMEGA0), "theta": experiments.COURSES["theta"]}
-    return run(bench.pair(springs), courses, {"y": 0.020, "x": -0.03}, bench.duration_s / 3, lv3)
+    return run(setup.pair(springs), courses, {"y": 0.020, "x": -0.03}, setup.duration_s / 3, lv3)
 
 
 def run(
@@ -107,9 +107,9 @@ def run(
     return maglev_loop.run(*plants, regulators, courses, start, (duration_s, SAMPLE), lv3)
 
 
-def ideal_errors(bench: AuditSetup, four: bool, springs: Springs, lv3: str = "csch2") -> dict[str, float]:
+def ideal_errors(setup: AuditSetup, four: bool, springs: SpringModel, lv3: str = "csch2") -> dict[str, float]:
     """Return the mean |e| of an ideal run by axis, um or urad; NaN if the gap leaves its range."""
-    motion, start = ideal(bench, four, springs, lv3), bench.duration_s / 5
+    motion, start = ideal(setup, four, springs, lv3), setup.duration_s / 5
     if np.isfinite(motion.exit_time):
         return dict.fromkeys(motion.error, np.nan)
     return {axis: 1e6 * metrics.mean_absolute(motion.time, e, start) for axis, e in motion.error.items()}
@@ -122,17 +122,17 @@ def meets(errors: Mapping[str, float], printed: Mapping[str, float]) -> bool:
 
 @lru_cache(maxsize=CACHED_RUNS)
 def encoder_errors(
-    bench: AuditSetup, four: bool, corrected: bool, springs: Springs = "known", guided: bool = False
+    setup: AuditSetup, four: bool, corrected: bool, springs: SpringModel = "known", guided: bool = False
 ) -> dict[str, float]:
     """Return the mean |e| by axis of the loop with encoders, um or urad.
 
     `guided` adds the friction of the guides and the cogging of the slots. `four` is as for `ideal`.
     """
-    plant, assumed = bench.pair(springs)
-    disturbance = maglev_stage.guide_disturbance(bench.plant, FRICTION, bench.cells) if guided else None
-    rig = Rig(bench.stage, plant, _controller(assumed, corrected), disturbance=disturbance)
-    trajectory, courses = experiments.tracking(rig, four, bench.duration_s)
-    return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, bench.duration_s / 6).items()}
+    plant, assumed = setup.pair(springs)
+    disturbance = maglev_stage.guide_disturbance(setup.plant, FRICTION, setup.cells) if guided else None
+    rig = Rig(setup.stage, plant, _controller(assumed, corrected), disturbance=disturbance)
+    trajectory, courses = experiments.tracking(rig, four, setup.duration_s)
+    return {a: 1e6 * e for a, e in experiments.mean_errors(trajectory, courses, setup.duration_s / 6).items()}
 
 
 @lru_cache(maxsize=CACHED_RUNS)

@@ -29,12 +29,12 @@ def controller() -> host.Controller:
 
 @pytest.fixture(scope="module")
 def inputs(controller: host.Controller) -> dict[str, Any]:
-    return dict(DESIGN.bench.replay(controller))
+    return dict(DESIGN.cost_stimuli.replay(controller))
 
 
 @pytest.fixture(scope="module")
 def sequences(controller: host.Controller) -> dict[str, Steps]:
-    return {s.name: s for s in DESIGN.bench.sequences(controller, lambda _: None)}
+    return {s.name: s for s in DESIGN.cost_stimuli.sequences(controller, lambda _: None)}
 
 
 def test_the_replay_has_faults_and_latches_at_its_end(controller: host.Controller, inputs: dict[str, Any]) -> None:

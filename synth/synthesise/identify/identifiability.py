@@ -15,7 +15,7 @@ ABSENT = 1e-6  # of the largest component of a direction: a smaller one is zero
 EQUAL = 1e-3  # relative: tolerance of changes that are stated as proportional
 
 
-def combinations(
+def undetermined_combinations(
     sigma: Array, V: Array, size: Array, parameters: Sequence[str], near: Array | None = None
 ) -> list[str]:
     """Return the combinations of parameters that a regressor U diag(sigma) V' diag(size) does not determine.
