@@ -41,8 +41,17 @@ latches in the fifth. A residual is significant above PART of its bound. If rho 
 because an error -r_2 of V_ax reduces s_x^2 by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 through h_2. Otherwise
 the error has grown slowly and the yaw has followed, which distributes the error of one sensor over r_1 and r_2. Then
 the four voltages of these are all suspected, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six if both m_x and m_y
-are significant, or the yaw is beyond MAX_KNOWN_YAW. Errors, noise and undetected failures are listed in
-docs/decisions/planar_sensing.md.
+are significant, or the yaw is beyond MAX_KNOWN_YAW. Where m_x and m_y are significant and alike, and r_1 and r_2 are
+not, no single voltage explains it: the amplitude of all differs from that of the field, and only its own bit is set.
+
+Amplitude. The voltages are scaled by the nominal amplitude over the estimated one, within SCALE. The first good sample
+sets it, later ones correct it by SCALE_SHARE: d(m_x + m_y) / d(scale) is 4 A^2. Temperature, height and the
+amplifiers change it slowly; a failed sensor changes m_x or m_y at once.
+
+Motion. With `innovation` the raw position less the predicted one counts in rho, over INNOVATION: a channel that sticks
+leads to a motion that the currents do not explain, long before the voltages contradict each other.
+
+Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using
 Two-Axis Hall-Effect Sensors".
@@ -55,6 +64,7 @@ import casadi as ca
 from models import hall_calibration, planar_stage
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import safety
+from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -77,6 +87,7 @@ INNOVATION = {
 BIG = 1.5
 NEARLY, SMALL = 0.1, 0.3  # of A^2
 MAX_KNOWN_YAW = 0.01  # rad
+SCALE, SCALE_SHARE = (0.86, 1.18), 1e-3  # of the nominal amplitude over the estimated one; corrected in a sample
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
 
@@ -96,15 +107,17 @@ WITHIN = tuple(
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
     *(
-        Signal(f"m_{a}", "V^2", -1000, 1000, f"squared amplitude of the pair of {a}, less that of the field")
+        Signal(f"m_{a}", "V^2", -3000, 3000, f"squared amplitude of the pair of {a}, less that of the field")
         for a in "xy"
     ),
     *(
-        Signal(f"r_{i}", "V", -50, 50, f"{difference}, less what the predicted yaw makes of it")
+        Signal(f"r_{i}", "V", -100, 100, f"{difference}, less what the predicted yaw makes of it")
         for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
     ),
 )
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
+AMPLITUDE_BIT = 29
+OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
@@ -128,7 +141,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
     yaw = RAW["phi"].name
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
+        ax, ay, bx, by, cx, cy = (x["scale"] * u[s.name] for s in HELD)
         phi = u["phi_predicted"] if predicted else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
@@ -162,6 +175,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
+        share = ca.if_else(u["ready"], k["scale_gain"], k["first_scale_gain"])
+        next["scale"] = ca.if_else(sure, x["scale"] - share * (X.m + Y.m), x["scale"])
         again = ca.logic_and(doubt, x["contradiction_left"])
         waited = ca.if_else(
             ca.logic_and(sure, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
@@ -170,16 +185,18 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
             "contradiction_left": ca.if_else(doubt, MEMORY, waited),
             "contradiction_confirmed": ca.if_else(again, 1, x["contradiction_confirmed"]),
         }
-        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {
-            SUSPECTED.name: x["contradiction_confirmed"]
-        }
+        flags, alike = _suspects(x, A)
+        output |= {f"suspect_{name}": one for name, one in flags.items()}
+        output |= {SUSPECTED.name: x["contradiction_confirmed"]}
+        output[OTHER_AMPLITUDE.name] = ca.logic_and(x["contradiction_confirmed"], alike)
         named = list(zip(RATIOS, ratio.values(), strict=True))
         return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
-    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS]
+    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
     states, constants, tag = _states(predicted), _constants(cal), "position and yaw, (1)-(5)"
-    return build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
+    block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
+    return replace(block, faults=(Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),))
 
 
 def _states(predicted: bool) -> list[State]:
@@ -187,13 +204,14 @@ def _states(predicted: bool) -> list[State]:
     named = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
     first = [
         *RESIDUALS,
-        *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, f"sine voltage of {axis}") for axis in "xy"),
+        *(Signal(f"s_{axis}", "V", -3 * VOLTAGE, 3 * VOLTAGE, f"sine voltage of {axis}") for axis in "xy"),
     ]
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *WITHIN, *last)
-    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals)]
+    scale = Signal("scale", "1", *SCALE, "nominal amplitude over the estimated one")
+    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals), State(scale, 1.0)]
 
 
 def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
@@ -204,7 +222,13 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
         Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
     ]
-    return [*fits, Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+    per_power = 1 / (4 * cal.amplitude**2)
+    return [
+        *fits,
+        Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2"),
+        Constant("first_scale_gain", per_power, "1/V^2", "1 / (4 A^2)"),
+        Constant("scale_gain", SCALE_SHARE * per_power, "1/V^2", f"{SCALE_SHARE:g} / (4 A^2)"),
+    ]
 
 
 _POWERS = ("V^2", "1/V^2", "1/V^6")
@@ -259,8 +283,11 @@ def _squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) ->
     return r1**2 + r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (m_x**2 + m_y**2)
 
 
-def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
-    """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction."""
+def _suspects(x: Exprs, A: float) -> tuple[dict[str, ca.SX], ca.SX]:
+    """Return for each voltage whether it is suspected, and whether all of them have another amplitude instead.
+
+    The residuals are those that first showed a contradiction.
+    """
     m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
     size = {a: ca.fabs(m[a]) for a in "xy"}
     there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
@@ -269,6 +296,8 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     big = _squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
+    alike = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.fabs(m["x"] - m["y"]) < PART["m"] * POWER * A**2)
+    alike = ca.logic_and(alike, ca.logic_not(yaw_residual))
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
@@ -280,4 +309,4 @@ def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
         }
         crept = {s: ca.logic_or(yaw_residual, there[a]), c: there[a], other: yaw_residual}
         flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
-    return flags
+    return {name: ca.logic_and(flag, ca.logic_not(alike)) for name, flag in flags.items()}, alike

@@ -142,6 +142,7 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
     flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
+    word = word + (1 << 29) * (confirmed & suspected["all"])
     complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
     before = np.asarray(state["guard_left"])
     all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > braking)

@@ -41,6 +41,7 @@ PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 INNOVATION, YAW_INNOVATION = 5e-4, 0.08  # m; of A, times the square root of the yaw's information
 AGAIN = 0.5  # of rho
 MEMORY = 4.0  # samples
+SCALE, SCALE_SHARE = (0.86, 1.18), 1e-3
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
@@ -120,7 +121,7 @@ def initial_state() -> dict[str, Array]:
         "sensing_contradiction_confirmed",
         *(f"sensing_first_{name}" for name in FIRST),
     ]
-    return {name: np.array(0.0) for name in names}
+    return {name: np.array(0.0) for name in names} | {"sensing_scale": np.array(1.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -176,6 +177,7 @@ def sense(
     motion that differs from the predicted one is a contradiction, too. Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
+    v = {name: state["sensing_scale"] * v[name] for name in HALL}
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
     y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
@@ -202,6 +204,9 @@ def sense(
             contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
         ),
     }
+    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * A**2)
+    scale = np.clip(state["sensing_scale"] - pace * (x.m + y.m), *SCALE)
+    after["sensing_scale"] = np.where(accepted, scale, state["sensing_scale"])
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
@@ -222,7 +227,10 @@ def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
 
 
 def suspects(state: Columns, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
+    """Return for each voltage whether it may be wrong, from the values at the first contradiction.
+
+    ``all`` says whether the amplitude of all voltages explains them; then none is wrong by itself.
+    """
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
     m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
@@ -236,7 +244,8 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    return {name: flag | is_ambiguous for name, flag in wrong.items()}
+    common = np.all(m_exceeds, axis=0) & ~any_r_exceeds & (np.abs(first["m_x"] - first["m_y"]) < least_m)
+    return {name: (flag | is_ambiguous) & ~common for name, flag in wrong.items()} | {"all": common}
 
 
 def filter_positions(
