@@ -44,9 +44,10 @@ the four voltages of these are all suspected, V_ax and V_bx by m_x, V_ay and V_c
 are significant, or the yaw is beyond MAX_KNOWN_YAW. Where m_x and m_y are significant and alike, and r_1 and r_2 are
 not, no single voltage explains it: the amplitude of all differs from that of the field, and only its own bit is set.
 
-Amplitude. The voltages are scaled by the nominal amplitude over the estimated one, within SCALE. The first good sample
-sets it, later ones correct it by SCALE_SHARE: d(m_x + m_y) / d(scale) is 4 A^2. Temperature, height and the
-amplifiers change it slowly; a failed sensor changes m_x or m_y at once.
+Amplitude. The nominal value of m is that of the field times an estimate of the squared amplitude within POWERS, which
+the first good sample sets and later ones correct by POWER_SHARE. Temperature, height and amplifiers change it slowly; a
+failed sensor changes m_x or m_y at once. The position does not depend on the amplitude. The yaw is taken with the
+nominal slope and deviates by up to a fifth where all amplitudes are off by a tenth.
 
 Motion. With `innovation` the raw position less the predicted one counts in rho, over INNOVATION: a channel that sticks
 leads to a motion that the currents do not explain, long before the voltages contradict each other.
@@ -87,7 +88,7 @@ INNOVATION = {
 BIG = 1.5
 NEARLY, SMALL = 0.1, 0.3  # of A^2
 MAX_KNOWN_YAW = 0.01  # rad
-SCALE, SCALE_SHARE = (0.86, 1.18), 1e-3  # of the nominal amplitude over the estimated one; corrected in a sample
+POWERS, POWER_SHARE = (0.75, 1.3), 1e-3  # range of the squared amplitude, and what a sample corrects of it
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
 
@@ -107,11 +108,11 @@ WITHIN = tuple(
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
     *(
-        Signal(f"m_{a}", "V^2", -3000, 3000, f"squared amplitude of the pair of {a}, less that of the field")
+        Signal(f"m_{a}", "V^2", -1000, 1000, f"squared amplitude of the pair of {a}, less that of the field")
         for a in "xy"
     ),
     *(
-        Signal(f"r_{i}", "V", -100, 100, f"{difference}, less what the predicted yaw makes of it")
+        Signal(f"r_{i}", "V", -50, 50, f"{difference}, less what the predicted yaw makes of it")
         for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
     ),
 )
@@ -141,11 +142,12 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
     yaw = RAW["phi"].name
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        ax, ay, bx, by, cx, cy = (x["scale"] * u[s.name] for s in HELD)
+        ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         phi = u["phi_predicted"] if predicted else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
+        power = x["power"] * k["power_0"]
+        X, Y = _pair(ax, -bx, ay, phi, k, power), _pair(ay, -cy, -ax, phi, k, power)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
         r1, r2 = by - ay - h1 * phi, cx - ax + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
@@ -175,8 +177,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
-        share = ca.if_else(u["ready"], k["scale_gain"], k["first_scale_gain"])
-        next["scale"] = ca.if_else(sure, x["scale"] - share * (X.m + Y.m), x["scale"])
+        share = ca.if_else(u["ready"], k["power_gain"], k["first_power_gain"])
+        next["power"] = ca.if_else(sure, x["power"] + share * (X.m + Y.m), x["power"])
         again = ca.logic_and(doubt, x["contradiction_left"])
         waited = ca.if_else(
             ca.logic_and(sure, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
@@ -204,14 +206,14 @@ def _states(predicted: bool) -> list[State]:
     named = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
     first = [
         *RESIDUALS,
-        *(Signal(f"s_{axis}", "V", -3 * VOLTAGE, 3 * VOLTAGE, f"sine voltage of {axis}") for axis in "xy"),
+        *(Signal(f"s_{axis}", "V", -2 * VOLTAGE, 2 * VOLTAGE, f"sine voltage of {axis}") for axis in "xy"),
     ]
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *WITHIN, *last)
-    scale = Signal("scale", "1", *SCALE, "nominal amplitude over the estimated one")
-    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals), State(scale, 1.0)]
+    power = Signal("power", "1", *POWERS, "estimated squared amplitude over the nominal one")
+    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals), State(power, 1.0)]
 
 
 def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
@@ -222,22 +224,22 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
         Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
     ]
-    per_power = 1 / (4 * cal.amplitude**2)
+    per_power = 1 / (2 * cal.power[0])
     return [
         *fits,
         Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2"),
-        Constant("first_scale_gain", per_power, "1/V^2", "1 / (4 A^2)"),
-        Constant("scale_gain", SCALE_SHARE * per_power, "1/V^2", f"{SCALE_SHARE:g} / (4 A^2)"),
+        Constant("first_power_gain", per_power, "1/V^2", "1 / (2 g_0 A^2)"),
+        Constant("power_gain", POWER_SHARE * per_power, "1/V^2", f"{POWER_SHARE:g} / (2 g_0 A^2)"),
     ]
 
 
 _POWERS = ("V^2", "1/V^2", "1/V^6")
 
 
-def _pair(s: ca.SX, c: ca.SX, other: ca.SX, phi: ca.SX, k: Exprs) -> _Pair:
+def _pair(s: ca.SX, c: ca.SX, other: ca.SX, phi: ca.SX, k: Exprs, power: ca.SX) -> _Pair:
     s, c = s - phi * other, c + phi * other
     product = (s * c) ** 2
-    return _Pair(s, c, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
+    return _Pair(s, c, s**2 + c**2 - (power + product * (k["power_1"] + product * k["power_2"])))
 
 
 def _slope(p: _Pair, k: Exprs) -> ca.SX:

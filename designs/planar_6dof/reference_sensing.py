@@ -41,7 +41,7 @@ PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 INNOVATION, YAW_INNOVATION = 5e-4, 0.08  # m; of A, times the square root of the yaw's information
 AGAIN = 0.5  # of rho
 MEMORY = 4.0  # samples
-SCALE, SCALE_SHARE = (0.86, 1.18), 1e-3
+SCALE, SCALE_SHARE = (0.75, 1.3), 1e-3  # of the squared amplitude; corrected in a sample
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
@@ -121,7 +121,7 @@ def initial_state() -> dict[str, Array]:
         "sensing_contradiction_confirmed",
         *(f"sensing_first_{name}" for name in FIRST),
     ]
-    return {name: np.array(0.0) for name in names} | {"sensing_scale": np.array(1.0)}
+    return {name: np.array(0.0) for name in names} | {"sensing_power": np.array(1.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -136,12 +136,13 @@ class Pair:
     s: Array
     c: Array
     k: Constants
+    scale: Array
 
     @property
     def m(self) -> Array:
         """The sum of squares less that of the field, V^2."""
         product, q = (self.s * self.c) ** 2, self.k.power
-        return self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2)
+        return self.s**2 + self.c**2 - (q[0] * self.scale + q[1] * product + q[2] * product**2)
 
     @property
     def slope(self) -> Array:
@@ -177,9 +178,8 @@ def sense(
     motion that differs from the predicted one is a contradiction, too. Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
-    v = {name: state["sensing_scale"] * v[name] for name in HALL}
-    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
-    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
+    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k, state["sensing_power"])
+    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k, state["sensing_power"])
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
     h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
     r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
@@ -204,9 +204,9 @@ def sense(
             contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
         ),
     }
-    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * A**2)
-    scale = np.clip(state["sensing_scale"] - pace * (x.m + y.m), *SCALE)
-    after["sensing_scale"] = np.where(accepted, scale, state["sensing_scale"])
+    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (2 * k.power[0])
+    scale = np.clip(state["sensing_power"] + pace * (x.m + y.m), *SCALE)
+    after["sensing_power"] = np.where(accepted, scale, state["sensing_power"])
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):

@@ -167,7 +167,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_leadlag_state_t){
         .guard_left = 5u,
-        .sensing_scale = 1.0f,
+        .sensing_power = 1.0f,
     };
 }
 
@@ -189,8 +189,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
-    static const float sensing_first_scale_gain = 0.029025901f; /* 1/V^2; 1 / (4 A^2) */
-    static const float sensing_scale_gain = 2.9025901e-05f;     /* 1/V^2; 0.001 / (4 A^2) */
+    static const float sensing_first_power_gain = 0.064388156f; /* 1/V^2; 1 / (2 g_0 A^2) */
+    static const float sensing_power_gain = 6.438816e-05f;      /* 1/V^2; 0.001 / (2 g_0 A^2) */
     static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
     static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
     static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
@@ -357,29 +357,28 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_x_p = state->filter_x.p;
 
         /* sensing: position and yaw, (1)-(5) */
-        const float sensing_scale = state->sensing_scale;
-        const float sensing_scale_times_V_ay = sensing_scale * V_ay_held;
-        const float ratio_x_part = filter_phi_p * sensing_scale_times_V_ay;
-        const float ratio_x_part_2 = ratio_x_part - (sensing_scale * V_bx_held);
-        const float sensing_scale_times_V_ax = sensing_scale * V_ax_held;
-        const float sensing_first_s_x_next = sensing_scale_times_V_ax - ratio_x_part;
-        const float ratio_y_part = filter_phi_p * sensing_scale_times_V_ax;
-        const float ratio_y_part_2 = (sensing_scale * V_cy_held) + ratio_y_part;
-        const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
-        const float sensing_first_s_y_next = sensing_scale_times_V_ay + ratio_y_part;
-        const float ratio_y_part_3 = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float r_1_part = ratio_x_part_2 + sensing_first_s_x_next - (ratio_y_part_2 * ratio_y_part_2_squared * (sensing_slope_0 + (ratio_y_part_3 * sensing_slope_1)));
-        const float r_1 = (sensing_scale * V_by_held) - sensing_scale_times_V_ay - (r_1_part * filter_phi_p);
-        const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
-        const float ratio_x_part_3 = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float r_2_part = (ratio_x_part_2 * ratio_x_part_2_squared * (sensing_slope_0 + (ratio_x_part_3 * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part_2);
-        const float r_2 = (sensing_scale * V_cx_held) - sensing_scale_times_V_ax + (r_2_part * filter_phi_p);
-        const float ratio_x_part_4 = sensing_first_s_x_next * ratio_x_part_2;
-        const float ratio_x_part_4_squared = ratio_x_part_4 * ratio_x_part_4;
-        const float m_x = ratio_x_part_3 + ratio_x_part_2_squared - (sensing_power_0 + (ratio_x_part_4_squared * (sensing_power_1 + (ratio_x_part_4_squared * sensing_power_2))));
-        const float ratio_y_part_4 = sensing_first_s_y_next * ratio_y_part_2;
-        const float ratio_y_part_4_squared = ratio_y_part_4 * ratio_y_part_4;
-        const float m_y = ratio_y_part_3 + ratio_y_part_2_squared - (sensing_power_0 + (ratio_y_part_4_squared * (sensing_power_1 + (ratio_y_part_4_squared * sensing_power_2))));
+        const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
+        const float ratio_x_part = filter_phi_p_times_V_ay - V_bx_held;
+        const float sensing_first_s_x_next = V_ax_held - filter_phi_p_times_V_ay;
+        const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
+        const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
+        const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+        const float sensing_first_s_y_next = V_ay_held + filter_phi_p_times_V_ax;
+        const float ratio_y_part_2 = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float r_1_part = ratio_x_part + sensing_first_s_x_next - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (ratio_y_part_2 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (r_1_part * filter_phi_p);
+        const float ratio_x_part_squared = ratio_x_part * ratio_x_part;
+        const float ratio_x_part_2 = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float r_2_part = (ratio_x_part * ratio_x_part_squared * (sensing_slope_0 + (ratio_x_part_2 * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part);
+        const float r_2 = V_cx_held - V_ax_held + (r_2_part * filter_phi_p);
+        const float sensing_power = state->sensing_power;
+        const float m_x_part = sensing_power * sensing_power_0;
+        const float ratio_x_part_3 = sensing_first_s_x_next * ratio_x_part;
+        const float ratio_x_part_3_squared = ratio_x_part_3 * ratio_x_part_3;
+        const float m_x = ratio_x_part_2 + ratio_x_part_squared - (m_x_part + (ratio_x_part_3_squared * (sensing_power_1 + (ratio_x_part_3_squared * sensing_power_2))));
+        const float ratio_y_part_3 = sensing_first_s_y_next * ratio_y_part;
+        const float ratio_y_part_3_squared = ratio_y_part_3 * ratio_y_part_3;
+        const float m_y = ratio_y_part_2 + ratio_y_part_squared - (m_x_part + (ratio_y_part_3_squared * (sensing_power_1 + (ratio_y_part_3_squared * sensing_power_2))));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool x_raw_test = false;
         if ((guard_ready != 0u) && complete) {
@@ -397,15 +396,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float phi_raw_part = 0.0f;
         float within_x;
         float within_y;
-        float sensing_scale_part = sensing_scale;
+        float sensing_power_part = sensing_power;
         if (x_raw_test_2) {
-            const float ratio_x = ratio_x_part_4 / (planar_6dof_leadlag_max(ratio_x_part_3, ratio_x_part_2_squared) + 8.612998e-06f);
+            const float ratio_x = ratio_x_part_3 / (planar_6dof_leadlag_max(ratio_x_part_2, ratio_x_part_squared) + 8.612998e-06f);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
             const float x_raw_part_3 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float x_raw_part_4;
-            if (ratio_x_part_3 <= ratio_x_part_2_squared) {
-                if (ratio_x_part_2 < 0.0f) {
+            if (ratio_x_part_2 <= ratio_x_part_squared) {
+                if (ratio_x_part < 0.0f) {
                     if (0.0f < x_raw_part_3) {
                         x_raw_part_4 = x_raw_part_3 - 0.0254f;
                     } else {
@@ -436,13 +435,13 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             }
             x_raw = x_raw_part_4 + x_raw_part_6;
             within_x = x_raw_part_4;
-            const float ratio_y = -(ratio_y_part_4 / (planar_6dof_leadlag_max(ratio_y_part_3, ratio_y_part_2_squared) + 8.612998e-06f));
+            const float ratio_y = -(ratio_y_part_3 / (planar_6dof_leadlag_max(ratio_y_part_2, ratio_y_part_squared) + 8.612998e-06f));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
             const float y_raw_part_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float y_raw_part_3;
-            if (ratio_y_part_3 <= ratio_y_part_2_squared) {
-                if (-ratio_y_part_2 < 0.0f) {
+            if (ratio_y_part_2 <= ratio_y_part_squared) {
+                if (-ratio_y_part < 0.0f) {
                     if (0.0f < y_raw_part_2) {
                         y_raw_part_3 = y_raw_part_2 - 0.0254f;
                     } else {
@@ -473,10 +472,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             }
             y_raw = y_raw_part_3 + y_raw_part_5;
             within_y = y_raw_part_3;
-            const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part_2)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_2));
+            const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part));
             const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + 0.00021532494f);
             phi_raw_part = phi_raw_part_3;
-            sensing_scale_part = sensing_scale - (((guard_ready != 0u) ? sensing_scale_gain : sensing_first_scale_gain) * (m_x + m_y));
+            sensing_power_part = sensing_power + (((guard_ready != 0u) ? sensing_power_gain : sensing_first_power_gain) * (m_x + m_y));
         } else {
             within_x = planar_6dof_leadlag_limit(x_raw_part_2, 0.0254f);
             within_y = planar_6dof_leadlag_limit(y_raw_part, 0.0254f);
@@ -503,7 +502,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
         state->sensing_within_x = within_x;
         state->sensing_within_y = within_y;
-        state->sensing_scale = planar_6dof_leadlag_max(planar_6dof_leadlag_min(sensing_scale_part, 1.18f), 0.86f);
+        state->sensing_power = planar_6dof_leadlag_max(planar_6dof_leadlag_min(sensing_power_part, 1.3f), 0.75f);
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);

@@ -78,18 +78,18 @@ typedef struct {
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
     uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
-    float sensing_first_m_x;            /* V^2, -3000 .. 3000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
-    float sensing_first_m_y;            /* V^2, -3000 .. 3000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
-    float sensing_first_r_1;            /* V, -100 .. 100: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_2;            /* V, -100 .. 100: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_s_x;            /* V, -15 .. 15: sine voltage of x, at the first contradiction */
-    float sensing_first_s_y;            /* V, -15 .. 15: sine voltage of y, at the first contradiction */
+    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float sensing_first_r_1;            /* V, -50 .. 50: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_2;            /* V, -50 .. 50: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
+    float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
-    float sensing_scale;                /* 1, 0.86 .. 1.18: nominal amplitude over the estimated one */
+    float sensing_power;                /* 1, 0.75 .. 1.3: estimated squared amplitude over the nominal one */
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;
     planar_6dof_leadlag_filter_state_t filter_phi;

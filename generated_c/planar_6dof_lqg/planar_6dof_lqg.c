@@ -109,7 +109,7 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_lqg_state_t){
         .guard_left = 29u,
-        .sensing_scale = 1.0f,
+        .sensing_power = 1.0f,
     };
 }
 
@@ -131,8 +131,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
-    static const float sensing_first_scale_gain = 0.029025901f; /* 1/V^2; 1 / (4 A^2) */
-    static const float sensing_scale_gain = 2.9025901e-05f;     /* 1/V^2; 0.001 / (4 A^2) */
+    static const float sensing_first_power_gain = 0.064388156f; /* 1/V^2; 1 / (2 g_0 A^2) */
+    static const float sensing_power_gain = 6.438816e-05f;      /* 1/V^2; 0.001 / (2 g_0 A^2) */
     static const float reckoning_x_position_gain = 0.19f;       /* 1; 1 - r^2, r = 0.9 */
     static const float reckoning_x_rate_gain = 0.01f;           /* 1; (1 - r)^2, r = 0.9 */
     static const float reckoning_x_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
@@ -330,38 +330,37 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float reckoning_y_position = state->reckoning_y_position;
 
         /* sensing: position and yaw, (1)-(5) */
-        const float sensing_scale = state->sensing_scale;
-        const float sensing_scale_times_V_ax = sensing_scale * V_ax_held;
-        const float sensing_scale_times_V_ay = sensing_scale * V_ay_held;
-        const float ratio_x_part = reckoning_phi_position * sensing_scale_times_V_ay;
-        const float sensing_first_s_x_next = sensing_scale_times_V_ax - ratio_x_part;
-        const float ratio_x_part_2 = ratio_x_part - (sensing_scale * V_bx_held);
-        const float ratio_x_part_3 = sensing_first_s_x_next * ratio_x_part_2;
-        const float ratio_x_part_4 = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
-        const float ratio_x = ratio_x_part_3 / (planar_6dof_lqg_max(ratio_x_part_4, ratio_x_part_2_squared) + 8.612998e-06f);
+        const float ratio_x_part = reckoning_phi_position * V_ay_held;
+        const float sensing_first_s_x_next = V_ax_held - ratio_x_part;
+        const float ratio_x_part_minus_V_bx = ratio_x_part - V_bx_held;
+        const float ratio_x_part_2 = sensing_first_s_x_next * ratio_x_part_minus_V_bx;
+        const float ratio_x_part_3 = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float ratio_x_part_4 = ratio_x_part_minus_V_bx * ratio_x_part_minus_V_bx;
+        const float ratio_x = ratio_x_part_2 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_4) + 8.612998e-06f);
         /*@ admit -1.0f <= ratio_x <= 1.0f; */
-        const float ratio_y_part = reckoning_phi_position * sensing_scale_times_V_ax;
-        const float sensing_first_s_y_next = sensing_scale_times_V_ay + ratio_y_part;
-        const float ratio_y_part_2 = (sensing_scale * V_cy_held) + ratio_y_part;
-        const float ratio_y_part_3 = sensing_first_s_y_next * ratio_y_part_2;
-        const float ratio_y_part_4 = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
-        const float ratio_y = -(ratio_y_part_3 / (planar_6dof_lqg_max(ratio_y_part_4, ratio_y_part_2_squared) + 8.612998e-06f));
+        const float ratio_y_part = reckoning_phi_position * V_ax_held;
+        const float sensing_first_s_y_next = V_ay_held + ratio_y_part;
+        const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
+        const float ratio_y_part_2 = sensing_first_s_y_next * V_cy_plus_ratio_y_part;
+        const float ratio_y_part_3 = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float ratio_y_part_4 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
+        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_4) + 8.612998e-06f));
         /*@ admit -1.0f <= ratio_y <= 1.0f; */
-        const float r_1_part = ratio_x_part_2 + sensing_first_s_x_next - (ratio_y_part_2 * ratio_y_part_2_squared * (sensing_slope_0 + (ratio_y_part_4 * sensing_slope_1)));
-        const float r_1 = (sensing_scale * V_by_held) - sensing_scale_times_V_ay - (r_1_part * reckoning_phi_position);
-        const float r_2_part = (ratio_x_part_2 * ratio_x_part_2_squared * (sensing_slope_0 + (ratio_x_part_4 * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part_2);
-        const float r_2 = (sensing_scale * V_cx_held) - sensing_scale_times_V_ax + (r_2_part * reckoning_phi_position);
-        const float ratio_x_part_3_squared = ratio_x_part_3 * ratio_x_part_3;
-        const float m_x = ratio_x_part_4 + ratio_x_part_2_squared - (sensing_power_0 + (ratio_x_part_3_squared * (sensing_power_1 + (ratio_x_part_3_squared * sensing_power_2))));
-        const float ratio_y_part_3_squared = ratio_y_part_3 * ratio_y_part_3;
-        const float m_y = ratio_y_part_4 + ratio_y_part_2_squared - (sensing_power_0 + (ratio_y_part_3_squared * (sensing_power_1 + (ratio_y_part_3_squared * sensing_power_2))));
+        const float r_1_part = ratio_x_part_minus_V_bx + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_4 * (sensing_slope_0 + (ratio_y_part_3 * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (r_1_part * reckoning_phi_position);
+        const float r_2_part = (ratio_x_part_minus_V_bx * ratio_x_part_4 * (sensing_slope_0 + (ratio_x_part_3 * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
+        const float r_2 = V_cx_held - V_ax_held + (r_2_part * reckoning_phi_position);
+        const float sensing_power = state->sensing_power;
+        const float m_x_part = sensing_power * sensing_power_0;
+        const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
+        const float m_x = ratio_x_part_3 + ratio_x_part_4 - (m_x_part + (ratio_x_part_2_squared * (sensing_power_1 + (ratio_x_part_2_squared * sensing_power_2))));
+        const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
+        const float m_y = ratio_y_part_3 + ratio_y_part_4 - (m_x_part + (ratio_y_part_2_squared * (sensing_power_1 + (ratio_y_part_2_squared * sensing_power_2))));
         const float ratio_x_squared = ratio_x * ratio_x;
         const float x_raw_part = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
         float x_raw_part_2;
-        if (ratio_x_part_4 <= ratio_x_part_2_squared) {
-            if (ratio_x_part_2 < 0.0f) {
+        if (ratio_x_part_3 <= ratio_x_part_4) {
+            if (ratio_x_part_minus_V_bx < 0.0f) {
                 if (0.0f < x_raw_part) {
                     x_raw_part_2 = x_raw_part - 0.0254f;
                 } else {
@@ -392,8 +391,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float ratio_y_squared = ratio_y * ratio_y;
         const float x_raw_part_7 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
         float x_raw_part_8;
-        if (ratio_y_part_4 <= ratio_y_part_2_squared) {
-            if (-ratio_y_part_2 < 0.0f) {
+        if (ratio_y_part_3 <= ratio_y_part_4) {
+            if (-V_cy_plus_ratio_y_part < 0.0f) {
                 if (0.0f < x_raw_part_7) {
                     x_raw_part_8 = x_raw_part_7 - 0.0254f;
                 } else {
@@ -421,7 +420,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
         }
         const float x_raw_part_12 = x_raw_part_8 + x_raw_part_11;
-        const float x_raw_part_13 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part_2)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_2));
+        const float x_raw_part_13 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
         const float x_raw_part_14 = (r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (x_raw_part_13 * (m_x - m_y)));
         const float x_raw_part_15 = x_raw_part_14 / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (x_raw_part_13 * x_raw_part_13))) + 0.00021532494f);
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
@@ -483,7 +482,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float law_x_part;
         float law_y_part;
         float law_phi_part;
-        float sensing_scale_part = sensing_scale_gain;
+        float sensing_power_part = sensing_power_gain;
         float reckoning_x_position_part = reckoning_x_position_gain;
         float reckoning_y_position_part = reckoning_y_position_gain;
         float reckoning_phi_position_part = reckoning_phi_position_gain;
@@ -498,13 +497,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             law_x_part = -lqg_x_L_times_x_raw;
             law_y_part = -lqg_y_L_times_y_raw;
             law_phi_part = -lqg_phi_L_times_phi_raw;
-            sensing_scale_part = sensing_first_scale_gain;
+            sensing_power_part = sensing_first_power_gain;
             reckoning_x_position_part = 1.0f;
             reckoning_y_position_part = 1.0f;
             reckoning_phi_position_part = 1.0f;
         }
-        const float sensing_scale_next = planar_6dof_lqg_max(planar_6dof_lqg_min((x_raw_test_2) ? (sensing_scale - (sensing_scale_part * (m_x + m_y))) : sensing_scale, 1.18f), 0.86f);
-        state->sensing_scale = sensing_scale_next;
+        const float sensing_power_next = planar_6dof_lqg_max(planar_6dof_lqg_min((x_raw_test_2) ? (sensing_power + (sensing_power_part * (m_x + m_y))) : sensing_power, 1.3f), 0.75f);
+        state->sensing_power = sensing_power_next;
 
         /* reckoning: alpha-beta filter, dead reckoning */
         const float x_advance_part_3 = reckoning_x_half_step * state->reckoning_x_acting;
