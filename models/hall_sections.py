@@ -86,6 +86,7 @@ INNOVATION = {
     "phi": 0.08,
 }  # m; of A, for the yaw's error times the root of its sum of squares: 7 times the noise
 BIG = 1.5
+ALIKE = 0.25  # of the sum of m_x and m_y: their difference where the amplitude of all voltages is off
 NEARLY, SMALL = 0.1, 0.3  # of A^2
 MAX_KNOWN_YAW = 0.01  # rad
 POWERS, POWER_SHARE = (0.75, 1.3), 1e-3  # range of the squared amplitude, and what a sample corrects of it
@@ -298,7 +299,9 @@ def _suspects(x: Exprs, A: float) -> tuple[dict[str, ca.SX], ca.SX]:
     big = _squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
-    alike = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.fabs(m["x"] - m["y"]) < PART["m"] * POWER * A**2)
+    alike = ca.logic_and(
+        ca.logic_and(there["x"], there["y"]), ca.fabs(m["x"] - m["y"]) < ALIKE * ca.fabs(m["x"] + m["y"])
+    )
     alike = ca.logic_and(alike, ca.logic_not(yaw_residual))
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):

@@ -96,7 +96,7 @@ def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:
 
 
 def travel(rng: np.random.Generator, pose: Mapping[str, Array], yaw_share: float | None = None) -> Columns:
-    """Return noisy inputs (N,) along poses (N,); errors have random orders of magnitude, half of them equal in all axes.
+    """Return noisy inputs (N,) along poses (N,); errors have random orders of magnitude, half equal in all axes.
 
     With `yaw_share`, a part of the yaw's range, the errors of z, theta and psi exceed what the motors can achieve, and
     in half of the samples those of all axes do.

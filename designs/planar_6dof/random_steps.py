@@ -25,7 +25,7 @@ from synth.verify.sampling import Columns
 
 SEED = 20_060_711
 INSIDE = sampling.MARGIN
-UNREADY, SUSPECTED, FAILED, COUNTING = 0.02, 0.02, 0.1, 0.1  # shares of samples; the last counts bad samples
+UNREADY, SUSPECTED, FAILED, COUNTING = 0.02, 0.02, 0.1, 0.02  # shares of samples; the last counts bad samples
 WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it contradicts the others
 PART = 0.3  # of the size of demands: standard deviation of each of its terms
 ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages

@@ -40,6 +40,7 @@ RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 INNOVATION, YAW_INNOVATION = 5e-4, 0.08  # m; of A, times the square root of the yaw's information
 AGAIN = 0.5  # of rho
+ALIKE = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
 SCALE, SCALE_SHARE = (0.75, 1.3), 1e-3  # of the squared amplitude; corrected in a sample
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
@@ -244,7 +245,11 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    common = np.all(m_exceeds, axis=0) & ~any_r_exceeds & (np.abs(first["m_x"] - first["m_y"]) < least_m)
+    common = (
+        np.all(m_exceeds, axis=0)
+        & ~any_r_exceeds
+        & (np.abs(first["m_x"] - first["m_y"]) < ALIKE * np.abs(first["m_x"] + first["m_y"]))
+    )
     return {name: (flag | is_ambiguous) & ~common for name, flag in wrong.items()} | {"all": common}
 
 

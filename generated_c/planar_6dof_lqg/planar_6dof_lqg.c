@@ -221,7 +221,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
     const bool suspect_V_ax_test_5 = 0.25838992f < sensing_first_m_y_size;
     const bool suspect_V_ax_test_6 = suspect_V_ax_test && suspect_V_ax_test_5;
-    const bool suspect_V_ax_test_7 = suspect_V_ax_test_6 && (fabsf(sensing_first_m_x - sensing_first_m_y) < 0.25838992f) && !suspect_V_ax_test_4;
+    const bool suspect_V_ax_test_7 = suspect_V_ax_test_6 && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y))) && !suspect_V_ax_test_4;
     bool complete = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */

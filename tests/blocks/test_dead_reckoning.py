@@ -69,7 +69,7 @@ def test_an_unknown_acceleration_is_the_innovation() -> None:
 
 
 @pytest.mark.parametrize("defect", ["position_gain", "rate_gain", "half_step"])
-def test_a_planted_constant_is_told(defect: str) -> None:
+def test_a_planted_constant_is_detected(defect: str) -> None:
     block = dead_reckoning.block("reckoning", TIME, [AXIS])
     off = [replace(c, value=1.1 * c.value) if c.name == f"q_{defect}" else c for c in block.constants]
     f = np.sin(0.05 * np.arange(400))
