@@ -26,10 +26,10 @@ from synth.verify import baselines, meter, on_target, steps, stimuli
 from synth.verify.steps import Steps
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
-# Instructions that gcc's step takes at most. 800 are asked for of the lead-lag controller, and 900 of the LQG one, which
+# Instructions that gcc's step takes at most. 810 are asked for of the lead-lag controller, and 900 of the LQG one, which
 # -Os keeps but for the steps that also name a failed channel; as shipped the LQG takes 898 on average in the travel.
 CEILINGS = {
-    "planar_6dof_leadlag": {"gcc, newlib": 800, "gcc, newlib, small": 730, "gcc, newlib, contracted": 740},
+    "planar_6dof_leadlag": {"gcc, newlib": 810, "gcc, newlib, small": 760, "gcc, newlib, contracted": 760},
     "planar_6dof_lqg": {"gcc, newlib": 1020, "gcc, newlib, small": 955, "gcc, newlib, contracted": 960},
 }
 # gcc copies a decision into each path that leads to it, where part of it is decided: as shipped, copies of the
