@@ -11,7 +11,9 @@ unexport PYTHONDONTWRITEBYTECODE
 # The vocabulary, analysis, synthesis and emission: what `make quick` tests of them compiles nothing and is not `slow`.
 QUICK := tests/analyse tests/synthesise tests/emit $(wildcard tests/test_*.py)
 
-.PHONY: build quick test test-kernels docs bench prove clean
+.PHONY: install build quick test test-kernels docs bench prove clean
+
+install: $(STAMP)
 
 build: $(STAMP)
 	$(BIN)/synth build
@@ -44,8 +46,10 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.planar
 	$(BIN)/python -m benchmarks.startup
 	$(BIN)/python -m benchmarks.response
+	$(BIN)/python -m benchmarks.simulation
 	$(BIN)/python -m benchmarks.margins
 	$(BIN)/python -m benchmarks.riccati
+	$(BIN)/python -m benchmarks.glsdc
 	$(BIN)/python -m benchmarks.hostile
 
 prove: $(STAMP)

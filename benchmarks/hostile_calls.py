@@ -31,7 +31,7 @@ from benchmarks.hostile_examples import (
 )
 from synth.analyse import equilibrium, lie, relative_degree, worst_case_search
 from synth.analyse.observability import placement
-from synth.blocks import safety
+from synth.blocks import advance, safety
 from synth.signals import Parameter
 from synth.synthesise.feedback import lqr
 from synth.synthesise.identify import logs
@@ -159,6 +159,10 @@ def examples() -> Mapping[str, Call]:
         "crossover.design": {"crossover": 10.0, "phase_margin": 40.0},
         "deadbeat.feedback": {"system": held},
         "deadbeat.largest_uncontrollable_mode": {"model": unmoved},
+        "advance.Position": {"signal": GAP, "speed": 1.0},
+        "advance.acting": {"position": GAP, "samples": 1.5},
+        "advance.lost": {"position": GAP},
+        "advance.block": {"positions": [advance.Position(GAP, 1.0)], "samples": 1.5, "bad_samples": 5},
         "derivative_filter.block": {"signal": GAP, "rate": RATE, "bandwidth": 30.0},
         "dynamic_extension.add_integrators": {"plant": maglev, "inputs": ["current"]},
         "dynamic_extension.extend": single,

@@ -157,7 +157,7 @@ def usual() -> Call:
         "block": example_step(),
         "observer": reduced_observer.by_poles(held, ["x"], [0.5]),
         "computed": None,
-        "at": 3.0,
+        "frequency": 3.0,
         "w": [ca.SX.sym("w")],
         "controller": servo.controller,
         "transfer": control.tf([1.0], [1.0, 2.0]),

@@ -3,10 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import casadi as ca
+
 from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse import robustness
-from synth.blocks import axis, dead_reckoning
+from synth.blocks import axis, dead_reckoning, glsdc_estimator
+from synth.blocks.glsdc_model import Unknown
+from synth.signals import Signal
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
 
@@ -25,19 +29,34 @@ def examples() -> Mapping[str, Call]:
         "anti_windup": 5.0,
         "estimator": axis.kalman(noise["process"], noise["sensor"]),
     }
-    around = stage.interface(
+    interface = stage.interface(
         maglev,
         sensors=[stage.Sensor("gap")],
         set_points=[stage.SetPoint("gap_ref", "gap", 0.012, 0.028)],
         actuators=[stage.Actuator("current", 4.0, 10.0)],
     )
-    controller = stage.controller("held", Discrete(1e-3), around, [axis.servo(**asked)])
+    controller = stage.controller("held", Discrete(1e-3), interface, [axis.servo(**asked)])
     loops = robustness.of_controller(controller, maglev, POINTS)
     moving = dead_reckoning.Axis("gap", GAP, replace(GAP, name="predicted"), U, 0.5, 1.0, 0.9)
+    angle = Unknown(Signal("angle", "rad", -1, 1), largest_deviation=0.5, step=0.5)
+    coils = [Signal(name, "V", -2, 2) for name in ("a", "b")]
+    resolver: Call = {
+        "name": "resolver",
+        "time": Discrete(1e-3),
+        "h": lambda q, k: {"a": ca.cos(q["angle"]), "b": ca.sin(q["angle"])},
+        "R": [[1e-4, 0.0], [0.0, 1e-4]],
+        "channels": coils,
+        "unknowns": [angle],
+    }
+    guarded = {"block": glsdc_estimator.estimator(**resolver), "name": "pose", "channels": coils, "bad_samples": 3}
     return {
         "braking.block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
         "dead_reckoning.Axis": fields(moving),
         "dead_reckoning.block": {"axes": [moving]},
+        "glsdc_estimator.estimator": resolver,
+        "glsdc_estimator.guarded": guarded,
+        "glsdc_model.covariance": {"noise": [1e-3, 1e-3], "model_error": [1e-3, 0.0]},
+        "glsdc_integrity.thresholds": {"freedom": 2, "false_alarm": 1e-3, "risk": 1e-3},
         "axis.kalman": noise,
         "axis.servo": asked,
         "axis.decouple": {"axes": [axis.servo(**asked)]},

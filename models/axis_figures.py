@@ -8,7 +8,7 @@ An inertia m with a spring k, q'' = (f - k q) / m, under f = K(s) (r - q), K(s) 
                  the rule prewarped at the continuous crossover, where both agree
 
 Steps start from rest at t = 0 and are relative to their size. The rise time is from 10 to 90 %. A time is infinite when
-the record of LONG seconds does not contain the event.
+the record of RECORD_LENGTH seconds does not contain the event.
 
 Source: Yu, Kim, section 5.2, (19)-(25).
 """
@@ -29,8 +29,8 @@ from synth.timing import Continuous
 
 Array = NDArray[np.float64]
 
-FINE, LONG = 1e-5, 1.2  # s: the time step of continuous responses, and the length of all records
-BAND = 0.02
+TIME_STEP, RECORD_LENGTH = 1e-5, 1.2  # s: the time step of continuous responses, and the length of all records
+SETTLING_BAND = 0.02
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def step(axis: Axis) -> Step:
     """Return the step response figures of the continuous loop."""
     T = feedback_loop.close(axis.plant, axis.compensator.model).T
     poles, V = np.linalg.eig(T.A)
-    time: Array = np.arange(round(LONG / FINE), dtype=np.float64) * FINE
+    time: Array = np.arange(round(RECORD_LENGTH / TIME_STEP), dtype=np.float64) * TIME_STEP
     residues = (T.C @ V)[0] * np.linalg.solve(V, T.B)[:, 0] / poles
     return of_response(time, 1 + (np.exp(np.outer(time, poles)) @ residues).real)
 
@@ -127,12 +127,12 @@ def step(axis: Axis) -> Step:
 def sampled_step(axis: Axis, period_s: float) -> Step:
     """Return the step response figures of the sampled loop."""
     response = time_response.step_response(
-        _sampled_loop(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, LONG - period_s
+        _sampled_loop(axis, lead_lag.tustin(axis.compensator, period_s, 1 / period_s)).T, RECORD_LENGTH - period_s
     )
     return of_response(response.time, response.outputs[:, 0, 0])
 
 
-def of_response(time: Array, y: Array, band: float = BAND) -> Step:
+def of_response(time: Array, y: Array, band: float = SETTLING_BAND) -> Step:
     """Return rise, overshoot and settling of a record y (N,) of a step from 0 to 1 at time[0], s."""
     outside = np.flatnonzero(np.abs(y - 1) > band)
     settling = 0.0 if not len(outside) else time[outside[-1]] - time[0] if outside[-1] + 1 < len(y) else np.inf

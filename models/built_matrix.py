@@ -38,12 +38,10 @@ from synth.statespace import readonly
 Exprs = Mapping[str, ca.SX]
 
 HARMONICS = 32  # of a pitch
-REACH, MARGIN = (
-    0.07,
-    0.008,
-)  # m from the origin, of every sensor; m tabulated beyond, because splines are worse at their ends
-ORDER = 2  # of the expansion in a block's displacement
-DEGREE = 5
+MAX_REACH = 0.07  # m, distance of a sensor from the origin
+TABLE_MARGIN = 0.008  # m tabulated beyond, because splines are less accurate at their ends
+EXPANSION_ORDER = 2  # of the expansion in a block's displacement
+SPLINE_DEGREE = 5
 CHANNELS = ("B_X", "B_Y", "B_X slope", "B_Y slope")  # T, T/m along z
 VOLUME = hall_array.HallArray(hall_array.sensors([(0.0, 0.0)]).sensors).volume
 
@@ -57,112 +55,116 @@ class Tolerances:
 
     remanence: float = 0.02
     tilt: float = radians(1)
-    place: float = 1e-4
+    displacement: float = 1e-4
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("remanence", "tilt", "place"):
+        for name in ("remanence", "tilt", "displacement"):
             if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 raise ModelError(
                     f"the tolerance of {name} is {getattr(self, name)}: it must be finite and not negative"
                 )
 
 
-USUAL = Tolerances()
+DEFAULT_TOLERANCES = Tolerances()
 
 
 @dataclass(frozen=True, eq=False)
 class AsBuilt:
-    """Blocks as built: remanences, nominal places, and the displacement `off` (n, n, 3) of each, m."""
+    """Blocks as built: remanences, nominal places, and the `displacements` (n, n, 3) of the blocks, m."""
 
     blocks: Blocks
-    off: Array
+    displacements: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """CHANNELS (4,) as a function of X, Y in m, REACH from the origin at most, at a `height` in m above the matrix."""
+    """CHANNELS (4,) as a function of X, Y in m up to MAX_REACH from the origin, at a `height` in m above the matrix."""
 
     at: ca.Function
     height: float
 
 
-def draw_blocks(tolerances: Tolerances = USUAL) -> AsBuilt:
+def draw_blocks(tolerances: Tolerances = DEFAULT_TOLERANCES) -> AsBuilt:
     """Return the blocks of two grades with random errors within tolerances."""
     nominal = finite_matrix.fabricated_blocks()
     n, rng = len(nominal.places), np.random.default_rng(tolerances.seed)
-    stronger = 1 + tolerances.remanence * rng.uniform(-1, 1, (n, n, 1))
+    remanence_factor = 1 + tolerances.remanence * rng.uniform(-1, 1, (n, n, 1))
     normal = np.cross(nominal.remanence, rng.standard_normal((n, n, 3)))
     length = np.linalg.norm(normal, axis=2, keepdims=True)
     axis = normal / np.where(length > 0, length, 1.0)  # across the magnetisation; places without a block have none
     tilt = tolerances.tilt * rng.uniform(-1, 1, (n, n, 1))
     tilted = np.cos(tilt) * nominal.remanence + np.sin(tilt) * np.cross(axis, nominal.remanence)
-    off = tolerances.place * rng.uniform(-1, 1, (n, n, 3))
-    return AsBuilt(replace(nominal, remanence=readonly(stronger * tilted)), readonly(off))
+    displacements = tolerances.displacement * rng.uniform(-1, 1, (n, n, 3))
+    return AsBuilt(replace(nominal, remanence=readonly(remanence_factor * tilted)), readonly(displacements))
 
 
-def series(of: AsBuilt, harmonics: int = HARMONICS) -> Series:
+def series(built: AsBuilt, harmonics: int = HARMONICS) -> Series:
     """Return the Fourier series of the potential above the blocks, averaged over the sensors' volume."""
-    bare = finite_matrix.series(of.blocks, harmonics)
-    kx, ky, kappa = bare.kx, bare.ky, bare.kappa
-    total = np.zeros_like(bare.potential)
-    for a, b, c in product(range(ORDER + 1), repeat=3):
-        if a + b + c <= ORDER:
-            weight = of.off[:, :, 0] ** a * of.off[:, :, 1] ** b * of.off[:, :, 2] ** c
-            weighted = replace(of.blocks, remanence=of.blocks.remanence * weight[:, :, None])
+    nominal_series = finite_matrix.series(built.blocks, harmonics)
+    kx, ky, kappa = nominal_series.kx, nominal_series.ky, nominal_series.kappa
+    total = np.zeros_like(nominal_series.potential)
+    for a, b, c in product(range(EXPANSION_ORDER + 1), repeat=3):
+        if a + b + c <= EXPANSION_ORDER:
+            weight = (
+                built.displacements[:, :, 0] ** a
+                * built.displacements[:, :, 1] ** b
+                * built.displacements[:, :, 2] ** c
+            )
+            weighted = replace(built.blocks, remanence=built.blocks.remanence * weight[:, :, None])
             shift = (-1j * kx) ** a * (-1j * ky) ** b * kappa**c / (factorial(a) * factorial(b) * factorial(c))
             total += shift * finite_matrix.series(weighted, harmonics).potential
-    return replace(bare, potential=total * _mean(bare))
+    return replace(nominal_series, potential=total * _averaging_factors(nominal_series))
 
 
-def _mean(of: Series) -> Array:
+def _averaging_factors(waves: Series) -> Array:
     """Return the factors of the waves by the mean over a sensor's volume, with its sides along X, Y and Z."""
     x, y, z = (side / 2 for side in VOLUME)
-    up = of.kappa * z
-    mean = np.sinc(of.kx * x / np.pi) * np.sinc(of.ky * y / np.pi) * np.sinh(up) / np.where(up > 0, up, 1.0)
-    return np.asarray(mean)
+    z_phase = waves.kappa * z
+    mean = np.sinc(waves.kx * x / np.pi) * np.sinc(waves.ky * y / np.pi) * np.sinh(z_phase)
+    return np.asarray(mean / np.where(z_phase > 0, z_phase, 1.0))
 
 
-def tabulate(of: Series, height: float = hall_array.HEIGHT, reach: float = REACH) -> Array:
+def tabulate(waves: Series, height: float = hall_array.HEIGHT, reach: float = MAX_REACH) -> Array:
     """Return CHANNELS (4, n, n) on the grid of the series, X changing slowest."""
-    both: list[Complex] = [c for order in (0, 1) for c in finite_matrix.flux_density(of, height, order)[:2]]
-    return readonly(np.array([of.evaluate(c, reach) for c in both]))
+    both: list[Complex] = [c for order in (0, 1) for c in finite_matrix.flux_density(waves, height, order)[:2]]
+    return readonly(np.array([waves.evaluate(c, reach) for c in both]))
 
 
 @cache
-def field(tolerances: Tolerances = USUAL, height: float = hall_array.HEIGHT) -> Field:
+def field(tolerances: Tolerances = DEFAULT_TOLERANCES, height: float = hall_array.HEIGHT) -> Field:
     """Return the field of blocks with tolerances, at a height in m above them."""
     potential = series(draw_blocks(tolerances))
-    points, values = potential.grid(REACH + MARGIN), tabulate(potential, height, REACH + MARGIN)
+    points, values = potential.grid(MAX_REACH + TABLE_MARGIN), tabulate(potential, height, MAX_REACH + TABLE_MARGIN)
     coefficients, knots = values.transpose(1, 2, 0), []
     for axis in (0, 1):
-        spline = interpolate.make_interp_spline(points, coefficients, k=DEGREE, axis=axis)
+        spline = interpolate.make_interp_spline(points, coefficients, k=SPLINE_DEGREE, axis=axis)
         coefficients = np.moveaxis(spline.c, 0, axis)
         knots.append(spline.t.tolist())
     X, Y = ca.MX.sym("X"), ca.MX.sym("Y")
     flat = coefficients.transpose(1, 0, 2).ravel()  # in CasADi the last coordinate changes slowest
-    at = ca.bspline(ca.vertcat(X, Y), ca.DM(flat), knots, [DEGREE, DEGREE], len(CHANNELS), {})
+    at = ca.bspline(ca.vertcat(X, Y), ca.DM(flat), knots, [SPLINE_DEGREE, SPLINE_DEGREE], len(CHANNELS), {})
     return Field(ca.Function("truth_field", [X, Y], [at], {"never_inline": True}), height)
 
 
-def flux(of: Field, X: ca.SX, Y: ca.SX, lift: ca.SX) -> halbach.Field:
+def flux(field: Field, X: ca.SX, Y: ca.SX, lift: ca.SX) -> halbach.Field:
     """Return the flux density in T at X, Y and `lift` in m above the field's height; its component along Z is NaN."""
-    bx, by, slope_x, slope_y = ca.vertsplit(of.at(X, Y))
+    bx, by, slope_x, slope_y = ca.vertsplit(field.at(X, Y))
     return halbach.Field(bx + lift * slope_x, by + lift * slope_y, ca.SX(np.nan))
 
 
-def voltages(of: Field, places: Sequence[Pair], x: Exprs, gain: float) -> dict[str, ca.SX]:
+def voltages(field: Field, places: Sequence[Pair], x: Exprs, gain: float) -> dict[str, ca.SX]:
     """Return V_ax, V_ay, V_bx .. in V before the filter, of sensors at `places` in m, for a pose by name."""
     volts: dict[str, ca.SX] = {}
     c, s = ca.cos(x["phi"]), ca.sin(x["phi"])
     for letter, (u, v) in zip("abcdefgh", places, strict=False):
         at = planar_stage.place(x, ca.SX(u), ca.SX(v))
-        B = flux(of, at.X, at.Y, at.lift)
+        B = flux(field, at.X, at.Y, at.lift)
         volts |= {f"V_{letter}x": gain * (c * B.x + s * B.y), f"V_{letter}y": gain * (c * B.y - s * B.x)}
     return volts
 
 
-def plant(places: Sequence[Pair], of: Field, chain: Chain, gain: float | None = None) -> Plant:
+def plant(places: Sequence[Pair], field: Field, chain: Chain, gain: float | None = None) -> Plant:
     """Return the planar stage with three Hall sensors at `places` in m in the platen, over a field, behind a chain.
 
     The filters' voltages are states. The gain is the chain's, V/T, unless given.
@@ -175,11 +177,13 @@ def plant(places: Sequence[Pair], of: Field, chain: Chain, gain: float | None = 
     filtered = [Signal(f"filtered_{name}", "V", -10.0, 10.0, "behind its filter") for name in s.HALL]
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        second = s.accelerations(x, u, p, halbach.HARMONICS)
-        derivative = {q: x[v] for q, v in s.RATE.items()} | {v: second[q] for q, v in s.RATE.items()}
-        seen = voltages(of, places, x, scale)
-        derivative |= {f"filtered_{n}": hall_chain.slope(chain, x[f"filtered_{n}"], v) for n, v in seen.items()}
-        read = {name: x[f"filtered_{name}"] for name in s.HALL} | s.laser_distances(x, p)
-        return derivative, {q: x[q] for q in s.AXES} | read
+        accelerations = s.accelerations(x, u, p, halbach.HARMONICS)
+        derivative = {q: x[v] for q, v in s.RATE.items()} | {v: accelerations[q] for q, v in s.RATE.items()}
+        hall_voltages = voltages(field, places, x, scale)
+        derivative |= {
+            f"filtered_{n}": hall_chain.slope(chain, x[f"filtered_{n}"], v) for n, v in hall_voltages.items()
+        }
+        measured = {name: x[f"filtered_{name}"] for name in s.HALL} | s.laser_distances(x, p)
+        return derivative, {q: x[q] for q in s.AXES} | measured
 
     return build("planar_stage_truth", (*s.STATES, *filtered), s.INPUTS, s.OUTPUTS, s.PARAMETERS, physics)

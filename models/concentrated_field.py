@@ -135,8 +135,8 @@ def superpose(a: Cell, b: Cell) -> Cell:
 
 def ideal_matrix(strong: ca.SX | float) -> Cell:
     """Return the matrix of two ideal arrays whose strong blocks have the remanence `strong` in T."""
-    one = halbach_array(strong / 2)
-    return superpose(one, across(one))
+    along_x = halbach_array(strong / 2)
+    return superpose(along_x, across(along_x))
 
 
 def fabricated_matrix(strong: ca.SX | float, weak: ca.SX | float) -> Cell:
@@ -178,8 +178,8 @@ def _wave(cell: Cell, order: Order, shape: float, w: ca.SX, Delta: ca.SX) -> Wav
     parts = (real, -sines)  # of exp(-i k.r)
     up = [ca.dot(part, cell.z) for part in parts]
     along = [(kx * ca.dot(part, cell.x) + ky * ca.dot(part, cell.y)) / kappa for part in parts]
-    twice = shape / real.numel() * -ca.expm1(-kappa * Delta) / kappa
-    return Wave(order, kx, ky, kappa, twice * (up[0] + along[1]), twice * (along[0] - up[1]))
+    scale = shape / real.numel() * -ca.expm1(-kappa * Delta) / kappa
+    return Wave(order, kx, ky, kappa, scale * (up[0] + along[1]), scale * (along[0] - up[1]))
 
 
 def _numbers(order: Order, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -24,11 +24,8 @@ from synth.timing import Discrete
 
 POSE = ("x", "y", "phi")
 SCANNED = 48  # places along a pitch
-SPACING, WAVER_AMPLITUDE, WAVER_LENGTH = (
-    5e-5,
-    2e-4,
-    7.3e-3,
-)  # m: between samples of a scan; amplitude and wavelength of its lines
+SPACING = 5e-5  # m, between samples of a scan
+WAVER_AMPLITUDE, WAVER_LENGTH = 2e-4, 7.3e-3  # m, amplitude and wavelength of the lines of a scan
 MAX_SENSORS = 8  # sensors in the true field
 
 
@@ -40,7 +37,7 @@ class Bench:
     """
 
     places: tuple[Pair, ...]
-    tolerances: Tolerances = built_matrix.USUAL
+    tolerances: Tolerances = built_matrix.DEFAULT_TOLERANCES
     chain: Chain = field(default_factory=Chain)
 
     def __post_init__(self) -> None:
@@ -62,15 +59,15 @@ def static_voltages(bench: Bench, poses: Array) -> Array:
     X, Y, yaw = poses.T
     c, s = np.cos(yaw), np.sin(yaw)
     furthest = max(float(np.abs([X + c * x - s * y, Y + s * x + c * y]).max()) for x, y in bench.places)
-    if furthest > built_matrix.REACH + built_matrix.MARGIN:
+    if furthest > built_matrix.MAX_REACH + built_matrix.TABLE_MARGIN:
         raise ModelError(
-            f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is known to "
-            f"{1e3 * (built_matrix.REACH + built_matrix.MARGIN):.4g} mm, measure nearer"
+            f"a sensor comes {1e3 * furthest:.4g} mm from the origin: the true field is tabulated up to "
+            f"{1e3 * (built_matrix.MAX_REACH + built_matrix.TABLE_MARGIN):.4g} mm: measure nearer"
         )
     x = {name: ca.SX.sym(name) if name in POSE else ca.SX(0) for name in planar_stage.AXES}
     volts = ca.vcat(list(built_matrix.voltages(bench.true, bench.places, x, bench.chain.gain).values()))
-    of = ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [volts])
-    return readonly(of.map(len(poses))(poses.T).full().T)
+    voltages = ca.Function("volts", [ca.vcat([x[n] for n in POSE])], [volts])
+    return readonly(voltages.map(len(poses))(poses.T).full().T)
 
 
 def sampled_voltages(bench: Bench, poses: Array, time: Discrete, seed: int) -> dict[str, Array]:

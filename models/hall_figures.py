@@ -50,11 +50,11 @@ class Spacings:
     least: Array
 
 
-def surface(of: Sequence[Wave], points: int = 65, z: float = 3e-3) -> Surface:
+def surface(waves: Sequence[Wave], points: int = 65, z: float = 3e-3) -> Surface:
     """Return Fig. 4: B_X on a grid over a pitch, z in m above the matrix, of waves without symbols."""
     X, Y = ca.SX.sym("X"), ca.SX.sym("Y")
-    B = field(of, X, Y, ca.SX(z))
-    side = np.linspace(0.0, _pitch(of), points)
+    B = field(waves, X, Y, ca.SX(z))
+    side = np.linspace(0.0, _pitch(waves), points)
     grid = (each.reshape(1, -1) for each in np.meshgrid(side, side, indexing="ij"))
     flux = ca.Function("B_X", [X, Y], [B.x]).map(points**2)(*grid)
     return Surface(readonly(side), readonly(side), readonly(flux.full().reshape(points, points)))

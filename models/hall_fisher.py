@@ -31,7 +31,7 @@ from synth.statespace import readonly
 Range = tuple[float, float]
 
 START = 24  # cells along a pitch
-MOST = 30_000_000  # cells
+MAX_CELLS = 30_000_000  # cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +77,14 @@ def rows(array: PlanarArray, q: Array) -> Rows:
 
 def of_phases(array: PlanarArray, q: Array) -> Array:
     """Return the deviations (3, N) in rad per V of noise at phases and yaws q (3, N) in rad; inf where rank is lost."""
-    of = rows(array, q)
-    N = (of.g**2).sum(axis=1)
-    across = of.g[:, :, None] * of.h[:, None] - of.g[:, None] * of.h[:, :, None]
+    jacobian_rows = rows(array, q)
+    N = (jacobian_rows.g**2).sum(axis=1)
+    across = (
+        jacobian_rows.g[:, :, None] * jacobian_rows.h[:, None] - jacobian_rows.g[:, None] * jacobian_rows.h[:, :, None]
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = 1 / ((across**2).sum(axis=(1, 2)) / 2 / N).sum(axis=0)
-        axes = 1 / N + ((of.g * of.h).sum(axis=1) / N) ** 2 * turn
+        axes = 1 / N + ((jacobian_rows.g * jacobian_rows.h).sum(axis=1) / N) ** 2 * turn
     deviations = np.sqrt(np.vstack([axes, turn]))
     return np.where(np.isfinite(deviations), deviations, np.inf)
 
@@ -120,7 +122,7 @@ def column_changes(array: PlanarArray, q: Array, half: Array) -> Array:
 def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) -> LargestDeviation:
     """Return the largest deviations of X, Y in m and yaw in rad in the pitch and over yaws, with a proved bound.
 
-    Raises ModelError if that needs more than MOST cells, as where the rank is lost; the message says where.
+    Raises ModelError if that needs more than MAX_CELLS cells, as where the rank is lost; the message says where.
     """
     low, high = yaw
     if not -pi <= low <= high <= pi:
@@ -130,10 +132,13 @@ def worst(array: PlanarArray, yaw: Range = (0.0, 0.0), tolerance: float = 1e-3) 
     cells = (START, START, max(1, ceil((high - low) * reach / (turn / START))))
     ends = (0.0, 0.0, low), (turn, turn, high)
     proved = worst_deviation.search(
-        partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MOST
+        partial(of_phases, array), partial(column_changes, array), *ends, cells, tolerance, MAX_CELLS
     )
     unit = units(array)
     size = array.deviation * unit
     return replace(
-        proved, met=readonly(size * proved.met), bound=readonly(size * proved.bound), at=readonly(proved.at * unit)
+        proved,
+        attained=readonly(size * proved.attained),
+        bound=readonly(size * proved.bound),
+        at=readonly(proved.at * unit),
     )

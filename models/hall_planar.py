@@ -1,11 +1,13 @@
 """Measurement model and Jacobian over (X, Y, yaw) of two-axis Hall sensors in the body's plane, with phasors.
 
-R(yaw) V - B(P) has the length of V - R(yaw)' B, the residual of a sensor. In the field's axes the Jacobian is sparse,
+The residual V - R(yaw)' B(P) of a sensor at P is taken in the field's axes, R(yaw) V - B(P): it has the same length
+there, and its Jacobian over (X, Y, yaw) is sparse up to the sign,
 
-    X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y      o = w R(yaw) r: the sensor's place about the centre
-    Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X      in rad of phase, B' by the phase
+    X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y
+    Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X
 
-Phasors of a displaced pose are the predicted ones rotated by a small angle, and
+Lengths are phases in rad, with the wave number w = 2 pi / pitch; B' is the derivative by the phase; o = w R(yaw) r is
+the sensor's offset from the centre. Phasors of a displaced pose are the predicted ones rotated by a small angle, and
 sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
 
 Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
@@ -31,20 +33,20 @@ POWERS = (1, 3, 5)  # of the sine, in alpha sin p + beta sin 5p
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """A sensor at a pose: its phases along X and Y, its place about the centre, rad, its voltages in field axes, V.
+    """A sensor at a pose: its phases along X and Y and offset from the centre, rad, and its voltages in field axes, V.
 
     `field` are the constant and the coefficients of sin, sin^3 and sin^5; `slope` are those of the derivative.
     """
 
     phases: tuple[Phasor, Phasor]
-    place: Phasor
+    offset: Phasor
     volts: Phasor
     field: Sequence[ca.SX]
     slope: Sequence[ca.SX]
 
 
 class Row(NamedTuple):
-    """One voltage in field axes, e = g U + h T to first order."""
+    """The residual e of a voltage in field axes, and g and h of its Jacobian: e = g U + h T to first order."""
 
     e: ca.SX
     g: ca.SX
@@ -75,17 +77,17 @@ def rotation_phasor(yaw: ca.SX, named: NamedExpressions) -> tuple[Phasor, ca.SX]
     return Phasor(1 - half**2, sine), half**2
 
 
-def displace(sensors: Sequence[Sensor], at: Vector, named: NamedExpressions) -> list[Sensor]:
-    """Return the sensors of a body displaced by (U, V, T)."""
-    turn, versine = rotation_phasor(at[2], named)
-    return [_displaced(s, at, turn, versine) for s in sensors]
+def displace(sensors: Sequence[Sensor], displacement: Vector, named: NamedExpressions) -> list[Sensor]:
+    """Return the sensors of a body displaced by (U, V, T), rad."""
+    rotation, versine = rotation_phasor(displacement[2], named)
+    return [_displaced(s, displacement, rotation, versine) for s in sensors]
 
 
-def _displaced(s: Sensor, at: Vector, turn: Phasor, versine: ca.SX) -> Sensor:
-    x, y = s.place.cosine, s.place.sine
-    dx, dy = -x * versine - y * turn.sine, -y * versine + x * turn.sine
-    phases = s.phases[0].times(phasor.of(at[0] + dx)), s.phases[1].times(phasor.of(at[1] + dy))
-    return replace(s, phases=phases, place=Phasor(x + dx, y + dy), volts=s.volts.times(turn))
+def _displaced(s: Sensor, displacement: Vector, rotation: Phasor, versine: ca.SX) -> Sensor:
+    x, y = s.offset.cosine, s.offset.sine
+    dx, dy = -x * versine - y * rotation.sine, -y * versine + x * rotation.sine
+    phases = s.phases[0].times(phasor.of(displacement[0] + dx)), s.phases[1].times(phasor.of(displacement[1] + dy))
+    return replace(s, phases=phases, offset=Phasor(x + dx, y + dy), volts=s.volts.times(rotation))
 
 
 def rows(s: Sensor) -> tuple[Row, Row]:
@@ -95,5 +97,5 @@ def rows(s: Sensor) -> tuple[Row, Row]:
         q = p.sine**2
         B.append(s.field[0] + p.sine * (s.field[1] + q * (s.field[2] + q * s.field[3])))
         g.append(p.cosine * (s.slope[0] + q * (s.slope[1] + q * s.slope[2])))
-    x = Row(s.volts.cosine - B[0], g[0], B[1] - g[0] * s.place.sine)
-    return x, Row(s.volts.sine - B[1], g[1], g[1] * s.place.cosine - B[0])
+    x = Row(s.volts.cosine - B[0], g[0], B[1] - g[0] * s.offset.sine)
+    return x, Row(s.volts.sine - B[1], g[1], g[1] * s.offset.cosine - B[0])

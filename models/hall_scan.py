@@ -68,17 +68,17 @@ class Fit:
         """Return the estimate, and where the largest residual is."""
         k, inner = int(np.abs(self.residual).argmax()), self.estimate.sheet()
         line = (
-            f"It leaves {1e3 * self.residual[k]:.4g} mV at X = {1e3 * self.X[k]:.4g} mm, Y = {1e3 * self.Y[k]:.4g} mm, "
-            "and nowhere more."
+            f"The largest residual is {1e3 * self.residual[k]:.4g} mV, at X = {1e3 * self.X[k]:.4g} mm and "
+            f"Y = {1e3 * self.Y[k]:.4g} mm."
         )
         return show.Sheet(f"Model (2) of {self.channel}", (line, *inner.lines), inner.tables)
 
 
 @dataclass(frozen=True, eq=False)
 class Decay:
-    """How fast a coefficient decays with the height: `estimate` of ln|a| at z_0, a in V, and of the rate in 1/m.
+    """Decay of a coefficient with the height: `estimate` of ln|a| at z_0, a in V, and of the rate in 1/m.
 
-    `law` is n w, 1/m.
+    `law` is the rate n w of the wave with number n, 1/m.
     """
 
     coefficient: str
@@ -100,9 +100,9 @@ def simulate_scan(array: HallArray, waves: Sequence[Wave], at: Mapping[str, Arra
     """
     poses = np.column_stack([at["X"], at["Y"], at["Z"], np.zeros((len(at["X"]), 3))])
     true = hall_array.spatial(array, waves).evaluate(poses).T
-    read = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
+    noisy = true + array.chain.noise * np.random.default_rng(seed).standard_normal(true.shape)
     names = [f"V_{chr(ord('a') + k)}{axis}" for k in range(len(array.sensors)) for axis in "xy"]
-    return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, read, strict=True)))
+    return Log({name: at[name] for name in ("X", "Y", "Z")} | dict(zip(names, noisy, strict=True)))
 
 
 def fit(log: Log, channel: str, pitch: float, along: str = "X", level: float = 0.95) -> Fit:
@@ -153,6 +153,12 @@ def decay(
     y = np.log(np.abs([scan_fit.estimate[coefficient] for scan_fit in fits.values()]))
     units = {"rate": "1/m"}
     estimate = least_squares.solve(
-        np.column_stack([np.ones_like(above), -above]), y, ("ln", "rate"), ("ln",), None, level, units
+        np.column_stack([np.ones_like(above), -above]),
+        y,
+        ("ln_at_height", "rate"),
+        ("ln_at_height",),
+        None,
+        level,
+        units,
     )
     return Decay(coefficient, estimate, NUMBERS[coefficient] * 2 * pi / pitch)

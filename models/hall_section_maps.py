@@ -23,10 +23,10 @@ from synth.timing import Discrete
 from synth.verify import agree
 
 NOISE = 5e-5  # m rms of a position, section 3.2
-NUDGE = 1e-4  # V, of a difference quotient
+VOLTAGE_STEP = 1e-4  # V, of a difference quotient
 SPEED = 0.1  # m/s, of the platen after a sensor sticks
 FLAGS = (sensing.READY, sensing.COMPLETE)
-SETTLED = 100  # samples after which no further failure at rest is noticed
+NOTICE_SAMPLES = 100  # samples after which no further failure at rest is noticed
 
 Columns = Mapping[str, Array]
 
@@ -60,7 +60,7 @@ def error_map(plant: Plant, yaw: float = 0.0, lift: float = 0.0, doubt: float = 
     """Return the map at a yaw in rad, known to `doubt` in rad, and a lift in m."""
     x, y = _places(plant, points)
     error, noise = errors(plant, {"x": x, "y": y, "phi": np.full_like(x, yaw), "z": np.full_like(x, lift)}, doubt)
-    squares = ({axis: v.reshape(points, points) for axis, v in of.items()} for of in (error, noise))
+    squares = ({axis: v.reshape(points, points) for axis, v in values.items()} for values in (error, noise))
     return ErrorMap(readonly(y[:points]), *squares)
 
 
@@ -78,7 +78,7 @@ def errors(plant: Plant, pose: Columns, doubt: float = 0.0) -> tuple[Columns, Co
         return np.array([outputs[s.name] for s in sensing.RAW.values()])
 
     error = raw() - np.array([pose[axis] for axis in sensing.RAW])
-    slopes = [(raw(name, NUDGE) - raw(name, -NUDGE)) / (2 * NUDGE) for name in u]
+    slopes = [(raw(name, VOLTAGE_STEP) - raw(name, -VOLTAGE_STEP)) / (2 * VOLTAGE_STEP) for name in u]
     noise = deviation(plant) * np.sqrt(np.sum(np.square(slopes), axis=0))
     first, second = (dict(zip(sensing.RAW, map(readonly, rows), strict=True)) for rows in (error, noise))
     return first, second
@@ -92,7 +92,7 @@ def deviation(plant: Plant) -> float:
 def zero_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:
     """Return the effect of each voltage dropping to zero at rest, at points^2 places over a pitch; see `estimation`."""
     block, start = estimation(plant, time, filters), _places(plant, points)
-    return {name: watch(plant, block, start, 0 * start, SETTLED, name) for name in planar_stage.HALL}
+    return {name: watch(plant, block, start, 0 * start, NOTICE_SAMPLES, name) for name in planar_stage.HALL}
 
 
 def stuck_voltages(plant: Plant, time: Discrete, points: int = 12, filters: Sequence[Block] = ()) -> dict[str, "Watch"]:

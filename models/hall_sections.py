@@ -30,9 +30,10 @@ Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample
     rho = ((m_x^2 + m_y^2) / (POWER A^2)^2 + (r_1^2 + r_2^2) / (RESIDUAL A)^2)^(1/2)
 
 is above 1, or in which the guard refuses a voltage, changes neither position nor yaw. The residuals of the first such
-sample determine the suspects, because no state has followed a wrong value yet. A second one, above AGAIN and within
-MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is complete, and the guard
-latches in the fifth. A residual is significant above PART of its bound. If rho exceeds BIG at once, a voltage jumped:
+sample determine the suspects, because no state has followed a wrong value yet. A second one, above CONFIRMATION and
+within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is complete, and the
+guard latches in the fifth. A residual is significant above PART of its bound. If rho exceeds BIG at once, a voltage
+jumped:
 
     V_ax  if r_2 is significant, and m_x not nearly 0, or r_2 (2 s_x + r_2) SMALL  V_ay  likewise, r_1, m_y, s_y
     V_cx  if r_2 is significant, and m_x is nearly 0                               V_by  likewise, r_1, m_y

@@ -27,7 +27,7 @@ from synth.statespace import readonly
 
 Ball = flint.arb
 
-CLEAR = 1e-9  # of alpha^2, rad: far above the rounding error of a determinant
+ROUNDING_MARGIN = 1e-9  # of alpha^2, in rad: far above the rounding error of a determinant
 
 
 def of_pair(array: PlanarArray, yaw: float) -> Array:
@@ -43,35 +43,35 @@ def of_pair(array: PlanarArray, yaw: float) -> Array:
         pair = _Pair.of(array, yaw)
         equations = isolated_zeros.Equations(2, pair.values, partial(possible, array, yaw))
         points = [cube.at for cube in isolated_zeros.search(equations)]
-        places = sorted([float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points)
-    return readonly(np.reshape(places, (-1, 2)))
+        zeros = sorted([float(isolated_zeros.within_turn(v) / pair.w) for v in p] for p in points)
+    return readonly(np.reshape(zeros, (-1, 2)))
 
 
 def possible(array: PlanarArray, yaw: float, cells: Array, half: float) -> NDArray[np.bool_]:
     """Return which cells (2, N) may hold a point: no bound on the determinants excludes it."""
     q = np.vstack([cells, np.full(cells.shape[1], yaw)])
-    of, place = hall_fisher.rows(array, q), hall_fisher.sensor_phases(array, q[2])
-    open = np.ones(cells.shape[1], dtype=bool)
+    rows, offset = hall_fisher.rows(array, q), hall_fisher.sensor_phases(array, q[2])
+    is_possible = np.ones(cells.shape[1], dtype=bool)
     for i, j in ((0, 1), (1, 0)):
-        p, across = cells[i] + place[i], cells[j] + place[j]
+        p, across = cells[i] + offset[i], cells[j] + offset[j]
         dg = np.abs(hall_fisher.field(array, p, 2)) * half + hall_fisher.derivative_bound(array, 3) / 2 * half**2
         dB = np.abs(hall_fisher.field(array, across, 1)) * half + hall_fisher.derivative_bound(array, 2) / 2 * half**2
-        g, h, dh = np.abs(of.g[i]), np.abs(of.h[i]), dB + np.abs(place[j]) * dg
-        D = of.g[i, 0] * of.h[i, 1] - of.g[i, 1] * of.h[i, 0]
+        g, h, dh = np.abs(rows.g[i]), np.abs(rows.h[i]), dB + np.abs(offset[j]) * dg
+        D = rows.g[i, 0] * rows.h[i, 1] - rows.g[i, 1] * rows.h[i, 0]
         change = sum(g[a] * dh[b] + dg[a] * h[b] + dg[a] * dh[b] for a, b in ((0, 1), (1, 0)))
-        open &= np.abs(D) <= change + CLEAR * array.alpha**2
-    return open
+        is_possible &= np.abs(D) <= change + ROUNDING_MARGIN * array.alpha**2
+    return is_possible
 
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """Two sensors in balls: places (o_X, o_Y) in rad at the yaw; c, alpha and beta in V.
+    """Two sensors in balls: their offsets (o_X, o_Y) from the origin in rad at the yaw; c, alpha and beta in V.
 
     Phases are balls, or series in one of them.
     """
 
     w: Ball
-    places: list[tuple[Ball, Ball]]
+    offsets: list[tuple[Ball, Ball]]
     c: Ball
     alpha: Ball
     beta: Ball
@@ -79,10 +79,10 @@ class _Pair:
     @staticmethod
     def of(array: PlanarArray, yaw: float) -> "_Pair":
         w = 2 * Ball.pi() / Ball(array.pitch)
-        turn = Ball(yaw)
-        s, c = turn.sin(), turn.cos()
-        places = [(w * (c * Ball(x) - s * Ball(y)), w * (s * Ball(x) + c * Ball(y))) for x, y in array.positions]
-        return _Pair(w, places, Ball(array.c), Ball(array.alpha), Ball(array.beta))
+        angle = Ball(yaw)
+        s, c = angle.sin(), angle.cos()
+        offsets = [(w * (c * Ball(x) - s * Ball(y)), w * (s * Ball(x) + c * Ball(y))) for x, y in array.positions]
+        return _Pair(w, offsets, Ball(array.c), Ball(array.alpha), Ball(array.beta))
 
     def slope(self, p: Any) -> Any:
         """Return B'."""
@@ -91,8 +91,8 @@ class _Pair:
     def rows(self, at: Sequence[Any], i: int) -> list[tuple[Any, Any]]:
         """Return g and h of each sensor along the axis i."""
         pairs, sign = [], 1 - 2 * i
-        for place in self.places:
-            p, q, o = at[i] + place[i], at[1 - i] + place[1 - i], place[1 - i]
+        for offset in self.offsets:
+            p, q, o = at[i] + offset[i], at[1 - i] + offset[1 - i], offset[1 - i]
             g = self.slope(p)
             pairs.append((g, sign * (self.c + self.alpha * q.sin() + self.beta * (5 * q).sin() - g * o)))
         return pairs
@@ -105,16 +105,16 @@ class _Pair:
 
 def _check_slopes(array: PlanarArray, yaw: float) -> None:
     """Raise ModelError where both slopes of an axis may vanish together, so that rank is lost on a line."""
-    for name, place in zip("XY", hall_fisher.sensor_phases(array, np.array([yaw])), strict=True):
+    for name, offset in zip("XY", hall_fisher.sensor_phases(array, np.array([yaw])), strict=True):
         half, along = pi / isolated_zeros.CELLS, isolated_zeros.grid(1)[0]
-        for _ in range(isolated_zeros.CUTS):
-            slopes = np.abs(hall_fisher.field(array, along + place, 1))
+        for _ in range(isolated_zeros.MAX_BISECTIONS):
+            slopes = np.abs(hall_fisher.field(array, along + offset, 1))
             along = along[(slopes <= hall_fisher.derivative_bound(array, 2) * half).all(axis=0)]
             half /= 2
             along = np.concatenate([along - half, along + half])
         if along.size:
             at = along[0] / array.wave_number * 1e3
             raise ModelError(
-                f"at {name} = {at:.3f} mm both sensors have no slope along {name}, which is lost on this whole line: "
-                "place them other than half a pitch apart"
+                f"at {name} = {at:.3f} mm both sensors have no slope along {name}, which is not "
+                "observable on this whole line: place them other than half a pitch apart"
             )

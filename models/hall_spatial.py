@@ -68,45 +68,45 @@ def attitude(yaw: Phasor, by_x: ca.SX, by_y: ca.SX) -> Attitude:
     return Attitude(roll, (x, y, z))
 
 
-def place(of: Sensor, body: Attitude) -> Vector:
+def place(sensor: Sensor, body: Attitude) -> Vector:
     """Return the position of a sensor from the body's origin, rad."""
-    return [total(r * e[i] for r, e in zip(of.arm, body.axes, strict=True) if r) for i in range(3)]
+    return [total(r * e[i] for r, e in zip(sensor.arm, body.axes, strict=True) if r) for i in range(3)]
 
 
-def observe(of: Sensor, place: Vector, phases: Sequence[Phasor], rise: ca.SX) -> Observed:
+def observe(sensor: Sensor, place: Vector, phases: Sequence[Phasor], rise: ca.SX) -> Observed:
     """Return a sensor at a place about the body's origin and at phases along X and Y, the body raised, all in rad."""
     decay = ca.exp(-(rise + place[2]))
     x, y = (_waves(p, decay) for p in phases)
-    return Observed(of, x, y)
+    return Observed(sensor, x, y)
 
 
-def _waves(of: Phasor, decay: ca.SX) -> Waves:
+def _waves(phasor: Phasor, decay: ca.SX) -> Waves:
     """Return the waves along an axis; the fifth power of decay (cosine + i sine) is the 5th wave."""
-    s, c = decay * of.sine, decay * of.cosine
+    s, c = decay * phasor.sine, decay * phasor.cosine
     p, q = s**2, c**2
     both = 10 * p * q
     return Phasor(c, s), Phasor(c * (q**2 - both + 5 * p**2), s * (p**2 - both + 5 * q**2))
 
 
-def _flux(by: Observed) -> Vector:
+def _flux(observed: Observed) -> Vector:
     """Return B, V."""
-    of, x, y = by.sensor, by.x, by.y
-    along = [of.alpha * first.sine + of.beta * fifth.sine for first, fifth in (x, y)]
-    up = of.alpha * (x[0].cosine + y[0].cosine) + of.beta * (x[1].cosine + y[1].cosine)
+    sensor, x, y = observed.sensor, observed.x, observed.y
+    along = [sensor.alpha * first.sine + sensor.beta * fifth.sine for first, fifth in (x, y)]
+    up = sensor.alpha * (x[0].cosine + y[0].cosine) + sensor.beta * (x[1].cosine + y[1].cosine)
     return *along, up
 
 
-def residuals(by: Observed, body: Attitude) -> list[ca.SX]:
+def residuals(observed: Observed, body: Attitude) -> list[ca.SX]:
     """Return the residuals of u and v, V."""
-    B = _flux(by)
-    return [volts - dot(e, B) for volts, e in zip(by.sensor.volts, body.axes[:2], strict=True)]
+    B = _flux(observed)
+    return [volts - dot(e, B) for volts, e in zip(observed.sensor.volts, body.axes[:2], strict=True)]
 
 
-def rows(by: Observed, body: Attitude) -> tuple[Vector, Vector]:
+def rows(observed: Observed, body: Attitude) -> tuple[Vector, Vector]:
     """Return the Jacobian's rows of u and v, (6,) each, V by rad."""
-    of, B, fifth = by.sensor, _flux(by), 5 * by.sensor.beta
-    f = [of.alpha * w[0].sine + fifth * w[1].sine for w in (by.x, by.y)]
-    g = [of.alpha * w[0].cosine + fifth * w[1].cosine for w in (by.x, by.y)]
+    sensor, B, fifth = observed.sensor, _flux(observed), 5 * observed.sensor.beta
+    f = [sensor.alpha * w[0].sine + fifth * w[1].sine for w in (observed.x, observed.y)]
+    g = [sensor.alpha * w[0].cosine + fifth * w[1].cosine for w in (observed.x, observed.y)]
     first, second, _ = body.axes
     p, r = (
         (g[0] * e[0] - f[0] * e[2], g[1] * e[1] - f[1] * e[2], -f[0] * e[0] - f[1] * e[1] - (g[0] + g[1]) * e[2])
@@ -114,7 +114,7 @@ def rows(by: Observed, body: Attitude) -> tuple[Vector, Vector]:
     )
     p11, p12, p13 = (dot(p, e) for e in body.axes)
     p22, p23 = (dot(r, e) for e in body.axes[1:])
-    b, (a, d, h) = [dot(B, e) for e in body.axes], of.arm
+    b, (a, d, h) = [dot(B, e) for e in body.axes], sensor.arm
     turn_u = d * p13 - h * p12, h * p11 - a * p13 - b[2], a * p12 - d * p11 + b[1]
     turn_v = d * p23 - h * p22 + b[2], h * p12 - a * p23, a * p22 - d * p12 - b[0]
     return (*p, *_angles(turn_u, body)), (*r, *_angles(turn_v, body))

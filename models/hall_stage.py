@@ -89,6 +89,6 @@ class Stage:
         )
 
 
-def grid(of: PlanarArray, points: int) -> Array:
+def grid(array: PlanarArray, points: int) -> Array:
     """Return poses (3, points^2) at the centres of squares over the pitch, m, at yaw 0."""
-    return np.array(hall_two_waves.poses(of.pitch, points, shift=0.5))
+    return np.array(hall_two_waves.poses(array.pitch, points, shift=0.5))

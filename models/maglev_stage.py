@@ -115,8 +115,14 @@ def accelerations(x: Exprs, u: Exprs, p: Exprs, variant: pmlsm.Variant = pmlsm.S
 
     Source: (6), (7), with every quadratic term.
     """
-    g = gaps(x, p)
-    motors = list(zip(g, (u[f"i_d{j}"] for j in (1, 2, 3, 4)), (u[name] for name in QUADRATURE), strict=True))
+    return motor_accelerations(x, [(u[f"i_d{j}"], u[name]) for j, name in enumerate(QUADRATURE, 1)], p, variant)
+
+
+def motor_accelerations(
+    x: Exprs, currents: Sequence[tuple[ca.SX, ca.SX]], p: Exprs, variant: pmlsm.Variant = pmlsm.STRESS
+) -> dict[str, ca.SX]:
+    """Return the `accelerations` from i_d and i_q of each of the four motors, in A rms."""
+    motors = [(g, *pair) for g, pair in zip(gaps(x, p), currents, strict=True)]
     F_V = [pmlsm.normal_force(gap, i_d, i_q, p, variant) for gap, i_d, i_q in motors]
     F_H = [pmlsm.thrust(gap, i_q, p, variant) for gap, _, i_q in motors]
     return {
@@ -149,12 +155,15 @@ def plant(lv3: str = "csch2") -> Plant:
     variant = force_variant(lv3)
 
     def physics(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
-        second = accelerations(x, u, p, variant)
-        derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
-        named_gaps = {f"g{j}": g for j, g in enumerate(gaps(x, p), 1)}
-        return derivative, {q: x[q] for q in RATE} | named_gaps
+        return motion(x, accelerations(x, u, p, variant), p)
 
     return build("maglev_stage", STATES, INPUTS, OUTPUTS, PARAMETERS, physics)
+
+
+def motion(x: Exprs, second: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+    """Return the derivatives by state and the outputs by name, from the accelerations of `accelerations`."""
+    derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
+    return derivative, {q: x[q] for q in RATE} | {f"g{j}": g for j, g in enumerate(gaps(x, p), 1)}
 
 
 def direct_currents(

@@ -43,9 +43,9 @@ def back_emf(plant: Plant, run: Trajectory) -> Array:
     slope = dict(zip(signal_names(plant.states), ca.vertsplit(plant.f(x, u, p)), strict=True))
     second = {axis: slope[v] for axis, v in planar_stage.RATE.items()}
     values = dict(zip(signal_names(plant.parameters), ca.vertsplit(p), strict=True))
-    of = ca.Function("induced", [x, p], [_back_emf(at, u, values, second)])
+    induced = ca.Function("induced", [x, p], [_back_emf(at, u, values, second)])
     states = np.array([run.states[name] for name in signal_names(plant.states)])
-    return np.asarray(of.map(states.shape[1])(states, plant.values.reshape(-1, 1)))
+    return np.asarray(induced.map(states.shape[1])(states, plant.values.reshape(-1, 1)))
 
 
 def plant_with_amplifiers(volts: float, harmonics: Sequence[int] = halbach.HARMONICS) -> Plant:

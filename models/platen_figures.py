@@ -12,7 +12,7 @@ from models import lorentz_motor, planar_stage
 from models.motor_figures import constants
 from synth.signals import signal_names
 
-ALONE = 1e-9  # of the largest acceleration of an axis by one motor: less is rounding
+FORCE_ROUNDING = 1e-9  # of the largest acceleration of an axis by one motor: less is rounding
 FORCES = tuple(f"{motor}{axis}" for motor in planar_stage.MOTORS for axis in "yz")
 
 Accelerations = Mapping[str, float]  # by axis
@@ -46,4 +46,6 @@ def decoupled_rows(accelerations: Mapping[str, Accelerations], table: Mapping[st
 
 def _accelerated_axes(accelerations: Mapping[str, Accelerations], forces: Mapping[str, float]) -> set[str]:
     total = {n: sum(size * accelerations[force][n] for force, size in forces.items()) for n in planar_stage.AXES}
-    return {n for n, a in total.items() if abs(a) > ALONE * max(abs(each[n]) for each in accelerations.values())}
+    return {
+        n for n, a in total.items() if abs(a) > FORCE_ROUNDING * max(abs(each[n]) for each in accelerations.values())
+    }

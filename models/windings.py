@@ -7,6 +7,8 @@ i_d, i_q are rms currents in A, the phase currents are instantaneous, th is the 
 They sum to zero and have the amplitude sqrt(2) hypot(i_d, i_q): a limit on hypot(i_d, i_q) limits every phase.
 """
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 
@@ -23,3 +25,11 @@ def phase_currents(i_d: ca.SX, i_q: ca.SX, angle: ca.SX) -> dict[str, ca.SX]:
     """Return the currents in A of phases a, b, c for rms currents at the electrical angle in rad (inverse Park)."""
     axes = angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3
     return {phase: ca.sqrt(2) * (i_d * ca.cos(th) - i_q * ca.sin(th)) for phase, th in zip("abc", axes, strict=True)}
+
+
+def rotor_currents(phases: Sequence[ca.SX], angle: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Return i_d and i_q in A rms from the currents in A of phases a, b, c at the electrical angle in rad (Park)."""
+    axes = angle, angle - 2 * ca.pi / 3, angle + 2 * ca.pi / 3
+    i, scale = ca.vcat(list(phases)), ca.sqrt(2) / 3
+    cosines, sines = (ca.vcat([f(th) for th in axes]) for f in (ca.cos, ca.sin))
+    return scale * ca.dot(i, cosines), -scale * ca.dot(i, sines)

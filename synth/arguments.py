@@ -152,8 +152,8 @@ def real(what: str, values: ArrayLike) -> Array:
     except (TypeError, ValueError) as error:
         raise SignalError(f"the {what} are no real numbers ({error}): give an array of real numbers alone") from error
     size = float(np.abs(array).max(initial=0.0, where=np.isfinite(array)))
-    if size > kinds.LARGEST:
-        raise SignalError(f"the {what} reach {size:.3g}: choose units in which they are below {kinds.LARGEST:g}")
+    if size > kinds.MAX_MAGNITUDE:
+        raise SignalError(f"the {what} reach {size:.3g}: choose units in which they are below {kinds.MAX_MAGNITUDE:g}")
     return array
 
 

@@ -285,7 +285,7 @@ def _row(name: str, values: Sequence[float]) -> list[float]:
 
 
 def _pick(name: str, kind: str, symbol: Exprs, signals: Sequence[Signal | State | Constant]) -> Exprs:
-    return laws.Named(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in signals})
+    return laws.NamedSymbols(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in signals})
 
 
 def _check_symbols(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:

@@ -1,4 +1,6 @@
-"""Command line: `synth build | verify | simulate | faults | audit | cost | prove | emit | new`, in a workspace's root.
+"""Command line: `synth build | verify | simulate | faults | study | audit | cost | prove | emit | new`.
+
+It runs in the root of a workspace.
 
 With --json stdout is one document and progress goes to stderr. Exit status: 0 passed, 1 a check failed, 2 wrong usage,
 130 interrupted by Ctrl-C, 143 terminated. A command imports its modules when it runs: the help and the completion of
@@ -41,6 +43,15 @@ class Scalar(StrEnum):
     FLOAT64 = "float64"
 
 
+class Sampling(StrEnum):
+    """How the machines of a study are drawn."""
+
+    UNIFORM = "uniform"
+    NORMAL = "normal"
+    CORNERS = "corners"
+    LATIN = "latin"
+
+
 def _complete(incomplete: str) -> list[str]:
     """Return the designs of the workspace whose names begin with `incomplete`."""
     return sorted(path.parent.name for path in Path().glob(f"designs/{incomplete}*/design.py"))
@@ -49,7 +60,7 @@ def _complete(incomplete: str) -> list[str]:
 Name = Annotated[str, typer.Argument(help="the design", autocompletion=_complete)]
 Names = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[NAME]...", help="designs; all when left out", autocompletion=_complete),
+    typer.Argument(metavar="NAME", help="designs; all when left out", autocompletion=_complete),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="print one JSON document, progress on stderr")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="ignore the cache of earlier runs")]
@@ -119,7 +130,7 @@ def verify(
     ] = None,
     fresh: Fresh = False,
 ) -> None:
-    """Compare the emitted C with the reference, CasADi and CasADi's own C, with a replay of 60 s.
+    """Compare the emitted C with the reference, CasADi and CasADi's own C, with longer replays than `build`.
 
     With --target, compare the machine code of a Cortex-M core, in an emulator, with this machine's, bit by bit.
     """
@@ -163,12 +174,42 @@ def faults(
     as_json: AsJson = False,
     plants: Annotated[int, typer.Option(min=1, help="the nominal plant and wrong ones; 17 for a full campaign")] = 4,
     every: Annotated[bool, typer.Option("--every", help="a row for every sensor and actuator, not the worst")] = False,
+    sweep: Annotated[bool, typer.Option("--sweep", help="also least magnitudes noticed and times tolerated")] = False,
+    write: Annotated[
+        bool, typer.Option("--write", help="write instead what the machine does after the latch, for the C header")
+    ] = False,
     fresh: Fresh = False,
 ) -> None:
     """Inject faults of sensors, actuators and calls into the closed loop and measure what they do to the machine."""
     from synth import commands
 
-    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every))
+    if write:
+        raise typer.Exit(commands.measure_safe_output(names or (), as_json, fresh, plants))
+    raise typer.Exit(commands.faults(names or (), as_json, fresh, plants, every, sweep))
+
+
+@app.command(epilog="Example: synth study my_stage --plants 1000 --experiments 'step_*'")
+def study(
+    name: Name,
+    as_json: AsJson = False,
+    plants: Annotated[int, typer.Option(min=1, help="machines to draw; the first is the nominal one")] = 200,
+    experiments: Annotated[
+        list[str] | None, typer.Option(help="pattern of experiments' names; may be repeated")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="seed of the machines")] = 0,
+    sampling: Annotated[
+        Sampling, typer.Option(help="how machines are drawn within their tolerances")
+    ] = Sampling.UNIFORM,
+    row: Annotated[int | None, typer.Option(min=0, help="run this row of the table alone, and show all of it")] = None,
+    csv: Annotated[Path | None, typer.Option(help="file for the whole table, a row a machine")] = None,
+    scheduler: Annotated[str | None, typer.Option(help="address of a dask scheduler, as tcp://host:8786")] = None,
+    fresh: Fresh = False,
+) -> None:
+    """Run the experiments on many machines within their tolerances: distributions, yield, and what drives them."""
+    from synth import commands
+
+    chosen = commands.StudyChoice(plants, tuple(experiments or ()), seed, sampling.value, row, csv, scheduler)
+    raise typer.Exit(commands.study(name, as_json, fresh, chosen))
 
 
 @app.command(epilog="Example: synth audit my_stage")

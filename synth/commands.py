@@ -4,59 +4,42 @@ Each prints tables, or with `as_json` one JSON document, and returns the exit st
 design has no result. A terminal shows progress as bars; elsewhere it is written as lines, to stderr with `as_json`.
 """
 
-import json
-import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.markup import escape
 
-from synth import fault_jobs, progress, store, tables, tasks, workspace
+from synth import fault_jobs, progress, store, strict_json, study_jobs, tables, tasks, workspace
 from synth.check import Check
+from synth.command_results import Failed, finish, run_jobs, successful, writer
 from synth.emit import write
+from synth.emit.c import vectors
 from synth.errors import CompileError
-from synth.jobs import Job, Outcome, run
+from synth.jobs import Job
 from synth.new import create
 from synth.progress import Progress
+from synth.simulate import sampling
+from synth.simulate import study as studies
 from synth.simulate.experiment import Experiment
 from synth.verify import prove as proofs
+from synth.verify.cost import Cost
 
 SCALARS: dict[str, type[np.floating]] = {"float32": np.float32, "float64": np.float64}
 CORES: dict[str, type[np.floating]] = {"cortex-m4f": np.float32, "cortex-m7": np.float64}
+SAFE_OUTPUT = "safe_output.json"  # in the folder of a design
 PROOFS = 5  # lines that `prove` reports for each folder of C
 Names = Sequence[str]
 
 
-def _writer(as_json: bool) -> Callable[[str, str], None]:
-    """Return a function of a design's name and a line, which writes both."""
-    console = Console(stderr=as_json)
-    return lambda name, line: console.print(f"{name}: {line}", highlight=False, markup=False)
-
-
 def _run(jobs: Sequence[Job], designs: Sequence[workspace.Design], as_json: bool, fresh: bool) -> dict[str, Any]:
     """Run jobs in parallel; return for each design the value of the job of its name, or a Failed."""
-    outcomes = _outcomes(jobs, as_json, fresh)
+    outcomes = run_jobs(jobs, as_json, fresh)
     return {d.name: Failed(d.name, o.error) if (o := outcomes[d.name]).error else o.value for d in designs}
-
-
-def _outcomes(jobs: Sequence[Job], as_json: bool, fresh: bool) -> Mapping[str, Outcome]:
-    """Run jobs in parallel, and print why one failed."""
-    fresh_run = store.fresh_run() if fresh else nullcontext()
-    with fresh_run, progress.display(len(jobs), _writer(as_json)) as display:
-        outcomes = run(jobs, display)
-    console = Console(stderr=True)
-    for name, outcome in outcomes.items():
-        if outcome.error:
-            console.print(f"[bold red]error:[/] {escape(f'{name}: {outcome.error}')}", highlight=False, soft_wrap=True)
-    store.trim()
-    return outcomes
 
 
 def _for_each_design(
@@ -76,14 +59,14 @@ def build(names: Names, as_json: bool, fresh: bool) -> int:
     for name, built in results.items():
         if isinstance(built, Failed):
             continue
-        reports = {f"{name}.html": built.page, f"{name}.evidence.json": _strict_json(built.evidence) + "\n"}
+        reports = {f"{name}.html": built.page, f"{name}.evidence.json": strict_json.dumps(built.evidence) + "\n"}
         write.save(reports, root / "reports")
         failed = [c for c in built.checks if not c.passed]
         if failed and not as_json:
             tables.print_checks(f"{name}: failed checks", failed)
-        _writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
+        writer(as_json)(name, f"{len(built.checks)} checks, {len(failed)} failed; report in reports/{name}.html")
         documents.append({"design": name, "checks": len(built.checks), "failed": [c.document() for c in failed]})
-    return _finish(as_json, documents, results, any(document["failed"] for document in documents))
+    return finish(as_json, documents, results, any(document["failed"] for document in documents))
 
 
 def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
@@ -91,19 +74,11 @@ def verify(names: Names, as_json: bool, fresh: bool, core: str | None) -> int:
     if core is not None:
         _require_emulator()
     results = _for_each_design(names, as_json, fresh, partial(_on_target, core) if core else _on_host)
-    documents = [r.document for r in _successful(results)]
+    documents = [r.document for r in successful(results)]
     for name, verified in results.items():
         if not as_json and isinstance(verified, Verified):
             tables.print_checks(name, verified.checks, verified.figures, verified.notes)
-    return _finish(as_json, documents, results, not all(c.passed for r in _successful(results) for c in r.checks))
-
-
-@dataclass(frozen=True)
-class Failed:
-    """The name of a design without a result, and the reason."""
-
-    design: str
-    error: str
+    return finish(as_json, documents, results, not all(c.passed for r in successful(results) for c in r.checks))
 
 
 @dataclass(frozen=True)
@@ -116,10 +91,6 @@ class Verified:
     notes: Sequence[str] = ()
 
 
-def _successful(results: Mapping[str, Any]) -> list[Any]:
-    return [result for result in results.values() if not isinstance(result, Failed)]
-
-
 def _on_host(design: workspace.Design, report: Progress) -> Verified:
     evidence = tasks.verification(design, True).result(report)
     return Verified(evidence.document(), evidence.checks, {})
@@ -130,9 +101,13 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
     from synth.execute import cross, host
     from synth.verify import on_target
 
-    emitted = tasks.emission(design, CORES[core]).result(report)[design.name]
+    folders = dict(tasks.emission(design, CORES[core]).result(report))
+    emitted = folders.pop(design.name)
     inputs = design.cost_stimuli.replay(host.load(emitted.files, emitted.manifest))
-    checks = on_target.verify(emitted, inputs, core, report)
+    checks = [*on_target.verify(emitted, inputs, core, report)]
+    for folder, companion in folders.items():
+        recorded, count = vectors.inputs(companion.files["vectors.json"]), _in_folder(report, folder, design.name)
+        checks += [replace(c, name=f"{folder}, {c.name}") for c in on_target.verify(companion, recorded, core, count)]
     document: dict[str, Any] = {"design": design.name, "target": core, "checks": _checks(checks), "drift": None}
     if "gcc" not in cross.available():
         note = "drift with contraction: arm-none-eabi-gcc is not installed, not measured"
@@ -149,11 +124,15 @@ def _on_target(core: str, design: workspace.Design, report: Progress) -> Verifie
 def cost(names: Names, as_json: bool, fresh: bool) -> int:
     """Measure the cost of a step on a Cortex-M4F, beside CasADi's C: instructions, bytes, decisions. No verdicts."""
     _require_emulator()
-    results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.whole_cost(design).result(report))
-    for measured in _successful(results):
-        if not as_json:
-            tables.print_cost(measured)
-    return _finish(as_json, [measured.document() for measured in _successful(results)], results)
+
+    def measure(design: workspace.Design, report: Progress) -> list[Cost]:
+        return [tasks.whole_cost(design).result(report), *tasks.companion_costs(design).result(report)]
+
+    results = _for_each_design(names, as_json, fresh, measure)
+    costs = [cost for each in successful(results) for cost in each]
+    for measured in costs if not as_json else ():
+        tables.print_cost(measured)
+    return finish(as_json, [measured.document() for measured in costs], results)
 
 
 def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
@@ -168,12 +147,12 @@ def prove(names: Names, as_json: bool, fresh: bool, whole: bool) -> int:
         }
 
     results = _for_each_design(names, as_json, fresh, run_proofs)
-    folders = {folder: checks for each in _successful(results) for folder, checks in each.items()}
+    folders = {folder: checks for each in successful(results) for folder, checks in each.items()}
     if not as_json:
         for folder, checks in folders.items():
             tables.print_checks(folder, checks)
     documents = [{"design": folder, "whole": whole, "checks": _checks(checks)} for folder, checks in folders.items()]
-    return _finish(as_json, documents, results, not all(c.passed for checks in folders.values() for c in checks))
+    return finish(as_json, documents, results, not all(c.passed for checks in folders.values() for c in checks))
 
 
 def _in_folder(report: Progress, folder: str, design: str) -> Progress:
@@ -189,40 +168,101 @@ def simulate(names: Names, as_json: bool, fresh: bool) -> int:
         return [Verified(_experiment(e), e.checks, e.figures) for e in experiments]
 
     results = _for_each_design(names, as_json, fresh, run_experiments)
-    documents, every = [], [v for each in _successful(results) for v in each]
+    documents, every = [], [v for each in successful(results) for v in each]
     for name, each in results.items():
         if not isinstance(each, Failed):
             documents.append({"design": name, "experiments": [v.document for v in each]})
     if not as_json:
         for v in every:
             tables.print_checks(v.document["title"], v.checks, v.figures)
-    return _finish(as_json, documents, results, not all(c.passed for v in every for c in v.checks))
+    return finish(as_json, documents, results, not all(c.passed for v in every for c in v.checks))
 
 
-def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool) -> int:
+def faults(names: Names, as_json: bool, fresh: bool, plants: int, every: bool, sweep: bool = False) -> int:
     """Inject every fault of the interface of each design into its closed loop, and measure what the machine does."""
-    designs = workspace.designs(Path.cwd(), names)
-    closed = [d for d in designs if (d.stage and d.stage.interface.actuators) or d.name in names]
-    jobs = {d.name: fault_jobs.jobs(d, plants) for d in closed}
-    outcomes = _outcomes([job for each in jobs.values() for job in each], as_json, fresh)
-    results: dict[str, Any] = {}
-    for d in closed:
-        error = next((e for job in jobs[d.name] if (e := outcomes[job.name].error)), "")
-        results[d.name] = Failed(d.name, error) if error else fault_jobs.result(d, plants, outcomes)
-    campaigns = _successful(results)
+    results = _on_machine(
+        names, as_json, fresh, partial(fault_jobs.parts, plants=plants, sweep=sweep), fault_jobs.result
+    )
+    campaigns = successful(results)
     for campaign in campaigns if not as_json else ():
         tables.print_campaign(campaign, every)
     failed = not all(check.passed for campaign in campaigns for check in campaign.checks)
-    return _finish(as_json, [campaign.document() for campaign in campaigns], results, failed)
+    return finish(as_json, [campaign.document() for campaign in campaigns], results, failed)
+
+
+def measure_safe_output(names: Names, as_json: bool, fresh: bool, plants: int) -> int:
+    """Measure what each machine does after the latch, and write designs/<name>/safe_output.json."""
+    results = _on_machine(names, as_json, fresh, partial(fault_jobs.losses, plants=plants), fault_jobs.safe_output)
+    for name, measured in results.items():
+        if isinstance(measured, Failed):
+            continue
+        measured.write(Path.cwd() / "designs" / name / SAFE_OUTPUT)
+        writer(as_json)(name, measured.text())
+    return finish(as_json, [asdict(measured) for measured in successful(results)], results)
+
+
+def _on_machine(
+    names: Names,
+    as_json: bool,
+    fresh: bool,
+    parts: Callable[[workspace.Design], Sequence[fault_jobs.Part]],
+    result: Callable[..., Any],
+) -> dict[str, Any]:
+    """Run parts of the fault campaign of each design that closes a loop; return the results by name."""
+    designs = workspace.designs(Path.cwd(), names)
+    closed = {d.name: (d, parts(d)) for d in designs if fault_jobs.closes_loop(d) or d.name in names}
+    jobs = {name: fault_jobs.jobs(*each) for name, each in closed.items()}
+    outcomes = run_jobs([job for each in jobs.values() for job in each], as_json, fresh)
+    results: dict[str, Any] = {}
+    for name, each in closed.items():
+        error = next((e for job in jobs[name] if (e := outcomes[job.name].error)), "")
+        results[name] = Failed(name, error) if error else result(*each, outcomes)
+    return results
+
+
+@dataclass(frozen=True)
+class StudyChoice:
+    """The options of `synth study`."""
+
+    plants: int
+    experiments: tuple[str, ...]
+    seed: int
+    method: str
+    row: int | None
+    csv: Path | None
+    scheduler: str | None
+
+
+def study(name: str, as_json: bool, fresh: bool, chosen: StudyChoice) -> int:
+    """Run the experiments of a design on many machines, and print distributions, yield and drivers."""
+    (design,) = workspace.designs(Path.cwd(), [name])
+    drawn = sampling.Sampling(chosen.plants, chosen.seed, sampling.Method(chosen.method))
+    plan = study_jobs.Plan(drawn, chosen.experiments)
+    jobs = study_jobs.jobs(design, plan)
+    if chosen.row is not None:
+        jobs = [Job(name, name, partial(study_jobs.row, design, plan, chosen.row))]
+    elif chosen.scheduler is not None:
+        jobs = [Job(name, name, partial(study_jobs.on_cluster, design, plan, chosen.scheduler))]
+    outcomes = run_jobs(jobs, as_json, fresh)
+    if any(outcome.error for outcome in outcomes.values()):
+        return 2
+    table = outcomes[name].value if name in outcomes else study_jobs.result(plan, outcomes)
+    if chosen.csv is not None:
+        store.replace_text(chosen.csv, studies.csv_text(table))
+    if as_json:
+        sys.stdout.write(strict_json.dumps(studies.document(table)) + "\n")
+    else:
+        (tables.print_study if chosen.row is None else tables.print_machine)(name, table)
+    return int(not table.passed.all())
 
 
 def audit(names: Names, as_json: bool, fresh: bool) -> int:
     """Recompute every published value: published, recomputed, verdict, why. No verdict fails the command."""
     results = _for_each_design(names, as_json, fresh, lambda design, report: tasks.audit(design).result(report))
-    rows = [row for each in _successful(results) for row in each]
+    rows = [row for each in successful(results) for row in each]
     if not as_json:
         tables.print_rows(rows)
-    return _finish(as_json, [row.document() for row in rows], results)
+    return finish(as_json, [row.document() for row in rows], results)
 
 
 def emit(name: str, out: Path, scalar: str, fresh: bool) -> int:
@@ -258,26 +298,3 @@ def _require_emulator() -> None:
         raise CompileError(
             f"emulator: found no {', '.join(missing)}, need the extra target: run `pip install 'synth-stage[target]'`"
         )
-
-
-def _strict_json(document: Any) -> str:
-    """Return strict JSON: null for a number that JSON does not have."""
-    return json.dumps(_finite(document), indent=1, allow_nan=False)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _finish(
-    as_json: bool, documents: Sequence[Mapping[str, Any]], results: Mapping[str, Any], failed: bool = False
-) -> int:
-    """Print the documents, errors last; return 2 where a design has no result, 1 where a check failed."""
-    errors = [asdict(result) for result in results.values() if isinstance(result, Failed)]
-    if as_json:
-        sys.stdout.write(_strict_json([*documents, *errors]) + "\n")
-    return 2 if errors else int(failed)

@@ -2,7 +2,7 @@
 
     numbers, texts, types, sequences, mappings     their type and their content, bit by bit; a mapping's order counts
     arrays                                         type, shape and bytes
-    dataclasses                                    the class with its slice, and all fields
+    dataclasses                                    the class with its slice (the source it depends on), all fields
     CasADi's expressions and functions             their serialised form; symbols count by name and place
     functions                                      their slice, bytecode, defaults and closures
 
@@ -33,7 +33,7 @@ def digest(*values: Any) -> str:
     reader = _Reader([], {})
     try:
         text = b"".join(reader.content(v) for v in values)
-        return hashlib.sha256(text + reader.joint()).hexdigest()
+        return hashlib.sha256(text + reader.joint_function()).hexdigest()
     except (TypeError, ValueError, AttributeError, RuntimeError) as error:  # of values that violate their type
         raise ContentError(f"content: found {error}, need values that can be read: give plain data") from error
 
@@ -54,7 +54,7 @@ class _Reader:
         text = body if isinstance(body, bytes) else b"".join(self.content(part) for part in body)
         return f"{kind}:{len(text)}:".encode() + text
 
-    def joint(self) -> bytes:
+    def joint_function(self) -> bytes:
         """Return all expressions as one function of all symbols in them."""
         if not self.expressions:
             return b""
@@ -103,9 +103,9 @@ class _Reader:
         inner = inspect.unwrap(value) if callable(value) else value
         if inspect.isfunction(inner):
             free = inspect.getclosurevars(inner).nonlocals.items()
-            around = [(name, v) for name, v in free if v is not value]
+            closure = [(name, v) for name, v in free if v is not value]
             bytecode = _bytecode(inner.__code__)  # of several lambdas in one statement the slice is the same
-            return "function", (_source(inner), bytecode, inner.__defaults__, inner.__kwdefaults__, around)
+            return "function", (_source(inner), bytecode, inner.__defaults__, inner.__kwdefaults__, closure)
         if inspect.isbuiltin(inner):
             return "builtin", f"{inner.__module__}.{inner.__qualname__}".encode()
         raise ContentError(

@@ -13,7 +13,8 @@ from synth.timing import Continuous, Discrete, Time
 
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
-Form = tuple[Array, Array, Array, Array, Names, Names, Names, Time]  # A, B, C, D, states, inputs, outputs, time
+StateSpaceFields = tuple[Array, Array, Array, Array, Names, Names, Names, Time]
+"""A, B, C, D, states, inputs, outputs, time."""
 
 
 @arguments.checked
@@ -25,7 +26,7 @@ def coefficients(system: Any) -> tuple[Array, Array] | None:
     return arguments.matrix("numerator", [b])[0], arguments.matrix("denominator", [a])[0]
 
 
-def from_fractions(system: Any) -> Form:
+def from_fractions(system: Any) -> StateSpaceFields:
     """Return python-control's transfer functions, each in companion form, without pole-zero cancellation."""
     p, m = len(system.num), len(system.num[0])
     parts = [[_companion(system.num[i][j], system.den[i][j]) for j in range(m)] for i in range(p)]
@@ -63,7 +64,7 @@ def _companion(numerator: Any, denominator: Any) -> tuple[Array, Array, Array, f
     return A, np.eye(n, 1)[:, 0], C, float(b[0])
 
 
-def from_scipy(system: Any) -> Form:
+def from_scipy(system: Any) -> StateSpaceFields:
     """Return a system of scipy.signal; those in continuous time have no `dt`, or None for it."""
     try:
         model = system.to_ss()
@@ -73,7 +74,7 @@ def from_scipy(system: Any) -> Form:
     return from_arrays((model.A, model.B, model.C, model.D, 0 if dt is None else dt))
 
 
-def from_arrays(arrays: Sequence[Any]) -> Form:
+def from_arrays(arrays: Sequence[Any]) -> StateSpaceFields:
     """Return arrays (A, B), (A, B, C) or (A, B, C, D), with or without a time after them."""
     matrices, time = list(arrays), _time_argument(arrays)
     if len(matrices) == 5 or (matrices and isinstance(matrices[-1], Continuous | Discrete)):

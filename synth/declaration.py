@@ -15,14 +15,14 @@ import numpy as np
 
 from synth import show
 from synth.block import Block
-from synth.campaign import FaultCampaign
+from synth.campaign import FaultCampaign, SafeOutput
+from synth.companion import Companion, Drive, Gains
 from synth.errors import SignalError
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 
 Reference = Callable[[Any, Any], tuple[Mapping[str, Any], Mapping[str, Any], Any]]
-Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what gains.json says
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,14 @@ class Sensor:
     `resolution` and `noise` (standard deviation, white) are in the output's unit. The guard accepts `low` .. `high`,
     the output's own range where they are left out, and takes `initial` before the first good sample: where it is left
     out, the value in the range that is nearest to 0. One that is not `held` has `initial` whenever it is refused.
+    `offset` is the largest error of its zero, for studies.
     """
 
     name: str
     of: str = ""
     resolution: float = 0.0
     noise: float = 0.0
+    offset: float = 0.0
     low: float | None = None
     high: float | None = None
     initial: float | None = None
@@ -197,10 +199,8 @@ class Controller:
 
     def sheet(self) -> show.Sheet:
         """Return the interface; nothing is composed for it."""
-        around = self.interface.sheet()
-        return show.Sheet(
-            f"Controller {self.name}, {self.time}", (f"{around.title}, {around.lines[0]}",), around.tables
-        )
+        sheet = self.interface.sheet()
+        return show.Sheet(f"Controller {self.name}, {self.time}", (f"{sheet.title}, {sheet.lines[0]}",), sheet.tables)
 
     @cached_property
     def composition(self) -> Composition:
@@ -223,19 +223,6 @@ class Controller:
         return self.composition.block
 
 
-@dataclass(frozen=True, eq=False)
-class Companion:
-    """A Block that is emitted beside the controller, as the commutation of a motor is.
-
-    `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller,
-    and `gains` the document of its gains.json.
-    """
-
-    block: Block
-    inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]]
-    gains: Gains | None = None
-
-
 @show.result
 class Stage:
     """A whole stage as declared, before anything is computed from it.
@@ -253,8 +240,10 @@ class Stage:
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
     gains             the document of gains.json, else that of the laws
     companions        Blocks that are emitted beside the controller
+    drive             Blocks between the controller and the plant in experiments, with the plant that they drive
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
+    safe_output       what the machine does after the latch as measured, which header and manifest state
     """
 
     controller: Controller
@@ -276,8 +265,10 @@ class Stage:
     recording: Callable[[Any], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
+    drive: Drive | None = None
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)
+    safe_output: SafeOutput | None = None
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""

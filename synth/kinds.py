@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-LARGEST = 1e100  # three factors of such a size have a product in double precision
-EXACT = 1 << 53  # below it double precision holds every whole number
+MAX_MAGNITUDE = 1e100  # three factors of such a size have a product in double precision
+EXACT_INTEGERS = 1 << 53  # below it double precision holds every whole number
 NO_LISTS = (str, bytes, Mapping, np.ndarray, ca.SX, ca.DM, ca.MX)
 NO_ARRAYS = (str, bytes, bool, Mapping, set, frozenset, type(None))
 
@@ -118,18 +118,18 @@ def _mapping(key: ArgumentKind | None, value: ArgumentKind | None) -> ArgumentKi
 
 
 def is_number(value: Any) -> bool:
-    """Tell whether a value is a real number, not a bool; a finite one is no larger than LARGEST."""
+    """Tell whether a value is a real number, not a bool; a finite one is no larger than MAX_MAGNITUDE."""
     if isinstance(value, np.ndarray):  # one without dimensions, as NumPy's functions return
         if value.ndim or value.dtype.kind not in "fiu" or isinstance(value, np.ma.MaskedArray):
             return False
     elif not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool):
         return False
     size = abs(value) if isinstance(value, int) else float(abs(value))
-    return size <= LARGEST or size == math.inf or size != size
+    return size <= MAX_MAGNITUDE or size == math.inf or size != size
 
 
 def _float(value: Any) -> Any:
-    if value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT):
+    if value is None or isinstance(value, float) or (isinstance(value, int) and abs(value) < EXACT_INTEGERS):
         return value
     return float(value)
 

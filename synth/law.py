@@ -22,7 +22,7 @@ DECISION = (
 INDEX = "look a number up with block.table, and repeat with a count that is a number"
 
 
-class Named(dict[str, ca.SX]):
+class NamedSymbols(dict[str, ca.SX]):
     """Symbols by name; `what` names their owner in the error for an unknown name."""
 
     def __init__(self, what: str, symbols: Mapping[str, ca.SX]) -> None:

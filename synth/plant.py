@@ -92,20 +92,31 @@ def build(
 ) -> Plant:
     """Make a Plant from `physics(x, u, p) -> (derivatives by state, outputs by name)`.
 
-    Raises SignalError when a derivative or output is missing or unknown, or when the unit of a state is unreadable.
+    Raises SignalError when a derivative or output is missing or unknown, when an output has the name of a state but
+    is another quantity, or when the unit of a state is unreadable.
     """
     x, u, p = symbols(states), symbols(inputs), symbols(parameters)
     kinds = zip(("states", "inputs", "parameters"), (x, u, p), strict=True)
-    named = (law.Named(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
+    named = (law.NamedSymbols(f"among its {kind} plant '{name}'", s) for kind, s in kinds)
     derivative, output = _pair(name, law.evaluate(f"the physics of plant '{name}'", physics, *named))
     law.require_names(f"plant '{name}': derivatives", signal_names(states), derivative)
     law.require_names(f"plant '{name}': outputs", signal_names(outputs), output)
+    _require_true_states(name, x, output)
     args = [ca.vcat(list(s.values())) for s in (x, u, p)]
     f = ca.Function("f", args, [ca.vcat([derivative[s.name] for s in states])], ["x", "u", "p"], ["dx"])
     for exprs in (derivative, output):
         law.check_numbers(f"plant '{name}'", exprs, args)
     h = ca.Function("h", args, [ca.vcat([output[s.name] for s in outputs])], ["x", "u", "p"], ["y"])
     return Plant(name, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), f, h)
+
+
+def _require_true_states(name: str, states: Mapping[str, ca.SX], outputs: Mapping[str, ca.SX]) -> None:
+    """Raise SignalError for an output that is called like a state and is not that state, such as a biased reading."""
+    for signal in (n for n in outputs if n in states and not ca.is_equal(ca.SX(outputs[n]), states[n])):
+        raise SignalError(
+            f"output '{signal}' of plant '{name}' is not the state '{signal}' but another quantity: give it a name of "
+            f"its own, for example '{signal}_read', and name that in the sensor, Sensor('{signal}', of='{signal}_read')"
+        )
 
 
 def _pair(name: str, values: object) -> tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]:

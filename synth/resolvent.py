@@ -23,15 +23,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-SMALL = 10  # states: below, elimination at each point takes less time than the Schur form
-FEW = 16  # points: below, the same
+MAX_ELIMINATION_STATES = 10  # states: below, elimination at each point takes less time than the Schur form
+MAX_ELIMINATION_POINTS = 16  # points: below, the same
 ROWS = 32  # of T in one block of the triangular solution
 ENTRIES = 2**16  # of the states at the points of one chunk: 1 MB, which stays in the processor's cache
-TOGETHER = 8  # chunks whose inexact solutions are refined together
+REFINED_CHUNKS = 8  # chunks whose inexact solutions are refined together
 MATRICES = 2**20  # entries of all matrices v I - A that are held at once: 16 MB
 BACKWARD = 2.0**-51  # times n, relative to each entry of A, v and B: the accuracy of elimination
-NEAR = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
-CLOSE = 1e-3  # a refinement that moves the states by less shows that the point is no pole
+POLE_GROWTH = 1e10  # |A| |X| over |B|: beyond, a point may lie on a pole within rounding
+REFINEMENT_TOLERANCE = 1e-3  # a refinement that moves the states by less shows that the point is no pole
 STEPS = 2  # of refinement, before elimination
 
 
@@ -125,11 +125,11 @@ def response(A: Array, B: Array, C: Array, D: Array, v: Complex) -> Complex:
     M[:] = D
     if not (len(A) and m):
         return M
-    if len(A) < SMALL or len(v) < FEW:
+    if len(A) < MAX_ELIMINATION_STATES or len(v) < MAX_ELIMINATION_POINTS:
         return M + _direct(A, B, C, v)
     A, B, C = balanced(A, B, C)
     form = schur(A)
-    for part in _chunks(len(v), TOGETHER * ENTRIES // B.size):
+    for part in _chunks(len(v), REFINED_CHUNKS * ENTRIES // B.size):
         M[part] += _solve_with_refinement(form, A, B, C, v[part])
     return M
 
@@ -150,7 +150,7 @@ def _solve_with_refinement(form: Schur, A: Array, B: Array, C: Array, v: Complex
             X = _product(form.U, form.solve(v[part], right[:, :, None]))
             M[part] = _product(C, X).transpose(2, 0, 1)
             size, residual = _size(X), _residual(A, B, v[part], X)
-            near = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v[part])) > NEAR * np.abs(B).max()
+            near = size.max(axis=(0, 1)) * (np.linalg.norm(A, 1) + np.abs(v[part])) > POLE_GROWTH * np.abs(B).max()
             far = ~_is_backward_stable(A, B, v[part], size, residual) | near
             inexact.append((places[part][far], X[:, :, far], residual[:, :, far]))
         left, X, residual = (np.concatenate(each, axis=-1) for each in zip(*inexact, strict=True))
@@ -162,7 +162,7 @@ def _solve_with_refinement(form: Schur, A: Array, B: Array, C: Array, v: Complex
             M[left] = _product(C, X).transpose(2, 0, 1)
             size, residual = _size(X), _residual(A, B, v[left], X)
             relative_change = _size(change).max(axis=(0, 1)) / size.max(axis=(0, 1))
-            far = ~(_is_backward_stable(A, B, v[left], size, residual) & (relative_change <= CLOSE))
+            far = ~(_is_backward_stable(A, B, v[left], size, residual) & (relative_change <= REFINEMENT_TOLERANCE))
             left, X, residual = left[far], X[:, :, far], residual[:, :, far]
     M[left] = _direct(A, B, C, v[left])
     return M

@@ -17,15 +17,17 @@ from typing import Any
 import numpy as np
 
 from synth import standard_tasks
+from synth.analyse import robustness
 from synth.block import Block, Exprs, Step, build, clip
 from synth.blocks import safety
-from synth.campaign import FaultCampaign, FaultLimit
+from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.composition import compose
 from synth.declaration import (
     Actuator,
     Companion,
     Composition,
     Controller,
+    Drive,
     Interface,
     Law,
     Sensor,
@@ -48,6 +50,7 @@ from synth.workspace import CostStimuli, Design
 __all__ = [
     "Actuator",
     "Companion",
+    "Drive",
     "FaultCampaign",
     "FaultLimit",
     "Interface",
@@ -58,6 +61,7 @@ __all__ = [
     "controller",
     "design",
     "interface",
+    "read_safe_output",
 ]
 
 
@@ -81,8 +85,10 @@ def interface(
     Before that, ``braking`` is 1 for `braking` samples more.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
-    an actuator or a disturbance.
+    an actuator or a disturbance, and for a `delay` that is not a whole number of samples from 0.
     """
+    if not (isinstance(delay, int | np.integer) and delay >= 0):
+        raise SignalError(f"the delay is {delay} samples: give a whole number from 0, at least the true delay")
     outputs = {s.name: s for s in plant.outputs}
     positions = outputs | {s.name: s for s in plant.states}
     inputs = {s.name: s for s in plant.inputs}
@@ -140,41 +146,55 @@ def _signal(declared: Sensor | SetPoint | Actuator, of: Signal) -> Signal:
     return Signal(declared.name, of.unit, declared.low, declared.high, declared.about)
 
 
-def guarded_inputs(around: Interface) -> tuple[safety.GuardedInput, ...]:
+def guarded_inputs(interface: Interface) -> tuple[safety.GuardedInput, ...]:
     """Return the inputs of the controller in the form of the guard; sensors are its measurements."""
-    sensors = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, True, s.held) for s in around.sensors]
-    points = [safety.GuardedInput(around.signals[s.name], s.initial or 0.0, False) for s in around.set_points]
+    sensors = [
+        safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, True, s.held) for s in interface.sensors
+    ]
+    points = [safety.GuardedInput(interface.signals[s.name], s.initial or 0.0, False) for s in interface.set_points]
     return (*sensors, *points)
 
 
-def safe(around: Interface) -> safety.Safety:
+def safe(interface: Interface) -> safety.Safety:
     """Return the safe outputs after too many bad samples."""
-    values, slews = {a.name: a.safe for a in around.actuators}, {a.name: a.slew_per_s for a in around.actuators}
-    return safety.Safety(around.bad_samples + around.braking, values, slews, around.reason, around.braking)
+    values, slews = {a.name: a.safe for a in interface.actuators}, {a.name: a.slew_per_s for a in interface.actuators}
+    samples = interface.bad_samples + interface.braking
+    return safety.Safety(samples, values, slews, interface.reason, interface.braking)
 
 
-def errors(time: Discrete, around: Interface, of: Sequence[str]) -> Block:
+def guard(time: Discrete, interface: Interface) -> Block:
+    """Return the guard of the inputs of an interface."""
+    i = interface
+    return safety.guard(time, guarded_inputs(i), i.bad_samples, i.suspected, i.reason, i.braking)
+
+
+def errors(time: Discrete, interface: Interface, of: Sequence[str]) -> Block:
     """Return the Block of the tracking errors, set-point minus measurement: ``<sensor>_error``."""
-    points = {s.of: s for s in around.set_points if s.of in of}
-    held = [around.held(name) for of, s in points.items() for name in (of, s.name)]
+    points = {s.of: s for s in interface.set_points if s.of in of}
+    held = [interface.held(name) for of, s in points.items() for name in (of, s.name)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         return Step({f"{of}_error": u[f"{s.name}_held"] - u[f"{of}_held"] for of, s in points.items()})
 
-    return build("errors", time, law, inputs=held, outputs=[around.error(of) for of in points], tag="tracking errors")
+    return build(
+        "errors", time, law, inputs=held, outputs=[interface.error(of) for of in points], tag="tracking errors"
+    )
 
 
-def limits(time: Discrete, around: Interface, demands: Sequence[Signal]) -> Block:
+def limits(time: Discrete, interface: Interface, demands: Sequence[Signal]) -> Block:
     """Return the Block that limits ``<name>_demand`` to ``<name>_computed``; ``<name>_excess`` is the difference."""
     ends = {s.name.removesuffix("_demand"): s for s in demands}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        limited = {n: clip(u[s.name], around.signals[n]) for n, s in ends.items()}
+        limited = {n: clip(u[s.name], interface.signals[n]) for n, s in ends.items()}
         excess = {f"{n}_excess": limited[n] - u[s.name] for n, s in ends.items()}
         return Step({f"{n}_computed": v for n, v in limited.items()} | excess)
 
     bounds = {n: max(abs(s.low), abs(s.high)) for n, s in ends.items()}
-    outputs = [*(around.computed_output(n) for n in ends), *(around.excess(n, bound) for n, bound in bounds.items())]
+    outputs = [
+        *(interface.computed_output(n) for n in ends),
+        *(interface.excess(n, bound) for n, bound in bounds.items()),
+    ]
     return build("limits", time, law, inputs=list(demands), outputs=outputs, tag="actuator limits")
 
 
@@ -184,7 +204,7 @@ Laws = Sequence[Law | Synthesis | Block]
 def controller(
     name: str,
     time: Discrete,
-    around: Interface,
+    interface: Interface,
     laws: Laws | Callable[[], Laws],
     outputs: Sequence[str] | None = None,
 ) -> Controller:
@@ -198,41 +218,41 @@ def controller(
     """
 
     def compose_laws() -> Composition:
-        return _composition(name, time, around, laws() if callable(laws) else laws, outputs)
+        return _composition(name, time, interface, laws() if callable(laws) else laws, outputs)
 
-    return Controller(name, time, around, compose_laws)
+    return Controller(name, time, interface, compose_laws)
 
 
 def _composition(
-    name: str, time: Discrete, around: Interface, laws: Laws, outputs: Sequence[str] | None
+    name: str, time: Discrete, interface: Interface, laws: Laws, outputs: Sequence[str] | None
 ) -> Composition:
-    resolved = tuple(_law(law, time, around) for law in laws)
+    resolved = tuple(_law(law, time, interface) for law in laws)
     blocks = [block for law in resolved for block in law.blocks]
     read = {s.name for block in blocks for s in block.inputs}
     driven = {s.name: s for block in blocks for s in block.outputs}
-    demands = [driven[f"{a.name}_demand"] for a in around.actuators if f"{a.name}_demand" in driven]
-    controlled = [s.of for s in around.set_points if f"{s.of}_error" in read - set(driven)]
-    actuators = [a.name for a in around.actuators]
+    demands = [driven[f"{a.name}_demand"] for a in interface.actuators if f"{a.name}_demand" in driven]
+    controlled = [s.of for s in interface.set_points if f"{s.of}_error" in read - set(driven)]
+    actuators = [a.name for a in interface.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
     parts = (
-        safety.guard(time, guarded_inputs(around), around.bad_samples, around.suspected, around.reason, around.braking),
-        *([errors(time, around, controlled)] if controlled else []),
+        guard(time, interface),
+        *([errors(time, interface, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
-        *([limits(time, around, demands)] if demands else []),
-        *([safety.safe_output(time, around.outputs, safe(around))] if around.actuators else []),
+        *([limits(time, interface, demands)] if demands else []),
+        *([safety.safe_output(time, interface.outputs, safe(interface))] if interface.actuators else []),
         *behind,
     )
     driven_outputs = list(actuators) or [s.name for block in blocks for s in block.outputs]
     block = compose(
-        name, parts, inputs=signal_names(around.inputs), outputs=driven_outputs if outputs is None else list(outputs)
+        name, parts, inputs=signal_names(interface.inputs), outputs=driven_outputs if outputs is None else list(outputs)
     )
-    return Composition(resolved, parts, safety.frozen(block) if around.actuators else block)
+    return Composition(resolved, parts, safety.frozen(block) if interface.actuators else block)
 
 
-def _law(law: Law | Synthesis | Block, time: Discrete, around: Interface) -> Law:
+def _law(law: Law | Synthesis | Block, time: Discrete, interface: Interface) -> Law:
     if isinstance(law, Block):
         return Law(law.name, (law,))
-    return law if isinstance(law, Law) else law.law(time, around)
+    return law if isinstance(law, Law) else law.law(time, interface)
 
 
 def design(
@@ -252,9 +272,11 @@ def design(
     Each of the six tasks is a function of the stage and of the arguments in `workspace.Design`. A design may replace
     any of them.
 
-    Raises DesignError for a stage without `reference` that uses the standard verification.
+    Raises DesignError for a stage without `reference` that uses the standard verification, SignalError for a required
+    margin that is not known and for a tolerance of a parameter that the plant does not have.
     """
     stage = Stage(controller, plant, **fields)
+    _check_requirements(stage)
     if verify is standard.verify:
         standard.require_reference(stage)
     return Design(
@@ -268,3 +290,11 @@ def design(
         report=partial(report, stage),
         stage=stage,
     )
+
+
+def _check_requirements(stage: Stage) -> None:
+    """Raise SignalError for a margin or a parameter of a tolerance that is not known."""
+    if unknown := [name for name in stage.require if name not in robustness.REQUIREMENTS]:
+        raise SignalError(f"require: '{unknown[0]}' is not a margin: name one of {', '.join(robustness.REQUIREMENTS)}")
+    for name in stage.tolerances:
+        stage.plant.parameter(name)

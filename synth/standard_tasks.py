@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.block import Block
 from synth.blocks import safety
 from synth.declaration import Stage
 from synth.emit import write
@@ -22,6 +23,7 @@ from synth.execute import build, host
 from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate import experiments, headroom
+from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import agree, stimuli
@@ -44,31 +46,39 @@ def _compile(stage: Stage, scalar: str) -> host.Controller:
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under its controller in a scalar type."""
-    return Rig(stage, stage.plant, compiled_controller(stage, scalar))
+    return rigs.of_stage(stage, compiled_controller(stage, scalar))
 
 
 def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
     """Return the stage's plant under a controller that never latches, the negative control of a fault campaign."""
     block = safety.without_latch(stage.controller.block)
-    controller = build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar))
-    return Rig(stage, stage.plant, controller)
+    return rigs.of_stage(stage, build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar)))
 
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
-    error, block = stage.surrogate_error.get(scalar), stage.controller.block
+    error, block = stage.surrogate_error.get(scalar), _with_measured_safe_output(stage)
     files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
     controller = host.load(files.files, files.manifest)
-    inputs = dict((stage.recording or record)(Rig(stage, stage.plant, controller)))
+    inputs = dict((stage.recording or record)(rigs.of_stage(stage, controller)))
     replay = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, replay)}
     for companion in stage.companions:
         document = {"design": companion.gains(scalar)} if companion.gains else None
         companion_files = write.emit(companion.block, scalar, document, error=error)
-        recorded = dict(companion.inputs(inputs, replay.outputs))
+        recorded = companion.select_inputs(inputs, replay.outputs)
         companion_outputs = host.load(companion_files.files, companion_files.manifest).replay(recorded)
         folders[companion.block.name] = _with_vectors(companion_files, recorded, companion_outputs)
     return folders
+
+
+def _with_measured_safe_output(stage: Stage) -> Block:
+    """Return the controller's Block; its reason for the safe output goes on with what was measured."""
+    block = stage.controller.block
+    if stage.safe_output is None or block.safety is None:
+        return block
+    reason = f"{block.safety.reason}; {stage.safe_output.text()}"
+    return replace(block, safety=replace(block.safety, reason=reason))
 
 
 def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay: host.Replay) -> EmittedCode:
@@ -110,10 +120,10 @@ def cost_stimuli(
     """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
-        return stimuli.closed_loop(Rig(stage, stage.plant, controller), stimuli.REPLAY).measured
+        return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY).measured
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
-        loop = Rig(stage, stage.plant, controller)
+        loop = rigs.of_stage(stage, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
     return CostStimuli(lambda: stage.controller.block, replay, sequences, floor)

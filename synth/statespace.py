@@ -63,7 +63,7 @@ class StateSpace:
         for letter, shape in {"A": (n, n), "B": (n, m), "C": (p, n), "D": (p, m)}.items():
             value = readonly(arguments.real(f"entries of {letter}", getattr(self, letter)))
             if value.shape != shape:
-                raise SignalError(f"{letter} has shape {value.shape} but the signal names ask for {shape}")
+                raise SignalError(f"{letter} has shape {value.shape} but the signal names require {shape}")
             if not np.isfinite(value).all():
                 row, column = np.argwhere(~np.isfinite(value))[0]
                 raise SignalError(f"{letter}[{row}, {column}] is {value[row, column]}: all entries must be finite")
@@ -87,8 +87,8 @@ class StateSpace:
     def sheet(self) -> show.Sheet:
         """Return the four matrices as one table: states and outputs down, states and inputs across."""
         continuous = isinstance(self.time, Continuous)
-        after = "d/dt" if continuous else "next"
-        rows = [*(f"{after} {label}" for label in self.labels(self.states)), *self.labels(self.outputs)]
+        prefix = "d/dt" if continuous else "next"
+        rows = [*(f"{prefix} {label}" for label in self.labels(self.states)), *self.labels(self.outputs)]
         table = show.matrix(
             "", np.block([[self.A, self.B], [self.C, self.D]]), rows, (*self.states, *self.labels(self.inputs))
         )
@@ -113,7 +113,7 @@ class StateSpace:
         try:
             v = np.atleast_1d(np.asarray(s_or_z, dtype=np.complex128))
         except (TypeError, ValueError) as error:
-            raise SignalError(f"the points are no numbers ({error}): give a list of them") from error
+            raise SignalError(f"the points are not numbers ({error}): give a list of them") from error
         if v.ndim != 1:
             raise SignalError(f"the points have shape {v.shape}: give a list, as by points.ravel()")
         if not np.isfinite(v).all():
@@ -135,7 +135,7 @@ class StateSpace:
 
         Raises SignalError for a name that is not known.
         """
-        j, i = _places(outputs, self.outputs), _places(inputs, self.inputs)
+        j, i = _indices(outputs, self.outputs), _indices(inputs, self.inputs)
         B, C, D = self.B[:, i], self.C[j], self.D[np.ix_(j, i)]
         return replace(self, B=B, C=C, D=D, inputs=tuple(inputs), outputs=tuple(outputs))
 
@@ -191,7 +191,7 @@ def of(system: System) -> StateSpace:
     if all(hasattr(system, name) for name in ("num", "den", "dt")):
         return StateSpace(*conversions.from_fractions(system))
     raise SignalError(
-        f"a {type(system).__name__} is no linear model: give a StateSpace, arrays (A, B, C, D) or a system of "
+        f"a {type(system).__name__} is not a linear model: give a StateSpace, arrays (A, B, C, D) or a system of "
         "python-control or scipy.signal"
     )
 
@@ -227,7 +227,7 @@ def _in_time(system: Any, time: Time) -> StateSpace:
     return of(known)
 
 
-def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
+def _indices(names: Sequence[str], known: Sequence[str]) -> list[int]:
     for name in names:
         if name not in known:
             raise SignalError(f"'{name}' is not one of {', '.join(known)}")
@@ -238,7 +238,7 @@ def _places(names: Sequence[str], known: Sequence[str]) -> list[int]:
 def from_control(system: Any) -> StateSpace:
     """Return a python-control StateSpace as this package's; raise SignalError when its time base is not given."""
     if not all(hasattr(system, name) for name in ("A", "B", "C", "D", "dt", "state_labels")):
-        raise SignalError(f"{arguments.describe(system)} is no StateSpace of python-control: give one, or use `of`")
+        raise SignalError(f"{arguments.describe(system)} is not a StateSpace of python-control: give one, or use `of`")
     time = conversions.time_of(system.dt)
     labels = (tuple(system.state_labels), tuple(system.input_labels), tuple(system.output_labels))
     return StateSpace(system.A, system.B, system.C, system.D, *labels, time)

@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 FRESH = "SYNTH_FRESH"
 MAGIC = b"synth cache 1\n"
-LIMIT = 4 * 2**30  # bytes of stored results; the least recently used ones are removed
+MAX_BYTES = 4 * 2**30  # bytes of stored results; the least recently used ones are removed
 
 
 def folder() -> Path:
@@ -67,12 +67,12 @@ def holds(name: str) -> bool:
 def replace_text(path: Path, text: str) -> None:
     """Write a text file in one step: whoever reads it, and an interrupt, finds the old text or the new one."""
     path = path.resolve()
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        beside.write_text(text, encoding="utf-8")
-        os.replace(beside, path)
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, path)
     except BaseException:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
 
 
@@ -88,7 +88,7 @@ def fresh_run() -> Iterator[None]:
             del os.environ[FRESH]
 
 
-def trim(limit: int = LIMIT) -> None:
+def trim(limit: int = MAX_BYTES) -> None:
     """Remove the least recently used entries until `limit` bytes are left."""
     with suppress(OSError):
         entries = [(p, p.stat()) for p in (folder() / "results").glob("??/*") if p.is_file()]
@@ -111,10 +111,10 @@ class _Missing(Exception):
 def _read(path: Path) -> Any:
     try:
         entry = path.read_bytes()
-        head, check, run, body = entry.split(b"\n", 3)
+        magic, digest, run, body = entry.split(b"\n", 3)
     except (OSError, ValueError):
         raise _Missing from None
-    intact = head + b"\n" == MAGIC and check == _check(path, run, body)
+    intact = magic + b"\n" == MAGIC and digest == _digest(path, run, body)
     if not intact or (run_name() and run != run_name().encode()):
         raise _Missing
     try:
@@ -134,14 +134,14 @@ def _write(path: Path, result: Any) -> None:
         handle, name = tempfile.mkstemp(prefix=".writing-", dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
-                file.write(b"\n".join([MAGIC.rstrip(b"\n"), _check(path, run, body), run, body]))
+                file.write(b"\n".join([MAGIC.rstrip(b"\n"), _digest(path, run, body), run, body]))
             os.replace(name, path)
         except BaseException:
             os.unlink(name)
             raise
 
 
-def _check(path: Path, run: bytes, body: bytes) -> bytes:
+def _digest(path: Path, run: bytes, body: bytes) -> bytes:
     """Return the digest of an entry with its file name: an entry under another name is not valid."""
     return hashlib.sha256(b"\n".join([path.name.encode(), run, body])).hexdigest().encode()
 

@@ -1,7 +1,7 @@
 """Tables at a terminal: checks, audit rows and costs."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Console
 from rich.markup import escape
@@ -9,8 +9,10 @@ from rich.table import Table
 
 from synth.check import Check
 from synth.report.audit import Row
-from synth.simulate import fault_rows
+from synth.simulate import fault_table
+from synth.simulate import study as studies
 from synth.simulate.fault_rows import Campaign
+from synth.simulate.study import StudyTable
 from synth.verify import cost as costs
 
 
@@ -33,24 +35,53 @@ def print_campaign(campaign: Campaign, every: bool = False) -> None:
     """Print the worst target of each kind of fault, or `every` one, then the checks of declared limits."""
     console = Console(width=None if sys.stdout.isatty() else 160)
     title = f"{campaign.design}: faults on the machine, worst of {campaign.plants} plants"
-    columns = ("fault", "duration", "condition", "excursion", "impact", "noticed", "latched", "named", "no effect")
-    table = Table(*columns, title=title, title_justify="left")
-    for row in campaign.rows if every else fault_rows.worst_targets(campaign):
-        table.add_row(*map(escape, fault_rows.cells(campaign, row)))
-    console.print(table)
-    console.print("\n".join(fault_rows.notes(campaign)), highlight=False, markup=False)
+    rows = campaign.rows if every else fault_table.worst_targets(campaign)
+    _print(console, title, *fault_table.table(campaign, rows))
+    if magnitudes := fault_table.magnitude_cells(campaign, every):
+        title = f"{campaign.design}: smallest magnitude, of the range, from which on every one is noticed, and harms"
+        _print(console, title, fault_table.MAGNITUDE_COLUMNS, magnitudes)
+    console.print("\n".join(fault_table.notes(campaign)), highlight=False, markup=False)
     if campaign.checks:
         print_checks(f"{campaign.design}: limits of faults", campaign.checks)
+
+
+def _print(console: Console, title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    table = Table(*columns, title=title, title_justify="left")
+    for row in rows:
+        table.add_row(*map(escape, row))
+    console.print(table)
+
+
+def print_study(design: str, study: StudyTable) -> None:
+    """Print the distribution of every check and figure, the yield, and why machines have no result."""
+    console = Console(width=None if sys.stdout.isatty() else 160)
+    columns = ("what", "unit", "nominal", "median", "95 %", "worst", "row", "limit", "kept", "driver")
+    table = Table(*columns, title=f"{design}: {len(study.rows)} machines", title_justify="left")
+    for s in studies.summarise(study):
+        has_limit = s.name in study.limits
+        limit, kept = (f"{s.limit:.4g}", f"{s.passed:.2%}") if has_limit else ("", "")
+        driver = f"{s.driver} {s.correlation:+.2f}" if s.driver else ""
+        numbers = (f"{v:.4g}" for v in (s.nominal, s.median, s.percentile_95, s.worst))
+        table.add_row(escape(s.name), s.unit, *numbers, str(s.worst_row), limit, kept, driver)
+    console.print(table)
+    console.print("\n".join(studies.notes(study)), highlight=False, markup=False)
+
+
+def print_machine(design: str, study: StudyTable) -> None:
+    """Print checks and figures of the only row of a study, and what was drawn for it."""
+    checks = [Check(n, float(v[0]), study.limits[n], study.units[n]) for n, v in study.checks.items()]
+    figures = {name: float(value[0]) for name, value in study.figures.items()}
+    drawn = ", ".join(f"{name} {z[0]:+.3f}" for name, z in study.z.items())
+    errors = [f"no result of {experiment}: {reason}" for _, experiment, reason in study.errors]
+    notes = [f"deviations in tolerances: {drawn}", *errors]
+    print_checks(f"{design}: machine {study.rows[0]}", checks, figures, notes)
 
 
 def print_cost(cost: costs.Cost) -> None:
     """Print every table of a cost, and what was not measured."""
     console = Console(width=None if sys.stdout.isatty() else 160)
     for t in costs.tables(cost):
-        table = Table(*t.columns, title=f"{cost.design}: {t.caption}", title_justify="left")
-        for row in t.rows:
-            table.add_row(*map(escape, row))
-        console.print(table)
+        _print(console, f"{cost.design}: {t.caption}", t.columns, t.rows)
     console.print("\n".join([costs.NOTE, *cost.absent]), highlight=False)
 
 

@@ -1,6 +1,6 @@
 """Incremental build: the tasks of a design, cached by content and run in parallel (as `make`, `ninja`).
 
-    emit ----+--> verify, simulate, audit, cost --> report
+    emit ----+--> verify, simulate, faults, audit, cost --> report
 
 The result of a task has a key: the slice of its function with data files, the arguments and the compilers, and for
 the report the keys of its inputs. An edit of the page rebuilds the page alone; an edit of the control law rebuilds
@@ -16,9 +16,10 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from synth import cache, slices, store, workspace
+from synth import cache, fault_jobs, slices, store, workspace
 from synth.check import Check
 from synth.emit import write
+from synth.emit.c import vectors
 from synth.emit.write import EmittedCode
 from synth.errors import ContentError
 from synth.execute import compile as host_compiler
@@ -27,6 +28,7 @@ from synth.jobs import Job
 from synth.progress import Progress
 from synth.report.audit import Row
 from synth.simulate.experiment import Experiment
+from synth.simulate.fault_rows import Campaign
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
 from synth.workspace import Design
@@ -64,7 +66,7 @@ class Task(Generic[T]):
 
 @dataclass(frozen=True)
 class Built:
-    """The results of a build: the report, the evidence as a document, and all checks."""
+    """The results of a build: the report, the evidence with the checks of the experiments as a document, all checks."""
 
     page: str
     evidence: Any
@@ -89,6 +91,17 @@ def verification(design: Design, whole: bool) -> Task[Evidence]:
 def simulation(design: Design) -> Task[list[Experiment]]:
     """Return the task of running the experiments."""
     return Task("experiments", lambda say: list(design.simulate(say)), (design.simulate,))
+
+
+def faults(design: Design) -> Task[Campaign | None]:
+    """Return the task of the fault campaign on the nominal plant; its result is None for a design without a loop."""
+    if not fault_jobs.closes_loop(design):
+        return Task("faults", _nothing, (_nothing,))
+    return Task("faults", lambda say: _campaign(design), (_campaign, design.stage))
+
+
+def _campaign(design: Design) -> Campaign:
+    return fault_jobs.result(design, fault_jobs.parts(design, 1))
 
 
 def audit(design: Design) -> Task[list[Row]]:
@@ -132,25 +145,43 @@ def whole_cost(design: Design) -> Task[Cost]:
     return Task("cost", compute, (meter.measure, design.emit, design.cost_stimuli.block, design.cost_stimuli.sequences))
 
 
+def companion_costs(design: Design) -> Task[list[Cost]]:
+    """Return the task of measuring the cost of the Blocks beside the controller, over their test vectors."""
+    from synth.verify import meter
+
+    companions = design.stage.companions if design.stage else ()
+
+    def compute(say: Progress) -> list[Cost]:
+        emitted = emission(design, np.float32).result(say)
+        codes = [emitted[c.block.name] for c in companions]
+        recorded = [vectors.inputs(code.files["vectors.json"]) for code in codes]
+        return [meter.brief(code, c.block, u) for code, c, u in zip(codes, companions, recorded, strict=True)]
+
+    return Task("cost of companions", compute, (meter.brief, design.emit))
+
+
 def build(design: Design) -> Task[Built]:
     """Return the task of the report, from the results of all other tasks."""
-    emit, verify, simulate, rows, cost = (
+    emit, verify, simulate, campaign, rows, cost = (
         emission(design, design.scalar),
         verification(design, False),
         simulation(design),
+        faults(design),
         audit(design),
         brief_cost(design),
     )
 
     def compute(say: Progress) -> Built:
-        evidence, experiments = verify.result(_silent), simulate.result(_silent)
+        evidence = replace(verify.result(_silent), faults=campaign.result(_silent))
+        experiments = simulate.result(_silent)
         parts = emit.result(_silent), evidence, experiments, rows.result(_silent), cost.result(_silent)
         say("report")
         checks = (*evidence.checks, *(_with_title(c, e.title) for e in experiments for c in e.checks))
-        return Built(design.report(*parts), evidence.document(), checks)
+        checks += evidence.faults.checks if evidence.faults else ()
+        return Built(design.report(*parts), replace(evidence, checks=checks).document(), checks)
 
     try:
-        keys = [task.key() for task in (emit, verify, simulate, rows, cost)]
+        keys = [task.key() for task in (emit, verify, simulate, campaign, rows, cost)]
     except ContentError:  # the report has no key where one of its inputs has none
         return Task("report", compute, (design.report, object()))
     return Task("report", compute, (design.report, *keys))
@@ -191,6 +222,8 @@ def _build_jobs(design: Design, root: Path, library: tuple[str, ...]) -> list[Jo
         ("audit", audit(design), (first,)),
     )
     jobs = [Job(f"{name} {what}", name, _run_only(task), after) for what, task, after in tasks]
+    if fault_jobs.closes_loop(design):
+        jobs += fault_jobs.jobs(design, fault_jobs.parts(design, 1), (first,))
     last = Job(name, name, whole.result, tuple(job.name for job in jobs))
     return [Job(first, name, save), *jobs, last]
 

@@ -26,6 +26,7 @@ VOCABULARY = (
     "arguments",
     "numeric",
     "check",
+    "strict_json",
     "show",
     "signals",
     "timing",
@@ -38,10 +39,23 @@ VOCABULARY = (
     "block",
     "composition",
     "campaign",
+    "companion",
     "declaration",
 )
 LAYERS = ("analyse", "synthesise", "blocks", "emit", "execute", "simulate", "verify", "report")
-LAYERS += ("workspace", "jobs", "tasks", "tables", "standard_tasks", "stage", "testing", "new", "fault_jobs")
+LAYERS += (
+    "workspace",
+    "jobs",
+    "standard_tasks",
+    "fault_jobs",
+    "tasks",
+    "study_jobs",
+    "tables",
+    "stage",
+    "testing",
+    "new",
+    "command_results",
+)
 LAYERS += ("commands", "cli")
 RANK = {("synth", name): 0 for name in VOCABULARY}
 RANK |= {("synth", name): rank for rank, name in enumerate(LAYERS, 1)}

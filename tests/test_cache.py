@@ -294,7 +294,7 @@ def test_a_damaged_entry_counts_as_missing(folder: Path, damage: str) -> None:
 
 
 def _entry(path: Path, body: bytes) -> bytes:
-    return b"\n".join([store.MAGIC.rstrip(b"\n"), store._check(path, b"", body), b"", body])
+    return b"\n".join([store.MAGIC.rstrip(b"\n"), store._digest(path, b"", body), b"", body])
 
 
 def test_a_fresh_run_reads_what_it_made_itself_and_leaves_it(monkeypatch: pytest.MonkeyPatch) -> None:

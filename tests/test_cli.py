@@ -21,6 +21,8 @@ from synth.check import Check
 from synth.emit.write import EmittedCode
 from synth.execute import cross, host
 from synth.progress import Progress
+from synth.simulate.experiment import Experiment
+from synth.simulate.scenario import Trajectory
 from synth.verify import on_target, prove, steps
 from synth.verify.cost import Cost
 from synth.verify.evidence import Evidence
@@ -110,13 +112,13 @@ def test_verify_on_a_target(core: str, scalar: str) -> None:
 @pytest.mark.usefixtures("one_design")
 def test_a_core_that_differs_is_exit_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     def differs(emitted: EmittedCode, inputs: Any, core: str, report: Progress) -> Sequence[Check]:
-        return (Check("outputs with other bits", 3, 0, "values", "i1 3 times"),)
+        return (Check("outputs that differ", 3, 0, "values", "i1 3 times"),)
 
     monkeypatch.setattr(on_target, "verify", differs)
     (document,) = printed("verify", "--target", "cortex-m4f", status=1)
     assert [c["passed"] for c in document["checks"]] == [False]
     said = RUNNER.invoke(cli.app, ["verify", "--target", "cortex-m4f"]).stdout
-    assert "FAILED" in said and "outputs with other bits: i1 3 times" in said
+    assert "FAILED" in said and "outputs that differ: i1 3 times" in said
 
 
 @pytest.mark.usefixtures("one_design")
@@ -203,6 +205,24 @@ def test_build_prints_the_failed_checks_and_counts_them_last(monkeypatch: pytest
     lines = result.stdout.splitlines()
     assert any("replay" in line and "0.002" in line and "FAILED" in line for line in lines)
     assert "replay: at step 7" in lines and lines[-1].startswith("axes_2: 2 checks, 1 failed; report in")
+
+
+def miss(report: Progress) -> list[Experiment]:
+    zero = np.zeros(1)
+    still = Trajectory(zero, {}, {}, {}, {}, {}, zero.astype(np.uint32), {})
+    return [Experiment("step", "z steps", "", still, (), checks=(Check("overshoot", 0.3, 0.05, "1", "of the step"),))]
+
+
+@pytest.mark.usefixtures("one_design")
+def test_the_evidence_file_does_not_pass_where_an_experiment_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file must say what the exit status and the last line say."""
+    monkeypatch.setattr(tasks, "EMULATOR", ("no_such_package",))
+    monkeypatch.setattr(workspace, "designs", lambda root, selected: [replace(AXES, simulate=miss)])
+    result = RUNNER.invoke(cli.app, ["build"])
+    evidence = json.loads(Path("reports/axes_2.evidence.json").read_text())
+    failed = [c["about"] for c in evidence["checks"] if not c["passed"]]
+    assert result.exit_code == 1 and evidence["passed"] is False and failed == ["z steps: of the step"]
+    assert f"axes_2: {len(evidence['checks'])} checks, 1 failed" in result.stdout
 
 
 def crash(report: Progress, whole: bool) -> Evidence:

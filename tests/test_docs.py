@@ -112,8 +112,26 @@ def test_a_change_of_a_new_stage_builds_with_every_check_passed(page: str, name:
 def test_the_limits_of_faults_on_the_page_hold_on_a_new_stage(tmp_path: Path) -> None:
     folder, _ = new.create(tmp_path, "my_stage")
     pages.apply(read("howto/judge-faults-on-the-machine.md"), folder)
-    printed = synth(folder, *COMMAND, "faults", "my_stage")
+    printed = synth(folder, *COMMAND, "faults", "my_stage", "--sweep")
     assert "z frozen" in printed and "limits of faults" in printed and "FAILED" not in printed
+    assert "ms, too late" in printed and "z + i lost and dead" in printed
+    synth(folder, *COMMAND, "faults", "my_stage", "--write", "--plants", "2")
+    synth(folder, *COMMAND, "emit", "my_stage", "--out", "firmware")
+    header = (folder / "firmware" / "my_stage" / "my_stage.h").read_text(encoding="utf-8")
+    assert "measured on 2 plants, each sensor lost in turn" in " ".join(header.replace("\n * ", " ").split())
+
+
+def test_the_commands_of_a_study_on_the_page_run_on_a_new_stage(tmp_path: Path) -> None:
+    folder, _ = new.create(tmp_path, "my_stage")
+    page = read("howto/study-tolerances.md")
+    assert "synth study my_stage --experiments 'step_*'" in page and "--row 17" in page
+    chosen = ("study", "my_stage", "--plants", "24", "--experiments", "step_*")
+    printed = synth(folder, *COMMAND, *chosen, "--sampling", "corners", "--csv", "study.csv")
+    assert "24 of 24 machines keep every limit: yield 100.00%" in printed
+    rows = (folder / "study.csv").read_text().splitlines()
+    assert len(rows) == 25
+    alone = synth(folder, *COMMAND, *chosen, "--sampling", "corners", "--row", "17")
+    assert "my_stage: machine 17" in alone and "deviations in tolerances: M " in alone
 
 
 def test_a_broken_example_is_noticed(tmp_path: Path) -> None:

@@ -3,11 +3,12 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from synth import commands, fault_jobs, jobs, workspace
-from synth.campaign import FaultCampaign, FaultLimit
+from synth import commands, fault_jobs, jobs, standard_tasks, store, workspace
+from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.errors import DesignError
 from synth.progress import Lines
 from tests import levitator
@@ -18,10 +19,10 @@ SHORT_RUNS = FaultCampaign(period_s=0.2, settle_s=0.1, watch_s=0.2, onsets=1)
 pytestmark = pytest.mark.slow
 
 
-def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit) -> None:
+def enter_workspace(monkeypatch: pytest.MonkeyPatch, *limits: FaultLimit, **fields: Any) -> None:
     """Enter the workspace of the levitator and shorten its fault campaign."""
     module = levitator.design(NAME)
-    faulty = replace(module.DESIGN.stage, faults=replace(SHORT_RUNS, limits=limits))
+    faulty = replace(module.DESIGN.stage, faults=replace(SHORT_RUNS, limits=limits, **fields))
     monkeypatch.setattr(module, "DESIGN", replace(module.DESIGN, stage=faulty))
     monkeypatch.chdir(levitator.FOLDER)
 
@@ -32,9 +33,10 @@ def test_the_document_does_not_depend_on_the_number_of_processes(monkeypatch: py
     documents = []
     for processes in (1, 3):
         (design,) = workspace.designs(levitator.FOLDER, [NAME])
-        outcomes = jobs.run(fault_jobs.jobs(design, 2), Lines(lambda about, line: lines.append(line)), processes)
-        documents.append(fault_jobs.result(design, 2, outcomes).document())
-    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 46 * 2
+        parts = fault_jobs.parts(design, 2)
+        outcomes = jobs.run(fault_jobs.jobs(design, parts), Lines(lambda about, line: lines.append(line)), processes)
+        documents.append(fault_jobs.result(design, parts, outcomes).document())
+    assert documents[0] == documents[1] and documents[0]["can_tell"] and len(documents[0]["rows"]) == 101 * 2
     assert "faults of sensor z" in lines and "faults of actuator i2" in lines
 
 
@@ -45,7 +47,7 @@ def test_the_exit_status_is_that_of_the_limits(
     enter_workspace(monkeypatch, FaultLimit("latch_s", most, kind="not finite", duration="permanent"))
     assert commands.faults([NAME], True, False, 1, False) == status
     (document,) = json.loads(capsys.readouterr().out)
-    assert [check["passed"] for check in document["checks"]] == [status == 0, True]
+    assert [check["passed"] for check in document["checks"]] == [status == 0, True, True]
 
 
 def test_the_table_has_the_worst_rows_and_the_control(
@@ -57,7 +59,73 @@ def test_the_table_has_the_worst_rows_and_the_control(
     assert "worst of 1 plants" in printed and "calls missing" in printed and "negative control" in printed
 
 
+def test_a_sweep_adds_tolerated_times_and_magnitudes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    enter_workspace(monkeypatch)
+    assert commands.faults([NAME], False, False, 1, True, True) == 0
+    printed = capsys.readouterr().out
+    assert "unlimited" in printed and "noticed from" in printed
+
+
+def test_an_interrupted_campaign_continues_with_the_chunks_that_are_stored(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The chunks of a first run are read; a changed limit changes none of them, a changed magnitude all."""
+    monkeypatch.setenv("SYNTH_CACHE", str(tmp_path))
+
+    def chunks_computed(*limits: FaultLimit, **fields: Any) -> int:
+        enter_workspace(monkeypatch, *limits, **fields)
+        (design,) = workspace.designs(levitator.FOLDER, [NAME])
+        lines: list[str] = []
+        parts = fault_jobs.parts(design, 1)
+        jobs.run(fault_jobs.jobs(design, parts), Lines(lambda about, line: lines.append(line)))
+        return len([line for line in lines if line.startswith("faults of")])
+
+    whole = chunks_computed()
+    assert whole > 10 and chunks_computed(FaultLimit("false_alarms", 0.0)) == 0
+    (tmp_path / "results").rename(tmp_path / "all")
+    assert chunks_computed() == whole
+    chunks = [path for path in (tmp_path / "results").glob("??/*") if b"FaultRun" in path.read_bytes()]
+    chunks[0].unlink()
+    assert 0 < chunks_computed() < whole / 2
+    assert chunks_computed(offset=0.03) == whole
+    with store.fresh_run():
+        assert chunks_computed(offset=0.03) == whole
+
+
 def test_a_design_without_a_loop_is_refused() -> None:
     (design,) = workspace.designs(Path(__file__).parents[1], ["hall_position"])
     with pytest.raises(DesignError, match="closes no loop"):
-        fault_jobs.jobs(design, 1)
+        fault_jobs.parts(design, 1)
+
+
+def test_the_measured_safe_output_goes_to_header_and_manifest(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Written, read and quoted; the runs do not depend on what is quoted."""
+    enter_workspace(monkeypatch)
+    (design,) = workspace.designs(levitator.FOLDER, [NAME])
+    (tmp_path / "designs" / NAME).mkdir(parents=True)
+    monkeypatch.setattr(workspace, "designs", lambda *_: [design])
+    monkeypatch.chdir(tmp_path)
+    assert commands.measure_safe_output([NAME], False, False, 2) == 0
+    measured = read_safe_output(tmp_path / "designs" / NAME / commands.SAFE_OUTPUT)
+    assert measured is not None and (measured.plants, measured.runs, measured.latched) == (2, 8, 8)
+    assert 0.02 < measured.impacts["at rest"]["z"] < 0.06
+    assert measured.text() in " ".join(capsys.readouterr().out.split())
+    assert design.stage is not None
+    quoting = replace(design.stage, safe_output=measured)
+    files = standard_tasks.emit(quoting, design.scalar)[NAME]
+    comment = " ".join(files.files[f"{NAME}.h"].replace(" * ", " ").split())
+    assert measured.text() in comment and measured.text() in files.manifest["safety"]["reason"]
+    parts = fault_jobs.losses(design, 2)
+    assert fault_jobs.safe_output(replace(design, stage=quoting), parts) == measured
+
+
+def test_a_file_with_other_figures_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / commands.SAFE_OUTPUT
+    assert read_safe_output(path) is None
+    path.write_text('{"speed": 1}', encoding="utf-8")
+    with pytest.raises(DesignError, match="need figures: write them by `synth faults NAME --write`"):
+        read_safe_output(path)

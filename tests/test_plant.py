@@ -70,3 +70,15 @@ def test_outputs_are_those_of_states_and_inputs_by_name() -> None:
     assert made.output_values({"angle": 0.3, "torque": 1.0})["height"].shape == (1,)
     with pytest.raises(SignalError, match="no state or input 'tilt': it has angle, rate, torque"):
         made.output_values({"tilt": 0.1})
+
+
+def test_an_output_called_like_a_state_is_that_state() -> None:
+    """A biased reading under the state's name would be hidden by it in a trajectory and in the report."""
+    signals, inputs = STATES[:1], (Signal("bias", "rad", -1, 1),)
+
+    def biased(x: Exprs, u: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
+        return {"angle": ca.SX(0)}, {"angle": x["angle"] + u["bias"]}
+
+    with pytest.raises(SignalError, match=r"output 'angle' of plant 'gauge' is not the state .*Sensor\('angle', of="):
+        plant.build("gauge", signals, inputs, signals, (), biased)
+    plant.build("gauge", signals, inputs, signals, (), lambda x, u, p: ({"angle": u["bias"]}, dict(x)))

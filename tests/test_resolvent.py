@@ -12,7 +12,9 @@ from synth import resolvent
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace, of
 
-FAR = 10.0 + 1j * np.arange(resolvent.FEW)  # points that make the list long enough for the Schur form
+FAR = 10.0 + 1j * np.arange(
+    resolvent.MAX_ELIMINATION_POINTS
+)  # points that make the list long enough for the Schur form
 
 
 def truth(model: StateSpace, v: Any) -> Any:

@@ -56,6 +56,24 @@ def test_what_the_plant_does_not_have_is_refused_by_name(changed: dict[str, Any]
         around(**changed)
 
 
+@pytest.mark.parametrize("delay", [-1, 0.5])
+def test_a_delay_counts_whole_samples(delay: Any) -> None:
+    with pytest.raises(SignalError, match=f"the delay is {delay} samples: give a whole number from 0"):
+        around(delay=delay)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"require": {"gain": 2.5}}, "'gain' is not a margin: name one of phase_margin, gain_margin"),
+        ({"tolerances": ["mass"]}, "no parameter 'mass': it has"),
+    ],
+)
+def test_a_requirement_is_refused_where_it_is_declared(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(SignalError, match=message):
+        stage.design(PID.DESIGN.stage.controller, PID.PLANT, reference=PID.reference.step, **changed)
+
+
 def test_a_set_point_without_a_sensor_has_no_error() -> None:
     with pytest.raises(SignalError, match="'x_read' is not a sensor with a set-point"):
         around().error("x_read")

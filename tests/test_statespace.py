@@ -63,7 +63,7 @@ def test_a_system_without_a_time_base_is_refused(dt: object) -> None:
 @pytest.mark.parametrize(
     ("fields", "text"),
     [
-        ({"A": np.zeros((4, 3))}, r"A has shape \(4, 3\) but the signal names ask for \(4, 4\)"),
+        ({"A": np.zeros((4, 3))}, r"A has shape \(4, 3\) but the signal names require \(4, 4\)"),
         ({"D": np.zeros(2)}, r"D has shape \(2,\)"),
         ({"B": np.full((4, 2), np.nan)}, r"B\[0, 0\] is nan"),
         ({"C": np.diag([1, 1, np.inf, 1])[:3]}, r"C\[2, 2\] is inf"),
@@ -133,7 +133,7 @@ def test_a_response_is_asked_for_at_a_list_of_points_off_the_poles() -> None:
         system.response([3.0, -2.0, 1j])
     with pytest.raises(SignalError, match=r"the points have shape \(1, 2\): give a list"):
         system.response([[3.0, 4.0]])
-    with pytest.raises(SignalError, match="the points are no numbers"):
+    with pytest.raises(SignalError, match="the points are not numbers"):
         system.response("a")
 
 
@@ -156,7 +156,7 @@ def test_all_states_are_outputs_where_no_C_is_given() -> None:
 @pytest.mark.parametrize(
     ("system", "message"),
     [
-        (3.0, "float is no linear model"),
+        (3.0, "float is not a linear model"),
         ((), "0 arrays make no linear model"),
         (([[1.0]],), "1 arrays make no linear model"),
         (([[1.0]], [[1.0]], [[1.0]], [[1.0]], None), "no sample period, dt is None"),

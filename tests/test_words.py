@@ -50,6 +50,7 @@ CHANGED_COPIES = frozenset(
 # These end in -ed for another reason.
 QUESTIONS = frozenset(  # they return a truth value
     [
+        "is_answered",
         "is_guarded",
         "certified",
         "is_checked",

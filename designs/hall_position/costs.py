@@ -85,16 +85,18 @@ def measure(three: EmittedCode, four: SpatialArray) -> Sequence[Row]:
     return tuple(row(subject, build) for subject in subjects for build in BUILDS)
 
 
-def _compile(of: Subject, build: Build) -> None:
+def _compile(subject: Subject, build: Build) -> None:
     """Compile both texts into the cache of products, for the runs below."""
-    for candidate in (of.emitted, of.casadi):
+    for candidate in (subject.emitted, subject.casadi):
         meter.boot(candidate, build, meter.link(candidate, build))
 
 
-def row(of: Subject, build: Build) -> Row:
+def row(subject: Subject, build: Build) -> Row:
     """Measure both texts over the same steps with one build."""
-    emitted, casadi = (int(meter.run(c, of.steps, build).cost.instructions.max()) for c in (of.emitted, of.casadi))
-    return Row(of.name, build.name, len(of.steps), emitted, casadi)
+    emitted, casadi = (
+        int(meter.run(c, subject.steps, build).cost.instructions.max()) for c in (subject.emitted, subject.casadi)
+    )
+    return Row(subject.name, build.name, len(subject.steps), emitted, casadi)
 
 
 def of_three(emitted: EmittedCode) -> Subject:

@@ -22,12 +22,14 @@ from synth.verify import sampling
 from synth.verify.sampling import Columns
 
 SEED = 2_013
-NEAR = (1e-3, 0.05, 0.3)  # rad of phase, from the predicted pose
-REFUSED, ON_END = 0.01, 0.25  # shares of voltages, and of states
+DISPLACEMENTS = (1e-3, 0.05, 0.3)  # rad of phase, standard deviations from the predicted pose
+NAN_SHARE = 0.01  # of the voltages
+AT_END_SHARE = 0.25  # of the states
 COUNTS = ("estimator_pitch_x", "estimator_pitch_y")  # whole numbers, stored as real ones
 TRAVEL = 0.3  # m: six pitches, at up to 2 m/s
-YAW, TURN = (0.04, 0.5), (0.0, 13.0)  # rad, rad/s, of every other motion: a turn in 0.5 s
-LENGTH, BAD_COLUMNS = 500, 5  # samples of a motion; one motion in so many has bad samples
+YAW, YAW_RATE = (0.04, 0.5), (0.0, 13.0)  # rad, rad/s, in turn: every other motion rotates once in 0.5 s
+LENGTH = 500  # samples of a motion
+BAD_COLUMNS = 5  # every fifth motion has bad samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +44,7 @@ class Subject:
 
 def setup(name: str = config.NAME) -> Setup:
     """Return the setup of the reference; raise DesignError for an unknown name."""
-    of = config.array(name)
-    return Setup(vars(of) | vars(config.TUNING))
+    return Setup(vars(config.array(name)) | vars(config.TUNING))
 
 
 def subject(name: str) -> Subject:
@@ -53,18 +54,18 @@ def subject(name: str) -> Subject:
 
 def in_operation(subject: Subject, n: int) -> tuple[Columns, Columns]:
     """Draw n random steps (states, inputs)."""
-    rng, of, array = np.random.default_rng(SEED), subject.setup, subject.array
+    rng, array = np.random.default_rng(SEED), subject.array
     states, w = sampling.states_anywhere(subject.block, rng, n, whole=COUNTS), array.wave_number
     start, _ = reference.predict(
-        of, reference_guard.estimator_states(states), np.zeros((n, len(of.positions), 2), bool)
+        subject.setup, reference_guard.estimator_states(states), np.zeros((n, len(array.positions), 2), bool)
     )
-    size = rng.choice(NEAR, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, array.radius]
+    size = rng.choice(DISPLACEMENTS, n)[:, np.newaxis] * rng.standard_normal((n, 3)) / [w, w, array.radius]
     x, y, yaw = (start + size).T
     (cx, cy), c, s = array.centre, np.cos(yaw), np.sin(yaw)
     V = motions.noisy(array, Pose(x - c * cx + s * cy, y - s * cx - c * cy, yaw), SEED)
     span = reference_guard.SPAN
     V = np.where((rng.random(n) < 1 / 3)[:, np.newaxis, np.newaxis], rng.uniform(-span, span, V.shape), V)
-    V[rng.random(V.shape) < REFUSED] = np.nan
+    V[rng.random(V.shape) < NAN_SHARE] = np.nan
     return states, motions.by_input(V)
 
 
@@ -74,15 +75,15 @@ def at_the_edges(subject: Subject, n: int) -> tuple[Columns, Columns]:
     states = sampling.states_anywhere(block, rng, n, whole=COUNTS)
     for s in block.states:
         ends = rng.choice((s.signal.low, s.signal.high), n)
-        states[s.name] = np.where(rng.random(n) < ON_END, ends, states[s.name])
+        states[s.name] = np.where(rng.random(n) < AT_END_SHARE, ends, states[s.name])
     return states, {signal.name: sampling.at_edges(signal, rng, n) for signal in block.inputs}
 
 
 def along_motions(subject: Subject, n: int) -> Columns:
     """Return the inputs (LENGTH, columns) of at least n samples of motions."""
     columns = ceil(n / LENGTH)
-    yaw, turn = np.resize(YAW, columns), np.resize(TURN, columns)
-    pose = motions.smooth_motions(config.TIME.period_s, (LENGTH, columns), SEED, TRAVEL, yaw, turn)
+    yaw, yaw_rate = np.resize(YAW, columns), np.resize(YAW_RATE, columns)
+    pose = motions.smooth_motions(config.TIME.period_s, (LENGTH, columns), SEED, TRAVEL, yaw, yaw_rate)
     V = motions.noisy(subject.array, pose, SEED + 1)
     _refuse(V[:, ::BAD_COLUMNS], reference_guard.BAD_SAMPLES)
     return motions.by_input(V)

@@ -41,54 +41,54 @@ class Integrity:
     unambiguous: Array
 
 
-def is_redundant(of: Setup) -> bool:
+def is_redundant(setup: Setup) -> bool:
     """Return whether a sensor can be excluded."""
-    return len(of.positions) > 2
+    return len(setup.positions) > 2
 
 
-def centre(of: Setup) -> Array:
+def centre(setup: Setup) -> Array:
     """Return the mean of the sensors' positions in the body, m: the point whose pose is estimated."""
-    return np.asarray(np.mean(of.positions, axis=0))
+    return np.asarray(np.mean(setup.positions, axis=0))
 
 
-def damping(of: Setup) -> Array:
+def damping(setup: Setup) -> Array:
     """Return the root of the damping of X, Y and yaw, V/m and V/rad, without yaw_damping_ratio."""
-    w, arms = 2 * pi / of.pitch, np.array(of.positions) - centre(of)
-    arm = w * sqrt((arms**2).sum() / len(of.positions))
-    return np.asarray(sqrt(of.damping) * of.alpha * np.array([w, w, arm]))
+    w, arms = 2 * pi / setup.pitch, np.array(setup.positions) - centre(setup)
+    arm = w * sqrt((arms**2).sum() / len(setup.positions))
+    return np.asarray(sqrt(setup.damping) * setup.alpha * np.array([w, w, arm]))
 
 
-def problem(of: Setup) -> Problem:
+def problem(setup: Setup) -> Problem:
     """Return the problem; a sample moves a sensor's phase by max_phase_step at most."""
-    w, arms = 2 * pi / of.pitch, np.array(of.positions) - centre(of)
-    arm, half = w * np.abs(arms).sum(axis=1).max(), of.max_phase_step / 2
+    w, arms = 2 * pi / setup.pitch, np.array(setup.positions) - centre(setup)
+    arm, half = w * np.abs(arms).sum(axis=1).max(), setup.max_phase_step / 2
     bounds = np.array([half / w, half / w, (sqrt(arm**2 + 2 * arm * half) - arm) / arm])
     return Problem(
         POSE,
-        MOTION if of.velocity_gain else (),
-        partial(linearise, of, arms),
-        damping(of) * [1, 1, of.yaw_damping_ratio],
+        MOTION if setup.velocity_gain else (),
+        partial(linearise, setup, arms),
+        damping(setup) * [1, 1, setup.yaw_damping_ratio],
         bounds,
         np.array([w, w, 1]),
         (slice(2, 3), slice(0, 2)),
-        of.iterations,
-        of.deviation,
-        of.convergence_sigma,
-        of.scale,
+        setup.iterations,
+        setup.deviation,
+        setup.convergence_sigma,
+        setup.scale,
         ROUNDING,
     )
 
 
-def linearise(of: Setup, arms: Array, pose: Array, volts: Array) -> tuple[Array, Array]:
+def linearise(setup: Setup, arms: Array, pose: Array, volts: Array) -> tuple[Array, Array]:
     """Return residuals (N, m), V, and the Jacobian (N, m, 3) at poses of the centre."""
-    w = 2 * pi / of.pitch
+    w = 2 * pi / setup.pitch
     x, y, yaw = pose.T[:, :, None]
     c, s = np.cos(yaw), np.sin(yaw)
     rx, ry = arms.T
     dy, dx = c * rx - s * ry, -s * rx - c * ry
     P = np.stack([x + dy, y - dx])
-    B = of.c + of.alpha * np.sin(w * P) + of.beta * np.sin(5 * w * P)
-    g = w * (of.alpha * np.cos(w * P) + 5 * of.beta * np.cos(5 * w * P))
+    B = setup.c + setup.alpha * np.sin(w * P) + setup.beta * np.sin(5 * w * P)
+    g = w * (setup.alpha * np.cos(w * P) + 5 * setup.beta * np.cos(5 * w * P))
     (bx, by), (gx, gy) = B, g
     first = [c * gx, s * gy, -s * bx + c * by + c * gx * dx + s * gy * dy]
     second = [-s * gx, c * gy, -c * bx - s * by - s * gx * dx + c * gy * dy]
@@ -96,7 +96,7 @@ def linearise(of: Setup, arms: Array, pose: Array, volts: Array) -> tuple[Array,
     return np.concatenate([volts[:, :, 0] - c * bx - s * by, volts[:, :, 1] + s * bx - c * by], axis=1), H
 
 
-def initial_state(of: Setup) -> dict[str, Array]:
+def initial_state(setup: Setup) -> dict[str, Array]:
     """Return the state after init, by name."""
     counts = (
         "residual_faults",
@@ -104,93 +104,104 @@ def initial_state(of: Setup) -> dict[str, Array]:
         "ambiguity_resolved",
         "acquired",
         "lock_lost",
-        *(("excluded_sensor",) if is_redundant(of) else ()),
+        *(("excluded_sensor",) if is_redundant(setup) else ()),
     )
     return glsdc.initial_state(
-        [*POSE, "yaw_last_good", "start_x", "start_y", "pitch_x", "pitch_y", *problem(of).motions, *counts]
+        [*POSE, "yaw_last_good", "start_x", "start_y", "pitch_x", "pitch_y", *problem(setup).motions, *counts]
     )
 
 
-def predict(of: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
+def predict(setup: Setup, state: Columns, refused: Array) -> tuple[Array, Array]:
     """Return the predicted pose (N, 3) in m and rad, and the sensors' weights (N, sensors), 0 or 1."""
     weights = np.ones(refused.shape[:2])
-    if is_redundant(of):
-        numbers = np.arange(1, len(of.positions) + 1)
+    if is_redundant(setup):
+        numbers = np.arange(1, len(setup.positions) + 1)
         weights = 1.0 * (~np.any(refused, axis=2) & (numbers != state["excluded_sensor"][:, None]))
-    return glsdc.predict(problem(of), state), weights
+    return glsdc.predict(problem(setup), state), weights
 
 
-def step(of: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+def step(setup: Setup, state: Columns, volts: Array, refused: Array) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next state for held voltages (N, sensors, 2), some of them `refused`."""
-    start, weights = predict(of, state, refused)
-    fits, end, converged = glsdc.descend(problem(of), start, volts, weights)
-    last, complete = fits[-1], ~np.any(refused, axis=(1, 2)) | is_redundant(of)
-    freedom = 2 * len(of.positions) - 3 - 2 * np.any(weights == 0, axis=1)
-    inverse = np.linalg.inv(np.linalg.qr(glsdc.augment(last.H, damping(of)))[1])
+    start, weights = predict(setup, state, refused)
+    fits, end, converged = glsdc.descend(problem(setup), start, volts, weights)
+    last, complete = fits[-1], ~np.any(refused, axis=(1, 2)) | is_redundant(setup)
+    freedom = 2 * len(setup.positions) - 3 - 2 * np.any(weights == 0, axis=1)
+    inverse = np.linalg.inv(np.linalg.qr(glsdc.augment(last.H, damping(setup)))[1])
     yaw, sensors = start[:, 2] + end[:, 2], (weights > 0).sum(axis=1)
-    integrity = check_integrity(of, state, last, yaw, freedom, inverse, converged, sensors)
+    integrity = check_integrity(setup, state, last, yaw, freedom, inverse, converged, sensors)
     end = np.where((integrity.fault & (state["searching"] == 0))[:, None], 0.0, end)
-    pose = locate(of, state, start + end)
-    counted = np.all([np.abs(pose[f"pitch_{a}"]) <= of.pitches for a in "xy"], axis=0)
-    limit = of.yaw_limit if is_redundant(of) else min(of.yaw_limit, of.yaw_window / 2)
+    pose = locate(setup, state, start + end)
+    counted = np.all([np.abs(pose[f"pitch_{a}"]) <= setup.pitches for a in "xy"], axis=0)
+    limit = setup.yaw_limit if is_redundant(setup) else min(setup.yaw_limit, setup.yaw_window / 2)
     size = np.abs(pose["yaw"])
     inside = counted & (size <= limit)
     resolved = (integrity.unambiguous & complete & inside) | ((state["ambiguity_resolved"] > 0) & ~integrity.damped)
-    next = advance(of, state, pose, integrity, converged, resolved, fits[0].each)
+    next = advance(setup, state, pose, integrity, converged, resolved, fits[0].each)
     outside = ~(counted & (size <= np.where(resolved, limit, 2 * limit)))
     next["lock_lost"] = np.maximum(next["lock_lost"], (state["acquired"] > 0) & outside)
-    if of.velocity_gain:
-        w = 2 * pi / of.pitch
-        steps = np.array([of.velocity_gain * f for f in (w, w, 1 / of.yaw_damping_ratio)]) * end
-        next |= glsdc.update_motion(problem(of), state, steps, state["searching"] > 0)
+    if setup.velocity_gain:
+        w = 2 * pi / setup.pitch
+        steps = np.array([setup.velocity_gain * f for f in (w, w, 1 / setup.yaw_damping_ratio)]) * end
+        next |= glsdc.update_motion(problem(setup), state, steps, state["searching"] > 0)
     valid = integrity.good & resolved & inside & complete & (state["lock_lost"] == 0)
-    out = position(of, pose) | deviations(of, inverse, pose["yaw"]) | {"residual": np.sqrt(last.squares / freedom)}
+    out = (
+        position(setup, pose) | deviations(setup, inverse, pose["yaw"]) | {"residual": np.sqrt(last.squares / freedom)}
+    )
     out |= {"converged": converged, "damped": integrity.damped, "valid": valid, "lock_lost": state["lock_lost"]}
-    return out | ({"excluded_sensor": state["excluded_sensor"]} if is_redundant(of) else {}), next
+    return out | ({"excluded_sensor": state["excluded_sensor"]} if is_redundant(setup) else {}), next
 
 
 def check_integrity(
-    of: Setup, state: Columns, last: Fit, yaw: Array, freedom: Array, inverse: Array, converged: Array, sensors: Array
+    setup: Setup,
+    state: Columns,
+    last: Fit,
+    yaw: Array,
+    freedom: Array,
+    inverse: Array,
+    converged: Array,
+    sensors: Array,
 ) -> Integrity:
     """Return the flags of a sample that ends at a yaw, from R^-1 (N, 3, 3) without yaw_damping_ratio."""
-    redundant, searching = is_redundant(of), state["searching"] > 0
-    innovation = ((damping(of) * last.at) ** 2).sum(axis=1)
+    redundant, searching = is_redundant(setup), state["searching"] > 0
+    innovation = ((damping(setup) * last.at) ** 2).sum(axis=1)
     growth = 1 + state["residual_faults"] if redundant else 1.0
-    gate_exceeded = innovation > (growth * of.innovation_gate_sigma * of.deviation) ** 2
+    gate_exceeded = innovation > (growth * setup.innovation_gate_sigma * setup.deviation) ** 2
     change = yaw - state["yaw_last_good"]
-    in_window = np.abs(wrap(wrap(change)[0])[0] if of.yaw_limit + of.yaw_window > pi else change) <= of.yaw_window
+    in_window = (
+        np.abs(wrap(wrap(change)[0])[0] if setup.yaw_limit + setup.yaw_window > pi else change) <= setup.yaw_window
+    )
     lost = np.where(state["ambiguity_resolved"] > 0, gate_exceeded, searching & ~in_window)
-    fault = (last.squares > freedom * of.residual_limit**2) | lost
-    prior_weight = ((damping(of)[:, None] * inverse) ** 2).sum(axis=(1, 2))
-    damped = prior_weight > of.max_prior_weight
+    fault = (last.squares > freedom * setup.residual_limit**2) | lost
+    prior_weight = ((damping(setup)[:, None] * inverse) ** 2).sum(axis=(1, 2))
+    damped = prior_weight > setup.max_prior_weight
     good = converged & ~damped & ~fault & ~gate_exceeded
     if redundant:
-        single = (sensors > 2) & (prior_weight <= REDUNDANCY_FACTOR * of.ambiguity_threshold)
+        single = (sensors > 2) & (prior_weight <= REDUNDANCY_FACTOR * setup.ambiguity_threshold)
     else:
-        single = in_window & (prior_weight <= of.ambiguity_threshold)
-    inconsistent = last.squares > freedom * min(of.residual_limit, INCONSISTENT * of.deviation) ** 2
+        single = in_window & (prior_weight <= setup.ambiguity_threshold)
+    inconsistent = last.squares > freedom * min(setup.residual_limit, INCONSISTENT * setup.deviation) ** 2
     return Integrity(fault, inconsistent, damped, good, good & ~searching & single)
 
 
-def locate(of: Setup, state: Columns, at: Array) -> dict[str, Array]:
+def locate(setup: Setup, state: Columns, at: Array) -> dict[str, Array]:
     """Return phases, pitches and yaw of poses (N, 3)."""
     pose = {"yaw": wrap(at[:, 2])[0]}
     for i, axis in enumerate("xy"):
-        phase, turns = wrap(2 * pi / of.pitch * at[:, i])
+        phase, turns = wrap(2 * pi / setup.pitch * at[:, i])
         pose |= {f"phase_{axis}": phase, f"pitch_{axis}": state[f"pitch_{axis}"] + turns}
     return pose
 
 
 def advance(
-    of: Setup, state: Columns, pose: Columns, integrity: Integrity, converged: Array, resolved: Array, each: Array
+    setup: Setup, state: Columns, pose: Columns, integrity: Integrity, converged: Array, resolved: Array, each: Array
 ) -> dict[str, Array]:
     """Return the next states from the pose and the flags of a sample."""
     fault = integrity.fault
     changes, restart = glsdc.restart(state, fault, pose)
     next = dict(pose) | changes
-    if is_redundant(of):
+    if is_redundant(setup):
         others, sensors = np.sort(each, axis=1)[:, :-1].sum(axis=1), each.shape[1] - 1
-        bound = of.residual_limit**2 + (of.innovation_gate_sigma * of.deviation) ** 2 / of.damping
+        bound = setup.residual_limit**2 + (setup.innovation_gate_sigma * setup.deviation) ** 2 / setup.damping
         failed = (others <= 2 * sensors * bound) & (CONTRAST * others <= each.max(axis=1))
         failed &= (
             fault
@@ -206,22 +217,22 @@ def advance(
     next |= {"acquired": np.maximum(resolved, state["acquired"]), "ambiguity_resolved": resolved & ~restart}
     next |= {"yaw": np.where(restart, state["yaw_last_good"], pose["yaw"])}
     next |= {"yaw_last_good": np.where(resolved & ~fault, pose["yaw"], state["yaw_last_good"])}
-    return next | {f"pitch_{a}": np.clip(pose[f"pitch_{a}"], -of.pitches, of.pitches) for a in "xy"}
+    return next | {f"pitch_{a}": np.clip(pose[f"pitch_{a}"], -setup.pitches, setup.pitches) for a in "xy"}
 
 
-def position(of: Setup, pose: Columns) -> dict[str, Array]:
+def position(setup: Setup, pose: Columns) -> dict[str, Array]:
     """Return X and Y of the body's origin, m, and the yaw."""
-    (x, y), c, s = centre(of), np.cos(pose["yaw"]), np.sin(pose["yaw"])
+    (x, y), c, s = centre(setup), np.cos(pose["yaw"]), np.sin(pose["yaw"])
     arm = {"x": c * x - s * y, "y": s * x + c * y}
-    X, Y = ((pose[f"phase_{a}"] / (2 * pi) + pose[f"pitch_{a}"]) * of.pitch - arm[a] for a in "xy")
+    X, Y = ((pose[f"phase_{a}"] / (2 * pi) + pose[f"pitch_{a}"]) * setup.pitch - arm[a] for a in "xy")
     return {"X": X, "Y": Y, "yaw": pose["yaw"]}
 
 
-def deviations(of: Setup, inverse: Array, yaw: Array) -> dict[str, Array]:
+def deviations(setup: Setup, inverse: Array, yaw: Array) -> dict[str, Array]:
     """Return the standard deviations of X, Y and yaw of the body's origin, from R^-1 (N, 3, 3)."""
-    (x, y), c, s = centre(of), np.cos(yaw), np.sin(yaw)
+    (x, y), c, s = centre(setup), np.cos(yaw), np.sin(yaw)
     origin = inverse.copy()
     origin[:, 0] += (s * x + c * y)[:, None] * inverse[:, 2]
     origin[:, 1] -= (c * x - s * y)[:, None] * inverse[:, 2]
-    sigma = of.deviation * np.sqrt((origin**2).sum(axis=2))
+    sigma = setup.deviation * np.sqrt((origin**2).sum(axis=2))
     return {f"deviation_{name}": sigma[:, i] for i, name in enumerate(("X", "Y", "yaw"))}

@@ -88,34 +88,34 @@ def initial_state(names: Sequence[str]) -> dict[str, Array]:
     return {name: np.array([1.0 * (name == "searching")]) for name in names}
 
 
-def predict(of: Problem, state: Columns) -> Array:
+def predict(problem: Problem, state: Columns) -> Array:
     """Return the predicted pose (N, n) in m and rad: the last one plus the predicted motion, if there is one."""
-    start = np.stack([state[name] for name in of.poses], axis=1)
-    motion = np.stack([state[name] for name in of.motions], axis=1) if of.motions else 0.0
-    return np.asarray((start + motion) / of.units)
+    start = np.stack([state[name] for name in problem.poses], axis=1)
+    motion = np.stack([state[name] for name in problem.motions], axis=1) if problem.motions else 0.0
+    return np.asarray((start + motion) / problem.units)
 
 
-def descend(of: Problem, start: Array, volts: Array, weights: Array) -> tuple[list[Fit], Array, Array]:
+def descend(problem: Problem, start: Array, volts: Array, weights: Array) -> tuple[list[Fit], Array, Array]:
     """Return the trials, the displacement (N, n) after all corrections, and whether they have converged."""
-    trial = fit(of, start, np.zeros_like(start), volts, weights)
+    trial = fit(problem, start, np.zeros_like(start), volts, weights)
     fits, best, lowest, better = [trial], trial.at, trial.cost, np.ones(len(start), bool)
-    for _ in range(of.corrections - 1):
-        at = np.where(better[:, None], correct(of, trial), (trial.at + best) / 2)
-        trial = fit(of, start, at, volts, weights, fits[0] if of.once else None)
+    for _ in range(problem.corrections - 1):
+        at = np.where(better[:, None], correct(problem, trial), (trial.at + best) / 2)
+        trial = fit(problem, start, at, volts, weights, fits[0] if problem.once else None)
         fits.append(trial)
-        better = trial.cost <= of.threshold(lowest)
+        better = trial.cost <= problem.threshold(lowest)
         best, lowest = np.where(better[:, None], trial.at, best), np.where(better, trial.cost, lowest)
-    converged = better & ((trial.z**2).sum(axis=1) <= (of.convergence_sigma * of.deviation) ** 2)
-    return fits, np.where(converged[:, None], correct(of, trial), best), converged
+    converged = better & ((trial.z**2).sum(axis=1) <= (problem.convergence_sigma * problem.deviation) ** 2)
+    return fits, np.where(converged[:, None], correct(problem, trial), best), converged
 
 
-def fit(of: Problem, start: Array, at: Array, volts: Array, weights: Array, first: Fit | None = None) -> Fit:
+def fit(problem: Problem, start: Array, at: Array, volts: Array, weights: Array, first: Fit | None = None) -> Fit:
     """Linearise at a displacement (N, n) with weights (N, sensors); with `first`, its rows are reused."""
     root = np.tile(np.sqrt(weights), 2)
-    e, H = of.linearise(start + at, volts)
+    e, H = problem.linearise(start + at, volts)
     e, H = root * e, root[:, :, None] * H if first is None else first.H
-    Q, R = np.linalg.qr(augment(H, of.damping)) if first is None else (first.Q, first.R)
-    b = np.concatenate([e, -of.damping * at], axis=1)
+    Q, R = np.linalg.qr(augment(H, problem.damping)) if first is None else (first.Q, first.R)
+    b = np.concatenate([e, -problem.damping * at], axis=1)
     each = (e**2).reshape(len(at), 2, -1).sum(axis=1)
     return Fit(at, H, each, each.sum(axis=1), (b**2).sum(axis=1), Q, R, np.einsum("nmi,nm->ni", Q, b))
 
@@ -125,23 +125,23 @@ def augment(H: Array, root: Array) -> Array:
     return np.concatenate([H, np.broadcast_to(np.diag(root), (len(H), len(root), len(root)))], axis=1)
 
 
-def correct(of: Problem, trial: Fit) -> Array:
+def correct(problem: Problem, trial: Fit) -> Array:
     """Return the displacement (N, n) after a scaled correction, within the bounds."""
-    R, z, end = trial.R, of.scale * trial.z, trial.at.copy()
-    for block in of.blocks:
+    R, z, end = trial.R, problem.scale * trial.z, trial.at.copy()
+    for block in problem.blocks:
         later = end[:, block.stop :] - trial.at[:, block.stop :]
         right = z[:, block] - (R[:, block, block.stop :] @ later[:, :, None])[:, :, 0]
         diagonal = R[:, block, block]
         scalar = diagonal.shape[1] == 1
         step = right / diagonal[:, 0] if scalar else np.linalg.solve(diagonal, right[:, :, None])[:, :, 0]
-        end[:, block] = np.clip(trial.at[:, block] + step, -of.bounds[block], of.bounds[block])
+        end[:, block] = np.clip(trial.at[:, block] + step, -problem.bounds[block], problem.bounds[block])
     return end
 
 
-def update_motion(of: Problem, state: Columns, steps: Array, lost: Array) -> dict[str, Array]:
+def update_motion(problem: Problem, state: Columns, steps: Array, lost: Array) -> dict[str, Array]:
     """Return the predicted motions after `steps` (N, n) in a state's units; 0 where position lock is lost."""
-    bounds = of.bounds * of.units
-    motions = {m: np.clip(state[m] + steps[:, i], -bounds[i], bounds[i]) for i, m in enumerate(of.motions)}
+    bounds = problem.bounds * problem.units
+    motions = {m: np.clip(state[m] + steps[:, i], -bounds[i], bounds[i]) for i, m in enumerate(problem.motions)}
     return {m: np.where(lost, 0, v) for m, v in motions.items()}
 
 

@@ -15,18 +15,18 @@ PREFIX = "estimator_"
 SPAN, BAD_SAMPLES, LATCH = 5.0, 5, np.uint32(1 << 31)
 
 
-def channels(of: Setup) -> list[str]:
+def channels(setup: Setup) -> list[str]:
     """Return the names of the voltages, sensor by sensor."""
-    return [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(of.positions)] for axis in "xy"]
+    return [f"V_{letter}{axis}" for letter in ascii_lowercase[: len(setup.positions)] for axis in "xy"]
 
 
-def hold_voltages(of: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
+def hold_voltages(setup: Setup, states: Columns, inputs: Columns) -> tuple[Array, Array]:
     """Return the held voltages and which were refused, (N, sensors, 2) both."""
-    now = np.stack([np.asarray(inputs[n], dtype=np.float64) for n in channels(of)], axis=1)
-    last = np.stack([np.asarray(states[f"guard_last_{n}"], dtype=np.float64) for n in channels(of)], axis=1)
+    now = np.stack([np.asarray(inputs[n], dtype=np.float64) for n in channels(setup)], axis=1)
+    last = np.stack([np.asarray(states[f"guard_last_{n}"], dtype=np.float64) for n in channels(setup)], axis=1)
     with np.errstate(invalid="ignore"):
         refused = ~(np.abs(now) <= SPAN)
-    shape = (len(now), len(of.positions), 2)
+    shape = (len(now), len(setup.positions), 2)
     return np.where(refused, last, now).reshape(shape), refused.reshape(shape)
 
 
@@ -35,11 +35,11 @@ def estimator_states(states: Columns) -> dict[str, Array]:
     return {n.removeprefix(PREFIX): np.asarray(v, dtype=np.float64) for n, v in states.items() if n.startswith(PREFIX)}
 
 
-def step(of: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
+def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return next states, outputs and fault words (N,), states by their names in the C."""
-    held, refused = hold_voltages(of, states, inputs)
-    outputs, after = reference.step(of, estimator_states(states), held, refused)
-    flat, names = refused.reshape(len(refused), -1), channels(of)
+    held, refused = hold_voltages(setup, states, inputs)
+    outputs, after = reference.step(setup, estimator_states(states), held, refused)
+    flat, names = refused.reshape(len(refused), -1), channels(setup)
     bad, left = np.any(flat, axis=1), np.asarray(states["guard_left"], dtype=np.int64)
     latched = (np.asarray(states["guard_latched"]) > 0) | (bad & (left <= 1))
     next = {f"{PREFIX}{n}": v for n, v in after.items()}

@@ -12,53 +12,53 @@ from designs.hall_position.reference_glsdc import Array, Columns, Setup
 CHANGE = 1e-9  # of the differences: of voltages, relative to alpha, and of phases, rad
 
 
-def margin(of: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+def margin(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
     """Return the least distance of a cost from the bound below which it counts as lower, (N,).
 
     It is the error of the voltages relative to alpha, and of the residuals, that would move the cost across the bound.
     """
-    problem, (start, weights) = reference.problem(of), reference.predict(of, state, refused)
+    problem, (start, weights) = reference.problem(setup), reference.predict(setup, state, refused)
     costs = [fit.cost for fit in glsdc.descend(problem, start, volts, weights)[0]]
     lowest, least = costs[0], np.full(len(start), np.inf)
     for cost in costs[1:]:
         bound = problem.threshold(lowest)
-        least = np.minimum(least, np.abs(cost - bound) / (2 * np.sqrt(bound) * (of.alpha + np.sqrt(bound))))
+        least = np.minimum(least, np.abs(cost - bound) / (2 * np.sqrt(bound) * (setup.alpha + np.sqrt(bound))))
         lowest = np.where(cost <= bound, cost, lowest)
     return least
 
 
-def magnification(of: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+def magnification(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
     """Return the factor by which a step magnifies rounding errors, (N,).
 
     It is the largest condition number of the corrections times the step's `amplification`: far from a solution, a
     correction magnifies the error of the one before it.
     """
-    start, weights = reference.predict(of, state, refused)
-    fits, root = glsdc.descend(reference.problem(of), start, volts, weights)[0], reference.damping(of)
+    start, weights = reference.predict(setup, state, refused)
+    fits, root = glsdc.descend(reference.problem(setup), start, volts, weights)[0], reference.damping(setup)
     condition = np.max([np.linalg.cond(glsdc.augment(fit.H, root) / root) for fit in fits], axis=0)
-    return np.asarray(condition * np.maximum(amplification(of, state, volts, refused), 1))
+    return np.asarray(condition * np.maximum(amplification(setup, state, volts, refused), 1))
 
 
-def amplification(of: Setup, state: Columns, volts: Array, refused: Array) -> Array:
+def amplification(setup: Setup, state: Columns, volts: Array, refused: Array) -> Array:
     """Return the factor by which a step magnifies changes of its inputs and states, (N,).
 
     It is the largest gradient, by differences, of phases, yaw and residual / alpha by voltages / alpha, phases and yaw.
     """
-    sizes = {"X": of.pitch / (2 * pi), "Y": of.pitch / (2 * pi), "yaw": 1.0, "residual": of.alpha}
-    before, _ = reference.step(of, state, volts, refused)
+    sizes = {"X": setup.pitch / (2 * pi), "Y": setup.pitch / (2 * pi), "yaw": 1.0, "residual": setup.alpha}
+    before, _ = reference.step(setup, state, volts, refused)
     squares = {name: np.zeros(len(volts)) for name in sizes}
-    for other, perturbed in _perturbations(of, state, volts):
-        after, _ = reference.step(of, other, perturbed, refused)
+    for other, perturbed in _perturbations(setup, state, volts):
+        after, _ = reference.step(setup, other, perturbed, refused)
         for name, size in sizes.items():
             squares[name] += ((after[name] - before[name]) / size / CHANGE) ** 2
     return np.sqrt(np.max([*squares.values()], axis=0))
 
 
-def _perturbations(of: Setup, state: Columns, volts: Array) -> Iterator[tuple[Columns, Array]]:
+def _perturbations(setup: Setup, state: Columns, volts: Array) -> Iterator[tuple[Columns, Array]]:
     """Yield states and voltages, each time with one of them perturbed."""
     for channel in np.ndindex(volts.shape[1:]):
         perturbed = volts.copy()
-        perturbed[(slice(None), *channel)] += CHANGE * of.alpha
+        perturbed[(slice(None), *channel)] += CHANGE * setup.alpha
         yield state, perturbed
     for name in reference.POSE:
         yield {**state, name: state[name] + CHANGE}, volts

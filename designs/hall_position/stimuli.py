@@ -25,9 +25,9 @@ from synth.verify.sampling import Columns
 from synth.verify.steps import Steps
 
 FLOOR = 1.0  # m, rad, V: differences of smaller outputs are absolute
-REPLAY, LONG = 10_000, 6_000  # steps of the replay, and of each motion
-SLOW = 0.2, 0.04, 0.0  # m, rad, rad/s: travel, yaw and turn of a motion
-MOTIONS = {"motions": SLOW, "turns": (0.3, 0.5, 13.0), "yaws left": (0.2, 0.4, 0.0)}
+REPLAY_STEPS, MOTION_STEPS = 10_000, 6_000  # steps of the replay, and of each motion
+SLOW_MOTION = 0.2, 0.04, 0.0  # m, rad, rad/s: travel, yaw and turn of a motion
+MOTIONS = {"motions": SLOW_MOTION, "turns": (0.3, 0.5, 13.0), "yaws left": (0.2, 0.4, 0.0)}
 EACH, RANDOM, RARE = 1500, 4000, 1500  # steps of each kind
 EACH_END, NEAR = 40, 1e-5  # steps for each end of a range; relative distance that counts as near
 PERTURBED = 10, 1e-3  # repetitions, and largest change relative to the range
@@ -39,7 +39,7 @@ OUT_OF_RANGE, SHORT_FAULT, LONG_FAULT = 9.0, slice(150, 153), slice(900, 910)  #
 
 def replay(controller: host.Controller) -> Columns:
     """Return the controller's inputs (10,000,) on a motion with refused voltages, jumps, and the latch."""
-    V, k = _measure(_name(controller), REPLAY, SLOW, SEED), np.arange(REPLAY)
+    V, k = _measure(_name(controller), REPLAY_STEPS, SLOW_MOTION, SEED), np.arange(REPLAY_STEPS)
     V[k % 250 == 1, 0, 1] = np.nan
     V[(k > 4100) & (k < 4105), 1, 0] = np.inf
     V[(k > 6100) & (k < 6120)] *= -1
@@ -72,7 +72,7 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
     """Return every sequence, those of motions first."""
     progress("sequences")
     name = _name(controller)
-    volts = {kind: _measure(name, LONG, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
+    volts = {kind: _measure(name, MOTION_STEPS, size, SEED + k) for k, (kind, size) in enumerate(MOTIONS.items(), 1)}
     loops = [steps.record(controller, kind, motions.by_input(V), closed_loop=True) for kind, V in volts.items()]
     lost = steps.record(controller, "lost", motions.by_input(_misplaced_voltages(volts["turns"], volts["motions"])))
     recorded = [*loops, lost, steps.record(controller, "refused", replay(controller))]

@@ -6,7 +6,7 @@ tracks bodies in random motion for a long time.
 
 A step magnifies rounding errors by the largest condition number of its corrections times its amplification of voltage
 errors, which is also large near a decision boundary. Steps above ILL_CONDITIONED are counted, and compared at that
-number times epsilon; all others at suite.EXACT.
+number times epsilon; all others at suite.DOUBLE_TOLERANCE.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,9 +31,10 @@ from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
 from synth.verify.suite import Witnesses
 
-WHOLE = {"motions": 100_000, "random": 20_000, "edge": 10_000}  # steps of each estimator
-QUICK = {"motions": 10_000, "random": 4_000, "edge": 2_000}
-BODIES, LONG, SHORT = 2000, 5000, 50  # bodies in random motion, and their samples: ten million in all, or few
+FULL_STEPS = {"motions": 100_000, "random": 20_000, "edge": 10_000}  # steps of each estimator
+QUICK_STEPS = {"motions": 10_000, "random": 4_000, "edge": 2_000}
+# Bodies in random motion, and their samples: ten million in all, or few.
+BODIES, FULL_SAMPLES, QUICK_SAMPLES = 2000, 5000, 50
 FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
 EPSILON = 2.0**-52
 ILL_CONDITIONED, MAX_ILL_CONDITIONED = 1e3, 0.02  # share; of the edge steps, half of these hit a bound exactly
@@ -63,69 +64,75 @@ class Steps:
     margin: Numbers
 
 
-def witnesses(of: Subject) -> Witnesses:
+def witnesses(subject: Subject) -> Witnesses:
     """Return the witnesses of an estimator."""
-    return suite.witnesses(of.block, partial(reference_guard.step, of.setup), estimator.SURROGATE_ERROR)
+    return suite.witnesses(subject.block, partial(reference_guard.step, subject.setup), estimator.SURROGATE_ERROR)
 
 
 def verify(progress: Progress, whole: bool) -> Evidence:
-    """Compare all witnesses of both estimators, over WHOLE or over QUICK numbers of steps."""
+    """Compare all witnesses of both estimators, over FULL_STEPS or over QUICK_STEPS numbers of steps."""
     agreements: list[agree.Agreement] = []
     checks: list[Check] = []
     for name in config.PLACES:
         progress(f"{name}: witnesses")
-        of = random_steps.subject(name)
-        for some_agreements, some in compare_witnesses(of, witnesses(of), WHOLE if whole else QUICK, progress):
+        subject = random_steps.subject(name)
+        for some_agreements, some in compare_witnesses(
+            subject, witnesses(subject), FULL_STEPS if whole else QUICK_STEPS, progress
+        ):
             agreements += some_agreements
             checks += some
         progress(f"{name}: random motion without end")
-        checks += endurance.checks(name, EstimatorConfig(config.array(name)), BODIES, LONG if whole else SHORT)
+        checks += endurance.checks(
+            name, EstimatorConfig(config.array(name)), BODIES, FULL_SAMPLES if whole else QUICK_SAMPLES
+        )
     return Evidence(config.NAME, tuple(agreements), tuple(checks))
 
 
-def compare_witnesses(of: Subject, by: Witnesses, sizes: Mapping[str, int], progress: Progress) -> Iterator[Comparison]:
+def compare_witnesses(
+    subject: Subject, witness_set: Witnesses, sizes: Mapping[str, int], progress: Progress
+) -> Iterator[Comparison]:
     """Yield the comparisons of an estimator."""
-    inputs = random_steps.along_motions(of, sizes["motions"])
+    inputs = random_steps.along_motions(subject, sizes["motions"])
     kinds = {
-        "motions": partial(steps_along, of, by.c64, inputs),
-        "random": partial(random_steps.in_operation, of, sizes["random"]),
-        "edge": partial(random_steps.at_the_edges, of, sizes["edge"]),
+        "motions": partial(steps_along, subject, witness_set.c64, inputs),
+        "random": partial(random_steps.in_operation, subject, sizes["random"]),
+        "edge": partial(random_steps.at_the_edges, subject, sizes["edge"]),
     }
     for kind, draw in kinds.items():
-        progress(f"{of.name}: {kind} steps")
-        steps = condition_steps(of, f"{of.name}, {kind} steps", *draw())
-        c64 = by.by_name["c64"](steps.states, steps.inputs)
+        progress(f"{subject.name}: {kind} steps")
+        steps = condition_steps(subject, f"{subject.name}, {kind} steps", *draw())
+        c64 = witness_set.by_name["c64"](steps.states, steps.inputs)
         yield (), [ill_conditioned_share(steps)]
-        for name in suite.OTHERS:
-            yield compare_double(of, steps, (name, by.by_name[name](steps.states, steps.inputs)), c64)
+        for name in suite.WITNESS_NAMES:
+            yield compare_double(subject, steps, (name, witness_set.by_name[name](steps.states, steps.inputs)), c64)
         if kind == "motions":
-            yield compare_single(of, by, steps)
-    progress(f"{of.name}: free-running")
-    yield (), free_running(of, by, inputs)
+            yield compare_single(subject, witness_set, steps)
+    progress(f"{subject.name}: free-running")
+    yield (), free_running(subject, witness_set, inputs)
 
 
-def steps_along(of: Subject, controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
+def steps_along(subject: Subject, controller: host.Controller, inputs: Columns) -> tuple[Columns, Columns]:
     """Return the consecutive steps of the C from `init` over columns (samples, bodies) of inputs."""
     batches = list(ensemble.replay(controller, inputs))
     before = [ensemble.initial_states(controller, len(batches[0].states)), *(batch.states for batch in batches[:-1])]
     recorded = np.concatenate(before)
-    return {s.name: recorded[s.name] for s in of.block.states}, {n: v.ravel() for n, v in inputs.items()}
+    return {s.name: recorded[s.name] for s in subject.block.states}, {n: v.ravel() for n, v in inputs.items()}
 
 
-def condition_steps(of: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
+def condition_steps(subject: Subject, what: str, states: Columns, inputs: Columns) -> Steps:
     """Return steps with the magnification of their rounding errors and the margins of their costs."""
-    held, refused = reference_guard.hold_voltages(of.setup, states, inputs)
-    step = of.setup, reference_guard.estimator_states(states), held, refused
-    near = np.where(near_decision_boundary(of, *step[1:]), 1 / CHANGE, 0.0)
+    held, refused = reference_guard.hold_voltages(subject.setup, states, inputs)
+    step = subject.setup, reference_guard.estimator_states(states), held, refused
+    near = np.where(near_decision_boundary(subject, *step[1:]), 1 / CHANGE, 0.0)
     severity = np.maximum(reference_rounding.magnification(*step), near)
     return Steps(what, states, inputs, severity, reference_rounding.margin(*step))
 
 
-def near_decision_boundary(of: Subject, states: Columns, held: Numbers, refused: Numbers) -> NDArray[np.bool_]:
+def near_decision_boundary(subject: Subject, states: Columns, held: Numbers, refused: Numbers) -> NDArray[np.bool_]:
     """Return for each step whether a decision changes when its voltages change by CHANGE of alpha."""
-    change = CHANGE * of.array.alpha * np.random.default_rng(0).standard_normal(held.shape)
-    (out, after), (other, then) = (reference.step(of.setup, states, v, refused) for v in (held, held + change))
-    counts = [s.name.removeprefix(reference_guard.PREFIX) for s in of.block.states if s.integer]
+    change = CHANGE * subject.array.alpha * np.random.default_rng(0).standard_normal(held.shape)
+    (out, after), (other, then) = (reference.step(subject.setup, states, v, refused) for v in (held, held + change))
+    counts = [s.name.removeprefix(reference_guard.PREFIX) for s in subject.block.states if s.integer]
     flags = [out[name] != other[name] for name in DECISIONS]
     return np.any([*flags, *(after[n] != then[n] for n in counts if n in after)], axis=0)
 
@@ -138,18 +145,18 @@ def ill_conditioned_share(steps: Steps) -> Check:
     return Check(name, float(np.mean(above)), MAX_ILL_CONDITIONED, "1", about)
 
 
-def compare_double(of: Subject, steps: Steps, first: tuple[str, StepResults], c64: StepResults) -> Comparison:
+def compare_double(subject: Subject, steps: Steps, first: tuple[str, StepResults], c64: StepResults) -> Comparison:
     """Compare a witness {name, steps} with the C in double precision."""
     above = steps.severity > ILL_CONDITIONED
     pair = (first[0], suite.select(first[1], ~above)), ("c64", suite.select(c64, ~above))
-    a = agree.compare(steps.what, *pair, FLOOR, of.block)
-    outputs, states = agree.differences(first[1], c64, FLOOR, of.block)
+    a = agree.compare(steps.what, *pair, FLOOR, subject.block)
+    outputs, states = agree.differences(first[1], c64, FLOOR, subject.block)
     magnified = np.max([*outputs.values(), *states.values()], axis=0) / (EPSILON * steps.severity)
     differing = int(np.count_nonzero(first[1].faults != c64.faults))
     name = f"{steps.what}: {first[0]} against c64"
     return [a], [
-        Check(name, a.worst, suite.EXACT, f"max({FLOOR:g}, |y|)", f"worst of {a.samples} steps, {a.signal}"),
-        Check(f"{name}, next states", a.state_worst, suite.EXACT, "of range", a.state),
+        Check(name, a.worst, suite.DOUBLE_TOLERANCE, f"max({FLOOR:g}, |y|)", f"worst of {a.samples} steps, {a.signal}"),
+        Check(f"{name}, next states", a.state_worst, suite.DOUBLE_TOLERANCE, "of range", a.state),
         Check(f"{name}, deviations", _relative_deviation_error(pair[0][1], pair[1][1]), RELATIVE, "of itself"),
         Check(
             f"{name}, at ill-conditioned steps",
@@ -161,19 +168,19 @@ def compare_double(of: Subject, steps: Steps, first: tuple[str, StepResults], c6
     ]
 
 
-def compare_single(of: Subject, by: Witnesses, steps: Steps) -> Comparison:
+def compare_single(subject: Subject, witness_set: Witnesses, steps: Steps) -> Comparison:
     """Compare positions in single with those in double precision from the same bits, and count other decisions.
 
     The states are those of the C in double precision, rounded. Steps are left out where a decision differs, and where,
     far from a solution, two costs of several volts differ by rounding only: there positions may differ too.
     """
-    double, single = suite.in_both_precisions(by, steps.states, steps.inputs)
-    same = _same_decisions(of, double, single)
+    double, single = suite.in_both_precisions(witness_set, steps.states, steps.inputs)
+    same = _same_decisions(subject, double, single)
     converged = double.outputs["converged"] > 0
     narrow = ~converged & (steps.margin < STEP)
     chosen = same & ~narrow & (steps.severity <= ILL_CONDITIONED)
     pair = suite.select(double, chosen), suite.select(single, chosen)
-    a = agree.compare(steps.what, ("c64", pair[0]), ("c32", pair[1]), FLOOR, of.block, np.float32)
+    a = agree.compare(steps.what, ("c64", pair[0]), ("c32", pair[1]), FLOOR, subject.block, np.float32)
     less = "single less double"
     rows = [
         (f"yaw, {less}", _gap(*pair, "yaw").max(initial=0.0), SINGLE_YAW, "rad", ""),
@@ -191,13 +198,13 @@ def compare_single(of: Subject, by: Witnesses, steps: Steps) -> Comparison:
     ]
 
 
-def _same_decisions(of: Subject, double: StepResults, single: StepResults) -> NDArray[np.bool_]:
+def _same_decisions(subject: Subject, double: StepResults, single: StepResults) -> NDArray[np.bool_]:
     """Return for each step whether flags and counts are equal, and no angle is wrapped in one of the two only."""
-    same = suite.decide_alike(of.block, double, single)
+    same = suite.same_decisions(subject.block, double, single)
     for flag in DECISIONS:
         same &= double.outputs[flag] == single.outputs[flag]
-    _, states = agree.differences(double, single, FLOOR, of.block)
-    return same & np.all([states[s.name] < 0.5 for s in of.block.states if not s.integer], axis=0)
+    _, states = agree.differences(double, single, FLOOR, subject.block)
+    return same & np.all([states[s.name] < 0.5 for s in subject.block.states if not s.integer], axis=0)
 
 
 def _relative_deviation_error(first: StepResults, second: StepResults) -> float:
@@ -210,23 +217,23 @@ def _gap(first: StepResults, second: StepResults, name: str) -> Numbers:
     return np.abs(second.outputs[name].astype(np.float64) - first.outputs[name])
 
 
-def free_running(of: Subject, by: Witnesses, inputs: Columns) -> list[Check]:
+def free_running(subject: Subject, witness_set: Witnesses, inputs: Columns) -> list[Check]:
     """Compare valid positions of the free-running reference and of single precision with those of the C."""
-    start = {s.name: s.initial for s in of.block.states}
+    start = {s.name: s.initial for s in subject.block.states}
     double, reference_outputs, single = (
         agree.run(witness, start, inputs).outputs
-        for witness in (by.by_name["c64"], by.by_name["reference"], agree.emitted_c(by.c32))
+        for witness in (witness_set.by_name["c64"], witness_set.by_name["reference"], agree.emitted_c(witness_set.c32))
     )
     checks = []
     for name, outputs, limit, share in (
-        ("reference", reference_outputs, suite.EXACT, 0.0),
+        ("reference", reference_outputs, suite.DOUBLE_TOLERANCE, 0.0),
         ("c32", single, SINGLE, OTHER_VALIDITY),
     ):
         both = (outputs["valid"] > 0) & (double["valid"] > 0)
         worst = max(float(np.abs(outputs[y] - double[y])[both].max(initial=0.0)) for y in ("X", "Y"))
         differing = float(np.mean(outputs["valid"] != double["valid"]))
         about = f"{np.count_nonzero(both)} of {both.size} samples from init are valid"
-        what = f"{of.name}, free-running: {name} against c64"
+        what = f"{subject.name}, free-running: {name} against c64"
         checks.append(Check(f"{what}, where valid", worst, limit, "m", about))
         checks.append(Check(f"{what}, share of samples whose validity differs", differing, share, "1"))
     return checks

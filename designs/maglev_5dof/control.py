@@ -10,18 +10,17 @@ shipped law differs from F(12) in two points, which `corrected=False` undoes: it
 currents of the sample before, and it compensates only a part of the guide springs.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from math import pi, sqrt
 
 import casadi as ca
 import numpy as np
 
-from models import maglev_stage, pmlsm, windings
+from models import maglev_stage, pmlsm
 from synth import stage
 from synth.block import Block, Exprs, Step, build, clip
-from synth.blocks import derivative_filter, regulator, safety
-from synth.composition import compose
+from synth.blocks import derivative_filter, regulator
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 from synth.stage import Actuator, Sensor, SetPoint
@@ -261,39 +260,3 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
 def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
     """Return the whole controller, from six encoders and five set-points to the motors' currents."""
     return stage.controller(NAME, TIME, INTERFACE, lambda: laws(plant, corrected, anti_windup), signal_names(OUTPUTS))
-
-
-def phase_currents(plant: Plant) -> Block:
-    """Return the commutation: 12 phase currents from the motors' direct and quadrature currents and the position.
-
-    Motors 2 and 4 lie along X, 1 and 3 along Z. Bad inputs are held. This Block does not latch; the controller that
-    computes the currents does.
-    """
-    tau = ca.SX(plant.parameter("tau").value)
-    along = [INTERFACE.signals[n] for n in "xz"]
-    guarded = [
-        safety.GuardedInput(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in (*OUTPUTS, *along)
-    ]
-    peak = 2 * CURRENT * (1 + 1e-6)  # both inputs at their limit, with rounding
-    outputs = [
-        Signal(f"i_{phase}{j}", "A", -peak, peak, f"phase {phase} of motor {j}, instantaneous")
-        for j in MOTORS
-        for phase in "abc"
-    ]
-
-    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        output: dict[str, ca.SX] = {}
-        for j, thrust in enumerate(maglev_stage.QUADRATURE, 1):
-            angle = windings.electrical_angle(u[f"{thrust[-1]}_held"], tau)
-            phases = windings.phase_currents(u[f"i_d{j}_held"], u[f"i_q{j}_held"], angle)
-            output |= {f"i_{phase}{j}": current for phase, current in phases.items()}
-        return Step({s.name: clip(output[s.name], s) for s in outputs})
-
-    held = [replace(g.signal, name=f"{g.signal.name}_held") for g in guarded]
-    blocks = [
-        safety.guard(TIME, guarded, BAD_SAMPLES),
-        build("commutation", TIME, law, inputs=held, outputs=outputs, tag="phase currents, inverse Park"),
-    ]
-    return compose(
-        f"{NAME}_phase", blocks, inputs=signal_names(g.signal for g in guarded), outputs=signal_names(outputs)
-    )

@@ -1,12 +1,13 @@
 """The five-axis maglev stage of Fulford, Maggiore and Apkarian, from physics to verified C."""
 
+from pathlib import Path
 from typing import Any
 
-from designs.maglev_5dof import control, experiments, gains, reference, verification
+from designs.maglev_5dof import commutation, control, experiments, gains, reference, verification
 from designs.maglev_5dof.paper import rows
-from models import maglev_stage
+from models import maglev_phases, maglev_stage
 from synth import stage
-from synth.stage import Companion
+from synth.stage import Companion, Drive
 
 
 def report(*arguments: Any) -> str:
@@ -17,6 +18,7 @@ def report(*arguments: Any) -> str:
 
 
 PLANT = maglev_stage.plant()
+PHASES = commutation.phase_currents(PLANT)
 DESIGN = stage.design(
     control.controller(PLANT),
     PLANT,
@@ -30,9 +32,11 @@ DESIGN = stage.design(
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
     faults=experiments.FAULTS,
+    safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     recording=verification.vectors,
     gains=gains.document,
-    companions=[Companion(control.phase_currents(PLANT), verification.commutation_inputs)],
+    companions=[Companion(PHASES)],
+    drive=Drive(maglev_phases.plant(), (PHASES,)),
     verify=verification.verify,
     audit=rows.rows,
     report=report,

@@ -31,7 +31,7 @@ def _gain(axis: control.Axis, scalar: type[np.floating]) -> dict[str, Any]:
         "frequencies_rad_s": list(control.FREQUENCIES),
         "weights_Q": list(axis.weights),
         "weight_R": 1.0,
-        "published_weights": axis.name != "phi",
+        "published_weights": axis.name != "phi",  # the paper gives none for phi
         "period_s": period,
         "K": [float(v) for v in published.K[0].astype(scalar)],
         "poles_rad_s": [digits.pole(s) for s in published.poles],

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from designs.maglev_5dof import control, experiments
+from designs.maglev_5dof import commutation, commutation_tables, control, experiments
 from models import maglev_stage
 from synth.analyse import robustness
 from synth.declaration import Stage
@@ -31,7 +31,8 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
         experiments.UNITS, experiments.COUNTS, presentation.beside(BESIDE, rows), paths, LONGEST, WINDOW
     )
     loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
-    extra = template.Extra(_values(stage.plant), [loop_part], maglev_stage.factors, shown=style)
+    values = _values(stage.plant) | commutation_tables.values(stage, files, runs, cost is not None)
+    extra = template.Extra(values, [loop_part], maglev_stage.factors, shown=style)
     return template.report(stage, files, evidence, runs, rows, cost, extra)
 
 
@@ -39,7 +40,9 @@ def _values(plant: Plant) -> dict[str, Value]:
     """Return the values named in report.md beyond the standard ones."""
     phi, theta = control.COMPENSATED.values()
     k_s, stiffness = plant.parameter("k_s_phi").value, -float(control.gain(control.AXES[3]).K[0, 0])
-    margins = {"stiffness": stiffness, "stable_above": (phi * k_s - stiffness) / k_s}
+    margins: dict[str, Value] = {"advance": commutation.ADVANCE, "descent": commutation.DESCENT}
+    margins |= {"stride_mm": 1e3 * commutation.SPEED["x"] * control.TIME.period_s}
+    margins |= {"stiffness": stiffness, "stable_above": (phi * k_s - stiffness) / k_s}
     return {"compensated_phi": phi, "compensated_theta": theta, **margins}
 
 

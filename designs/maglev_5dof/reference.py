@@ -6,7 +6,7 @@
     loop    xi' = Phi xi + N e + E (u_limited - u), w = K (e, e', xi), one copy an axis                      F(14)-(17)
     law     the currents for which y'', x'', z'', phi'', theta'' = w, by F(8) and F(12), each motor at its measured gap
 
-The controller keeps xi = T eta, where one sample is sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e.
+The controller keeps eta, xi = T eta: after one sample sum+ = sum + e and, a rotation, p+ = p + c q, q+ = q - p+ + e.
 
 Constants come from `reference_gains` and are rounded once. `step` takes scalars or columns (n,) of n independent
 controllers; internally, axes, motors or currents are rows of one array. Lengths in m, angles in rad, currents
@@ -29,10 +29,10 @@ Columns = Mapping[str, NDArray[Any]]
 
 AXES = ("y", "x", "z", "phi", "theta")
 CURRENT = 7 / sqrt(2)  # A rms, 7 A peak, F section II
-DIRECT = CURRENT * (1 - 1e-4)  # the limit of i_d
+MAX_I_D = CURRENT * (1 - 1e-4)  # A rms: keeps sqrt(CURRENT^2 - i_d^2) away from 0
 BAD_SAMPLES = 5
 SLEW = 100.0 / 1000  # A in a sample
-COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the part of each guide spring that the corrected law compensates
+COMPENSATED = {"phi": 0.75, "theta": 0.95}  # the fraction of each guide spring that the corrected law compensates
 BOX = {"y": (0.018, 0.031), "phi": (-0.003, 0.003), "theta": (-0.014, 0.014)}
 ODD, EVEN = (0.0168, 0.0322), (0.0124, 0.0366)  # gaps of motors 1, 3 and 2, 4
 LIMITS = {"y1": ODD, "y2": EVEN, "y3": ODD, "y4": EVEN, "x": (-0.1, 0.1), "z": (-0.1, 0.1)}
@@ -113,14 +113,14 @@ def motor(g: Array, p: Parameters) -> Motor:
     slot = p.b0 / (2 * g)
     gamma = 4 / pi * (slot * np.arctan(slot) - 0.5 * np.log1p(slot**2))
     inverse_carter = 1 - g * gamma / p.t1
-    leak = 1 - p.b0**2 / (4 * p.t1 * (g + p.b0 / 2 + p.h_m / p.mu_rec))
+    leakage = 1 - p.b0**2 / (4 * p.t1 * (g + p.b0 / 2 + p.h_m / p.mu_rec))
     sheet = 4 / pi * p.mu0 * p.H_c * sin(pi * p.tau_p / (2 * p.tau)) * np.sinh(k * p.h_m)  # B_pmy1 sinh(k (h_m + g))
     area, turns = p.L_A * p.p_m, p.W * p.k_w1 / p.p
     return Motor(
-        a=area * p.tau / (4 * p.mu0) * leak * (sheet / s) ** 2,
-        b=3 * sqrt(2) * area * turns * leak * inverse_carter * sheet * c / s**2,
-        c=18 * area * turns**2 * p.mu0 / p.tau * leak * (inverse_carter / s) ** 2,
-        h=3 * sqrt(2) * area * turns * leak * inverse_carter * sheet / s,
+        a=area * p.tau / (4 * p.mu0) * leakage * (sheet / s) ** 2,
+        b=3 * sqrt(2) * area * turns * leakage * inverse_carter * sheet * c / s**2,
+        c=18 * area * turns**2 * p.mu0 / p.tau * leakage * (inverse_carter / s) ** 2,
+        h=3 * sqrt(2) * area * turns * leakage * inverse_carter * sheet / s,
     )
 
 
@@ -181,17 +181,17 @@ def model_step(e: Array, excess: Array, eta: Array, k: Constants) -> list[Array]
     return [np.where(np.abs(v) <= b, v, old) for v, old, b in zip((total, p, q), eta, ETA_BOUNDS, strict=True)]
 
 
-def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) -> Array:
+def direct_currents(w: Array, pose: Array, m: Motor, load: Array, k: Constants) -> Array:
     """Return i_d1..i_d4 for the demands w at a pose, with `load` the upward forces in N that do not depend on them.
 
     The forces f_j = b_j i_dj have a given sum f, differences f3 - f1 = d and f2 - f4 = c, and the currents obey
     i_d1 + i_d3 = i_d2 + i_d4, which is F(8): one linear equation in f1 + f3. F(12).
     """
-    p, (part_phi, part_theta) = k.parameters, COMPENSATED.values() if k.corrected else (1.0, 1.0)
-    (w_y, _, _, w_phi, w_theta), (_, _, _, phi, theta) = w, at
+    p, (fraction_phi, fraction_theta) = k.parameters, COMPENSATED.values() if k.corrected else (1.0, 1.0)
+    (w_y, _, _, w_phi, w_theta), (_, _, _, phi, theta) = w, pose
     f = p.M_y * (w_y - p.G) + sum(load)
-    d = p.I / p.r * (w_phi + part_phi * p.k_s_phi * phi) + load[2] - load[0]
-    c = p.I / p.r * (w_theta + part_theta * p.k_s_theta * theta) + load[1] - load[3]
+    d = p.I / p.r * (w_phi + fraction_phi * p.k_s_phi * phi) + load[2] - load[0]
+    c = p.I / p.r * (w_theta + fraction_theta * p.k_s_theta * theta) + load[1] - load[3]
     s1, s2, s3, s4 = 1 / m.b
     odd = ((s2 + s4) * f + (s2 - s4) * c - (s3 - s1) * d) / (s1 + s2 + s3 + s4)
     even = f - odd
@@ -200,8 +200,8 @@ def direct_currents(w: Array, at: Array, m: Motor, load: Array, k: Constants) ->
 
 def limit_thrust(u: Array, first: Array, second: Array) -> Array:
     """Return thrust currents limited to sqrt(CURRENT^2 - i_d^2) of both of their motors. F section III."""
-    room = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
-    return np.clip(u, -room, room)
+    limit = np.sqrt(CURRENT**2 - np.maximum(first**2, second**2))
+    return np.clip(u, -limit, limit)
 
 
 def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tuple[Array, Array]:
@@ -213,7 +213,7 @@ def currents(w: Array, q: Array, gaps: Array, before: Array, k: Constants) -> tu
     squares = before[QUADRATURE] ** 2
     if k.corrected:
         squares = squares + before[:4] ** 2
-    i_d = np.clip(direct_currents(w, q, m, m.a + m.c * squares, k), -DIRECT, DIRECT)
+    i_d = np.clip(direct_currents(w, q, m, m.a + m.c * squares, k), -MAX_I_D, MAX_I_D)
     first, second = [1, 0], [3, 2]  # motors 2 and 4 along x, 1 and 3 along z
     demanded = (-np.array([p.M_x, p.M_z]) * w[1:3].T).T / (m.h[first] + m.h[second])
     u = limit_thrust(demanded, i_d[first], i_d[second])

@@ -2,7 +2,7 @@
 
 plant    e'' = w;   xi' = Phi xi + N e + E (u limited - u),   Phi with the eigenvalues 0, +-i w0           F(13)-(15)
 gain     w = K (e, e', xi) that minimises the integral of z' Q z + w^2                                           F(16)
-sample   xi = T eta, where sum' = sum + e and a rotation p' = p + c q, q' = q - p' + e                     F(17)
+sample   xi = T eta with the next values sum+ = sum + e and, a rotation, p+ = p + c q, q+ = q - p+ + e     F(17)
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SAMPLES_PER_S = 1000
-FILTER = 1000  # rad/s
+FILTER = 1000  # rad/s, w of the derivative filter s w^2/(s + w)^2, F section III
 OMEGA0 = 1.5 * pi  # rad/s, F section IV-B
 ANTI_WINDUP = 7e-5  # each entry of E_x = E_z, F section IV-A
 
@@ -28,9 +28,10 @@ def gain(weights: Sequence[float]) -> Array:
     the stable factor of the symmetric root locus p(s) p(-s) = d(s) d(-s) + sum_i q_i n_i(s) n_i(-s).
     """
     with mpmath.workdps(60):
+        # p(s) p(-s) is a polynomial in s^2. Its roots are the squares of the poles.
         q, w2 = [mpmath.mpf(weight) for weight in weights], mpmath.mpf(OMEGA0) ** 2
-        even = np.polyadd(np.polymul([-1, q[1], -q[0], 0], [1, 2 * w2, w2**2]), [q[4], -q[3], q[2]])
-        squares = mpmath.polyroots(list(even), maxsteps=500, extraprec=400)
+        in_s_squared = np.polyadd(np.polymul([-1, q[1], -q[0], 0], [1, 2 * w2, w2**2]), [q[4], -q[3], q[2]])
+        squares = mpmath.polyroots(list(in_s_squared), maxsteps=500, extraprec=400)
         p = np.array([1])
         for square in squares:
             p = np.polymul(p, [1, mpmath.sqrt(square)])
@@ -63,13 +64,13 @@ def internal_model() -> InternalModel:
     with mpmath.workdps(60):
         a, w2 = mpmath.mpf(ANTI_WINDUP), mpmath.mpf(OMEGA0) ** 2
         rows = [[0, 1, 0, 0, a], [0, 0, 1, 0, a], [0, -w2, 0, 1, a], [0] * 5, [0] * 5]  # of (xi, e, u limited - u)
-        held = mpmath.expm(mpmath.matrix(rows) / SAMPLES_PER_S)
-        c = 3 - held[0, 0] - held[1, 1] - held[2, 2]  # the trace of a rotation by w T is 2 cos(w T)
+        transition = mpmath.expm(mpmath.matrix(rows) / SAMPLES_PER_S)
+        c = 3 - transition[0, 0] - transition[1, 1] - transition[2, 2]  # the trace of a rotation by w T is 2 cos(w T)
         A = mpmath.matrix([[1, 0, 0], [0, 1, c], [0, -1, 1 - c]])
-        T = _controllability_matrix(held[:3, :3], held[:3, 3]) * mpmath.inverse(
+        T = _controllability_matrix(transition[:3, :3], transition[:3, 3]) * mpmath.inverse(
             _controllability_matrix(A, mpmath.matrix([1, 0, 1]))
         )
-        E = mpmath.lu_solve(T, held[:3, 4])
+        E = mpmath.lu_solve(T, transition[:3, 4])
         E[2] += E[1]
         return InternalModel(c, T, E)
 
@@ -82,8 +83,8 @@ def _controllability_matrix(A: mpmath.matrix, B: mpmath.matrix) -> mpmath.matrix
 def derivative_filter() -> tuple[float, float, float]:
     """Return fade, rho, h of s <- fade s + d, r <- fade r + s + rho s_before, v = h r, d = q - q_prev. F section III.
 
-    It is v = s w^2/(s+w)^2 q with q a ramp between samples, exactly. A unit step of q answers with w^2 t exp(-w t); the
-    ramp from 0 to 1 over one period T with 1/T times the integral of it, and the sum over all samples of v is 1/T.
+    This is v = s w^2/(s+w)^2 q, exact for q linear between samples. A unit step of q gives v = w^2 t exp(-w t). A ramp
+    of q from 0 to 1 over one period T gives the mean of that response over the last T; its samples add up to 1/T.
     """
     with mpmath.workdps(60):
         wT = mpmath.mpf(FILTER) / SAMPLES_PER_S

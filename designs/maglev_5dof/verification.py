@@ -11,14 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import control, experiments, reference
+from designs.maglev_5dof import commutation, control, experiments, reference, reference_phase
 from synth.block import Block
 from synth.check import Check
+from synth.companion import Companion
 from synth.declaration import Stage
+from synth.simulate import rig as simulation
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import sample_times
+from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 from synth.verify import agree, sampling, standard, suite
+from synth.verify.agree import Agreement
 from synth.verify.evidence import Evidence
 from synth.verify.sampling import Columns
 
@@ -53,12 +56,36 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     samples = sampling.edge_steps(by.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
     edge = suite.compare("edge steps", by, *samples, EDGE_FLOOR)
     progress("replays of closed loops")
-    rigs = [Rig(stage, stage.plant, c) for c in (by.c32, by.c64)]
-    compared += suite.replay(by, replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY), FLOOR)
+    rigs = [simulation.of_stage(stage, c) for c in (by.c32, by.c64)]
+    runs = replays(rigs[1], WHOLE_REPLAY if whole else QUICK_REPLAY)
+    compared += suite.replay(by, {what: run.measured for what, run in runs.items()}, FLOOR)
+    progress("commutation")
+    phases, precisions = compare_commutations(stage, runs)
+    compared += phases
     progress("single against double over 60 s")
     checks = [c for of, floor in ((compared, FLOOR), (edge, EDGE_FLOOR)) for c in suite.exact_checks(of, _unit(floor))]
     checks += [Check("share of random steps at a limit", share, 0.5, "1"), *single_against_double(*rigs)]
-    return Evidence(stage.name, (*compared, in_single, *edge), tuple(checks))
+    return Evidence(stage.name, (*compared, in_single, precisions, *edge), tuple(checks))
+
+
+def compare_commutations(stage: Stage, runs: Mapping[str, Trajectory]) -> tuple[list[Agreement], Agreement]:
+    """Compare all witnesses of the commutation over random and edge steps and `runs`, and single with double.
+
+    The random states include every stage of a handover between the motors.
+    """
+    block = commutation.phase_currents(stage.plant)
+    by, rng = suite.witnesses(block, reference_phase.step, stage.surrogate_error), np.random.default_rng(SEED + 2)
+    random, edge = sampling.anywhere(block, rng, RANDOM_STEPS), sampling.edge_steps(block, rng, EDGE_STEPS)
+    compared = suite.compare("commutation, random steps", by, *random, FLOOR)
+    compared += suite.compare("commutation, edge steps", by, *edge, FLOOR)
+    companion = Companion(block)
+    recorded = {
+        f"commutation, {what}": companion.select_inputs(run.measured, run.commands) for what, run in runs.items()
+    }
+    double, single = suite.in_both_precisions(by, *random)
+    pair = ("c64", double), ("c32", single)
+    in_single = agree.compare("commutation, random steps", *pair, FLOOR, block, np.float32)
+    return [*compared, *suite.replay(by, recorded, FLOOR)], in_single
 
 
 def _unit(floor: float) -> str:
@@ -118,7 +145,7 @@ def is_saturated(outputs: agree.Columns) -> NDArray[np.bool_]:
     return np.max(motors, axis=0) > control.DIRECT * (1 - 1e-9)
 
 
-def replays(rig: Rig, replay_s: float) -> dict[str, agree.Columns]:
+def replays(rig: Rig, replay_s: float) -> dict[str, Trajectory]:
     """Record the 4-DOF tracking with encoders, a saturated step, and faults up to the latch.
 
     Single samples of y2 and x_ref are bad, then four in a row of x, and finally z permanently, which latches.
@@ -126,12 +153,11 @@ def replays(rig: Rig, replay_s: float) -> dict[str, agree.Columns]:
     time = sample_times(2.0, rig.period_s)
     masks = {"y2": time % 0.25 < 1e-9, "x_ref": time % 0.3 < 1e-9, "x": (time > 0.8) & (time < 0.8045), "z": time > 1.5}
     bad = {name: Override(mask, np.full(len(time), np.nan)) for name, mask in masks.items()}
-    runs = {
+    return {
         f"replay of {replay_s:g} s": experiments.tracking(rig, True, replay_s)[0],
         "replay of a saturated step": experiments.step(rig, "x", -0.05, 0.05, gap=0.030, after=2.0).trajectory,
         "replay of faults": rig.run(2.0, overrides=bad),
     }
-    return {what: run.measured for what, run in runs.items()}
 
 
 def single_against_double(single: Rig, double: Rig) -> list[Check]:
@@ -157,8 +183,3 @@ def vectors(rig: Rig) -> Mapping[str, Any]:
     references["y_ref"][BAD_SET_POINT] = 0.05
     bad = Override(np.isin(np.arange(STEPS), np.r_[BAD]), np.full(STEPS, 0.2))
     return rig.run(time[-1] + rig.period_s, {"y": 0.031}, references, overrides={"x": bad}).measured
-
-
-def commutation_inputs(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the inputs of the commutation that follows the controller."""
-    return dict(outputs) | {n: inputs[n] for n in ("x", "z")}

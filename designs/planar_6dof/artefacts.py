@@ -61,7 +61,7 @@ def _compensator(axis: str, sampled: lead_lag.LeadLag, continuous: lead_lag.Comp
             "poles": [digits.significant(vertical.pole(sampled), 12), 1.0],
         },
         "certificate": {
-            "at_rad_s": digits.significant(sampled.at, 6),
+            "at_rad_s": digits.significant(sampled.frequency, 6),
             "gain_error": digits.significant(sampled.gain_error, 3),
             "phase_error_degrees": digits.significant(sampled.phase_error, 3),
         },

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from designs.planar_6dof import artefacts, cost_stimuli, interface, loop, verification
@@ -26,21 +27,22 @@ def design(
     experiments: Sequence[Run],
     audit: Callable[[Rig], Iterator[Row]],
     report: Callable[..., str],
-    around: Interface = interface.INTERFACE,
+    declared: Interface = interface.INTERFACE,
     **fields: Any,
 ) -> Design:
     """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `around` is the interface of the controller, and `fields` are further ones of the stage. `audit` yields the rows of
+    `declared` is the interface of the controller, and `fields` are further ones of the stage. `audit` yields the rows of
     the paper's audit, computed with the shipped loop.
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(
-        interface.declare_controller(name, time, lambda: subject().block, around),
+        interface.declare_controller(name, time, lambda: subject().block, declared),
         planar_stage.plant(halbach.HARMONICS),
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
+        safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),
         recording=artefacts.record_inputs,

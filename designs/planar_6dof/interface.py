@@ -68,19 +68,19 @@ def controller(
     time: Discrete,
     sensing_blocks: Sequence[Block],
     law: Sequence[Block],
-    around: Interface = INTERFACE,
+    interface: Interface = INTERFACE,
 ) -> Block:
     """Return the whole controller, from six Hall voltages, three distances and six set-points to nine currents.
 
     The sensing Blocks lead from held voltages to positions, `law` from positions and held set-points to currents.
     """
     return stage.controller(
-        name, time, around, [*sensing_blocks, vertical.vertical_kinematics(plant, time), *law]
+        name, time, interface, [*sensing_blocks, vertical.vertical_kinematics(plant, time), *law]
     ).block
 
 
 def declare_controller(
-    name: str, time: Discrete, block: Callable[[], Block], around: Interface = INTERFACE
+    name: str, time: Discrete, block: Callable[[], Block], interface: Interface = INTERFACE
 ) -> Controller:
     """Return the declaration of a controller with this interface; its Block is built on first use."""
-    return Controller(name, time, around, lambda: Composition((), (), block()))
+    return Controller(name, time, interface, lambda: Composition((), (), block()))

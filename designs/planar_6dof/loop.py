@@ -35,8 +35,8 @@ SUBSTEPS = 2  # of a sample: psi oscillates at 214 rad/s, 0.13 rad in half of 1.
 def of(block: Block, controller: host.Controller | None = None) -> Rig:
     """Return the closed loop of a controller, compiled here or given, on motors that see the field's harmonics."""
     plant = planar_stage.plant(halbach.HARMONICS)
-    around = interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE
-    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, around)
+    chosen = interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE
+    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, chosen)
     return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
 
 

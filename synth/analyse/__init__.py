@@ -9,7 +9,7 @@ Linear models
     delay(system, samples)               a sampled model with delayed inputs
     connect(models, inputs, ...)         models wired by the names of their signals
     feedback(forward, back)              the closed loop with negative feedback
-    minreal(system)                      without what no input reaches or no output shows
+    minreal(system)                      the model without uncontrollable and unobservable states
     poles(system)                        with damping, frequency and the states that take part
     zeros(system)                        transmission zeros
     gramians(system)                     controllability and observability Gramians, Hankel singular values

@@ -24,13 +24,13 @@ from synth.timing import Continuous
 class Assessment:
     """The crossings of a loop, whether it is stable, and the two checks of the crossings.
 
-    `is_whole` is true if no limit of frequency excludes a crossing. `count_unstable` takes a factor on the loop,
+    `is_complete` is true if the range of frequency excludes no crossing. `count_unstable` takes a factor on the loop,
     `perturbation` takes a frequency in rad/s.
     """
 
     crossings: Crossings
     stable: bool
-    is_whole: bool
+    is_complete: bool
     count_unstable: Callable[[complex], float]
     perturbation: Callable[[float], Perturbation]
 
@@ -58,7 +58,7 @@ def of_delayed_loop(loop: Delayed, low: float | None, high: float | None) -> Ass
     def count_unstable(factor: complex) -> float:
         return nyquist.count_unstable(loop, factor, high, L)
 
-    def change(w: float) -> Perturbation:
+    def sensitivity_to_rounding(w: float) -> Perturbation:
         of_loop = perturbation.of_rational(model, w).of_loop
         value = abs(L(w)[0]) / abs(1 + L(w)[0]) if L and np.isfinite(w) else 1.0
         return Perturbation(of_loop, of_loop * float(value))
@@ -68,7 +68,7 @@ def of_delayed_loop(loop: Delayed, low: float | None, high: float | None) -> Ass
         count_unstable(1.0) == 0,
         low is None and high is None,
         count_unstable,
-        change,
+        sensitivity_to_rounding,
     )
 
 

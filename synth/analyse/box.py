@@ -13,7 +13,7 @@ from synth.errors import ModelError
 from synth.signals import Signal
 from synth.statespace import Array, readonly
 
-PRINTED = 1e-6  # of a half range: a smaller value prints as 0
+PRINT_THRESHOLD = 1e-6  # of a half range: a smaller value prints as 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ def signal_indices(expr: ca.SX, symbols: ca.SX, box: Sequence[Signal]) -> list[i
 
 def where(box: Sequence[Signal], point: Array) -> str:
     """Return a point (d,) as text: each signal with its value and unit."""
-    values = np.where(np.abs(point) > PRINTED * half_widths(box), point, 0.0)
+    values = np.where(np.abs(point) > PRINT_THRESHOLD * half_widths(box), point, 0.0)
     return ", ".join(f"{s.name} = {v:.6g} {s.unit}".removesuffix(" 1") for s, v in zip(box, values, strict=True))
 
 

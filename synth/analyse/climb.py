@@ -15,17 +15,17 @@ Derivatives = Callable[[float], tuple[Complex, Complex, Complex]]
 
 STEPS = 8
 TINY = 1e-300
-NEAR = 1e-5  # relative gain below which no further step follows: that would gain about its square
-CONVERGED = 1e-9  # relative gain below which the climb ends
+MIN_NEWTON_GAIN = 1e-5  # relative gain below which no further step follows: that would gain about its square
+CONVERGENCE_TOLERANCE = 1e-9  # relative gain below which the climb ends
 
 
 def local_maximum(derivatives: Derivatives, w: float) -> tuple[float, float]:
     """Return the local maximum of sigma_max near w and its location; `derivatives(w)` returns M, M', M'' (p, m)."""
     value, step, gain = _newton(derivatives, w)
     for _ in range(STEPS):
-        if not gain > CONVERGED * value:
+        if not gain > CONVERGENCE_TOLERANCE * value:
             break
-        if gain < NEAR * value:
+        if gain < MIN_NEWTON_GAIN * value:
             last = float(np.linalg.svd(derivatives(w + step)[0], compute_uv=False)[0])
             return (last, w + step) if last > value else (value, w)
         other, following, next_gain = _newton(derivatives, w + step)

@@ -7,9 +7,9 @@ With L = N / D on the axis s = i v, u = v^2 and N conj(D) = R(u) + i v F(u),
     |1 + L| least      d/du (|N + D|^2 / |D|^2) = 0, or at an end
 
 Each is a polynomial in u with integer coefficients. All its positive zeros are isolated, so no crossing is missed,
-however close it lies to another or to an end. The value of L at a zero is enclosed by a ball. For an order above SMALL,
-branch and bound gives the least |1 + L| (`zpk.least_distance`). If |L| = 1 or F = 0 at all frequencies, only the worst
-crossings are returned.
+however close it lies to another or to an end. The value of L at a zero is enclosed by a ball. For an order above
+MAX_POLYNOMIAL_ORDER, branch and bound gives the least |1 + L| (`zpk.least_distance`). If |L| = 1 or
+F = 0 at all frequencies, only the worst crossings are returned.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,9 +24,9 @@ from synth.analyse.rational import Polynomial, Rational, on_axis, squared_magnit
 from synth.errors import ModelError
 from synth.timing import Continuous
 
-RESOLVED = 53  # bits of a value, at least
-NOTHING = 2.0**-200  # a smaller value counts as 0
-SMALL = 12  # order up to which the zeros of a polynomial of twice that degree give the least |1 + L|
+CORRECT_BITS = 53  # bits of a value, at least
+ZERO_THRESHOLD = 2.0**-200  # a smaller value counts as 0
+MAX_POLYNOMIAL_ORDER = 12  # order up to which the zeros of a polynomial of twice that degree give the least |1 + L|
 POINTS = 2000  # of the grid on which an all-pass is searched for its worst crossing
 
 
@@ -55,7 +55,7 @@ class Crossings:
 def of_rational(loop: Rational, low: float, high: float) -> Crossings:
     """Return the crossings of a loop between two frequencies in rad/s, and its `ends` regardless of these limits.
 
-    Raises ModelError if `rational.MOST_BITS` bits do not resolve a value.
+    Raises ModelError if `rational.MAX_BITS` bits do not resolve a value.
     """
     N, D = loop.lowest_terms
     at_ends = ends(loop)
@@ -114,14 +114,14 @@ def _least_distance(loop: Rational, ends: Mapping[float, float], low: float, hig
     """Return the least |1 + L| and its frequency."""
     N, D = loop.lowest_terms
     candidates = [(abs(1 + v), w) for w, v in ends.items()]
-    if D.degree() <= SMALL:
+    if D.degree() <= MAX_POLYNOMIAL_ORDER:
         P, Q = squared_magnitude(N + D), squared_magnitude(D)
         stationary = _values_at_zeros(loop, N, D, _without_common_zeros(P.derivative() * Q - P * Q.derivative(), Q))
         inside = [c for c in stationary if low <= c.frequency <= high] + _crossings_at_limits(loop, N, D, low, high)
         return min(candidates + [(abs(1 + c.L), c.frequency) for c in inside])
     L = zpk.of_rational(loop)
     slowest = float(np.abs(loop.closed_loop_poles[loop.closed_loop_poles != 0]).min(initial=np.inf))
-    start = loop.axis_point(low) if low else min(zpk.lowest_frequency(L), zpk.BELOW * slowest)
+    start = loop.axis_point(low) if low else min(zpk.lowest_frequency(L), zpk.LOW_ASYMPTOTE * slowest)
     grid = zpk.frequency_grid(L, start, loop.closed_loop_poles)
     top = loop.axis_point(high) if np.isfinite(high) else float(grid[-1])
     distance, v = zpk.least_distance(L, zpk.interval_ends(L, grid, top, turning=False))
@@ -139,7 +139,7 @@ def _crossings_at_limits(loop: Rational, N: Polynomial, D: Polynomial, low: floa
 def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial) -> tuple[Crossing, ...]:
     """Return L at the positive zeros of P, enclosed to double precision."""
     bits = rational.BITS
-    while bits <= rational.MOST_BITS:
+    while bits <= rational.MAX_BITS:
         with precise.precision(bits):
             points = sorted((root.real for root, _ in rational.roots(P) if root.imag == 0 and root.real > 0), key=float)
             values = [_value(N, D, u) for u in points]
@@ -148,14 +148,14 @@ def _values_at_zeros(loop: Rational, N: Polynomial, D: Polynomial, P: Polynomial
                 return tuple(Crossing(w, complex(v)) for w, v in zip(frequencies, values, strict=True))
         bits *= 4
     raise ModelError(
-        f"{rational.MOST_BITS} bits do not resolve a crossing of the loop: "
+        f"{rational.MAX_BITS} bits do not resolve a crossing of the loop: "
         "leave out modes with a negligible residue in the loop"
     )
 
 
 def _is_resolved(value: flint.acb) -> bool:
     near = 1 + value
-    return all(v.rel_accuracy_bits() >= RESOLVED or abs(v) < NOTHING for v in (value, near))
+    return all(v.rel_accuracy_bits() >= CORRECT_BITS or abs(v) < ZERO_THRESHOLD for v in (value, near))
 
 
 def _value(N: Polynomial, D: Polynomial, u: flint.arb) -> flint.acb:

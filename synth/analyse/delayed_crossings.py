@@ -2,8 +2,8 @@
 
 log L is a sum of terms whose slopes have bounds over an interval of frequencies (`zpk`). The mean value theorem
 excludes crossings from some intervals. If log |L| or arg L is monotone over an interval, the values at its ends give
-the number of crossings. Any other interval is halved, down to NARROW of its frequency; if still undecided, it counts as
-a crossing.
+the number of crossings. Any other interval is halved, down to MIN_WIDTH of its frequency; if still undecided, it counts
+as a crossing.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from synth.analyse import crossings, transfer, zpk
 from synth.analyse.crossings import Crossing, Crossings
 from synth.analyse.rational import Rational
 from synth.analyse.transfer import Delayed
-from synth.analyse.zpk import NARROW, ZeroPoleGain
+from synth.analyse.zpk import MIN_WIDTH, ZeroPoleGain
 from synth.errors import ModelError
 from synth.statespace import Array
 
@@ -24,7 +24,7 @@ Bounds = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
 
 ROUNDING = 1e-12  # of log |L| and arg L: a zero this near to the end of an interval may lie on it
 MOST_INTERVALS = 500_000
-QUIET = 1e-5  # of |L| at infinity: the search ends where |L| stays this close above it
+LIMIT_TOLERANCE = 1e-5  # of |L| at infinity: the search ends where |L| stays this close above it
 
 
 def of_delayed_loop(loop: Delayed, model: Rational, low: float | None, high: float | None) -> Crossings:
@@ -83,13 +83,13 @@ def _phase_crossings(
     L: ZeroPoleGain, grid: Array, last_above: Callable[[float], float], last: float, high: float | None
 ) -> tuple[list[float], float]:
     """Return the frequencies of L < 0 and their upper limit; above it |L| stays below its largest value < 1 at them."""
-    top = high or max(last_above(last + transfer.QUIET), 4 * np.pi / L.delay_s)
+    top = high or max(last_above(last + transfer.LIMIT_TOLERANCE), 4 * np.pi / L.delay_s)
     while True:
         transfer.check_turns(L.delay_s, top)
         nodes = zpk.interval_ends(L, grid, top, turning=True)
         crossings = _zeros(lambda w: L.phase(w) - np.pi, _phase_bounds(L), nodes, 2 * np.pi)
         gains = np.exp(L.log_gain(np.array(crossings))) if crossings else np.zeros(0)
-        further = last_above(max(float(gains[gains < 1].max(initial=0.0)), last * (1 + QUIET)))
+        further = last_above(max(float(gains[gains < 1].max(initial=0.0)), last * (1 + LIMIT_TOLERANCE)))
         if high or further <= top:
             return crossings, top
         top = further
@@ -131,7 +131,7 @@ def _zeros(f: Callable[[Array], Array], bounds: Bounds, nodes: Array, period: fl
         low, high = low - ROUNDING * (1 + np.abs(low)), high + ROUNDING * (1 + np.abs(high))
         may_cross = (low <= 0) & (high >= 0) if np.isinf(period) else np.floor(high / period) >= np.ceil(low / period)
         monotone = (slope_low > 0) | (slope_high < 0)
-        narrow = b - a <= NARROW * b
+        narrow = b - a <= MIN_WIDTH * b
         for x, y in zip(a[may_cross & monotone], b[may_cross & monotone], strict=True):
             zeros += _zeros_of_monotone(f, float(x), float(y), period)
         zeros += [float(v) for v in ((a + b) / 2)[may_cross & narrow & ~monotone]]
@@ -163,4 +163,4 @@ def _root(f: Callable[[Array], Array], a: float, b: float, at_a: float, at_b: fl
 
 def _distinct(w: list[float]) -> list[float]:
     """Return sorted frequencies without duplicates of one crossing."""
-    return [v for k, v in enumerate(w) if k == 0 or v - w[k - 1] > 4 * NARROW * v]
+    return [v for k, v in enumerate(w) if k == 0 or v - w[k - 1] > 4 * MIN_WIDTH * v]

@@ -29,7 +29,7 @@ from synth.timing import Continuous, Discrete
 
 MOST_STATES = 10_000  # of a delayed model, whose A then takes 800 MB
 TERMS = 19  # 2 |F| t <= 1: the first omitted term is below 1 / 20! = 4e-19 of the sum
-LOOKS = (7, 12)  # terms after which convergence is tested
+TESTED_TERMS = (7, 12)  # terms after which convergence is tested
 LAST = 2.0**-60  # of each entry of the sum: a term this small is the last, because the next is smaller
 LINK = 2.0**-40  # of the largest balanced entry: replaces zeros when rows or columns of zeros are scaled
 
@@ -163,7 +163,7 @@ def _series(Ft: Array, Wt: Array) -> tuple[Array, Array]:
         term = term @ Ft / k
         term[n:] += term[n:].T
         total = total + term
-        if k in LOOKS and (np.abs(term) <= LAST * np.abs(total)).all():
+        if k in TESTED_TERMS and (np.abs(term) <= LAST * np.abs(total)).all():
             break
     return total[:n], total[n:]
 

@@ -25,7 +25,8 @@ from synth.errors import ModelError, TimingError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import Continuous
 
-BORDER = 1e12  # a larger Gramian of noise the size of each row of scaled A indicates a mode on the stability boundary
+# For noise of the size of each row of scaled A; a larger Gramian indicates a mode on the stability boundary.
+MAX_GRAMIAN = 1e12
 
 Integral = Callable[[Array, Array], Array]
 
@@ -87,7 +88,7 @@ def gramians(system: System) -> Gramians:
         noise = T @ span.integral((inverse @ A @ T).T, (inverse * noise_size) @ inverse.T) @ T.T
     except (np.linalg.LinAlgError, RuntimeWarning) as error:
         raise _border_error(model) from error
-    if len(A) and not np.linalg.norm(noise) < BORDER:
+    if len(A) and not np.linalg.norm(noise) < MAX_GRAMIAN:
         raise _border_error(model)
     return _gramians(model, x[:, None] * T, span)
 

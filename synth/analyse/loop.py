@@ -34,9 +34,9 @@ from synth.signals import signal_names
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous, Discrete, period
 
-WHOLE = 1e-9  # of a sample: a delay this close to a whole number of samples is rounded to it
+DELAY_ROUNDING = 1e-9  # of a sample: a delay this close to a whole number of samples is rounded to it
 KINDS = ("a sensor", "an actuator", "a coordinate")
-LONGEST = 500  # states for the delay: the eigenvalues of the loop cost their cube
+MAX_DELAY_STATES = 500  # states for the delay: the eigenvalues of the loop cost their cube
 
 
 @arguments.checked
@@ -101,13 +101,14 @@ def _sample_with_delay(plant: StateSpace, time: Discrete, samples: float) -> Sta
     if not (np.isfinite(samples) and samples >= 0):
         raise TimingError(f"the delay is {samples * T:g} s: it must be finite and 0 or more")
     whole, m = round(samples), plant.B.shape[1]
-    if whole * max(m, 1) > LONGEST:
+    if whole * max(m, 1) > MAX_DELAY_STATES:
         raise TimingError(
             f"the delay is {samples * T:g} s, {samples:.6g} samples of {T:g} s for each of {m} inputs: at most "
-            f"{LONGEST} states are added for it; take a longer period, or keep the loop continuous (transfer.delayed)"
+            f"{MAX_DELAY_STATES} states are added for it; take a longer period, or keep the loop continuous "
+            "(transfer.delayed)"
         )
     n, fraction = len(plant.A), samples - np.floor(samples)
-    if abs(samples - whole) < WHOLE:
+    if abs(samples - whole) < DELAY_ROUNDING:
         E = _held_response(plant, T, 0.0)
         return discretise.with_delay(replace(plant, A=E[:, :n], B=E[:, n + m :], time=time), whole)
     return discretise.with_delay(_sample_with_fraction(plant, time, fraction), int(samples))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from synth.statespace import Array, Complex
 
 EPS = float(np.finfo(float).eps)  # twice the largest error of a rounding
-WIDE = 1e30  # no number is larger, no pole closer to the axis than its inverse: squares do not overflow
+MAX_MAGNITUDE = 1e30  # no number is larger, no pole closer to the axis than its inverse: squares do not overflow
 INDEPENDENT = 0.1  # largest |I - W V|: above it the eigenvectors count as dependent
 UP = 1 + 1e-9  # covers the rounding of the bounds themselves
 
@@ -59,7 +59,7 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
     Returns None if a pole does not decay, a square would overflow or V is nearly singular.
     """
     decay = float((1 - np.abs(poles) if sampled else -poles.real).min())
-    if not (decay > (64 * EPS if sampled else 1 / WIDE) and _largest(A, B, C, D) < WIDE):
+    if not (decay > (64 * EPS if sampled else 1 / MAX_MAGNITUDE) and _largest(A, B, C, D) < MAX_MAGNITUDE):
         return None
     try:
         W = np.linalg.inv(V)
@@ -71,7 +71,7 @@ def of(A: Array, B: Array, C: Array, D: Array, poles: Complex, V: Array, sampled
     G = W @ V
     G.flat[:: n + 1] -= 1
     rows = np.abs(G).sum(axis=1) + rounding * (W_size @ V_size.sum(axis=1))
-    if not (rows.max() < INDEPENDENT and _largest(W) < WIDE):
+    if not (rows.max() < INDEPENDENT and _largest(W) < MAX_MAGNITUDE):
         return None
     terms = np.abs(A) @ V_size + V_size * np.abs(poles.real) + np.abs(other * poles.imag)
     E = np.abs(A @ V - V * poles.real + other * poles.imag) + rounding * terms

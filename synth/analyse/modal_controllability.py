@@ -18,10 +18,11 @@ from synth.statespace import Array, Complex, System, of
 from synth.timing import Time
 
 CHUNK = 16  # modes in one batch
-SMALL = 60  # states up to which a singular value decomposition is quicker than inverse iteration
-BLOCK, STEPS, CONVERGED = 4, 60, 1e-4  # of inverse iteration: vectors, most steps, and the relative change at its end
-HUGE = 1e150  # its square is still a double
-WEAK = 1e-3  # a mode with a smaller measure counts as weakly controllable or observable
+MAX_SVD_STATES = 60  # states up to which a singular value decomposition is quicker than inverse iteration
+BLOCK, STEPS = 4, 60  # of inverse iteration: vectors, and most steps
+CONVERGENCE_TOLERANCE = 1e-4  # relative change at the end of inverse iteration
+MAX_SQUARABLE = 1e150  # its square is still a double
+WEAK_MEASURE = 1e-3  # a mode with a smaller measure counts as weakly controllable or observable
 
 Measures = tuple[float, dict[str, float]]
 
@@ -47,13 +48,13 @@ class Couplings:
 
     @property
     def weakly_controllable(self) -> tuple[Coupling, ...]:
-        """The modes with a controllability measure below WEAK."""
-        return tuple(m for m in self.modes if m.controllability < WEAK)
+        """The modes with a controllability measure below WEAK_MEASURE."""
+        return tuple(m for m in self.modes if m.controllability < WEAK_MEASURE)
 
     @property
     def weakly_observable(self) -> tuple[Coupling, ...]:
-        """The modes with an observability measure below WEAK."""
-        return tuple(m for m in self.modes if m.observability < WEAK)
+        """The modes with an observability measure below WEAK_MEASURE."""
+        return tuple(m for m in self.modes if m.observability < WEAK_MEASURE)
 
     def sheet(self) -> show.Sheet:
         """Return one row for each mode or pair, and a line for each weakly coupled one."""
@@ -134,7 +135,7 @@ def _append_row(T: Complex, row: Complex) -> Complex:
 
 
 def _least_singular_value(R: Complex) -> float:
-    if len(R) > SMALL and np.isfinite(sigma := _inverse_iteration(R)):
+    if len(R) > MAX_SVD_STATES and np.isfinite(sigma := _inverse_iteration(R)):
         return sigma
     return float(np.linalg.svd(R, compute_uv=False)[-1])
 
@@ -147,13 +148,13 @@ def _inverse_iteration(R: Complex) -> float:
     X, sigma = np.random.default_rng(0).normal(size=(len(R), BLOCK)).astype(np.complex128), np.inf
     for _ in range(STEPS):
         Y = lapack.ztrtrs(R, X, trans=2)[0]
-        if not np.abs(Y).max() < HUGE:
+        if not np.abs(Y).max() < MAX_SQUARABLE:
             return np.nan
         Z = lapack.ztrtrs(R, np.linalg.qr(Y)[0])[0]
-        if not np.abs(Z).max() < HUGE:
+        if not np.abs(Z).max() < MAX_SQUARABLE:
             return np.nan
         last, sigma = sigma, 1.0 / float(np.linalg.norm(Z, 2))
-        if last - sigma <= CONVERGED * sigma:
+        if last - sigma <= CONVERGENCE_TOLERANCE * sigma:
             return sigma
         X = np.linalg.qr(Z)[0]
     return np.nan

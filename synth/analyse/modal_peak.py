@@ -23,14 +23,14 @@ from synth.analyse.modal import EPS, Modes
 from synth.statespace import Array, Complex
 
 SWEEPS = 40
-MOST = 20_000  # intervals of one sweep: above it the response is too flat for this method
+MAX_INTERVALS = 20_000  # intervals of one sweep: above it the response is too flat for this method
 ENTRIES = 2**20  # intervals times poles, likewise
 RATIO = 1.6  # of the distances of the first cuts from the peak
 TINY = 1e-300
 PIECES = 8  # of a subdivided interval, at most
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 AXIS_END = 20.0  # times the fastest pole: the end of the axis
-SMALL = 0.7  # of the level: below it the Frobenius norm serves as the singular value
+FROBENIUS_RANGE = 0.7  # of the level: below it the Frobenius norm serves as the singular value
 UP = 1 + 1e-12  # covers the rounding of singular values and of the bound
 
 
@@ -100,7 +100,7 @@ def peak(modes: Modes) -> Bound | None:
     axis = Axis(modes)
     edges = axis.edges()
     start = _start(axis, edges)
-    if not 1 / modal.WIDE < start.value < modal.WIDE:
+    if not 1 / modal.MAX_MAGNITUDE < start.value < modal.MAX_MAGNITUDE:
         return None
     bound = _prove(axis, _refine_edges(axis, edges, start), start)
     if bound is None or modes.sampled or _bound_beyond(modes) < (1 + bound.margin) * bound.value:
@@ -176,7 +176,7 @@ def _prove(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
     first, second = slice(-1), slice(1, None)
     for _ in range(SWEEPS):
         Z, size = chart.inverses(t)
-        values = _gains(chart.modes.response(Z), SMALL * bound.value)
+        values = _gains(chart.modes.response(Z), FROBENIUS_RANGE * bound.value)
         if values.max() > bound.value * (1 + bound.margin / 4):
             bound = _climb(chart.modes, chart.frequency(float(t[values.argmax()])), bound.margin)
         size = np.maximum(size[first], size[second])
@@ -193,7 +193,7 @@ def _prove(chart: Axis | Distance, edges: Array, bound: Bound) -> Bound | None:
         a, b = _subdivide(
             a[open_intervals], b[open_intervals], np.sqrt(interpolation[open_intervals] / slack[open_intervals])
         )
-        if len(a) > min(MOST, ENTRIES // len(chart.modes.poles)):
+        if len(a) > min(MAX_INTERVALS, ENTRIES // len(chart.modes.poles)):
             return None
         t, first, second = np.concatenate([a, b]), slice(len(a)), slice(len(a), None)
     return None

@@ -34,18 +34,18 @@ from synth.statespace import Array
 Pair = tuple[Array, Array]
 
 BOX_STARTS = 24
-CLOSE_STARTS = 6  # within each radius of CLOSE
-CLOSE = (0.1, 0.01)  # radii about the origin
+CLOSE_STARTS = 6  # within each radius of START_RADII
+START_RADII = (0.1, 0.01)  # radii about the origin
 BALL_STARTS = 12  # in each round
 BALL_ROUNDS = 8
-TRIED = 20  # candidates for each start; the first ones with finite f and J are used
+MAX_CANDIDATES = 20  # candidates for each start; the first ones with finite f and J are used
 SAME_DISTANCE = 1e-6  # of the distance: half the digits of the distance locate a root on a continuum
 SAME_ROOT = 1e-4  # a double root is accurate to the square root of the tolerance on f
 MARQUARDT_STEPS = 100
 SLIDING_STEPS = 40
 NEWTON_STEPS = 20
 DAMPING = (1e-12, 1e-6, 1e10)  # least, first and last, of |J|^2
-HUGE = 1e150  # a larger number counts as infinite: its square overflows
+MAX_SQUARABLE = 1e150  # a larger number counts as infinite: its square overflows
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ def find(system: System) -> Search:
     origin = np.zeros(n)
     if system.is_root(origin):
         return Search((_newton(system, origin),))
-    regions = [] if system.is_affine else [(np.inf, BOX_STARTS), *((radius, CLOSE_STARTS) for radius in CLOSE)]
+    regions = [] if system.is_affine else [(np.inf, BOX_STARTS), *((radius, CLOSE_STARTS) for radius in START_RADII)]
     starts = [origin, *(z for radius, count in regions for z in _starts(system, radius, 0, count))]
     ends = [_levenberg_marquardt(system, z) for z in starts]
     roots = _roots(system, ends)
@@ -109,7 +109,9 @@ def _starts(system: System, radius: float, skipped: int, count: int) -> Iterator
     for _ in range(60):
         base = (1 + base) ** (1 / (n + 1))
     steps = base ** -np.arange(1.0, n + 1)
-    points = (low + (high - low) * ((0.5 + k * steps) % 1) for k in range(skipped + 1, skipped + 1 + TRIED * count))
+    points = (
+        low + (high - low) * ((0.5 + k * steps) % 1) for k in range(skipped + 1, skipped + 1 + MAX_CANDIDATES * count)
+    )
     return islice((z for z in points if _is_finite(system.linear(z))), count)
 
 
@@ -145,7 +147,7 @@ def _compare(z: Array, other: Array) -> int:
 
 
 def _is_finite(pair: Pair) -> bool:
-    return all(bool((np.abs(values) < HUGE).all()) for values in pair)
+    return all(bool((np.abs(values) < MAX_SQUARABLE).all()) for values in pair)
 
 
 def _levenberg_marquardt(system: System, z: Array) -> Array:

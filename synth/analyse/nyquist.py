@@ -18,7 +18,7 @@ from synth.analyse.transfer import Delayed, Response
 from synth.errors import ModelError
 from synth.statespace import StateSpace
 
-RESOLVED = 1e-8  # of |1 + L|: below it rounding hides on which side of -1 the loop passes
+MIN_RETURN_DIFFERENCE = 1e-8  # of |1 + L|: below it rounding hides on which side of -1 the loop passes
 
 
 def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = None, L: Response | None = None) -> float:
@@ -38,8 +38,8 @@ def count_unstable(loop: Delayed, factor: complex = 1.0, high: float | None = No
     above = _phase_change(model, curve, factor / size)
     below = above if np.isreal(factor) else _phase_change(model, curve, np.conj(factor) / size)
     (_, first, _), (_, second, _) = above, below
-    turn = sum(inside + after for inside, _, after in (above, below)) + float(np.angle(np.exp(1j * (first + second))))
-    count = -turn / (2 * np.pi)
+    phase = sum(inside + after for inside, _, after in (above, below)) + float(np.angle(np.exp(1j * (first + second))))
+    count = -phase / (2 * np.pi)
     if abs(count - round(count)) > 0.1:
         raise ModelError(
             f"the delayed loop turns {-count:.3g} times around -1, not a whole number: give a lower `low` and a higher "
@@ -55,7 +55,7 @@ def _phase_change(model: StateSpace, curve: transfer.Curve, factor: complex) -> 
     """
     w, value = refinement.refine(lambda v: factor * curve.L(v), curve.w, factor * curve.value)
     least = int(np.abs(1 + value).argmin())
-    if abs(1 + value[least]) < RESOLVED:
+    if abs(1 + value[least]) < MIN_RETURN_DIFFERENCE:
         raise ModelError(
             f"|1 + L| is {abs(1 + value[least]):.0e} at {w[least]:.6g} rad/s: rounding hides whether the "
             "delayed loop is stable; change its gain or its delay a little"

@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from synth import arguments
+from synth import arguments, show
 from synth.analyse import nearest_root
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant
@@ -28,7 +28,7 @@ Linear = Callable[[Array], tuple[Array, Array]]
 RELATIVE_TOLERANCE = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@show.result
 class OperatingPoint:
     """An equilibrium: x (n,), u (m,), p in the plant's order and units.
 
@@ -50,6 +50,15 @@ class OperatingPoint:
     def __post_init__(self) -> None:
         for letter in ("x", "u", "p"):
             object.__setattr__(self, letter, readonly(getattr(self, letter)))
+
+    def sheet(self) -> show.Sheet:
+        """Return the states and inputs by name, what lies outside its range, and the number of ties."""
+        named = [("state", self.states, self.x), ("input", self.inputs, self.u)]
+        rows = ((kind, n, show.number(v)) for kind, names, values in named for n, v in zip(names, values, strict=True))
+        lines = [f"outside its range: {', '.join(self.outside)}"] if self.outside else []
+        lines += [f"{len(self.ties)} other equilibria at the same distance"] if self.ties else []
+        title = f"Operating point, residual {show.number(self.residual, 2)}"
+        return show.Sheet(title, tuple(lines), (show.Table(("", "name", "value"), tuple(rows)),))
 
     def __getitem__(self, name: str) -> float:
         """Return the value of a state or input."""

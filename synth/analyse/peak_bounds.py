@@ -16,7 +16,7 @@ from synth.timing import period
 
 REMAINDER = 1e-3  # q, at which the sum ends
 BLOCK = 64  # samples summed at once
-SLOWEST = 1e-6  # of 1 - |z|: a slower mode counts as not decaying
+MIN_DECAY = 1e-6  # of 1 - |z|: a slower mode counts as not decaying
 
 
 @arguments.checked
@@ -37,10 +37,10 @@ def state_bounds(system: System, inputs: ArrayLike) -> Array:
     if not len(model.states):
         return readonly([])
     slowest = float(np.abs(model.poles).max(initial=0.0))
-    if slowest > 1 - SLOWEST:
+    if slowest > 1 - MIN_DECAY:
         raise ModelError(
             f"the states {', '.join(model.states)} have no bound: a mode of them has |z| = {slowest:.9g}, at most "
-            f"{1 - SLOWEST:.9g} is needed; stabilise the model, or give its slow modes a faster decay"
+            f"{1 - MIN_DECAY:.9g} is needed; stabilise the model, or give its slow modes a faster decay"
         )
     columns = [model.B * largest]
     for _ in range(BLOCK - 1):

@@ -24,7 +24,7 @@ from synth.timing import Continuous
 
 LEVELS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)  # e, relative
 TINY = 1e-300
-LEAST = 1e-4  # of the largest amplitude of a state: the least amplitude used for a weight
+MIN_AMPLITUDE = 1e-4  # of the largest amplitude of a state: the least amplitude used for a weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +59,9 @@ def _from_modes(model: StateSpace, modes: Modes, bound: Bound) -> Peak:
     value, w = bound.value, bound.w
     lower = max(0.0, value * (1 - 16 * sum(model.D.shape) * EPS) - modal_peak.error(modes, w))
     if lower < (1 - modal_peak.LEVELS[0] / 4) * value:
-        at = float(np.tan(w / 2)) if modes.sampled else w
+        bilinear_w = float(np.tan(w / 2)) if modes.sampled else w
         matrices = *resolvent.balanced(model.A, model.B, model.C), model.D
-        lower = max(lower, _lower_bound(matrices, at, not modes.sampled))
+        lower = max(lower, _lower_bound(matrices, bilinear_w, not modes.sampled))
     return Peak(lower, max(value, lower), (1 + bound.margin) * value, w)
 
 
@@ -94,10 +94,10 @@ def _prove(model: Matrices, form: Matrices, w: float, states: Array) -> Peak:
             solution = bounded_real.solve(form, level, margin * level**2 / np.maximum(len(A) * states**2, TINY))
             if solution.X is not None and bounded_real.is_proof(solution.X, model, level, continuous):
                 return Peak(_lower_bound(model, w, continuous), value, level, w)
-            other, place = _climb(form, _highest_frequency(form, _middles(solution.eigenvalues)))
+            other, frequency = _climb(form, _highest_frequency(form, _interval_midpoints(solution.eigenvalues)))
             if other <= (1 + margin / 4) * value:
                 break
-            value, w = other, place
+            value, w = other, frequency
     return Peak(_lower_bound(model, w, continuous), value, np.inf if value else 0.0, w)
 
 
@@ -106,13 +106,13 @@ def _start(form: Matrices) -> tuple[float, Array]:
     A, B, C, D = form
     schur = resolvent.schur(A)
     pairs = schur.poles[schur.poles.imag >= 0]
-    square = pairs.imag**2 - pairs.real**2  # of the resonant frequency of the pair alone, if it has one
-    w = np.concatenate([[0.0], np.where(square > 0, np.sqrt(np.abs(square)), np.abs(pairs))])
+    resonance_squared = pairs.imag**2 - pairs.real**2  # w^2 at which a pair alone peaks, if positive
+    w = np.concatenate([[0.0], np.where(resonance_squared > 0, np.sqrt(np.abs(resonance_squared)), np.abs(pairs))])
     X = np.tensordot(schur.U, schur.solve(1j * w, (schur.U.T @ B)[:, :, None]), 1)
     M = np.tensordot(C, X, 1).transpose(2, 0, 1) + D
     values = np.linalg.svd(np.concatenate([M, D[None]]), compute_uv=False)[:, 0]
     states = np.linalg.norm(X, axis=1).max(axis=1)
-    return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, LEAST * states.max(initial=0.0))
+    return float(np.append(w, np.inf)[values.argmax()]), np.maximum(states, MIN_AMPLITUDE * states.max(initial=0.0))
 
 
 def _highest_frequency(form: Matrices, frequencies: Array) -> float:
@@ -124,7 +124,7 @@ def _highest_frequency(form: Matrices, frequencies: Array) -> float:
     return float(frequencies[values.argmax()])
 
 
-def _middles(eigenvalues: Complex) -> Array:
+def _interval_midpoints(eigenvalues: Complex) -> Array:
     """Return a frequency in each interval between 0, the eigenvalues' imaginary parts and infinity."""
     cuts = np.concatenate([[0.0], np.unique(np.abs(eigenvalues.imag))])
     return np.append((cuts[:-1] + cuts[1:]) / 2, 2 * cuts[-1] + 1.0)
@@ -147,7 +147,8 @@ def _derivatives(form: Matrices, w: float) -> tuple[Complex, Complex, Complex]:
 def _lower_bound(model: Matrices, w: float, continuous: bool) -> float:
     """Return a rigorous lower bound of sigma_max at a frequency w of s.
 
-    With R (v I - A) = I - E, |E| < 1, a residual r of X leaves an error of at most |R| |r| / (1 - |E|).
+    With R (v I - A) = I + E, |E| < 1, a residual r of X leaves an error of at most |R| |r| / (1 - |E|). The factors 16
+    and 1 + 1e-6 cover the rounding errors of the singular value and of the last norm.
     """
     A, B, C, D = model
     n, (p, m) = len(A), D.shape
@@ -160,12 +161,12 @@ def _lower_bound(model: Matrices, w: float, continuous: bool) -> float:
         X = R @ B
         E = R @ shifted - np.eye(n)
         terms = np.abs(B) + (np.abs(A) + abs(v) * np.eye(n)) @ np.abs(X)
-        off = np.linalg.norm(E, np.inf) + rounding * np.linalg.norm(np.abs(R) @ np.abs(shifted), np.inf)
-        if not off < 0.5:
+        error_norm = np.linalg.norm(E, np.inf) + rounding * np.linalg.norm(np.abs(R) @ np.abs(shifted), np.inf)
+        if not error_norm < 0.5:
             return 0.0
         residual = np.abs(B - shifted @ X) + rounding * terms
-        first = np.abs(R) @ residual
-        error = first + off / (1 - off) * first.max(axis=0) * np.ones((n, 1))
+        first_order = np.abs(R) @ residual
+        error = first_order + error_norm / (1 - error_norm) * first_order.max(axis=0) * np.ones((n, 1))
     M = C @ X + D
     uncertain = np.abs(C) @ error + rounding * (np.abs(C) @ np.abs(X) + np.abs(D))
     sigma = float(np.linalg.norm(M, 2))

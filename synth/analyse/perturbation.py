@@ -22,7 +22,7 @@ from synth.errors import ModelError
 from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Continuous, Time
 
-SLOW = 1e-14  # of the fastest pole, or of the unit circle: a pole with less decay may be undamped
+MIN_DECAY = 1e-14  # of the fastest pole, or of the unit circle: a pole with less decay may be undamped
 EPS = 2.0**-53  # the largest relative error of rounding to double
 
 
@@ -100,7 +100,7 @@ def is_stable(loop: Rational) -> bool:
     hidden = [w for w in map(loop.frequency, np.unique(np.abs(poles))) if of_rational(loop, w).of_closed >= 1]
     if not hidden:
         return True
-    if (decay <= SLOW).any():
+    if (decay <= MIN_DECAY).any():
         return False
     raise ModelError(
         f"rounding of the coefficients hides whether the closed loop is stable: it may move its poles near "

@@ -32,13 +32,13 @@ else:
     Axes = Figure = Any  # annotations are read at the first call, which shall not load matplotlib
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")  # distinguishable with any colour vision
-LINE = "#666666"
+LINE_COLOUR = "#666666"
 STYLE = {
     "font.size": 9.0,
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],
     "axes.grid": True,
-    "axes.edgecolor": LINE,
+    "axes.edgecolor": LINE_COLOUR,
     "axes.linewidth": 0.6,
     "axes.labelsize": 9.0,
     "axes.titlesize": 9.5,
@@ -53,7 +53,7 @@ STYLE = {
     "legend.edgecolor": "#cccccc",
     "svg.fonttype": "none",
 }
-DECIBELS = 80.0  # shown above and below 0 dB: an undamped pole is infinitely high
+MAX_DECIBELS = 80.0  # shown above and below 0 dB: an undamped pole is infinitely high
 LOWEST_PHASE, HIGHEST_PHASE = -900.0, 360.0  # degrees: a delay lowers the phase without end
 MOST_PANELS = 12
 MOST_CHANNELS = 6  # rows, and columns, of step responses
@@ -72,7 +72,7 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
     """Return the Bode plot of a scalar loop between `low` and `high` rad/s, with its crossings and margins marked.
 
     A dot marks each gain crossing and a diamond each phase crossing; a thick line shows the least phase margin, and the
-    gain margins up and down. Left out, the limits enclose all poles and crossings, and `margins` is computed.
+    gain margins up and down. By default the limits enclose all poles and crossings, and `margins` are computed.
 
     Raises SignalError and ModelError as `stability_margins.of_loop`.
     """
@@ -96,8 +96,10 @@ def bode(loop: Loop, low: float | None = None, high: float | None = None, margin
 def step(system: System | TimeResponse, duration_s: float | None = None, interval_s: float | None = None) -> Figure:
     """Return the step responses of a system, one panel for each output (down) and input (across).
 
-    A dashed line is the final value. Arguments and errors are those of `time_response.step_response`, whose result, or
-    that of `impulse_response`, is taken as well. Raises SignalError for more than 6 inputs or outputs.
+    A dashed line is the final value. Instead of a system, a result of `time_response.step_response` or
+    `impulse_response` may be given. Arguments and errors are those of `step_response`.
+
+    Raises SignalError for more than 6 inputs or outputs.
     """
     response = (
         system if isinstance(system, TimeResponse) else time_response.step_response(system, duration_s, interval_s)
@@ -134,7 +136,7 @@ def over_time(time: ArrayLike, signals: Mapping[str, ArrayLike], units: Mapping[
         for axes, (name, values) in zip(np.atleast_1d(panels), columns.items(), strict=True):
             axes.plot(t, values, color=COLOURS[0])
             axes.set_ylabel(show.with_unit(name, units.get(name, "")))
-            _plain(axes)
+            _use_plain_numbers(axes)
         axes.set_xlabel("time [s]")
         figure.align_ylabels()
     return figure
@@ -149,8 +151,8 @@ def unwrapped_phase(w: Array, L: Complex, crossing: float) -> Array:
     angle = np.angle(L)
     steps = (np.diff(angle) + 1.25 * np.pi) % (2 * np.pi) - 1.25 * np.pi
     degrees = np.degrees(angle[0] + np.concatenate([[0.0], np.cumsum(steps)]))
-    at = np.interp(crossing, w, degrees)
-    return np.asarray(degrees - 360 * np.ceil(at / 360), dtype=np.float64)
+    phase_at_crossing = np.interp(crossing, w, degrees)
+    return np.asarray(degrees - 360 * np.ceil(phase_at_crossing / 360), dtype=np.float64)
 
 
 def _panels(rows: int, columns: int = 1, *, height: float) -> tuple[Figure, Any]:
@@ -167,7 +169,9 @@ def _response(
     curve = transfer.trace(model, low, high)
     gains = [c.frequency for c in margins.gain_crossings]
     crossings = gains + [c.frequency for c in margins.phase_crossings]
-    marks = np.array([w for w in (*_rates(model), *crossings, margins.peak_frequency) if curve.w[0] < w < curve.w[-1]])
+    marks = np.array(
+        [w for w in (*_natural_frequencies(model), *crossings, margins.peak_frequency) if curve.w[0] < w < curve.w[-1]]
+    )
     bottom, top = (marks.min() / 10, marks.max() * 10) if marks.size else (curve.w[0], curve.w[-1])
     bottom, top = max(low or bottom, curve.w[0]), min(high or top, curve.w[-1])
     w = np.unique([bottom, *np.geomspace(bottom, top, 400), *curve.w, *(c for c in crossings if np.isfinite(c))])
@@ -175,7 +179,7 @@ def _response(
     return w, curve.L(w)
 
 
-def _rates(loop: StateSpace | Delayed) -> Array:
+def _natural_frequencies(loop: StateSpace | Delayed) -> Array:
     """Return the magnitudes of the poles in rad/s, of a sampled loop without those at z = 0."""
     model = loop.model if isinstance(loop, Delayed) else loop
     if isinstance(model.time, Discrete):
@@ -192,7 +196,7 @@ def _draw_gain(axes: Axes, w: Array, L: Complex, margins: Margins) -> None:
     from matplotlib.ticker import MultipleLocator
 
     level = _decibels(L)
-    axes.axhline(0.0, color=LINE, lw=0.8)
+    axes.axhline(0.0, color=LINE_COLOUR, lw=0.8)
     axes.plot(w / (2 * np.pi), level, color=COLOURS[0])
     _draw_crossings(axes, w, level, margins)
     for crossing in margins.phase_crossings:
@@ -200,7 +204,7 @@ def _draw_gain(axes: Axes, w: Array, L: Complex, margins: Margins) -> None:
         if is_margin and w[0] <= crossing.frequency <= w[-1]:
             f = crossing.frequency / (2 * np.pi)
             axes.plot([f, f], [-float(_decibels(crossing.gain_margin)), 0.0], color=COLOURS[1], lw=2.2)
-    bottom, top = max(float(level.min()), -DECIBELS), min(float(level.max()), DECIBELS)
+    bottom, top = max(float(level.min()), -MAX_DECIBELS), min(float(level.max()), MAX_DECIBELS)
     axes.set(ylabel="|L| [dB]", ylim=(20 * np.floor(min(bottom, -1) / 20), 20 * np.ceil(max(top, 1) / 20)))
     axes.yaxis.set_major_locator(MultipleLocator(20))
 
@@ -213,7 +217,7 @@ def _draw_phase(axes: Axes, w: Array, degrees: Array, margins: Margins) -> None:
     bottom, top = 90 * np.floor(low / 90) - 10, 90 * np.ceil(high / 90) + 10
     for level in np.arange(-900.0, 361.0, 360.0):
         if bottom < level < top:
-            axes.axhline(level, color=LINE, lw=0.8)
+            axes.axhline(level, color=LINE_COLOUR, lw=0.8)
     axes.plot(w / (2 * np.pi), degrees, color=COLOURS[0])
     _draw_crossings(axes, w, degrees, margins)
     if margins.gain_crossings:
@@ -225,12 +229,12 @@ def _draw_phase(axes: Axes, w: Array, degrees: Array, margins: Margins) -> None:
 
 
 def _draw_crossings(axes: Axes, w: Array, values: Array, margins: Margins) -> None:
-    look: dict[str, Any] = {"ls": "", "ms": 4.5, "mfc": "white", "mec": COLOURS[0], "zorder": 5}
+    style: dict[str, Any] = {"ls": "", "ms": 4.5, "mfc": "white", "mec": COLOURS[0], "zorder": 5}
     gains = np.array([c.frequency for c in margins.gain_crossings])
     phases = np.array([c.frequency for c in margins.phase_crossings])
     for crossings, marker in ((gains, "o"), (phases, "D")):
-        at = crossings[(crossings >= w[0]) & (crossings <= w[-1])]
-        axes.plot(at / (2 * np.pi), np.interp(at, w, values), marker=marker, **look)
+        shown = crossings[(crossings >= w[0]) & (crossings <= w[-1])]
+        axes.plot(shown / (2 * np.pi), np.interp(shown, w, values), marker=marker, **style)
 
 
 def _label_frequency(column: Sequence[Axes], period_s: float | None) -> None:
@@ -265,16 +269,16 @@ def _draw_response(axes: Axes, response: TimeResponse, i: int, j: int) -> None:
     """Draw the response of output i to input j, and its final value."""
     axes.plot(response.time, response.outputs[:, i, j], color=COLOURS[0])
     if response.final is not None:
-        axes.axhline(float(response.final[i, j]), color=LINE, ls="--", lw=0.9)
+        axes.axhline(float(response.final[i, j]), color=LINE_COLOUR, ls="--", lw=0.9)
     if i == 0:
         axes.set_title(f"{response.signal} at {show.with_unit(response.input_names[j], response.input_units[j])}")
     if j == 0:
         axes.set_ylabel(show.with_unit(response.output_names[i], response.output_units[i]))
     if i == response.outputs.shape[1] - 1:
         axes.set_xlabel("time [s]")
-    _plain(axes)
+    _use_plain_numbers(axes)
 
 
-def _plain(axes: Axes) -> None:
+def _use_plain_numbers(axes: Axes) -> None:
     """Show the values themselves on the axis, with a common power of ten where they are small or large, no offset."""
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useOffset=False)

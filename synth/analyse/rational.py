@@ -30,7 +30,7 @@ from synth.timing import Continuous, Time
 Polynomial = flint.fmpz_poly
 
 BITS = 128  # of each zero; increased if they do not resolve a value
-MOST_BITS = 1 << 14
+MAX_BITS = 1 << 14
 X = flint.fmpz_poly([0, 1])
 
 
@@ -66,8 +66,8 @@ class Rational:
         """The closed-loop poles (n,) in s, including those that cancel in L; inf for a pole at z = -1."""
         N, D = self.lowest_terms
         finite = np.concatenate([zeros(N + D), zeros(self.common)])
-        lost = max(self.N.degree(), self.D.degree()) - len(finite)
-        return np.concatenate([finite, np.full(lost, complex(np.inf))])
+        at_infinity = max(self.N.degree(), self.D.degree()) - len(finite)
+        return np.concatenate([finite, np.full(at_infinity, complex(np.inf))])
 
     def frequency(self, v: float) -> float:
         """Return w in rad/s of s = i v."""
@@ -115,11 +115,11 @@ def _determinants(model: StateSpace) -> tuple[Polynomial, Polynomial]:
     A, b, c = model.A * scale / scale[:, None], model.B[:, 0] / scale, model.C[0] * scale
     k_b, k_c, d = _bits(b), _bits(c), Fraction(float(model.D[0, 0]))
     k = max(_bits(A.ravel()), k_b + k_c)
-    whole = [[int(Fraction(float(v)) * (1 << k)) for v in row] for row in A]
+    A_whole = [[int(Fraction(float(v)) * (1 << k)) for v in row] for row in A]
     b_whole = [int(Fraction(float(v)) * (1 << (k - k_c))) for v in b]
     c_whole = [int(Fraction(float(v)) * (1 << k_c)) for v in c]
-    feedback = [[whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
-    D, closed = _characteristic(whole, k), _characteristic(feedback, k)
+    feedback = [[A_whole[i][j] - b_whole[i] * c_whole[j] for j in range(n)] for i in range(n)]
+    D, closed = _characteristic(A_whole, k), _characteristic(feedback, k)
     return d.denominator * closed + (d.numerator - d.denominator) * D, d.denominator * D
 
 
@@ -179,11 +179,11 @@ def count_unstable(loop: Rational, factor: complex) -> int:
     a, b = Fraction(factor.real), Fraction(factor.imag)
     shift = max(a.denominator, b.denominator)
     real, imaginary = shift * D + int(a * shift) * N, int(b * shift) * N
-    lost = 0 if isinstance(loop.time, Continuous) else order - max(real.degree(), imaginary.degree())
+    at_infinity = 0 if isinstance(loop.time, Continuous) else order - max(real.degree(), imaginary.degree())
     with precise.precision(BITS):
         if not b:
-            return lost + sum(count for root, count in roots(real) if not root.real < 0)
-    return lost + sum(not root.real < 0 for root in _complex_roots(real, imaginary))
+            return at_infinity + sum(count for root, count in roots(real) if not root.real < 0)
+    return at_infinity + sum(not root.real < 0 for root in _complex_roots(real, imaginary))
 
 
 def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
@@ -191,6 +191,6 @@ def _complex_roots(real: Polynomial, imaginary: Polynomial) -> list[flint.acb]:
     with precise.precision(max(real.height_bits(), imaginary.height_bits()) + BITS):
         P = flint.acb_poly(real) + flint.acb(0, 1) * flint.acb_poly(imaginary)
         try:
-            return list(P.roots(tol=flint.arb(2) ** -(BITS // 2), maxprec=MOST_BITS)) if P.degree() > 0 else []
+            return list(P.roots(tol=flint.arb(2) ** -(BITS // 2), maxprec=MAX_BITS)) if P.degree() > 0 else []
         except ValueError as error:
             raise ModelError("the poles of the loop closed with a phase change cannot be separated") from error

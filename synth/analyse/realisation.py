@@ -19,10 +19,10 @@ from synth.errors import ModelError
 from synth.statespace import Array, StateSpace, System, of
 from synth.timing import Continuous
 
-SAME = 1e-8  # of the response: removal of a part with coupling below COUPLING changes it by less
-CUTS = (1e-8, 1e-9, 1e-10, staircase.COUPLING)  # tried in order until the response changes by rounding only
+RESPONSE_TOLERANCE = 1e-8  # relative: removal of a part with coupling below COUPLING changes it by less
+THRESHOLDS = (1e-8, 1e-9, 1e-10, staircase.COUPLING)  # smaller couplings count as 0; tried until only rounding is left
 ROUNDING = 10 * np.finfo(float).eps  # of |C| |(s I - A)^-1| |B|, times the condition of s I - A
-CLEAR = 100.0  # of the largest coupling left out: the order is uncertain unless the least one kept is larger
+MIN_GAP_RATIO = 100.0  # of the smallest coupling kept to the largest neglected: below it the order is uncertain
 POINTS = 12  # points at which the two responses are compared
 
 
@@ -40,8 +40,8 @@ class Minimal:
 
     `uncontrollable` and `unobservable` are the removed modes; directions are in the original states.
     `removed` are the states that were removed, `added` the new ones. `difference` is relative, over points from below
-    the slowest to above the fastest pole. `gap` holds the least coupling kept and the largest left out, 1 at best: the
-    order is certain if they are far apart. `fewer` is a lower order that changes the response little, but by more than
+    the slowest to above the fastest pole. `gap` holds the smallest coupling kept, 1 at best, and the largest neglected:
+    the order is certain if they are far apart. `lower_order` is one that changes the response little, but by more than
     rounding explains.
     """
 
@@ -52,18 +52,19 @@ class Minimal:
     added: tuple[str, ...]
     difference: float
     gap: staircase.Gap
-    fewer: LowerOrder | None
+    lower_order: LowerOrder | None
 
     def sheet(self) -> show.Sheet:
         """Return the counts, the new states and a row for each removed mode."""
         lines = [f"States: {', '.join(self.model.states) or 'none'}; the responses differ by {self.difference:.1e}."]
-        if self.gap.left:
-            doubt = "" if self.gap.ratio > CLEAR else "; they lie so close that the order is uncertain"
-            lines.append(f"Least coupling kept {self.gap.kept:.0e}, largest left out {self.gap.left:.0e}{doubt}.")
-        if self.fewer:
+        if self.gap.neglected:
+            doubt = "" if self.gap.ratio > MIN_GAP_RATIO else "; they lie so close that the order is uncertain"
+            lines.append(f"Least coupling kept {self.gap.kept:.0e}, largest neglected {self.gap.neglected:.0e}{doubt}.")
+        if self.lower_order:
+            order, change = self.lower_order.order, self.lower_order.difference
             lines.append(
-                f"{self.fewer.order} states change the response by {self.fewer.difference:.0e}: more than rounding "
-                "explains. The others are kept; they may be superfluous."
+                f"{order} states change the response by {change:.0e}: more than rounding explains. "
+                "The others are kept; they may be superfluous."
             )
         if self.removed:
             lines.append(f"Removed: {', '.join(self.removed)}.")
@@ -89,19 +90,20 @@ def minimal(system: System) -> Minimal:
     """
     model = of(system)
     scaled = staircase.of_model(model)
-    fewer: list[LowerOrder] = []
-    for cut in CUTS:
-        decomposition = staircase.kalman(scaled, cut)
+    lower_orders: list[LowerOrder] = []
+    for threshold in THRESHOLDS:
+        decomposition = staircase.kalman(scaled, threshold)
         reduced, added = _project(model, scaled, decomposition.kept)
-        compared = _compare(model, reduced, scaled)
-        if compared.in_rounding:
+        difference = _compare(model, reduced, scaled)
+        if difference.is_rounding:
             break
-        fewer.append(LowerOrder(len(reduced.A), compared.relative))
-    candidates = [f for f in fewer if f.order < len(reduced.A) and f.difference <= SAME]
-    if compared.relative > SAME:
+        lower_orders.append(LowerOrder(len(reduced.A), difference.relative))
+    candidates = [f for f in lower_orders if f.order < len(reduced.A) and f.difference <= RESPONSE_TOLERANCE]
+    if difference.relative > RESPONSE_TOLERANCE:
         raise ModelError(
-            f"the minimal realisation changes the response by {compared.relative:.1e} of its size: a part of the model "
-            f"has a coupling of no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or couple it"
+            f"the minimal realisation changes the response by {difference.relative:.1e} of its size: a part of the "
+            f"model has a coupling of no more than {staircase.COUPLING:.0e} yet acts; take it out of the model or "
+            "couple it"
         )
     uncontrollable = structure.named_modes(decomposition.uncontrollable, scaled.B.T, scaled.rate, model.states)
     unobservable = structure.named_modes(decomposition.unobservable, scaled.C, scaled.rate, model.states)
@@ -112,7 +114,7 @@ def minimal(system: System) -> Minimal:
         unobservable,
         removed,
         added,
-        compared.relative,
+        difference.relative,
         decomposition.gap,
         candidates[0] if candidates else None,
     )
@@ -123,8 +125,10 @@ def _project(model: StateSpace, scaled: staircase.Scaled, kept: Array) -> tuple[
     Z = kept[:, np.argsort([_single_state(z) for z in kept.T], kind="stable")]
     names, added = _state_names(model, Z)
     size = np.array([1.0 if name in added else scaled.x[_single_state(z)] for name, z in zip(names, Z.T, strict=True)])
-    into, out = size[:, None] * Z.T / scaled.x, scaled.x[:, None] * Z / size
-    return replace(model, A=into @ model.A @ out, B=into @ model.B, C=model.C @ out, states=names), added
+    to_reduced, to_full = size[:, None] * Z.T / scaled.x, scaled.x[:, None] * Z / size
+    return replace(
+        model, A=to_reduced @ model.A @ to_full, B=to_reduced @ model.B, C=model.C @ to_full, states=names
+    ), added
 
 
 def _single_state(column: Array) -> int:
@@ -151,14 +155,14 @@ class _Difference:
     rounding: Array
 
     @property
-    def in_rounding(self) -> bool:
+    def is_rounding(self) -> bool:
         """Whether there are points and rounding explains the difference at each."""
         return bool(len(self.error) and (self.error <= self.rounding).all())
 
     @property
     def relative(self) -> float:
-        """The largest difference over the size; the size is at least the rounding over SAME."""
-        size = np.maximum(self.size, self.rounding / SAME)
+        """The largest difference over the size; the size is at least the rounding over RESPONSE_TOLERANCE."""
+        size = np.maximum(self.size, self.rounding / RESPONSE_TOLERANCE)
         return float((self.error / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
@@ -166,24 +170,24 @@ def _compare(original: StateSpace, reduced: StateSpace, scaled: staircase.Scaled
     """Compare two responses in the scaled inputs and outputs of `original`, whose scaled model is `scaled`.
 
     The points lie on a ray from s = 0 into the right half-plane, from below the slowest to above the fastest pole.
-    Points where rounding alone changes the response of `original` by a tenth of SAME are omitted.
+    Points where rounding alone changes the response of `original` by a tenth of RESPONSE_TOLERANCE are omitted.
     """
     v = _points(original)
     shifted = (v / scaled.rate)[:, None, None] * np.eye(len(scaled.A)) - scaled.A
     sigma = np.linalg.svd(shifted, compute_uv=False) if len(scaled.A) else np.ones((len(v), 1))
-    resolved = sigma[:, 0] * np.finfo(float).eps < 0.1 * SAME * sigma[:, -1]
-    v, most, least = v[resolved], sigma[resolved, 0], sigma[resolved, -1]
+    resolved = sigma[:, 0] * np.finfo(float).eps < 0.1 * RESPONSE_TOLERANCE * sigma[:, -1]
+    v, largest, smallest = v[resolved], sigma[resolved, 0], sigma[resolved, -1]
     a, b = (scaled.u * _response(model, v) / scaled.y[:, None] for model in (original, reduced))
-    through = np.linalg.norm(scaled.C) * np.linalg.norm(scaled.B) / least
+    gain = np.linalg.norm(scaled.C) * np.linalg.norm(scaled.B) / smallest
     error, size = (np.abs(M).max(axis=(1, 2), initial=0.0) for M in (a - b, a))
-    return _Difference(error, size, ROUNDING * most / least * through)
+    return _Difference(error, size, ROUNDING * largest / smallest * gain)
 
 
 def _points(model: StateSpace) -> NDArray[np.complex128]:
     rates = np.abs(structure.rates(model.poles, model.time))
-    least = 2.0**-staircase.LARGEST  # a slower mode is an integrator, a faster one a delay
-    known = rates[(rates > least) & (rates < 1 / least)]
-    low, high = (0.1 * known.min(), 10 * known.max()) if len(known) else (1.0, 1.0)
+    smallest = 2.0**-staircase.LARGEST  # a slower mode is an integrator, a faster one a delay
+    finite = rates[(rates > smallest) & (rates < 1 / smallest)]
+    low, high = (0.1 * finite.min(), 10 * finite.max()) if len(finite) else (1.0, 1.0)
     s = np.geomspace(low, high, POINTS) * np.exp(0.7j)
     return np.asarray(s if isinstance(model.time, Continuous) else np.exp(s * model.time.period_s))
 
@@ -200,11 +204,11 @@ def without_unconnected_states(model: StateSpace) -> StateSpace:
 
     The response stays the same.
     """
-    moves = model.A != 0
+    couplings = model.A != 0
     controlled, observed = (model.B != 0).any(axis=1), (model.C != 0).any(axis=0)
     for _ in range(len(model.A)):
-        controlled = controlled | moves[:, controlled].any(axis=1)
-        observed = observed | moves[observed].any(axis=0)
+        controlled = controlled | couplings[:, controlled].any(axis=1)
+        observed = observed | couplings[observed].any(axis=0)
     keep = np.flatnonzero(controlled & observed)
     states = tuple(model.states[i] for i in keep)
     return replace(model, A=model.A[np.ix_(keep, keep)], B=model.B[keep], C=model.C[:, keep], states=states)

@@ -2,7 +2,7 @@
 
     |log L(j w_k+1) - log L(j w_k)| <= MAX_STEP, and the same for 1 + L, with complex logarithms
 
-An interval is halved at the geometric mean of its ends, but not below a relative width of 4 NARROW.
+An interval is halved at the geometric mean of its ends, but not below a relative width of 4 MIN_SPACING.
 """
 
 from collections.abc import Callable
@@ -13,15 +13,16 @@ from numpy.typing import ArrayLike
 from synth.statespace import Array, Complex
 
 Response = Callable[[ArrayLike], Complex]
-NARROW = 1e-9  # least relative spacing of frequencies; L nearer to an undamped pole is only rounding error
-MAX_STEP, ROUNDS = 0.15, 40  # largest step of log L and of log(1 + L) between neighbours, and most rounds of halving
+MIN_SPACING = 1e-9  # least relative spacing of frequencies; L nearer to an undamped pole is only rounding error
+MAX_STEP = 0.15  # of log L and of log(1 + L) between neighbours
+MAX_ROUNDS = 40  # of halving
 
 
 def refine(L: Response, w: Array, value: Complex) -> tuple[Array, Complex]:
     """Return the refined frequencies (k,) and L at each; `value` is L at w, and all of w is kept."""
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         wide = (_log_step(value) > MAX_STEP) | (_log_step(1 + value) > MAX_STEP)
-        wide &= np.diff(w) > 4 * NARROW * w[1:]
+        wide &= np.diff(w) > 4 * MIN_SPACING * w[1:]
         if not wide.any():
             break
         midpoints = np.sqrt(w[:-1] * w[1:])[wide]

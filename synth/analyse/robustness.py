@@ -27,7 +27,7 @@ from synth.signals import signal_names
 from synth.statespace import StateSpace
 
 NOMINAL: Mapping[str, float] = {}
-MOST_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
+MAX_CORNERS = 1024  # an equilibrium is solved for each of them at each operating point
 
 Case = Mapping[str, float]  # parameter values that differ from the nominal ones
 
@@ -69,8 +69,8 @@ class OpenLoop:
 
     def margin(self, name: str) -> float:
         """Return one of REQUIREMENTS; an unstable loop has no margin left."""
-        kind = REQUIREMENTS[name]
-        return float(kind.of(self.margins)) if self.margins.stable else kind.if_unstable
+        requirement = REQUIREMENTS[name]
+        return float(requirement.of(self.margins)) if self.margins.stable else requirement.if_unstable
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,8 @@ class Loops:
         """All actuators and sensors; with coordinates, these and the sensors outside them."""
         coordinates = self.closed.coordinates
         taken = {sensor for weights in coordinates.values() for sensor in weights}
-        alone = [sensor for sensor in self.sensors if sensor not in taken]
-        return (*coordinates, *alone) if coordinates else (*self.actuators, *alone)
+        others = [sensor for sensor in self.sensors if sensor not in taken]
+        return (*coordinates, *others) if coordinates else (*self.actuators, *others)
 
 
 @arguments.checked
@@ -163,12 +163,12 @@ def of_controller(
 def corners(plant: Plant, parameters: Sequence[str]) -> list[Case]:
     """Return all combinations of some parameters at the ends of their tolerances: 2^k for k of them.
 
-    Raises SignalError for an unknown parameter, one without a tolerance, or more than MOST_CORNERS corners.
+    Raises SignalError for an unknown parameter, one without a tolerance, or more than MAX_CORNERS corners.
     """
     ends = [_ends(plant, name) for name in parameters]
-    if 2 ** len(ends) > MOST_CORNERS:
+    if 2 ** len(ends) > MAX_CORNERS:
         raise SignalError(
-            f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MOST_CORNERS} are allowed: name fewer"
+            f"{len(ends)} parameters have 2^{len(ends)} corners, at most {MAX_CORNERS} are allowed: name fewer"
         )
     return [dict(zip(parameters, values, strict=True)) for values in itertools.product(*ends)] if ends else []
 
@@ -199,14 +199,14 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
         raise SignalError(f"there is no operating point '{point}': choose one of {', '.join(loops.points)}")
     closed = loops.closed
     plant = closed.plant.with_parameters(**case) if case else closed.plant
-    near = operating_points.trim(plant, dict(loops.points[point]), list(loops.actuators))
-    outputs = np.asarray(plant.h(near.x, near.u, near.p)).ravel().tolist()
-    values = dict(zip(near.states, near.x.tolist(), strict=True)) | dict(
+    trimmed = operating_points.trim(plant, dict(loops.points[point]), list(loops.actuators))
+    outputs = np.asarray(plant.h(trimmed.x, trimmed.u, trimmed.p)).ravel().tolist()
+    values = dict(zip(trimmed.states, trimmed.x.tolist(), strict=True)) | dict(
         zip(signal_names(plant.outputs), outputs, strict=True)
     )
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
-    return equilibrium.solve(replace(closed, plant=plant), references, near)
+    return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
 
 
 @arguments.checked
@@ -259,8 +259,8 @@ def _margins(L: StateSpace, signal: str, point: str) -> Margins:
 def disk_margins(loops: Loops, point: str, case: Case = NOMINAL) -> dict[str, disk.DiskMargin]:
     """Return the disk margins with all ``actuators``, all ``sensors`` or ``both`` varied at once, as `disk.of_loop`."""
     at_rest = equilibrium_at(loops, point, case)
-    cuts = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
-    return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in cuts.items()}
+    groups = {"actuators": loops.actuators, "sensors": loops.sensors, "both": (*loops.actuators, *loops.sensors)}
+    return {name: disk.of_loop(equilibrium.open_loop(at_rest, list(signals))) for name, signals in groups.items()}
 
 
 @arguments.checked
@@ -284,17 +284,17 @@ def checks(loops: Sequence[OpenLoop], require: Mapping[str, float], unsolved: Se
 
 
 def _failed_check(unsolved: Sequence[Unsolved], name: str, least: float) -> Check:
-    kind, first = REQUIREMENTS[name], unsolved[0]
-    unit = "" if kind.unit == "1" else f" {kind.unit}"
+    required, first = REQUIREMENTS[name], unsolved[0]
+    unit = "" if required.unit == "1" else f" {required.unit}"
     others = f", the first of {len(unsolved)} such cases" if len(unsolved) > 1 else ""
     about = f"no equilibrium {first.label}{others}: {first.reason}; {least:g}{unit} is required"
-    return Check(f"{name.replace('_', ' ')} falls short by", least - kind.if_unstable, 0.0, kind.unit, about)
+    return Check(f"{name.replace('_', ' ')} falls short by", least - required.if_unstable, 0.0, required.unit, about)
 
 
 def _check(loops: Sequence[OpenLoop], name: str, least: float) -> Check:
     worst = min(loops, key=lambda loop: loop.margin(name))
-    value, kind = worst.margin(name), REQUIREMENTS[name]
-    unit = "" if kind.unit == "1" else f" {kind.unit}"
+    value, requirement = worst.margin(name), REQUIREMENTS[name]
+    unit = "" if requirement.unit == "1" else f" {requirement.unit}"
     stable = "" if worst.margins.stable else ", not stable"
     about = f"the least of {len(loops)} loops is {value:.4g}{unit} {worst.label}{stable}; {least:g}{unit} is required"
-    return Check(f"{name.replace('_', ' ')} falls short by", least - value, 0.0, kind.unit, about)
+    return Check(f"{name.replace('_', ' ')} falls short by", least - value, 0.0, requirement.unit, about)

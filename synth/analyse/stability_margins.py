@@ -35,13 +35,13 @@ from synth.errors import ModelError
 __all__ = ["GainCrossing", "Margins", "PhaseCrossing", "of_loop", "response"]
 
 EXACT_STATES = 50  # up to which a loop is a ratio of polynomials: their cost grows with the fourth power
-NOTHING = 1e-12  # |L| below it, or above its inverse, is rounding error: no crossing is reported
+LOOP_ROUNDING = 1e-12  # |L| below it, or above its inverse, is rounding error: no crossing is reported
 MAX_UNCERTAINTY = 0.2  # of |L|: a larger uncertainty from rounding of the coefficients is an error
 CHECKED_FACTOR = 1e6  # the uncertainty of a gain factor beyond it, or below its inverse, is not checked
 SHOWN_UNCERTAINTY = 1e-4  # a larger uncertainty is reported
-VERGE = 1e-9  # of |1 + L|: a loop this close to oscillation has no margin to verify
-INSIDE = 0.99  # of a margin: the closed loop must have as many unstable poles there as without it
-OUTERMOST = 100.0  # margins are verified for gain factors between its inverse and it
+MIN_RETURN_DIFFERENCE = 1e-9  # of |1 + L|: a loop this close to oscillation has no margin to verify
+VERIFIED_FRACTION = 0.99  # of a margin: the closed loop must have as many unstable poles there as without it
+MAX_GAIN_FACTOR = 100.0  # margins are verified for gain factors between its inverse and it
 
 response = transfer.response
 
@@ -173,10 +173,12 @@ def _from_assessment(loop: Assessment) -> Margins:
     gains = tuple(_gain_crossing(c) for c in crossings.gain_crossings)
     ends = [Crossing(w, complex(v)) for w, v in crossings.ends.items() if v < 0]
     negative = sorted((*crossings.phase_crossings, *ends), key=lambda c: c.frequency)
-    phases = tuple(PhaseCrossing(c.frequency, -1 / c.L.real) for c in negative if NOTHING < -c.L.real < 1 / NOTHING)
+    phases = tuple(
+        PhaseCrossing(c.frequency, -1 / c.L.real) for c in negative if LOOP_ROUNDING < -c.L.real < 1 / LOOP_ROUNDING
+    )
     margins = Margins(loop.stable, gains, phases, crossings.peak, crossings.peak_frequency, direct)
     uncertainty = max([0.0, *(_uncertainty(loop, name, w) for name, w in _deciding_frequencies(margins))])
-    if loop.is_whole:
+    if loop.is_complete:
         _verify(loop, margins)
     return replace(margins, uncertainty=uncertainty)
 
@@ -214,7 +216,7 @@ def _uncertainty(loop: Assessment, name: str, frequency: float) -> float:
 def _verify(loop: Assessment, margins: Margins) -> None:
     """Raise ModelError unless as many closed-loop poles are unstable within each margin as at the nominal loop."""
     nominal = loop.count_unstable(1.0)
-    if np.isinf(nominal) or margins.modulus_margin < VERGE:
+    if np.isinf(nominal) or margins.modulus_margin < MIN_RETURN_DIFFERENCE:
         return
     for name, factor in _factors_inside(margins):
         count = loop.count_unstable(factor)
@@ -228,8 +230,8 @@ def _verify(loop: Assessment, margins: Margins) -> None:
 
 def _factors_inside(margins: Margins) -> Iterator[tuple[str, complex]]:
     """Yield factors on the loop just within its margins."""
-    yield "gain margin", min(margins.gain_margin**INSIDE, OUTERMOST)
-    yield "gain reduction margin", max(margins.gain_reduction_margin**INSIDE, 1 / OUTERMOST)
-    angles = [INSIDE * margins.phase_margin] if margins.gain_crossings else [90.0, 180.0 * INSIDE]
+    yield "gain margin", min(margins.gain_margin**VERIFIED_FRACTION, MAX_GAIN_FACTOR)
+    yield "gain reduction margin", max(margins.gain_reduction_margin**VERIFIED_FRACTION, 1 / MAX_GAIN_FACTOR)
+    angles = [VERIFIED_FRACTION * margins.phase_margin] if margins.gain_crossings else [90.0, 180.0 * VERIFIED_FRACTION]
     for angle in angles:
         yield "phase margin", complex(np.exp(1j * np.radians(angle)))  # the conjugate factor has the conjugate poles

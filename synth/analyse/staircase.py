@@ -85,12 +85,12 @@ class Gap:
     """The least singular value counted as a coupling, and the largest counted as zero."""
 
     kept: float
-    left: float
+    neglected: float
 
     @property
     def ratio(self) -> float:
-        """The least kept over the largest left out."""
-        return self.kept / self.left if self.left else np.inf
+        """The least kept over the largest neglected."""
+        return self.kept / self.neglected if self.neglected else np.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Time
 
 DECAY = 1e-12  # of |w|' |A|, w a scaled left eigenvector of length 1: a slower mode counts as not decaying
-NAMED = 8  # components of a direction that a text lists
+MAX_LISTED = 8  # components of a direction that a text lists
 DOMINANT = 0.1  # of the largest component: smaller ones are omitted
 
 Direction = Mapping[str, complex]
@@ -124,8 +124,8 @@ def poles(system: System) -> Poles:
     model = of(system)
     scaled = staircase.of_model(model)
     values, vectors = staircase.modes(scaled.A, np.eye(len(scaled.A)))
-    nothing = np.zeros((0, len(values)), dtype=np.complex128)
-    return Poles(_roots(model, values * scaled.rate, vectors, nothing, nothing), model.time)
+    empty = np.zeros((0, len(values)), dtype=np.complex128)
+    return Poles(_roots(model, values * scaled.rate, vectors, empty, empty), model.time)
 
 
 @arguments.checked
@@ -139,8 +139,8 @@ def transmission_zeros(system: System) -> Zeros:
     minimal = staircase.kalman(scaled)
     Z = minimal.kept
     zeros = staircase.zeros(Z.T @ scaled.A @ Z, Z.T @ scaled.B, scaled.C @ Z, scaled.D)
-    nothing = np.zeros((0, len(zeros.values)), dtype=np.complex128)
-    u, y = (zeros.u, nothing) if zeros.right else (nothing, zeros.u)
+    empty = np.zeros((0, len(zeros.values)), dtype=np.complex128)
+    u, y = (zeros.u, empty) if zeros.right else (empty, zeros.u)
     return Zeros(
         _roots(model, zeros.values * scaled.rate, Z @ zeros.x, u, y),
         zeros.rank,
@@ -161,18 +161,18 @@ def uncontrollable_modes(A: ArrayLike, B: ArrayLike, states: Sequence[str], time
     scaled = staircase.scaled(A, B)
     values, w = staircase.uncontrollable_modes(scaled)
     slow = DECAY * np.linalg.norm(np.abs(w).T @ np.abs(scaled.A), axis=1)
-    lasting = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * scaled.rate >= 1 - DECAY
-    return list(named_modes((values[lasting], w[:, lasting]), scaled.B.T, scaled.rate, states))
+    not_decaying = values.real >= -slow if isinstance(time, Continuous) else np.abs(values) * scaled.rate >= 1 - DECAY
+    return list(named_modes((values[not_decaying], w[:, not_decaying]), scaled.B.T, scaled.rate, states))
 
 
 @arguments.checked
 def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inputs: Sequence[str], time: Time) -> None:
     """Raise ModelError for the first uncontrollable mode that does not decay."""
     for mode in uncontrollable_modes(A, B, states, time):
-        who = ", ".join(mode.states)
+        names = ", ".join(mode.states)
         raise ModelError(
-            f"(A, B) is not stabilisable: mode {_number(mode.value)} in {who} has |w^H B| = {mode.measure:.0e} "
-            f"for the inputs {', '.join(inputs)}: actuate {who} or take it out of the model{_remark(mode, A, time)}"
+            f"(A, B) is not stabilisable: mode {_number(mode.value)} in {names} has |w^H B| = {mode.measure:.0e} "
+            f"for the inputs {', '.join(inputs)}: actuate {names} or take it out of the model{_remark(mode, A, time)}"
         )
 
 
@@ -180,10 +180,10 @@ def require_stabilisable(A: ArrayLike, B: ArrayLike, states: Sequence[str], inpu
 def require_detectable(A: ArrayLike, C: ArrayLike, states: Sequence[str], what: str, time: Time) -> None:
     """Raise ModelError for the first unobservable mode that does not decay; `what` is the name of C (p, n)."""
     for mode in uncontrollable_modes(arguments.matrix("A", A).T, arguments.matrix("C", C).T, states, time):
-        who = ", ".join(mode.states)
+        names = ", ".join(mode.states)
         raise ModelError(
-            f"({what}, A) is not detectable: mode {_number(mode.value)} in {who} has |C v| = {mode.measure:.0e}: "
-            f"weight or measure {who}, or take it out of the model{_remark(mode, A, time)}"
+            f"({what}, A) is not detectable: mode {_number(mode.value)} in {names} has |C v| = {mode.measure:.0e}: "
+            f"weight or measure {names}, or take it out of the model{_remark(mode, A, time)}"
         )
 
 
@@ -221,8 +221,8 @@ def direction(vector: Complex, names: Sequence[str]) -> dict[str, complex]:
     if not size.max(initial=0.0):
         return {}
     order = [i for i in np.argsort(-np.round(size / size.max(), 6), kind="stable") if size[i] > DOMINANT * size.max()]
-    share = np.round(vector / vector[order[0]], 6) + 0.0  # + 0.0: no negative zero
-    return {names[i]: complex(share[i]) for i in order}
+    components = np.round(vector / vector[order[0]], 6) + 0.0  # + 0.0: no negative zero
+    return {names[i]: complex(components[i]) for i in order}
 
 
 @arguments.checked
@@ -230,8 +230,10 @@ def direction_text(direction: Direction) -> str:
     """Return a direction as text, each component before its name, largest first; a single name without it."""
     if len(direction) == 1:
         return next(iter(direction))
-    listed = ", ".join(f"{show.number(share, 2)} {name}" for name, share in list(direction.items())[:NAMED])
-    return listed if len(direction) <= NAMED else f"{listed} and {len(direction) - NAMED} more"
+    listed = ", ".join(
+        f"{show.number(component, 2)} {name}" for name, component in list(direction.items())[:MAX_LISTED]
+    )
+    return listed if len(direction) <= MAX_LISTED else f"{listed} and {len(direction) - MAX_LISTED} more"
 
 
 def named_modes(modes: tuple[Complex, Complex], C: Array, rate: float, states: Sequence[str]) -> tuple[Mode, ...]:
@@ -247,7 +249,7 @@ def _roots(model: StateSpace, values: Complex, x: Complex, u: Complex, y: Comple
     for k, (s, rate) in enumerate(zip(values, rates(values, model.time), strict=True)):
         size = float(np.abs(rate))
         damping = float(0.0 - np.real(rate) / size) if 0 < size < np.inf else (1.0 if size else np.nan)
-        along = (direction(v[:, k], who) for v, who in ((x, model.states), (u, model.inputs), (y, model.outputs)))
+        along = (direction(v[:, k], names) for v, names in ((x, model.states), (u, model.inputs), (y, model.outputs)))
         roots.append(Root(complex(s), damping, size / (2 * np.pi), *along))
     return tuple(sorted(roots, key=lambda r: (r.frequency, r.value.real, r.value.imag)))
 

@@ -21,7 +21,7 @@ from synth.analyse.schur_response import Response
 from synth.statespace import Array, Complex, StateSpace
 
 Interval = tuple[float, float]
-COARSE, FINE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
+GRID_TOLERANCE, FINAL_TOLERANCE = 1e-2, 1e-8  # relative, of the bounds on the grid and at the points that decide
 # (count, e): number of eigenvalue problems for the level (1 + e) peak before the next e is used.
 LEVELS = ((4, 1e-6), (4, 1e-5), (4, 1e-4), (48, 1e-3), (16, 1e-2), (16, 1e-1))
 
@@ -55,7 +55,7 @@ class _Points:
     def refine(self, k: int) -> None:
         """Minimise the bound at point k."""
         if not self.fine[k]:
-            upper = ssv.upper(self.M[k : k + 1], FINE)
+            upper = ssv.upper(self.M[k : k + 1], FINAL_TOLERANCE)
             self.bound[k], self.scaling[k], self.fine[k] = upper.value[0], upper.scaling[0], True
 
     def add(self, M: Response, frequencies: Array, tolerance: float) -> None:
@@ -77,7 +77,7 @@ class _Points:
 def _points(M: Response, frequencies: Array, tolerance: float) -> _Points:
     response = M.at(frequencies)
     upper = ssv.upper(response, tolerance)
-    fine = np.full(len(frequencies), tolerance <= FINE)
+    fine = np.full(len(frequencies), tolerance <= FINAL_TOLERANCE)
     return _Points(frequencies, response, upper.value, upper.scaling, fine)
 
 
@@ -87,7 +87,7 @@ def over_frequency(model: StateSpace, certify: bool = True) -> Peak:
     Without `certify`, it is the largest on the grid and on more points around its peak.
     """
     M = schur_response.of(model)
-    points = _points(M, grid(M.poles), COARSE)
+    points = _points(M, grid(M.poles), GRID_TOLERANCE)
     _climb(M, points)
     top = points.highest(points.w >= 0)
     level, certified = _prove(M, points) if certify else (float(points.bound[top]), False)
@@ -131,7 +131,7 @@ def _climb(M: Response, points: _Points, rounds: int = 4) -> None:
         if np.isinf(w) or not ends:
             return
         new = np.concatenate([w + (e - w) * np.array([0.1, 0.3, 0.6]) for e in ends])
-        points.add(M, new[new != w], FINE)
+        points.add(M, new[new != w], FINAL_TOLERANCE)
 
 
 def _highest(points: _Points, count: int = 3) -> list[int]:
@@ -175,7 +175,7 @@ def _highest_inside(M: Response, points: _Points, interval: Interval) -> int:
     a, b = interval
     inside = ((points.w > a) & (points.w < b)) | ((points.w == a) & (a == 0)) | ((points.w == b) & np.isinf(b))
     if not inside.any():
-        points.add(M, np.array([0.5 * (a + b) if np.isfinite(b) else 2 * a]), FINE)
+        points.add(M, np.array([0.5 * (a + b) if np.isfinite(b) else 2 * a]), FINAL_TOLERANCE)
         return len(points.w) - 1
     return points.highest(inside)
 

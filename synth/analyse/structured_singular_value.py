@@ -23,7 +23,7 @@ from synth.statespace import Array, Complex
 STEPS = 100  # of Newton's method at most; about ten are usual, more where singular values meet
 CENTRED_DECREMENT = 0.5  # Newton decrement below which t decreases
 STARTS = 12  # of the power iteration, from random phases with a fixed seed
-ROUNDS = 50  # of the power iteration
+MAX_ITERATIONS = 50  # of the power iteration
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def _power(M: Complex) -> Array:
     b = np.exp(2j * np.pi * rng.random((STARTS, p)))
     b[0] = 1.0
     w, a = b, b
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         a = _unit(b @ M.T)
         w = _unit((np.abs(w) * _sign(a)) @ M.conj())
         b = np.abs(a) * _sign(w)

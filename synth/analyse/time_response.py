@@ -21,7 +21,7 @@ from synth.timing import Continuous
 
 DECADES = 3.0  # of decay, or growth, of the slowest mode in the default duration
 POINTS = 500  # at least, for a continuous model
-MOST = 20_000
+MAX_SAMPLES = 20_000
 PER_TURN = 20  # points in a period of the fastest oscillating mode
 BAND = 0.02  # of the final value: tolerance of the settling time
 
@@ -138,10 +138,12 @@ def _recursion(model: StateSpace, duration_s: float | None, interval_s: float | 
         raise TimingError(f"a model in {model.time} has its own interval, but {interval_s:g} s was given: leave it out")
     else:
         interval = model.time.period_s
-        span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MOST / 2) * interval)
+        span = float(duration_s or min(float(np.ceil(_duration(model) / interval)), MAX_SAMPLES / 2) * interval)
     count = int(np.floor(span / interval * (1 + 1e-12)))
-    if not 1 <= count <= MOST:
-        raise TimingError(f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MOST} of them")
+    if not 1 <= count <= MAX_SAMPLES:
+        raise TimingError(
+            f"{span:g} s hold {count} intervals of {interval:g} s: give times for 1 to {MAX_SAMPLES} of them"
+        )
     F, G = (model.A, model.B) if not isinstance(model.time, Continuous) else _discretise(model, interval)
     return interval * np.arange(count + 1, dtype=np.float64), F, G
 
@@ -176,7 +178,7 @@ def _duration(model: StateSpace) -> float:
 def _count(model: StateSpace, span: float) -> int:
     rates = _rates(model)
     frequencies = np.abs(rates.imag[np.abs(rates.imag) > 0.1 * np.abs(rates.real)])
-    return int(np.clip(PER_TURN * span * frequencies.max(initial=0.0) / (2 * np.pi), POINTS, MOST / 2))
+    return int(np.clip(PER_TURN * span * frequencies.max(initial=0.0) / (2 * np.pi), POINTS, MAX_SAMPLES / 2))
 
 
 def _final(model: StateSpace) -> Array | None:

@@ -19,7 +19,7 @@ from synth.errors import ModelError
 from synth.statespace import Array, Complex
 
 FLAT = 1e-10  # log |L| or sin(arg L) below it at neighbouring nodes counts as 0 on the whole stretch
-NEAR = 0.3  # neighbours differ by at most half of it: an extremum farther from 0 does not reach 0
+MAX_EXTREMUM = 0.3  # neighbours differ by at most half of it: an extremum farther from 0 does not reach 0
 REAL = 1e-6  # of |L|: a sign change of a larger imaginary part is a pole
 
 
@@ -103,9 +103,9 @@ def _root(f: Callable[[float], NDArray[np.float64]], a: float, b: float) -> floa
 def _with_extrema(f: Callable[[float], NDArray[np.float64]], w: Array, value: Array) -> tuple[Array, Array]:
     """Return the nodes and each extremum of f between nodes that lies beyond 0."""
     size, sign = np.abs(value), np.sign(value)
-    turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < NEAR)
+    turns = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]) & (size[1:-1] < MAX_EXTREMUM)
     turns &= size[1:-1] < 4 * (np.maximum(size[:-2], size[2:]) - size[1:-1])  # bound for a smooth extremum
-    turns &= w[2:] - w[:-2] > 16 * refinement.NARROW * w[2:]
+    turns &= w[2:] - w[:-2] > 16 * refinement.MIN_SPACING * w[2:]
     turns &= (sign[1:-1] == sign[:-2]) & (sign[1:-1] == sign[2:]) & (size[1:-1] > FLAT)
     for k in np.flatnonzero(turns) + 1:
         where, least = _bracketed_minimum(_scalar_function(f, sign[k]), w[k - 1], w[k + 1])

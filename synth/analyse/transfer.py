@@ -17,17 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
-from synth.analyse.refinement import NARROW, refine
+from synth.analyse.refinement import MIN_SPACING, refine
 from synth.errors import ModelError, SignalError, TimingError
 from synth.statespace import Array, Complex, StateSpace, System, of
 from synth.timing import Continuous, Discrete, Time
 
 Response = Callable[[ArrayLike], Complex]
 
-ZERO = 1e-12  # of the fastest rate: a slower one may be an integrator with rounding error
-QUIET = 1e-2  # a delayed loop is traced until |L| stays this close to its limit, and for at least two turns
+INTEGRATOR_RATE = 1e-12  # of the fastest rate: a slower one may be an integrator with rounding error
+LIMIT_TOLERANCE = 1e-2  # a delayed loop is traced until |L| stays this close to its limit, and for at least two turns
 ILL_POSED = "the loop has the direct feedthrough -1: 1 + L has no inverse; delay it"
-TURNS = 1000  # of the delay over the whole grid: more is an error
+MAX_TURNS = 1000  # of the delay over the whole grid: more is an error
 
 
 @arguments.checked
@@ -41,9 +41,9 @@ class Delayed:
 
     def sheet(self) -> show.Sheet:
         """Return the delay, the hold and the model."""
-        under = self.model.sheet()
+        inner = self.model.sheet()
         line = f"delay {self.delay_s:g} s, hold {self.hold_s:g} s, both exact"
-        return show.Sheet(f"{under.title}, delayed", (line,), under.tables)
+        return show.Sheet(f"{inner.title}, delayed", (line,), inner.tables)
 
 
 Loop = System | Delayed
@@ -99,12 +99,12 @@ def response(loop: Loop) -> Response:
     Raises SignalError when the loop is not scalar. The function raises ModelError at a pole at w = 0.
     """
     scalar_loop = of_loop(loop)
-    rational = _rational_response(scalar_loop.model if isinstance(scalar_loop, Delayed) else scalar_loop)
+    rational_part = _rational_response(scalar_loop.model if isinstance(scalar_loop, Delayed) else scalar_loop)
 
     def L(frequencies: ArrayLike) -> Complex:
         w = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
         factor = _delay_and_hold(scalar_loop, w) if isinstance(scalar_loop, Delayed) else 1.0
-        return np.asarray(factor * rational(w))
+        return np.asarray(factor * rational_part(w))
 
     return L
 
@@ -116,14 +116,14 @@ def _rational_response(model: StateSpace) -> Response:
     def points(w: Array) -> Complex:
         return np.asarray(1j * w if isinstance(time, Continuous) else np.exp(1j * w * time.period_s))
 
-    def moving(w: ArrayLike) -> Complex:
-        at = np.asarray(w)
+    def rational(w: ArrayLike) -> Complex:
+        frequencies = np.asarray(w)
         try:
-            return model.response(points(at))[:, 0, 0]
+            return model.response(points(frequencies))[:, 0, 0]
         except ModelError:
-            return model.response(points(at * (1 + 1e-14)))[:, 0, 0]
+            return model.response(points(frequencies * (1 + 1e-14)))[:, 0, 0]
 
-    return moving
+    return rational
 
 
 @arguments.checked
@@ -161,12 +161,12 @@ def trace(
     model = loop.model if isinstance(loop, Delayed) else loop
     L, closed, poles = L or response(loop), _closed_loop_rates(loop), _rates(model.poles, model)
     start, top = _span(model, closed, poles, low, high)
-    turning = loop.delay_s + loop.hold_s / 2 if isinstance(loop, Delayed) else 0.0
+    total_delay = loop.delay_s + loop.hold_s / 2 if isinstance(loop, Delayed) else 0.0
     nodes = [np.zeros(0)]
-    if turning:
-        top = high or max(_quiet_frequency(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / turning)
-        check_turns(turning, top)
-        nodes = [np.arange(start, top, 0.3 / turning)]
+    if total_delay:
+        top = high or max(_quiet_frequency(L, abs(ends(loop)[np.inf]), start, top), 4 * np.pi / total_delay)
+        check_turns(total_delay, top)
+        nodes = [np.arange(start, top, 0.3 / total_delay)]
     if not 0 < start < top:
         raise SignalError(f"the frequencies go from {start:g} to {top:g} rad/s: give 0 < low < high, below Nyquist")
     w = _grid(np.concatenate([poles, closed]), start, top, nodes)
@@ -189,12 +189,12 @@ def check_limits(low: float | None, high: float | None) -> None:
 
 
 @arguments.checked
-def check_turns(late: float, top: float) -> None:
+def check_turns(delay_s: float, top: float) -> None:
     """Raise ModelError if the delay in s gives the loop too many turns below `top` rad/s to trace it."""
-    if top * late > 2 * np.pi * TURNS:
+    if top * delay_s > 2 * np.pi * MAX_TURNS:
         raise ModelError(
-            f"the loop is delayed by {late:g} s and must be traced up to {top:.3g} rad/s, more than {TURNS} "
-            f"turns: give `high` below {2 * np.pi * TURNS / late:.3g} rad/s, or lower the loop's bandwidth"
+            f"the loop is delayed by {delay_s:g} s and must be traced up to {top:.3g} rad/s, more than {MAX_TURNS} "
+            f"turns: give `high` below {2 * np.pi * MAX_TURNS / delay_s:.3g} rad/s, or lower the loop's bandwidth"
         )
 
 
@@ -221,14 +221,14 @@ def _span(
         top, bottom = np.pi / model.time.period_s * (1 - 1e-9), 1e-6 / model.time.period_s
     else:
         top, bottom = high or 1e3 * float(size.max(initial=1.0)), 1e-9 * float(size.max(initial=1.0))
-    slowest = float(size[size > ZERO * size.max(initial=0.0)].min(initial=1.0))
+    slowest = float(size[size > INTEGRATOR_RATE * size.max(initial=0.0)].min(initial=1.0))
     return low or float(np.clip(1e-2 * slowest, min(bottom, 1e-2), 1e-2)), float(top)
 
 
 def _quiet_frequency(L: Response, last: float, start: float, top: float) -> float:
-    """Return a frequency above which |L| stays within QUIET of its limit `last`, or `top` if there is none."""
+    """Return a frequency above which |L| stays within LIMIT_TOLERANCE of its limit `last`, `top` if there is none."""
     w = np.geomspace(start, top, 2000)
-    unsettled = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= QUIET)
+    unsettled = np.flatnonzero(np.abs(np.abs(L(w)) - last) >= LIMIT_TOLERANCE)
     return float(w[min(unsettled[-1] + 1, len(w) - 1)]) if unsettled.size else float(w[0])
 
 
@@ -236,15 +236,15 @@ def _grid(rates: Complex, start: float, top: float, nodes: list[Array]) -> Array
     """Return frequencies from start to top, denser towards each lightly damped pole, and `nodes`."""
     points = [np.geomspace(start, top, 400), *nodes]
     for s in rates[rates.imag > start]:
-        width = max(abs(s.real), 4 * NARROW * s.imag)
+        width = max(abs(s.real), 4 * MIN_SPACING * s.imag)
         away = np.geomspace(width / 4, 4 * width + 0.1 * s.imag, 16 + int(4 * np.log10(1 + s.imag / width)))
         points += [s.imag - away, s.imag + away]
     w = np.unique(np.concatenate(points))
     w = w[(w >= start) & (w <= top)]
-    undamped = rates.imag[(np.abs(rates.real) < NARROW * rates.imag) & (rates.imag > start)]
-    w = w[(np.abs(w[:, None] - undamped) > NARROW / 2 * w[:, None]).all(axis=1)]
+    undamped = rates.imag[(np.abs(rates.real) < MIN_SPACING * rates.imag) & (rates.imag > start)]
+    w = w[(np.abs(w[:, None] - undamped) > MIN_SPACING / 2 * w[:, None]).all(axis=1)]
     # Poles that nearly coincide give nearly equal nodes; a bracket between these would contain no peak.
-    return w[np.append(np.diff(w) > NARROW * w[1:], True)]
+    return w[np.append(np.diff(w) > MIN_SPACING * w[1:], True)]
 
 
 @arguments.checked

@@ -27,7 +27,7 @@ from synth.statespace import Array
 MOST_PARAMETERS = 10  # with a tolerance: 2^10 vertices at each operating point
 STEPS = 30  # of each search, for each parameter
 SMALL_CHANGE = 1e-6  # of the box, and of the figure: a search stops at smaller changes
-LARGE = 1e300  # replaces inf, which the search cannot use
+INFINITY_SUBSTITUTE = 1e300  # replaces inf, which the search cannot use
 
 LoopOf = Callable[[Mapping[str, float]], Loop]
 
@@ -44,11 +44,15 @@ class Criterion:
 
 
 def _margin(
-    name: str, unit: str, of: Callable[[stability_margins.Margins], float], if_unstable: float, largest: bool = False
+    name: str,
+    unit: str,
+    margin_of: Callable[[stability_margins.Margins], float],
+    if_unstable: float,
+    largest: bool = False,
 ) -> Criterion:
     def figure(loop: Loop) -> float:
         loop_margins = stability_margins.of_loop(loop)
-        return of(loop_margins) if loop_margins.stable else if_unstable
+        return margin_of(loop_margins) if loop_margins.stable else if_unstable
 
     return Criterion(name, unit, figure, largest)
 
@@ -216,10 +220,13 @@ def _simplex_search(objective: Callable[[Array], float], start: Array) -> tuple[
     """
     angle = np.arcsin(start)
     simplex = np.vstack([angle, angle + np.diag(np.where(angle == 0, np.pi / 4, -angle))])
-    size = abs(min(objective(start), LARGE))
+    size = abs(min(objective(start), INFINITY_SUBSTITUTE))
     limits = {"maxfev": STEPS * len(start), "xatol": SMALL_CHANGE, "fatol": SMALL_CHANGE * size}
     options = {"initial_simplex": simplex, **limits}
     minimum = minimize(
-        lambda a: float(np.clip(objective(np.sin(a)), -LARGE, LARGE)), angle, method="Nelder-Mead", options=options
+        lambda a: float(np.clip(objective(np.sin(a)), -INFINITY_SUBSTITUTE, INFINITY_SUBSTITUTE)),
+        angle,
+        method="Nelder-Mead",
+        options=options,
     )
     return float(minimum.fun), np.sin(minimum.x)

@@ -34,10 +34,10 @@ from synth.statespace import Array, StateSpace, System
 
 Verdict = Literal["none", "minimum phase", "not minimum phase", "not hyperbolic"]
 
-SLOW = 1e-6  # of the model's norm: added to the norm of the zero dynamics to give their size
-AXIS = 1e-6  # of that size: real parts this small count as 0; a double eigenvalue scatters by 1e-8
-TOLERANCE = 1e-5  # of that size: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
-SINGULAR = 1e8  # condition of D* from which the degree counts as undefined
+NORM_FLOOR = 1e-6  # of |A|: added to the norm of the zero dynamics, to give a scale for rates where that norm is near 0
+AXIS_TOLERANCE = 1e-6  # of that scale: real parts this small count as 0; a double eigenvalue scatters by 1e-8
+TOLERANCE = 1e-5  # of that scale: allowed difference of the two methods; eigenvalues of multiplicity 2 or 3 scatter
+MAX_CONDITION = 1e8  # condition of D* from which the degree counts as undefined
 AT_REST = 1e-6  # of a state's half range per second
 
 
@@ -53,7 +53,7 @@ class Mode:
 class ZeroDynamics:
     """The modes of the zero dynamics, the transmission `zeros` of the pencil, and their distance.
 
-    `distance` is the largest distance of paired values, over the size of the dynamics.
+    `distance` is the largest distance of paired values, over the scale of their rates.
     `verdict`: "none" if the order is 0; "minimum phase" if all modes decay; "not minimum phase" if one grows;
     "not hyperbolic" if none grows and one lies on the imaginary axis: the linear model then does not decide.
     """
@@ -105,8 +105,8 @@ def at_point(plant: Plant, degree: RelativeDegree, point: OperatingPoint, weight
     _require_matching(plant, degree, point)
     if weight is not None:
         weight = arguments.matrix_of_shape("weight", weight, len(model.inputs), len(model.inputs))
-        star = _highest_derivatives(model, degree.degrees)[1]
-        N = np.linalg.solve(weight, star.T)
+        D_star = _highest_derivatives(model, degree.degrees)[1]
+        N = np.linalg.solve(weight, D_star.T)
         shares = tuple(f"share_of_{name}" for name in degree.outputs)
         model = replace(model, B=model.B @ N, D=model.D @ N, inputs=shares)
     sizes = dict(zip(model.states, box.half_widths(plant.states).tolist(), strict=True))
@@ -127,21 +127,22 @@ def of_linear(system: System, degrees: Sequence[int], sizes: Mapping[str, float]
         raise SignalError(f"{len(degrees)} degrees, {len(model.C)} outputs and {m} inputs: give equal numbers of each")
     T = np.array([(sizes or {}).get(name, 1.0) for name in model.states])
     scaled = _scaled(model, T)
-    C, D = _highest_derivatives(scaled, degrees)
-    _require_regular(D, model)
+    C_star, D_star = _highest_derivatives(scaled, degrees)
+    _require_regular(D_star, model)
     chains = _chains(scaled, degrees)
     Z = scipy.linalg.null_space(chains / np.linalg.norm(chains, axis=1, keepdims=True)) if len(chains) else np.eye(n)
     if Z.shape[1] != n - len(chains):
         raise ModelError(
-            f"the degrees {tuple(degrees)} are not those of this model: the derivatives below them are dependent"
+            f"the degrees {tuple(degrees)} are not those of this model: the outputs' derivatives of lower order "
+            "are linearly dependent; take the degrees from `relative_degree`"
         )
-    F = Z.T @ (scaled.A - scaled.B @ np.linalg.solve(D, C)) @ Z
+    F = Z.T @ (scaled.A - scaled.B @ np.linalg.solve(D_star, C_star)) @ Z
     values, vectors = np.linalg.eig(F)
     order = np.lexsort((values.imag, values.real))
     modes = tuple(Mode(complex(values[k]), _dominant(Z @ vectors[:, k], model.states)) for k in order)
     zeros = _pencil_zeros(scaled, len(modes))
-    size = float(np.linalg.norm(F)) + SLOW * float(np.linalg.norm(scaled.A))
-    return ZeroDynamics(modes, zeros, _distance(values, zeros, size), _verdict(values.real, size))
+    scale = float(np.linalg.norm(F)) + NORM_FLOOR * float(np.linalg.norm(scaled.A))
+    return ZeroDynamics(modes, zeros, _distance(values, zeros, scale), _verdict(values.real, scale))
 
 
 def _require_matching(plant: Plant, degree: RelativeDegree, point: OperatingPoint) -> None:
@@ -185,10 +186,10 @@ def _highest_derivatives(model: StateSpace, degrees: Sequence[int]) -> tuple[Arr
 def _require_regular(D: Array, model: StateSpace) -> None:
     size = np.linalg.norm(D, axis=1, keepdims=True)
     condition = float(np.linalg.cond(D / size)) if size.all() else np.inf
-    if not condition <= SINGULAR:
+    if not condition <= MAX_CONDITION:
         raise ModelError(
             f"the relative degree of ({', '.join(model.outputs)}) is not defined at the point: the decoupling matrix "
-            f"has the condition {condition:.3g} there (at most {SINGULAR:.3g} is needed): take another point"
+            f"has the condition {condition:.3g} there (at most {MAX_CONDITION:.3g} is needed): take another point"
         )
 
 
@@ -205,21 +206,21 @@ def _pencil_zeros(model: StateSpace, count: int) -> NDArray[np.complex128]:
     return np.sort_complex((rate * alpha[finite] / beta[finite]).astype(np.complex128))
 
 
-def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], size: float) -> float:
-    """Return the largest distance of paired values, over the size."""
+def _distance(values: NDArray[np.complex128], zeros: NDArray[np.complex128], scale: float) -> float:
+    """Return the largest distance of paired values, over the scale."""
     distances = np.abs(values[:, None] - zeros[None, :])
     if not np.isfinite(distances).all():
         return np.inf
     rows, columns = linear_sum_assignment(distances)
-    return float(distances[rows, columns].max(initial=0.0)) / (size or 1.0)
+    return float(distances[rows, columns].max(initial=0.0)) / (scale or 1.0)
 
 
-def _verdict(real: Array, size: float) -> Verdict:
+def _verdict(real: Array, scale: float) -> Verdict:
     if not len(real):
         return "none"
-    if real.max() > AXIS * size:
+    if real.max() > AXIS_TOLERANCE * scale:
         return "not minimum phase"
-    return "minimum phase" if real.max() < -AXIS * size else "not hyperbolic"
+    return "minimum phase" if real.max() < -AXIS_TOLERANCE * scale else "not hyperbolic"
 
 
 def _dominant(vector: NDArray[np.complex128], states: Sequence[str]) -> tuple[str, ...]:

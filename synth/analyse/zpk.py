@@ -18,10 +18,10 @@ from synth.analyse import rational
 from synth.analyse.rational import Rational
 from synth.statespace import Array
 
-NARROW = 1e-12  # of a frequency: the least width of an interval
-TIGHT = 1e-5  # of the least |1 + L|: tolerance of branch and bound
-BELOW = 1e-3  # of the least of all rates: below it the loop is its asymptote
-BEYOND = 1e3  # times the largest of all rates: above it the loop is its asymptote
+MIN_WIDTH = 1e-12  # of a frequency: the least width of an interval
+BOUND_TOLERANCE = 1e-5  # of the least |1 + L|: tolerance of branch and bound
+LOW_ASYMPTOTE = 1e-3  # of the least of all rates: below it the loop is its asymptote
+HIGH_ASYMPTOTE = 1e3  # times the largest of all rates: above it the loop is its asymptote
 GRID = 400  # intervals to begin with
 
 
@@ -136,7 +136,7 @@ def lowest_frequency(L: ZeroPoleGain) -> float:
     """Return a frequency below which the loop is its asymptote and |L| does not cross 1."""
     sizes = np.abs(L.roots)
     rates = [float(sizes[sizes > 0].min(initial=np.inf)), 1 / L.delay_s if L.delay_s else np.inf]
-    lowest = BELOW * (min(rates) if np.isfinite(min(rates)) else 1.0)
+    lowest = LOW_ASYMPTOTE * (min(rates) if np.isfinite(min(rates)) else 1.0)
     slope = float(L.signs[sizes == 0].sum())
     if not slope:
         return lowest
@@ -149,7 +149,11 @@ def frequency_grid(L: ZeroPoleGain, low: float, closed: NDArray[np.complex128] |
     The range also covers the `closed` poles, if given.
     """
     sizes = np.abs(L.roots if closed is None else np.concatenate([L.roots, closed[np.isfinite(closed)]]))
-    top = max(BEYOND * float(sizes.max(initial=0.0)), BEYOND / L.delay_s if L.delay_s else 0.0, BEYOND * low)
+    top = max(
+        HIGH_ASYMPTOTE * float(sizes.max(initial=0.0)),
+        HIGH_ASYMPTOTE / L.delay_s if L.delay_s else 0.0,
+        HIGH_ASYMPTOTE * low,
+    )
     slope = float(L.signs.sum())
     if slope:
         size = float(replace(L, hold_s=0.0).log_gain(np.array([top]))[0])
@@ -171,7 +175,7 @@ def interval_ends(L: ZeroPoleGain, grid: Array, top: float, turning: bool) -> Ar
 
 
 def least_distance(L: ZeroPoleGain, nodes: Array) -> tuple[float, float]:
-    """Return the least |1 + L| between the nodes and its frequency, to a relative tolerance of TIGHT."""
+    """Return the least |1 + L| between the nodes and its frequency, to a relative tolerance of BOUND_TOLERANCE."""
     least, where, width = np.inf, float(nodes[0]), 0.0
     a, b = nodes[:-1], nodes[1:]
     while a.size:
@@ -185,7 +189,7 @@ def least_distance(L: ZeroPoleGain, nodes: Array) -> tuple[float, float]:
         with np.errstate(invalid="ignore"):
             lipschitz = np.nan_to_num(distance - half * np.sqrt(2) * slopes * high, nan=-np.inf)
         bound = np.maximum(lipschitz, np.maximum(low - 1, 1 - high))
-        kept = (bound < least * (1 - TIGHT)) & (b - a > NARROW * b)
+        kept = (bound < least * (1 - BOUND_TOLERANCE)) & (b - a > MIN_WIDTH * b)
         a, b, middle = a[kept], b[kept], middle[kept]
         a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
     return _refine_minimum(L, least, where, width)

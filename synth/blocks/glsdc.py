@@ -15,6 +15,8 @@ without pivoting:
     N = H'H + damping = L D L',    D_j >= damping_j,    |L_ij| <= (N_ii / damping_j)^(1/2)
 
 Both inequalities hold up to rounding. The code enforces them, which bounds every quantity computed from the factors.
+Without damping, `factorise_information` needs a least value for each pivot. `glsdc_estimator` makes a Block of all this
+from any measurement model.
 
 Sources: Golub, Van Loan, "Matrix Computations", section 4.1 (LDL'); Kawato, Kim, "A Novel Multi-DOF Precision
 Positioning Methodology Using Two-Axis Hall-Effect Sensors", Fig. 9.
@@ -31,6 +33,8 @@ import casadi as ca
 
 from synth.block import clip
 from synth.signals import Signal
+
+UNLIMITED = 3
 
 Vector = Sequence[ca.SX]
 NamedExpressions = list[tuple[Signal, ca.SX]]
@@ -101,6 +105,15 @@ def descend(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solutio
     return Solution(_choose(converged, untried, best), first, trial, converged)
 
 
+def iterate(evaluate: Callable[[int, Vector], Trial[N]], of: Descent) -> Solution[N]:
+    """Return the result of the corrections without the descent check: every correction is applied."""
+    trial = first = evaluate(0, [ca.SX(0)] * len(of.bounds))
+    for i in range(1, of.corrections):
+        trial = evaluate(i, _next(trial, ca.SX(1), trial.at, of))
+    converged = trial.normal.decrease <= of.decrease_tolerance
+    return Solution(_next(trial, ca.SX(1), trial.at, of), first, trial, converged)
+
+
 def _next(trial: Trial[N], better: ca.SX, best: Vector, of: Descent) -> list[ca.SX]:
     """Return the next displacement: the corrected trial if the trial is better, else halfway back to the best."""
 
@@ -133,7 +146,12 @@ class LdlNormalEquations:
     @property
     def decrease(self) -> ca.SX:
         """gradient' N^-1 gradient."""
-        return total(z**2 * d for z, d in zip(self.forward, self.factors.inverse, strict=True))
+        return total(z * (z * d) for z, d in zip(self.forward, self.factors.inverse, strict=True))
+
+    @property
+    def step(self) -> list[ca.SX]:
+        """N^-1 gradient, without limits."""
+        return self.solve(lambda i, step: (step, step))
 
     def solve(self, choose: LimitStep) -> list[ca.SX]:
         """Return the unknowns after the step, by back substitution from the last unknown on."""
@@ -163,34 +181,63 @@ def fixed_jacobian(
         cost = squares + dot(damped, at)
         named.append((Signal("cost", "V^2", 0, 1e9, "squared residuals and damping"), cost))
         gradient = [total(r[j] * v for r, v in zip(rows, e, strict=True)) - damped[j] for j in range(len(at))]
-        return Trial(at, e, squares, cost, LdlNormalEquations(factors, _forward(factors, gradient)))
+        return Trial(at, e, squares, cost, LdlNormalEquations(factors, substitute_forward(factors, gradient)))
 
     return evaluate
 
 
 def factorise(rows: Sequence[Vector], damping: Sequence[float], most: float) -> LdlFactors:
     """Return L and D of H'H + diag(damping (n,)); each column of H satisfies |h_i|^2 <= `most` damping_i."""
-    left = [
-        [total(r[i] * r[j] for r in rows) + (damping[i] if i == j else 0) for j in range(i + 1)]
-        for i in range(len(damping))
+    return _eliminate(information(rows, rows, damping), damping, 1 + most)
+
+
+def information(rows: Sequence[Vector], others: Sequence[Vector], prior: Sequence[float]) -> list[list[ca.SX]]:
+    """Return the lower triangle of H'G + diag(prior (n,)) by rows, of Jacobian rows H and G (m, n)."""
+    return [
+        [
+            total(r[i] * s[j] for r, s in zip(rows, others, strict=True)) + (prior[i] if i == j else 0)
+            for j in range(i + 1)
+        ]
+        for i in range(len(prior))
     ]
-    lower: list[list[ca.SX]] = [[] for _ in damping]
+
+
+def factorise_information(left: list[list[ca.SX]], least: Sequence[float], ratio: float) -> tuple[LdlFactors, ca.SX]:
+    """Return L and D of an information matrix N, its lower triangle `left`, and whether its diagonal is in range.
+
+    A pivot is at least `least` (n,). While N_ii <= ratio^2 least_i, it follows that |L_ij| <= ratio (least_i /
+    least_j)^(1/2), which is where L is limited. Outside, the factors are finite and wrong.
+    """
+    in_range = ca.SX(1)
+    for i, floor in enumerate(least):
+        in_range = ca.logic_and(in_range, left[i][i] <= ratio**2 * floor)
+    return _eliminate(left, least, ratio**2), in_range
+
+
+def _eliminate(left: list[list[ca.SX]], least: Sequence[float], squared_ratio: float) -> LdlFactors:
+    left = [list(row) for row in left]
+    lower: list[list[ca.SX]] = [[] for _ in least]
     inverse = []
-    for j, least in enumerate(damping):
-        inverse.append(1 / ca.fmax(left[j][j], least))
-        for i in range(j + 1, len(damping)):
-            bound = sqrt((1 + most) * damping[i] / least)
+    for j, floor in enumerate(least):
+        inverse.append(1 / ca.fmax(left[j][j], floor))
+        for i in range(j + 1, len(least)):
+            bound = sqrt(squared_ratio * least[i] / floor)
             lower[i].append(clip(left[i][j] * inverse[j], Signal("lower", "1", -bound, bound)))
-        for i in range(j + 1, len(damping)):
+        for i in range(j + 1, len(least)):
             for k in range(j + 1, i + 1):
                 left[i][k] -= lower[i][j] * left[k][j]
     return LdlFactors(tuple(map(tuple, lower)), tuple(inverse))
 
 
-def _forward(of: LdlFactors, right: Vector) -> list[ca.SX]:
+def substitute_forward(of: LdlFactors, right: Vector, bounds: Sequence[float] = ()) -> list[ca.SX]:
+    """Return z = L^-1 right (n,); with `bounds`, z_j is limited to +-bounds_j from j = UNLIMITED on.
+
+    Interval arithmetic multiplies the bound of z_j by that of L with each j; those before do not overflow.
+    """
     z: list[ca.SX] = []
-    for row, value in zip(of.lower, right, strict=True):
-        z.append(reduce(lambda left, term: left - term[0] * term[1], zip(row, z, strict=True), value))
+    for j, (row, value) in enumerate(zip(of.lower, right, strict=True)):
+        each = reduce(lambda left, term: left - term[0] * term[1], zip(row, z, strict=True), value)
+        z.append(clip(each, Signal("z", "1", -bounds[j], bounds[j])) if bounds and j >= UNLIMITED else each)
     return z
 
 

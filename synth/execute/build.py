@@ -1,5 +1,7 @@
 """Build a controller from a Block: emit its C, compile it and load it, in one call."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from synth.block import Block
@@ -19,4 +21,5 @@ def compile_block(
     Raises EmitError as `write.emit`, and CompileError as `host.load`.
     """
     emitted = write.emit(block, scalar, libm=libm, error=error)
-    return host.load(emitted.files, emitted.manifest)
+    loaded = host.load(emitted.files, emitted.manifest)
+    return replace(loaded, source=host.Source(block, libm, error))

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from synth.block import Block
 from synth.errors import DesignError, SignalError
 from synth.execute import compile as host_compiler
 
@@ -69,12 +70,20 @@ class Batch(NamedTuple):
     states: Records
 
 
+class Source(NamedTuple):
+    """What C was emitted from: the Block, and the arguments `libm` and `error` of `write.emit`."""
+
+    block: Block
+    libm: bool
+    error: float | None
+
+
 @dataclass(frozen=True, eq=False)
 class Controller:
     """Compiled C with the contract `init(state)`, `faults = step(state, in, out)`; `load` makes one.
 
     `inputs`, `outputs` and `state` are the structs as NumPy dtypes. A state is a record of shape (), owned by the
-    caller: `state = controller.init(); state["xi"] = 0.5`.
+    caller: `state = controller.init(); state["xi"] = 0.5`. `source` is what the C was emitted from, where it is known.
     """
 
     manifest: Mapping[str, Any]
@@ -82,6 +91,7 @@ class Controller:
     outputs: np.dtype[np.void]
     state: np.dtype[np.void]
     library: ctypes.CDLL
+    source: "Source | None" = None
 
     @property
     def period_s(self) -> float:

@@ -22,8 +22,8 @@ from synth.statespace import Array, Complex, StateSpace
 from synth.timing import Discrete
 
 DECIBELS = (-60.0, 80.0)  # limits of the axis; the poles of an internal model are infinitely high
-WIDEST, NARROWEST = 2.6, 0.7  # points; different widths keep coincident curves visible
-MOST = len(COLOURS)  # loops in one plot
+MAX_WIDTH, MIN_WIDTH = 2.6, 0.7  # points; different widths keep coincident curves visible
+MAX_LOOPS = len(COLOURS)  # loops in one plot
 NYQUIST = 0.98  # upper limit, of pi/T: at pi/T L is real and its phase jumps
 
 
@@ -66,9 +66,9 @@ def bode_plot(curves: Sequence[LoopCurve]) -> Figure:
 
     Raises SignalError when there are none or more than six.
     """
-    if not 1 <= len(curves) <= MOST:
-        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MOST}, more cannot be distinguished")
-    widths = np.linspace(WIDEST, NARROWEST, max(len(curves), 3)).tolist()
+    if not 1 <= len(curves) <= MAX_LOOPS:
+        raise SignalError(f"Bode plot has {len(curves)} loops: give 1 to {MAX_LOOPS}, more cannot be distinguished")
+    widths = np.linspace(MAX_WIDTH, MIN_WIDTH, max(len(curves), 3)).tolist()
     with style_context():
         figure = Figure(figsize=(9.0, 6.2), layout="constrained")
         gain, angle, sensitivity = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
@@ -91,13 +91,13 @@ def _draw(gain: Axes, angle: Axes, sensitivity: Axes, curve: LoopCurve, style: d
     gain.plot(f, level, label=curve.label, **style)
     angle.plot(f, degrees, **style)
     sensitivity.plot(f, _S(curve), **style)
-    look = {"ls": "", "ms": 4.5, "mfc": "white", "mec": style["color"], "zorder": 5}
+    marker_style = {"ls": "", "ms": 4.5, "mfc": "white", "mec": style["color"], "zorder": 5}
     gains = [c.frequency for c in curve.margins.gain_crossings]
     phases = [c.frequency for c in curve.margins.phase_crossings]
     for crossings, marker in ((gains, "o"), (phases, "D")):
         at = np.array([w for w in crossings if curve.frequency[0] <= w <= curve.frequency[-1]]) / (2 * np.pi)
         for axes, values in ((gain, level), (angle, degrees)):
-            axes.plot(at, np.interp(at, f, values), marker=marker, **look)
+            axes.plot(at, np.interp(at, f, values), marker=marker, **marker_style)
 
 
 def _db(response: Complex) -> Array:

@@ -33,10 +33,10 @@ REFERENCE_COLOUR = "#000000"
 POINTS = 2000  # for each curve: more than the width of a screen
 DEPTH = 1e-3  # of an encoder's count: smaller errors are irrelevant
 FLOOR = 1e-5  # of the largest error, if there is no level
-SMALLEST = 1e-12  # m or rad: value at which a zero error is drawn
+ZERO_SUBSTITUTE = 1e-12  # m or rad: value at which a zero error is drawn
 SYMBOLS = {"phi": "φ", "theta": "θ", "psi": "ψ"}
-COARSE = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
-FINE = {"m": ("µm", 1e6), "rad": ("µrad", 1e6)}
+MILLI_UNITS = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
+MICRO_UNITS = {"m": ("µm", 1e6), "rad": ("µrad", 1e6)}
 _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
 
@@ -154,7 +154,7 @@ def path_3d(
     set_point: ArrayLike, path: ArrayLike, labels: tuple[str, str, str], unit: str = "m", points: int = 2 * POINTS
 ) -> Figure:
     """Draw a path (3, N) in space over the wide path (3, N) of its set-point; the third coordinate points up."""
-    shown, factor = COARSE.get(unit, (unit, 1.0))
+    shown, factor = MILLI_UNITS.get(unit, (unit, 1.0))
     styles: tuple[dict[str, Any], ...] = ({"color": "#bbbbbb", "lw": 4.5}, {"color": COLOURS[0], "lw": 0.9})
     with style_context():
         figure = Figure(figsize=(6.0, 4.6))
@@ -173,7 +173,7 @@ def _decimate_path(path: Array, points: int) -> Array:
 
 
 def _plot_signals(axes: Axes, time: Array, panel: Panel, window: Window | None) -> None:
-    unit, factor = COARSE.get(panel.unit, (panel.unit, 1.0))
+    unit, factor = MILLI_UNITS.get(panel.unit, (panel.unit, 1.0))
     low, high = window or _span(time)
     inside = (time >= low) & (time <= high)
     for (k, curve), style in zip(enumerate(panel.curves), _styles(panel.curves), strict=True):
@@ -187,10 +187,10 @@ def _plot_signals(axes: Axes, time: Array, panel: Panel, window: Window | None) 
 
 
 def _plot_errors(axes: Axes, time: Array, panel: Panel) -> None:
-    unit, factor = FINE.get(panel.unit, (panel.unit, 1.0))
+    unit, factor = MICRO_UNITS.get(panel.unit, (panel.unit, 1.0))
     sizes = [np.abs(_require_length(time, panel, c)) for c in panel.curves]
     greatest = max((float(np.nanmax(v)) for v in sizes if np.isfinite(v).any()), default=0.0)
-    least = max(min((DEPTH * level for _, level in panel.levels), default=FLOOR * greatest), SMALLEST)
+    least = max(min((DEPTH * level for _, level in panel.levels), default=FLOOR * greatest), ZERO_SUBSTITUTE)
     for v, curve, style in zip(sizes, panel.curves, _styles(panel.curves), strict=True):
         at = decimate(v)
         axes.plot(time[at], factor * np.maximum(v[at], least), label=curve.label, **(style | {"linewidth": 0.6}))

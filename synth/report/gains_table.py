@@ -15,8 +15,8 @@ from synth.report.page import Cell, Table
 
 DIGITS = 6
 _COMPLEX = re.compile(r"[-+.0-9ei]*[0-9]i?")
-WIDE = 5  # largest number of laws in one table
-SHORT = 2  # largest list on one line in a table of several laws
+MAX_LAWS = 5  # largest number of laws in one table
+MAX_LIST_LENGTH = 2  # largest list on one line in a table of several laws
 
 
 def tables(document: Mapping[str, Any]) -> tuple[Table, ...]:
@@ -40,11 +40,11 @@ def _laws(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]
 
 
 def _alike(laws: Mapping[str, Mapping[str, Any]]) -> Iterator[dict[str, Mapping[str, Any]]]:
-    """Yield groups of up to WIDE laws with the same entries."""
+    """Yield groups of up to MAX_LAWS laws with the same entries."""
     waiting = dict(laws)
     while waiting:
         entries = set(next(iter(waiting.values())))
-        group = [name for name, law in waiting.items() if set(law) == entries][:WIDE]
+        group = [name for name, law in waiting.items() if set(law) == entries][:MAX_LAWS]
         yield {name: waiting.pop(name) for name in group}
 
 
@@ -81,5 +81,5 @@ def _cell(value: Any, narrow: bool = False) -> str:
         return {True: "yes", False: "no", None: "none"}[value]
     if isinstance(value, Sequence):
         nested = any(isinstance(v, Sequence) and not isinstance(v, str) for v in value)
-        return ("\n" if nested or (narrow and len(value) > SHORT) else ", ").join(_cell(v) for v in value)
+        return ("\n" if nested or (narrow and len(value) > MAX_LIST_LENGTH) else ", ").join(_cell(v) for v in value)
     return number(value, DIGITS)

@@ -18,14 +18,11 @@ from synth.report.figures import COLOURS
 from synth.statespace import Array, StateSpace, readonly
 from synth.timing import period
 
-DECIBELS = {
-    "L": (-60.0, 60.0),
-    "S": (-40.0, 15.0),
-    "T": (-40.0, 15.0),
-}  # limits; the upper one rises with the peak of S and T
+# Limits of the axes; the upper one rises with the peak of S and T.
+DECIBELS = {"L": (-60.0, 60.0), "S": (-40.0, 15.0), "T": (-40.0, 15.0)}
 LINES = ("-", "--", ":")
 HERTZ = "frequency, Hz"
-LOWEST = 1.0  # rad/s, lower limit of the disk margins
+MIN_FREQUENCY = 1.0  # rad/s, lower limit of the disk margins
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +65,7 @@ def disks(margins: Mapping[str, DiskMargin]) -> Figure:
     """Draw the disk margins of each loop-breaking point; different widths keep coincident curves visible."""
     lines = []
     for (label, each), colour, width in zip(margins.items(), COLOURS, (3.0, 1.2, 1.2), strict=False):
-        inside = (each.frequencies > LOWEST) & np.isfinite(each.frequencies)
+        inside = (each.frequencies > MIN_FREQUENCY) & np.isfinite(each.frequencies)
         style = {"color": colour, "lw": width}
         lines.append(Line(each.frequencies[inside] / (2 * np.pi), each.curve[inside], label, style))
     options = {"ylim": (0.0, 2.5)}

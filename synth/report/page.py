@@ -173,10 +173,10 @@ class Part:
         return sum(not c.passed for c in self.section.checks())
 
 
-def parts(sections: Iterable[Section], above: str = "") -> Iterator[Part]:
+def parts(sections: Iterable[Section], prefix: str = "") -> Iterator[Part]:
     """Yield the sections with their numbers, each followed by its subsections."""
     for k, section in enumerate(sections, 1):
-        number = f"{above}{k}"
+        number = f"{prefix}{k}"
         yield Part(number, number.count(".") + 1, section)
         yield from parts(section.sections, f"{number}.")
 
@@ -205,8 +205,10 @@ def render(report: Report) -> str:
     )
     if addresses := external_addresses(html):
         raise DesignError(f"the report would load {', '.join(addresses)}: embed this content in the page")
-    if twice := _repeated_ids(html):
-        raise DesignError(f"the ids {', '.join(twice)} are used twice in the report: give each figure a different name")
+    if duplicates := _repeated_ids(html):
+        raise DesignError(
+            f"the ids {', '.join(duplicates)} are used twice in the report: give each figure a different name"
+        )
     return html
 
 

@@ -14,7 +14,7 @@ from synth.simulate.experiment import Experiment
 
 HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
 Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and figures of the source
-FINE = {unit: shown for unit, (shown, _) in figures.FINE.items()}
+MICRO_UNITS = {unit: shown for unit, (shown, _) in figures.MICRO_UNITS.items()}
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ def in_fine_units(run: Experiment, shown: Shown) -> tuple[Experiment, Shown]:
     states, references = dict(run.trajectory.states), dict(run.references)
     for name in run.shown:
         values = np.asarray(run.trajectory[name], dtype=np.float64)
-        if units.get(name) in FINE and float(np.nanmax(np.abs(values), initial=0.0)) < shown.fine:
-            units[name], states[name] = FINE[units[name]], 1e6 * values
+        if units.get(name) in MICRO_UNITS and float(np.nanmax(np.abs(values), initial=0.0)) < shown.fine:
+            units[name], states[name] = MICRO_UNITS[units[name]], 1e6 * values
             references |= {name: 1e6 * references[name]} if name in references else {}
             levels |= {name: 1e6 * levels[name]} if name in levels else {}
     scaled = replace(run, trajectory=replace(run.trajectory, states=states), references=references)

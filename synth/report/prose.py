@@ -57,16 +57,18 @@ def parse(text: str, values: Mapping[str, Value]) -> Part:
 def merge(sections: Sequence[Section], parts: Sequence[Part]) -> tuple[Section, ...]:
     """Put text before the blocks of sections of the same title; other parts become sections in reading order."""
     merged = list(sections)
-    at = 0
+    position = 0
     for part in parts:
         same = next((k for k, s in enumerate(merged) if s.title == part.title), None)
         if same is None:
-            merged.insert(at, Section(part.title, part.blocks, subsections(part)))
-            at += 1
+            merged.insert(position, Section(part.title, part.blocks, subsections(part)))
+            position += 1
         else:
-            old = merged[same]
-            merged[same] = replace(old, blocks=(*part.blocks, *old.blocks), sections=_merge_subsections(old, part))
-            at = same + 1
+            section = merged[same]
+            merged[same] = replace(
+                section, blocks=(*part.blocks, *section.blocks), sections=_merge_subsections(section, part)
+            )
+            position = same + 1
     return tuple(merged)
 
 
@@ -139,16 +141,16 @@ def _escaped(match: re.Match[str], values: Mapping[str, Value]) -> str:
 
 
 def _plain(match: re.Match[str], values: Mapping[str, Value]) -> str:
-    name, form = match[1], match[2] or ""
+    name, format_spec = match[1], match[2] or ""
     value = _value(name, values)
     if not isinstance(value, str | float | int):
         raise DesignError(f"report.md has the block {{{{ {name} }}}} inside a sentence: give it a paragraph of its own")
-    if not form and not isinstance(value, str):
+    if not format_spec and not isinstance(value, str):
         return number(value)
     try:
-        text = format(value, form)
+        text = format(value, format_spec)
     except ValueError as error:
         raise DesignError(
-            f"report.md writes {{{{ {name}:{form} }}}} of {value!r}, {error}: use a format that suits"
+            f"report.md writes {{{{ {name}:{format_spec} }}}} of {value!r}, {error}: use a format that suits"
         ) from error
     return text if isinstance(value, str) else text.replace("-", "−")

@@ -66,13 +66,15 @@ def experiment(
 def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:
     """Return one loop under several conditions: its Bode plot and a table of its worst margins.
 
-    At most bode.MOST curves are drawn, those with the smallest modulus margins.
+    At most bode.MAX_LOOPS curves are drawn, those with the smallest modulus margins.
 
     Raises SignalError when there is no curve.
     """
-    worst = sorted(curves, key=lambda c: c.margins.modulus_margin)[: bode.MOST]
+    worst = sorted(curves, key=lambda c: c.margins.modulus_margin)[: bode.MAX_LOOPS]
     plot = figures.svg(bode.bode_plot([c for c in curves if c in worst]), _id(name))
-    which = f" The {bode.MOST} loops with the least modulus margins are shown." if len(curves) > bode.MOST else ""
+    which = (
+        f" The {bode.MAX_LOOPS} loops with the least modulus margins are shown." if len(curves) > bode.MAX_LOOPS else ""
+    )
     caption = f"{title}: open loop and sensitivity. Dots mark |L| = 1, diamonds mark negative real L.{which}"
     return Section(title, (Figure(plot, caption), margins_table(title, curves)))
 

@@ -1,8 +1,9 @@
 """Standard sections of a report, one function per section.
 
-    facts   model   law   gains   loops   experiments   faults   audit   verification   cost   files
+    facts   model   law   gains   loops   experiments   audit   verification   cost   files
 
-`template` combines them for a declared stage; other designs call the functions that they need.
+The section on faults is in `faults`. `template` combines them for a declared stage; other designs call the functions
+that they need.
 """
 
 from collections import defaultdict
@@ -20,7 +21,7 @@ from synth.plant import Plant
 from synth.report import bode, figures, gains_table, page, sections
 from synth.report.audit import Row
 from synth.report.equations import display
-from synth.report.equations.derive import Named
+from synth.report.equations.derive import NamedTerms
 from synth.report.notation import number
 from synth.report.page import Section
 from synth.report.presentation import HEADROOM, Shown, by_channel, in_fine_units, window, with_units
@@ -31,7 +32,7 @@ from synth.timing import Discrete
 from synth.verify.evidence import Evidence
 
 MODEL, LAW, GAINS, LOOPS = "Model", "Control law", "Gains and certificates", "Loops and margins"
-EXPERIMENTS, FAULTS, AUDIT = "Experiments", "Faults", "Audit of the paper"
+EXPERIMENTS, AUDIT = "Experiments", "Audit of the paper"
 VERIFICATION, COST, FILES = "Verification", "Cost", "Files"
 WITNESSES = (
     "reference: NumPy, written from the equations, with independently computed gains. casadi: evaluation by CasADi. "
@@ -79,13 +80,13 @@ def facts(time: Discrete, scalar: type[np.floating], inputs: str, outputs: str) 
     )
 
 
-def model(plant: Plant, named: Named | None = None, blocks: Sequence[page.Block] = ()) -> Section:
+def model(plant: Plant, terms: NamedTerms | None = None, blocks: Sequence[page.Block] = ()) -> Section:
     """Return the derived equations, signals and parameters of a plant, then further `blocks`.
 
     Raises ModelError as `display.plant`.
     """
     signals = display.signals("States and inputs", (*plant.states, *plant.inputs))
-    derived = display.plant(plant, named)
+    derived = display.plant(plant, terms)
     tables = (signals, sections.parameters(plant))
     return Section(MODEL, (page.Text(display.LEGEND), *derived, *tables, *blocks))
 
@@ -96,7 +97,7 @@ def law(block: Block, blocks: Sequence[page.Block] = ()) -> Section:
     Raises ModelError as `display.block`.
     """
     ends = display.signals("Inputs and outputs", (*block.inputs, *block.outputs))
-    internal = [named.signal for named, _ in block.computed_signals if named.signal not in block.outputs]
+    internal = [computed.signal for computed, _ in block.computed_signals if computed.signal not in block.outputs]
     tables = [
         display.signals("Internal signals", internal),
         display.signals("States", [s.signal for s in block.states]),

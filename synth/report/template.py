@@ -17,9 +17,9 @@ from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Stage
 from synth.emit.write import EmittedCode
-from synth.report import page, prose, sections, standard
+from synth.report import faults, page, prose, sections, standard
 from synth.report.audit import Row
-from synth.report.equations.derive import Named
+from synth.report.equations.derive import NamedTerms
 from synth.report.page import Section
 from synth.report.presentation import Shown
 from synth.report.prose import Value
@@ -43,7 +43,7 @@ class Extra:
 
     values: Mapping[str, Value] = field(default_factory=dict)
     sections: Sequence[Section] = ()
-    named: Named | None = None
+    terms: NamedTerms | None = None
     facts: Sequence[tuple[str, str]] = ()
     shown: Shown | None = None
 
@@ -66,6 +66,7 @@ def report(
     computed = [
         *_computed_sections(stage, gains(stage.name, files), evidence, replaced, extra),
         standard.experiments(runs, extra.shown or default_style(stage)),
+        *((faults.section(evidence.faults),) if evidence.faults else ()),
         *((standard.audit(rows),) if rows else ()),
         standard.verification(evidence, FLOOR, is_margin),
         sections.cost(cost),
@@ -102,7 +103,7 @@ def _computed_sections(
     """Return the sections that are computed for the report, except for those that the design replaces."""
     block = stage.controller.block.rounded(stage.scalar)
     makers = {
-        standard.MODEL: lambda: standard.model(stage.plant, extra.named),
+        standard.MODEL: lambda: standard.model(stage.plant, extra.terms),
         standard.LAW: lambda: standard.law(block),
         standard.GAINS: lambda: standard.gains(gains),
         standard.LOOPS: lambda: loops(stage, [c for c in evidence.checks if is_margin(c)]),
@@ -149,7 +150,7 @@ def default_style(stage: Stage) -> Shown:
     """Return the presentation of the experiments of a stage: units and resolutions as declared."""
     plant = stage.plant
     signals = [*plant.states, *plant.inputs, *plant.outputs, *stage.interface.signals.values()]
-    levels = {s.of: s.resolution for s in stage.interface.sensors if s.resolution}
+    levels = {name: s.resolution for s in stage.interface.sensors if s.resolution for name in (s.name, s.of)}
     return Shown({s.name: s.unit for s in signals}, levels)
 
 

@@ -1,7 +1,9 @@
 """Fault campaign (fault injection, FMEA): every fault of an interface in closed loop, compared with the healthy run.
 
     excursion of q    max over t >= onset of |q(t) - q_healthy(t)|
-    impact on q       largest speed at which q hits a stop; 0 unless it exceeds that of the healthy run
+    impact on q       largest speed v at which q hits a stop; 0 unless it exceeds that of the healthy run
+    energy of it      J v^2 / 2 with the declared mass or moment of inertia J of q
+    speed of q        max over t from the latch on of |dq/dt|, 0 without a latch; the final speed is that at the end
     time to notice    detection time, from the onset to the first fault bit that the healthy run does not have
     time to latch     from the onset to the latch; a time is inf if there is no such bit or no latch
 
@@ -21,7 +23,7 @@ from numpy.typing import NDArray
 from synth.fault import LATCH_BIT
 from synth.plant import Plant
 from synth.progress import Counted, Progress
-from synth.simulate import conditions, failure, injections
+from synth.simulate import conditions, fault_effects, injections
 from synth.simulate.injections import Injection
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import Array, Trajectory, sample_times
@@ -47,8 +49,8 @@ class Condition:
 class FaultRun:
     """A run with a fault, compared with the healthy run of the same plant, condition and noise.
 
-    `named` says whether a fault bit of the faulty sensor is set up to the latch, and `wrong_names` lists the other
-    sensors with a fault bit until then. `effect` says whether a state or a fault word differs.
+    `named` says whether fault bits of all faulty inputs are set up to the latch; actuators have none. `wrong_names`
+    lists the other inputs with a fault bit until then. `effect` says whether a state or a fault word differs.
     """
 
     injection: Injection
@@ -57,6 +59,9 @@ class FaultRun:
     onset_s: float
     excursion: Values
     impacts: Values
+    energies: Values
+    speeds: Values
+    final_speeds: Values
     notice_s: float
     latch_s: float
     named: bool
@@ -131,10 +136,8 @@ def _motion(rig: Rig, time: Array) -> dict[str, Array]:
 
 def _start(rig: Rig, courses: Mapping[str, Array]) -> dict[str, float]:
     """Return the initial state: each position starts at the first value of its set-point."""
-    sensors = {s.name: s.of for s in rig.stage.interface.sensors}
-    positions = {s.name: sensors.get(s.of, s.of) for s in rig.stage.interface.set_points}
     states = [s.name for s in rig.plant.states]
-    return {positions[name]: float(r[0]) for name, r in courses.items() if positions[name] in states}
+    return {rig.positions[name]: float(r[0]) for name, r in courses.items() if rig.positions[name] in states}
 
 
 def run(
@@ -147,42 +150,62 @@ def run(
     perturbed = replace(rig, plant=plant_number(rig.plant, plant))
     healthy = perturbed.run(condition.duration_s, condition.start, condition.references)
     runs: list[FaultRun] = []
-    chosen = injections.derive(perturbed) if faults is None else faults
+    chosen = injections.derive(rig.stage) if faults is None else faults
     for k, injection in enumerate(chosen):
         if k == 0 or injection.target != chosen[k - 1].target:
             progress(Counted(f"faults of {injection.group} {injection.target}", k, len(chosen)))
         for onset in condition.onsets:
-            fields = injections.scenario_fields(perturbed, rig.stage.faults, injection, healthy, onset)
-            faulty = perturbed.run(condition.duration_s, condition.start, condition.references, **fields)
-            runs.append(_compare(perturbed, plant, condition.name, injection, onset, healthy, faulty))
+            runs.append(inject(perturbed, plant, condition, injection, onset, healthy))
     return HealthyRun(condition.name, plant, int(np.count_nonzero(healthy.faults)), healthy.impacts), runs
 
 
-def _compare(
-    rig: Rig, plant: int, condition: str, injection: Injection, onset: int, healthy: Trajectory, faulty: Trajectory
+def inject(
+    rig: Rig, plant: int, condition: Condition, injection: Injection, onset: int, healthy: Trajectory
 ) -> FaultRun:
+    """Run one fault from sample `onset` on, and compare it with the healthy run; `rig` has plant number `plant`."""
+    fields = fault_effects.scenario_fields(rig, rig.stage.faults, injection, healthy, onset)
+    faulty = rig.run(condition.duration_s, condition.start, condition.references, **fields)
     new_bits = faulty.faults & ~healthy.faults
-    notice, latch = _first(new_bits), _first(new_bits >> LATCH_BIT & 1)
+    notice, latch = _first(_all_bits(faulty) & ~_all_bits(healthy)), _first(new_bits >> LATCH_BIT & 1)
     notice_s, latch_s = (np.inf if k is None else (k - onset) * rig.period_s for k in (notice, latch))
     bits_to_latch = int(np.bitwise_or.reduce(new_bits[: None if latch is None else latch + 1], initial=0))
-    sensors = [name for name, bits in failure.bits(rig).items() if bits_to_latch & bits]
-    positions = list(rig.stage.velocities)
+    input_bits = _input_bits(rig)
+    named = {name for name, bits in input_bits.items() if bits_to_latch & bits}
+    identified = set(injection.targets) & set(input_bits)
+    impacts = {q: v if v > healthy.impacts[q] else 0.0 for q, v in faulty.impacts.items()}
     same = np.array_equal(healthy.faults, faulty.faults) and all(
         np.array_equal(healthy.states[s], faulty.states[s]) for s in healthy.states
     )
     return FaultRun(
         injection,
-        condition,
+        condition.name,
         plant,
         onset * rig.period_s,
-        {q: _largest(faulty.states[q] - healthy.states[q]) for q in positions},
-        {q: v if v > healthy.impacts[q] else 0.0 for q, v in faulty.impacts.items()},
+        {q: _largest(faulty.states[q] - healthy.states[q]) for q in rig.stage.velocities},
+        impacts,
+        {q: rig.plant.parameter(p).value * impacts[q] ** 2 / 2 for q, p in rig.stage.faults.inertias.items()},
+        {q: 0.0 if latch is None else _largest(faulty.states[v][latch:]) for q, v in rig.stage.velocities.items()},
+        {q: _largest(faulty.states[v][-1:]) for q, v in rig.stage.velocities.items()},
         notice_s,
         latch_s,
-        named=injection.target in sensors,
-        wrong_names=tuple(s for s in sensors if s != injection.target),
+        named=named.issuperset(identified) and bool(identified),
+        wrong_names=tuple(sorted(named.difference(injection.targets))),
         effect=not same,
     )
+
+
+def _all_bits(run: Trajectory) -> NDArray[np.uint32]:
+    """Return the fault bits of the controller and of the drive in each sample."""
+    return np.bitwise_or.reduce([run.faults, *run.drive_faults.values()])
+
+
+def _input_bits(rig: Rig) -> dict[str, int]:
+    """Return the bits of the fault word that identify each controller input, as out of range or as a suspect."""
+    words: dict[str, int] = {}
+    for fault in rig.controller.manifest["faults"]:
+        if name := fault.get("input") or fault.get("suspect"):
+            words[name] = words.get(name, 0) | 1 << fault["bit"]
+    return words
 
 
 def _first(flags: NDArray[Any]) -> int | None:

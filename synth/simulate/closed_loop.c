@@ -1,6 +1,6 @@
 /* A sampled controller around a continuous plant.
  *
- *   plant state x --h--> outputs y --encoders--> measurements --step--> commands --delay, mixing--> plant inputs u
+ *   plant state x --h--> outputs y --encoders--> measurements --steps--> commands --delay, mixing--> plant inputs u
  *        ^                                                                                               |
  *        +-------------------------------- RK4, `substeps` in each period <------------------------------+
  *
@@ -12,6 +12,18 @@
 #include <string.h>
 
 #include "plant.h"
+
+/* A Block of the drive, which follows the controller in each sample. */
+typedef struct {
+    int64_t members; /* of its input */
+    const char *const *source; /* (members): in sample 0, what gives this member */
+    const int64_t *stride, *offset, *size; /* (members): from one sample to the next, in the input, of the member */
+    uint32_t (*step)(void *state, const void *in, void *out);
+    void *state;
+    int64_t in_size, out_size;
+    char *in, *out; /* (samples) structs */
+    uint32_t *faults;
+} drive_block_t;
 
 typedef struct {
     int64_t samples, substeps, delay;
@@ -30,13 +42,15 @@ typedef struct {
     const double *sensor_gain, *sensor_bias;      /* of the reading: gain y + bias + noise */
     const double *sensor_resolution;              /* 0: ideal */
     const double *sensor_low, *sensor_high;       /* saturation limits */
-    const double *noise;                          /* (samples, sensors): added before the encoder */
-    const uint8_t *overridden;                    /* (samples, sensors): the input holds this sample already */
+    const double *noise;                          /* 0, or (samples, sensors): added before the encoder */
+    const uint8_t *overridden;                    /* 0, or (samples, sensors): the input holds this sample already */
     const int64_t *sensor_lag; /* 0, or (samples, sensors): the input is the reading so many samples ago */
     double *readings;          /* with sensor_lag: (samples, sensors), what each sensor reads without a lag */
+    const double *word_low, *word_step; /* 0, or (sensors): a word counts steps from low */
+    const int64_t *flipped, *set_bits, *cleared; /* with word_low: (samples, sensors), masks of bits */
 
     int64_t commands;
-    const int64_t *command_offset; /* byte offset in the controller's output */
+    const int64_t *command_offset; /* byte offset in the output of the last Block */
     const double *mixing;          /* (N_U, commands) */
     const double *forcing;         /* (samples, substeps, N_U) */
     double *waiting;               /* (max(delay, 1), commands): computed and not yet applied */
@@ -49,6 +63,11 @@ typedef struct {
     int64_t in_size, out_size;
     char *in, *out; /* (samples) structs; `in` holds set-points and overridden samples */
     uint32_t *faults;
+
+    int64_t drive_blocks;
+    const drive_block_t *drive; /* (drive_blocks) */
+    const char *last_out;       /* (samples) structs: the output of the last Block, which has the commands */
+    int64_t last_out_size;
 
     double *states, *outputs, *applied; /* (samples, N_X), (samples, N_Y), (samples, N_U) */
 } loop_t;
@@ -113,17 +132,28 @@ static double delayed(const loop_t *loop, int64_t k, int64_t i, double reading) 
     return loop->readings[(k - lag) * loop->sensors + i];
 }
 
+static double with_faulty_bits(const loop_t *loop, int64_t k, int64_t i, double reading) {
+    if (!loop->word_low) return reading;
+    const int64_t j = k * loop->sensors + i, flipped = loop->flipped[j], set = loop->set_bits[j];
+    const int64_t cleared = loop->cleared[j];
+    const double count = (reading - loop->word_low[i]) / loop->word_step[i];
+    /* A count beyond 2^52, or one that is not finite, has no word. */
+    if (!(flipped | set | cleared) || !(fabs(count) < 4503599627370496.0)) return reading;
+    return loop->word_low[i] + loop->word_step[i] * (double)(((llrint(count) ^ flipped) | set) & ~cleared);
+}
+
 static void measure(const loop_t *loop, int64_t k, const double *y) {
     char *const in = loop->in + k * loop->in_size;
     for (int64_t i = 0; i < loop->sensors; i++) {
-        if (loop->overridden[k * loop->sensors + i]) continue;
+        if (loop->overridden && loop->overridden[k * loop->sensors + i]) continue;
         const double scaled = loop->sensor_gain[i] * y[loop->sensor_source[i]] + loop->sensor_bias[i];
-        const double seen = scaled + loop->noise[k * loop->sensors + i];
+        const double seen = loop->noise ? scaled + loop->noise[k * loop->sensors + i] : scaled;
         const double resolution = loop->sensor_resolution[i];
         const double counted = resolution > 0.0 ? resolution * rint(seen / resolution) : seen;
         /* Non-finite plant outputs are passed on unchanged. */
         const double held = counted > loop->sensor_high[i] ? loop->sensor_high[i] : counted;
-        const double value = delayed(loop, k, i, held < loop->sensor_low[i] ? loop->sensor_low[i] : held);
+        const double limited = held < loop->sensor_low[i] ? loop->sensor_low[i] : held;
+        const double value = with_faulty_bits(loop, k, i, delayed(loop, k, i, limited));
         const float narrow = (float)value;
         if (loop->single) memcpy(in + loop->sensor_offset[i], &narrow, sizeof narrow);
         else memcpy(in + loop->sensor_offset[i], &value, sizeof value);
@@ -131,7 +161,7 @@ static void measure(const loop_t *loop, int64_t k, const double *y) {
 }
 
 static void command(const loop_t *loop, int64_t k, double *values) {
-    const char *const out = loop->out + k * loop->out_size;
+    const char *const out = loop->last_out + k * loop->last_out_size;
     for (int64_t i = 0; i < loop->commands; i++) {
         float narrow;
         if (loop->single) {
@@ -156,12 +186,29 @@ static void mix(const loop_t *loop, const double *commands, int64_t substep, dou
     }
 }
 
+static void run_block(const drive_block_t *block, int64_t k) {
+    char *const in = block->in + k * block->in_size;
+    for (int64_t i = 0; i < block->members; i++) {
+        memcpy(in + block->offset[i], block->source[i] + k * block->stride[i], (size_t)block->size[i]);
+    }
+    block->faults[k] = block->step(block->state, in, block->out + k * block->out_size);
+}
+
+static void keep(char *out, int64_t size, uint32_t *faults) {
+    memcpy(out, out - size, (size_t)size);
+    faults[0] = faults[-1];
+}
+
 static void call(const loop_t *loop, int64_t k) {
     char *const out = loop->out + k * loop->out_size;
-    if (k > 0 && loop->missed && loop->missed[k]) {
-        memcpy(out, out - loop->out_size, (size_t)loop->out_size);
-        loop->faults[k] = loop->faults[k - 1];
-    } else loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, out);
+    const int missed = k > 0 && loop->missed && loop->missed[k];
+    if (missed) keep(out, loop->out_size, loop->faults + k);
+    else loop->faults[k] = loop->step(loop->state, loop->in + k * loop->in_size, out);
+    for (int64_t i = 0; i < loop->drive_blocks; i++) {
+        const drive_block_t *const block = loop->drive + i;
+        if (missed) keep(block->out + k * block->out_size, block->out_size, block->faults + k);
+        else run_block(block, k);
+    }
 }
 
 void synth_closed_loop(const loop_t *loop) {

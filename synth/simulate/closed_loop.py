@@ -2,7 +2,7 @@
 
     dx/dt = f(x, u(t), p) + d(x, t)                   by `substeps` steps of RK4 in each period
     m_k = sensor(h(x(kT), u_{k-1}, p) + noise_k)      or the sample of the override
-    c_k = step(state, m_k, references_k)
+    c_k = step(state, m_k, references_k)              then the steps of the drive, see `drive`
     u(t) = M c_{k-delay} + forcing(t)                 for kT <= t < (k+1)T, with c_j = hold for j < 0
 
 `faulty` states what faults of sensors, actuators and calls change in these equations.
@@ -14,6 +14,7 @@ position and velocity.
 
 import ctypes
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
@@ -25,22 +26,28 @@ from synth.errors import SignalError, WiringError
 from synth.execute import host
 from synth.plant import Plant
 from synth.signals import Signal, dimension, signal_names
-from synth.simulate import faulty, plant_code
+from synth.simulate import faulty, forcing, plant_code
+from synth.simulate.drive import DriveBlock, connect
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
-from synth.simulate.sensors import Encoder
+from synth.simulate.sensors import Analogue, Encoder
 
 __all__ = ["Scenario", "Trajectory", "sample_times", "simulate"]
 
 Arrays = dict[str, NDArray[Any]]
 
-_COUNTS = ("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size")
+_COUNTS = (
+    *("samples", "substeps", "delay", "stops", "sensors", "commands", "single", "in_size", "out_size"),
+    *("drive_blocks", "last_out_size"),
+)
 _MEMBERS = (
     *("samples", "substeps", "delay", "period", "p", "x", "locked"),
     *("stops", "stop_position", "stop_velocity", "stop_low", "stop_high", "impact"),
     *("sensors", "sensor_source", "sensor_offset", "sensor_gain", "sensor_bias", "sensor_resolution"),
     *("sensor_low", "sensor_high", "noise", "overridden", "sensor_lag", "readings"),
+    *("word_low", "word_step", "flipped", "set_bits", "cleared"),
     *("commands", "command_offset", "mixing", "forcing", "waiting", "input_gain", "input_bias", "missed"),
-    *("single", "step", "state", "in_size", "out_size", "in", "out", "faults", "states", "outputs", "applied"),
+    *("single", "step", "state", "in_size", "out_size", "in", "out", "faults"),
+    *("drive_blocks", "drive", "last_out", "last_out_size", "states", "outputs", "applied"),
 )
 
 
@@ -58,8 +65,11 @@ def simulate(
     scenario: Scenario,
     disturbance: ca.Function | None = None,
     flags: Sequence[str] = (),
+    drive: Sequence[host.Controller] = (),
 ) -> Trajectory:
     """Run the scenario from `controller.init()`; `disturbance(x, t)` (n,) is added to dx/dt, in state units per s.
+
+    With a `drive` the commands are the outputs of its last Block.
 
     The plant's parameters enter at run time: one compilation, with `flags`, serves every `plant.with_parameters(...)`.
 
@@ -67,12 +77,17 @@ def simulate(
     """
     time = sample_times(scenario.duration_s, controller.period_s)
     arrays = (
-        _plant_arrays(plant, scenario, len(time))
-        | _controller_arrays(controller, scenario, len(time))
-        | _sensor_arrays(plant, controller, scenario, len(time))
-        | _actuator_arrays(plant, controller, scenario, time)
+        plant_arrays(plant, scenario)
+        | controller_arrays(controller, scenario, len(time))
+        | sensor_arrays(plant, controller, scenario, len(time))
+        | actuator_arrays(plant, drive[-1] if drive else controller, scenario, time)
         | faulty.arrays(plant, scenario, len(time))
     )
+    every_sample = (len(time), *arrays["forcing"].shape[1:])
+    arrays["forcing"] = np.ascontiguousarray(np.broadcast_to(arrays["forcing"], every_sample))
+    records = connect(controller, arrays["in"], arrays["out"], drive)
+    drive_blocks = (DriveBlock * len(records))(*(block.struct for block in records))
+    last = records[-1].outputs if records else arrays["out"]
     counts = {
         "samples": len(time),
         "substeps": scenario.substeps,
@@ -83,30 +98,44 @@ def simulate(
         "single": int(controller.scalar is np.float32),
         "in_size": controller.inputs.itemsize,
         "out_size": controller.outputs.itemsize,
+        "drive_blocks": len(records),
+        "last_out_size": last.itemsize,
     }
+    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
+    arrays |= {name: np.zeros((len(time), len(group))) for name, group in signals.items()}
     addresses = {name: array.ctypes.data for name, array in arrays.items()}
+    addresses |= {"drive": ctypes.addressof(drive_blocks), "last_out": last.ctypes.data}
     loop = _Loop(**counts, **addresses, period=controller.period_s, step=controller.step_address)
     plant_code.compile_loop(plant, disturbance, flags)(ctypes.byref(loop))
-    return _trajectory(plant, controller, scenario, time, arrays)
-
-
-def _trajectory(
-    plant: Plant, controller: host.Controller, scenario: Scenario, time: Array, arrays: Arrays
-) -> Trajectory:
-    signals = {"states": plant.states, "outputs": plant.outputs, "applied": plant.inputs}
     groups = {g: dict(zip(signal_names(s), arrays[g].T.copy(), strict=True)) for g, s in signals.items()}
     groups |= {"measured": host.columns(arrays["in"]), "commands": host.columns(arrays["out"])}
-    for array in (time, arrays["faults"], *chain(*(columns.values() for columns in groups.values()))):
-        array.flags.writeable = False
+    groups["driven"] = {name: column for block in records for name, column in host.columns(block.outputs).items()}
+    for column in chain(*(columns.values() for columns in groups.values())):
+        column.flags.writeable = False
     impacts = dict(zip(scenario.stops, arrays["impact"].tolist(), strict=True))
-    members = {
-        m["name"]: m["unit"] for role in ("input", "output") for m in controller.manifest["structs"][role]["fields"]
-    }
+    blocks = controller, *(block.controller for block in records)
+    drive_faults = {block.name: block.faults for block in records}
+    return replace(trajectory(plant, blocks, time, groups, arrays["faults"], impacts), drive_faults=drive_faults)
+
+
+def trajectory(
+    plant: Plant,
+    blocks: Sequence[host.Controller],
+    time: Array,
+    groups: Mapping[str, Mapping[str, NDArray[Any]]],
+    faults: NDArray[np.uint32],
+    impacts: dict[str, float],
+) -> Trajectory:
+    """Return a trajectory, whose columns are read-only, with the units of the plant's and the Blocks' signals."""
+    time.flags.writeable = faults.flags.writeable = False
+    structs = [block.manifest["structs"][role] for block in blocks for role in ("input", "output")]
+    members = {field["name"]: field["unit"] for struct in structs for field in struct["fields"]}
     units = members | {s.name: s.unit for s in (*plant.inputs, *plant.outputs, *plant.states)}
-    return Trajectory(time=time, faults=arrays["faults"], impacts=impacts, units=units, **groups)
+    return Trajectory(time=time, faults=faults, impacts=impacts, units=units, **groups)
 
 
-def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
+def plant_arrays(plant: Plant, scenario: Scenario) -> Arrays:
+    """Return the members of `loop_t` for the plant and its stops."""
     states, start = signal_names(plant.states), _initial_states(plant, scenario)
     velocity = scenario.velocities
     _require_known("velocities", chain(velocity.keys(), velocity.values()), states)
@@ -126,21 +155,19 @@ def _plant_arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
         "stop_low": bounds[:, 0].copy(),
         "stop_high": bounds[:, 1].copy(),
         "impact": np.zeros(len(bounds)),
-        "states": np.zeros((n, len(states))),
-        "outputs": np.zeros((n, len(plant.outputs))),
-        "applied": np.zeros((n, len(plant.inputs))),
     }
 
 
 def _initial_states(plant: Plant, scenario: Scenario) -> dict[str, float]:
-    _require_known("x0", scenario.x0, signal_names(plant.states))
+    _require_known("initial plant states x0", scenario.x0, signal_names(plant.states))
     for s in plant.states:
         if s.name not in scenario.x0 and not s.low <= 0 <= s.high:
             raise SignalError(f"x0 leaves out '{s.name}', whose range {s.low} .. {s.high} {s.unit} excludes 0: give it")
     return {s.name: float(scenario.x0.get(s.name, 0.0)) for s in plant.states}
 
 
-def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+def controller_arrays(controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    """Return the state of the controller, and its inputs, outputs and faults over n samples."""
     known, wired = controller.inputs.names or (), (*scenario.sensors, *scenario.references)
     _require_known("sensors and references", wired, known)
     _require_known("overrides", scenario.overrides, known)
@@ -158,25 +185,28 @@ def _controller_arrays(controller: host.Controller, scenario: Scenario, n: int) 
     return {"state": controller.init(), "in": inputs, "out": outputs, "faults": faults}
 
 
-def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+def sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, n: int) -> Arrays:
+    """Return the members of `loop_t` for the sensors; noise and overridden samples (n, sensors) where there are any."""
     sensors, outputs = scenario.sensors, {s.name: s for s in plant.outputs}
     _require_known("sensors", sensors.values(), outputs)
     _require_known("encoders", scenario.encoders, sensors)
     _require_known("noise", scenario.noise, sensors)
     for name, source in sensors.items():
         _require_matching_signal(controller, "input", name, outputs[source])
-    overridden = np.zeros((n, len(sensors)), dtype=np.uint8)
-    for i, name in enumerate(sensors):
-        if name in scenario.overrides:
-            overridden[:, i] = scenario.overrides[name].mask
     models = [scenario.encoders.get(name, Encoder()) for name in sensors]
-    noise = np.stack([model.noise_of(n, i) for i, model in enumerate(models)], axis=1, dtype=np.float64).reshape(n, -1)
-    for i, name in enumerate(sensors):
-        if name in scenario.noise:
-            noise[:, i] += _noise(name, scenario.noise[name], n)
+    arrays: Arrays = {}
+    if any(name in scenario.overrides for name in sensors):
+        masks = [scenario.overrides[name].mask if name in scenario.overrides else np.zeros(n) for name in sensors]
+        arrays["overridden"] = np.array(masks, dtype=np.uint8).T.copy()
+    if any(isinstance(model, Analogue) for model in models) or scenario.noise:
+        columns = [model.noise_of(n, i) for i, model in enumerate(models)]
+        noises = [_noise(name, scenario.noise[name], n) if name in scenario.noise else 0.0 for name in sensors]
+        arrays["noise"] = np.array(
+            [c + more for c, more in zip(columns, noises, strict=True)], dtype=np.float64
+        ).T.copy()
     chains = np.array([model.chain for model in models], dtype=np.float64).reshape(-1, 5).T.copy()
     gain, bias, resolution, low, high = chains
-    return {
+    return arrays | {
         "sensor_source": np.array([signal_names(plant.outputs).index(s) for s in sensors.values()], dtype=np.int64),
         "sensor_offset": np.array([_offset(controller.inputs, name) for name in sensors], dtype=np.int64),
         "sensor_gain": gain,
@@ -184,12 +214,11 @@ def _sensor_arrays(plant: Plant, controller: host.Controller, scenario: Scenario
         "sensor_resolution": resolution,
         "sensor_low": low,
         "sensor_high": high,
-        "noise": noise,
-        "overridden": overridden,
     }
 
 
-def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
+def actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenario, time: Array) -> Arrays:
+    """Return the members of `loop_t` for the actuators; constant forcing has one row for all samples."""
     inputs, known = {s.name: s for s in plant.inputs}, controller.outputs.names or ()
     rows = {name: {w: 1.0} if isinstance(w, str) else dict(w) for name, w in scenario.actuators.items()}
     commands = tuple(dict.fromkeys(chain(*rows.values())))
@@ -205,35 +234,9 @@ def _actuator_arrays(plant: Plant, controller: host.Controller, scenario: Scenar
     return {
         "command_offset": np.array([_offset(controller.outputs, c) for c in commands], dtype=np.int64),
         "mixing": np.array([[rows.get(u, {}).get(c, 0.0) for c in commands] for u in inputs], dtype=np.float64),
-        "forcing": _forcing(inputs, scenario, time),
+        "forcing": forcing.columns(inputs, scenario, time),
         "waiting": np.tile(hold, (max(scenario.delay, 1), 1)),
     }
-
-
-def _forcing(inputs: Mapping[str, Signal], scenario: Scenario, time: Array) -> Array:
-    """Return the forcing of each input in each substep, (samples, substeps, inputs), in the units of the inputs."""
-    n, m = len(time), scenario.substeps
-    period = scenario.duration_s / n if n == 1 else time[1]
-    middles = time[:, None] + period * (np.arange(m) + 0.5) / m
-    forcing = np.zeros((n, m, len(inputs)))
-    for j, (name, signal) in enumerate(inputs.items()):
-        course = scenario.forcing.get(name, 0.0)
-        try:
-            values = np.vectorize(course, otypes=[float])(middles) if callable(course) else np.asarray(course, float)
-        except (TypeError, ValueError) as error:
-            raise SignalError(
-                f"forcing of '{name}' is not a number at some time ({error}): {_forcing_remedy(n, signal)}"
-            ) from error
-        if not callable(course) and values.shape not in ((), (n,)):
-            raise SignalError(f"forcing of '{name}' is an array {values.shape}: {_forcing_remedy(n, signal)}")
-        if not np.isfinite(values).all():
-            raise SignalError(f"forcing of '{name}' is not finite: {_forcing_remedy(n, signal)}")
-        forcing[:, :, j] = values[:, None] if values.shape == (n,) else values
-    return forcing
-
-
-def _forcing_remedy(n: int, signal: Signal) -> str:
-    return f"give a finite number in {signal.unit}, {n} of them, one a sample, or a function of the time in s"
 
 
 def _offset(struct: np.dtype[np.void], name: str) -> int:

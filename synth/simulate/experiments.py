@@ -151,7 +151,8 @@ class Hold:
         return self.label or f"hold_{'_'.join(self.errors)}"
 
     def run(self, rig: Rig) -> Experiment:
-        """Run from rest at the initial positions."""
+        """Run from rest at the initial positions; raise SignalError for a limit that is not positive."""
+        _require_positive(self.name, self.errors)
         trajectory = _trajectory(rig, self.duration_s, {}, self.conditions)
         late = trajectory.time >= self.after_s
         checks, courses, figures = [], {}, {}
@@ -247,14 +248,22 @@ def _limited_to_range(value: float, point: Any) -> float:
 
 def _position(rig: Rig, set_point: str) -> tuple[str, str]:
     """Return the state or output of the plant that a set-point controls, and its unit."""
-    position = _set_point(rig, set_point).of
-    position = {s.name: s.of for s in rig.stage.interface.sensors}.get(position, position)
+    position = rig.positions[_set_point(rig, set_point).name]
     known: dict[str, Signal] = {s.name: s for s in (*rig.plant.outputs, *rig.plant.states)}
     return position, known[position].unit
 
 
+def _require_positive(name: str, limits: Mapping[str, float]) -> None:
+    for set_point, limit in limits.items():
+        if not limit > 0:
+            raise SignalError(
+                f"{name}: the limit of |y - r| at '{set_point}' is {limit:g}: give a positive one; the set-point "
+                "itself stays at the initial position, which Conditions(start=...) names"
+            )
+
+
 def _resolution(rig: Rig, position: str) -> float:
-    return max((s.resolution for s in rig.stage.interface.sensors if s.of == position), default=0.0)
+    return max((s.resolution for s in rig.stage.interface.sensors if position in (s.of, s.name)), default=0.0)
 
 
 def _peak(error: Array) -> float:
@@ -284,7 +293,8 @@ def _experiment(
         for s in interface.outputs
         if s.name in trajectory.commands
     }
-    about = f"the full plant, sensors as declared, {interface.delay} samples of delay"
+    late = f"{interface.delay} sample{'s' * (interface.delay != 1)} of delay"
+    about = f"the full plant, sensors as declared, {late}"
     return Experiment(
         name, title, about, trajectory, tuple(courses), dict(courses), dict(figures) | used, (*checks, faulty)
     )

@@ -1,10 +1,10 @@
-"""Table, limits and negative control of a fault campaign, from its runs.
+"""Rows, limits and negative control of a fault campaign, from its runs.
 
 A row has the worst values of one fault in one condition over all plants and onsets. Times to notice and to latch are
 the longest of the runs in which the fault has an effect. A run harms the machine where a position runs into a stop that
 it does not reach without the fault. The negative control repeats the runs of the nominal plant that latch, with a
-controller that never latches: where none of them harms the machine, the campaign cannot tell a good detector from a
-missing one.
+controller that never latches: where none of them harms the machine, or they keep every limit that applies to them, the
+campaign cannot tell a good detector from a missing one.
 """
 
 import math
@@ -19,9 +19,12 @@ from synth.check import Check
 from synth.errors import SignalError
 from synth.signals import per_second
 from synth.simulate.campaign import FaultRun, HealthyRun, Values
+from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.rig import Rig
 
 CONTROL = "runs that latch and do no harm without the latch"
+CONTROL_LIMITS = "limits that hold without the latch, too"
+Healthy = Sequence[HealthyRun]
 
 
 @dataclass(frozen=True)
@@ -45,11 +48,24 @@ class Row:
     latch_s: float
     excursion: Values
     impacts: Values
+    energies: Values
+    speeds: Values
+    final_speeds: Values
 
     @property
     def impact(self) -> float:
         """The largest speed of an impact on a stop."""
         return max(self.impacts.values(), default=0.0)
+
+    @property
+    def energy(self) -> float:
+        """The largest energy of an impact in J, of the positions with a declared inertia."""
+        return max(self.energies.values(), default=0.0)
+
+    @property
+    def fault(self) -> tuple[str, ...]:
+        """Class, target, kind, duration and condition."""
+        return self.group, self.target, self.kind, self.duration, self.condition
 
 
 @dataclass(frozen=True)
@@ -57,14 +73,15 @@ class Campaign:
     """The result: rows, healthy runs, numbers of runs of the negative control, checks, and units of positions.
 
     Of `control_runs`, `control_harmed` harm the machine when the controller never latches, `control_latched` when it
-    does. `spans` and `rate_spans` are the widths of the ranges of positions and velocities, by position; excursions
-    and impacts of different units are compared as fractions of them.
+    does. `sweeps` are empty where none was run. `spans` and `rate_spans` are the widths of the ranges of positions and
+    velocities, by position; excursions and impacts of different units are compared as fractions of them.
     """
 
     design: str
     plants: int
     rows: tuple[Row, ...]
     healthy: tuple[HealthyRun, ...]
+    sweeps: tuple[Sweep, ...]
     control_runs: int
     control_harmed: int
     control_latched: int
@@ -99,8 +116,9 @@ def rows(runs: Iterable[FaultRun]) -> tuple[Row, ...]:
 
 def _row(runs: Sequence[FaultRun]) -> Row:
     effective = [r for r in runs if r.effect]
+    fault = runs[0].injection
     return Row(
-        **asdict(runs[0].injection),
+        *(fault.group, fault.target, fault.kind, fault.duration),
         condition=runs[0].condition,
         runs=len(runs),
         without_effect=len(runs) - len(effective),
@@ -114,6 +132,9 @@ def _row(runs: Sequence[FaultRun]) -> Row:
         latch_s=max((r.latch_s for r in effective), default=0.0),
         excursion=_worst([r.excursion for r in runs]),
         impacts=_worst([r.impacts for r in runs]),
+        energies=_worst([r.energies for r in runs]),
+        speeds=_worst([r.speeds for r in runs]),
+        final_speeds=_worst([r.final_speeds for r in runs]),
     )
 
 
@@ -122,26 +143,56 @@ def _worst(values: Sequence[Values]) -> dict[str, float]:
 
 
 def campaign(
-    rig: Rig, plants: int, runs: Sequence[tuple[HealthyRun, Sequence[FaultRun]]], control: Sequence[FaultRun]
+    rig: Rig,
+    plants: int,
+    healthy: Healthy,
+    runs: Sequence[FaultRun],
+    control: Sequence[FaultRun],
+    sweeps: Sequence[Sweep] = (),
 ) -> Campaign:
-    """Return the result of the runs of each plant and condition; `rig` is from `campaign.with_stops`.
+    """Return the result of all runs, and of the `control` runs of faults that latch on the nominal plant.
 
-    Raises SignalError for a limit without a fault, or with an unknown measure.
+    `rig` is from `campaign.with_stops`. Raises SignalError for a limit without a fault, or with an unknown measure.
     """
-    healthy, every = tuple(h for h, _ in runs), [run for _, faulty in runs for run in faulty]
-    nominal = [run for run in every if run.plant == 0]
-    pairs = [(c.harms, n.harms) for c, n in zip(control, nominal, strict=True) if math.isfinite(n.latch_s)]
-    harmed, harmed_latched = (sum(flags) for flags in zip(*pairs, strict=True)) if pairs else (0, 0)
-    states, rates, limits = {s.name: s for s in rig.plant.states}, rig.stage.velocities, rig.stage.faults.limits
-    units, table = {q: states[q].unit for q in rates}, rows(every)
-    checks = [_check(limit, table, healthy, units) for limit in limits]
-    if limits:
-        checks.append(Check(CONTROL, float(len(pairs) - harmed), len(pairs) - 1.0, "1", "the negative control"))
+    states, rates = {s.name: s for s in rig.plant.states}, rig.stage.velocities
+    pairs = control_pairs(runs, control)
+    harmed = [(without.harms, latched.harms) for without, latched in pairs]
+    units, table = {q: states[q].unit for q in rates}, rows(runs)
     return Campaign(
-        rig.stage.name, plants, table, healthy, len(pairs), harmed, harmed_latched, tuple(checks), units,
+        rig.stage.name, plants, table, tuple(healthy), tuple(sweeps),
+        len(pairs), sum(w for w, _ in harmed), sum(h for _, h in harmed),
+        tuple(_checks(rig.stage.faults.limits, table, healthy, pairs, units)), units,
         {q: states[q].high - states[q].low for q in rates},
         {q: states[v].high - states[v].low for q, v in rates.items()},
     )  # fmt: skip
+
+
+def control_pairs(runs: Sequence[FaultRun], control: Sequence[FaultRun]) -> list[tuple[FaultRun, FaultRun]]:
+    """Return each control run with the run of the nominal plant that latches under the same fault."""
+    latched = {_case(run): run for run in runs if run.plant == 0 and math.isfinite(run.latch_s)}
+    return [(run, latched[_case(run)]) for run in control if _case(run) in latched]
+
+
+def _case(run: FaultRun) -> tuple[Any, ...]:
+    return run.injection, run.condition, run.onset_s
+
+
+def _checks(
+    limits: Sequence[FaultLimit], table: Sequence[Row], healthy: Healthy,
+    pairs: Sequence[tuple[FaultRun, FaultRun]], units: Mapping[str, str],
+) -> list[Check]:  # fmt: skip
+    """Return the checks of the limits, and those of the negative control: without the latch one must fail."""
+    checks = [_check(limit, table, healthy, units) for limit in limits]
+    if not limits:
+        return []
+    harmless = sum(not without.harms for without, _ in pairs)
+    checks.append(Check(CONTROL, float(harmless), len(pairs) - 1.0, "1", "the negative control"))
+    without_latch = rows([without for without, _ in pairs])
+    controlled = [l for l in limits if l.measure != FALSE_ALARMS and _matching(l, without_latch)]
+    if controlled:
+        passed = sum(_check(limit, without_latch, (), units).passed for limit in controlled)
+        checks.append(Check(CONTROL_LIMITS, float(passed), len(controlled) - 1.0, "1", "the negative control"))
+    return checks
 
 
 _MEASURES: Mapping[str, tuple[Callable[[Row], float], str]] = {
@@ -149,21 +200,33 @@ _MEASURES: Mapping[str, tuple[Callable[[Row], float], str]] = {
     "latch_s": (lambda row: row.latch_s, "s"),
     "wrong_names": (lambda row: float(row.wrong_names), "1"),
     "impact": (lambda row: row.impact, ""),
+    "energy": (lambda row: row.energy, "J"),
 }
+FALSE_ALARMS = "false_alarms"
 
 
-def _check(limit: FaultLimit, table: Sequence[Row], healthy: Sequence[HealthyRun], units: Mapping[str, str]) -> Check:
-    patterns = (limit.target, limit.kind, limit.condition, limit.duration)
+def _check(limit: FaultLimit, table: Sequence[Row], healthy: Healthy, units: Mapping[str, str]) -> Check:
+    patterns = _patterns(limit)
     name = f"{limit.measure}: {', '.join(p for p in patterns if p != '*') or 'every fault'}"
-    if limit.measure == "false_alarms":
+    if limit.measure == FALSE_ALARMS:
         alarms = sum(h.alarms for h in healthy if fnmatchcase(h.condition, limit.condition))
         return Check(name, float(alarms), limit.most, "1", "samples with a fault bit in healthy runs")
     measure, unit = _measure(limit.measure, units)
-    matching = [row for row in table if all(map(fnmatchcase, _columns(row), patterns))]
+    matching = _matching(limit, table)
     if not matching:
         raise SignalError(f"limit '{name}' matches no fault of the campaign: correct its patterns, or leave it out")
+    if all(row.runs == row.without_effect for row in matching):
+        return Check(name, math.nan, limit.most, unit, "no matching fault has an effect: nothing was tested")
     worst = max(matching, key=measure)
     return Check(name, measure(worst), limit.most, unit, ", ".join(_columns(worst)))
+
+
+def _patterns(limit: FaultLimit) -> tuple[str, str, str, str]:
+    return limit.target, limit.kind, limit.condition, limit.duration
+
+
+def _matching(limit: FaultLimit, table: Sequence[Row]) -> list[Row]:
+    return [row for row in table if all(map(fnmatchcase, _columns(row), _patterns(limit)))]
 
 
 def _columns(row: Row) -> tuple[str, str, str, str]:
@@ -175,68 +238,17 @@ def _measure(name: str, units: Mapping[str, str]) -> tuple[Callable[[Row], float
     if name in _MEASURES:
         measure, unit = _MEASURES[name]
         return measure, unit or "/".join(sorted({per_second(u) for u in units.values()}))
-    what, _, q = name.partition("_")
-    if q in units and what == "impact":
-        return lambda row: row.impacts[q], per_second(units[q])
-    if q in units and what == "excursion":
-        return lambda row: row.excursion[q], units[q]
-    known = [*_MEASURES, "false_alarms", *(f"{w}_{q}" for q in units for w in ("impact", "excursion"))]
+    per_position = {
+        **{f"excursion_{q}": (partial(_of, "excursion", q), unit) for q, unit in units.items()},
+        **{f"impact_{q}": (partial(_of, "impacts", q), per_second(unit)) for q, unit in units.items()},
+        **{f"speed_{q}": (partial(_of, "speeds", q), per_second(unit)) for q, unit in units.items()},
+        **{f"final_speed_{q}": (partial(_of, "final_speeds", q), per_second(unit)) for q, unit in units.items()},
+    }
+    if name in per_position:
+        return per_position[name]
+    known = [*_MEASURES, FALSE_ALARMS, *per_position]
     raise SignalError(f"a fault limit has the measure '{name}': use one of {', '.join(known)}")
 
 
-def worst_targets(result: Campaign) -> tuple[Row, ...]:
-    """Return of each kind, condition and duration the row with the fastest impact, then the largest excursion."""
-    groups: dict[tuple[str, ...], list[Row]] = {}
-    for row in result.rows:
-        groups.setdefault((row.group, row.kind, row.condition, row.duration), []).append(row)
-    return tuple(max(each, key=partial(_severity, result)) for each in groups.values())
-
-
-def _severity(result: Campaign, row: Row) -> tuple[float, float]:
-    return _largest(row.impacts, result.rate_spans)[1], _largest(row.excursion, result.spans)[1]
-
-
-def _largest(values: Values, spans: Values) -> tuple[str, float]:
-    """Return the position with the largest value relative to its span, and that ratio."""
-    ratios = {q: value / spans[q] for q, value in values.items()}
-    return max(ratios.items(), key=lambda pair: pair[1]) if ratios else ("", 0.0)
-
-
-def cells(result: Campaign, row: Row) -> tuple[str, ...]:
-    """Return the cells of a row: times are the slowest, in ms; counts are of the runs, without those without effect."""
-    q, stop = _largest(row.excursion, result.spans)[0], _largest(row.impacts, result.rate_spans)[0]
-    effective = row.runs - row.without_effect
-    return (
-        f"{row.target} {row.kind}",
-        row.duration,
-        row.condition,
-        f"{row.excursion[q]:.3g} {result.units[q]} {q}" if q else "",
-        f"{row.impacts[stop]:.3g} {per_second(result.units[stop])} {stop}" if row.impact else "",
-        _count(row.noticed, effective, row.notice_s),
-        _count(row.latched, effective, row.latch_s),
-        f"{row.named}/{effective}" + (f", {row.wrong_names} wrong" if row.wrong_names else ""),
-        f"{row.without_effect}/{row.runs}" if row.without_effect else "",
-    )
-
-
-def _count(times: int, runs: int, longest_s: float) -> str:
-    if not times:
-        return "never" if runs else ""
-    return f"{1e3 * longest_s:.3g} ms" if times == runs else f"{times}/{runs}"
-
-
-def notes(result: Campaign) -> tuple[str, ...]:
-    """Return lines on false alarms, faults without effect, harm, and the negative control."""
-    counts = ("runs", "without_effect", "harmed", "harmed_unnoticed")
-    runs, idle, harmed, unnoticed = (sum(getattr(row, name) for row in result.rows) for name in counts)
-    stops = sum(any(h.impacts.values()) for h in result.healthy)
-    control = (
-        f"of {result.control_runs} runs that latch, {result.control_harmed} run into a stop when the controller never "
-        f"latches, {result.control_latched} with the latch"
-    )
-    verdict = "" if result.can_tell else ": the campaign cannot tell whether the detector protects the machine"
-    return (
-        f"healthy runs: {len(result.healthy)}, {result.alarms} samples with a fault bit, {stops} run into a stop",
-        f"faulty runs: {runs}, {idle} without effect, {harmed} run into a stop, {unnoticed} of these without a bit",
-        f"negative control: {control}{verdict}",
-    )
+def _of(field: str, position: str, row: Row) -> float:
+    return float(getattr(row, field)[position])

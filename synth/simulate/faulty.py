@@ -1,6 +1,7 @@
 """Faults inside the simulated loop: lagging sensors, actuators with a wrong gain, and missed calls of the controller.
 
     sensor    m_k = reading_{k - lag_k}                                    0 <= lag_k <= k
+    word      m_k = low + step ((w_k ^ flipped_k | set_k) & ~cleared_k)    w_k = round((reading_k - low) / step)
     actuator  u_j(t) = gain_k (M c_{k-delay})_j + bias_k + forcing_j(t)    of each input that an actuator drives
     call      c_k = c_{k-1}, the state and the fault word stay             in a missed sample, except the first
 
@@ -25,7 +26,7 @@ def arrays(plant: Plant, scenario: Scenario, n: int) -> Arrays:
 
     Raises SignalError for an unknown name, a wrong number of values, or a lag from before the start.
     """
-    return _lags(scenario, n) | _input_faults(plant, scenario, n) | _missed_calls(scenario, n)
+    return _lags(scenario, n) | _words(scenario, n) | _input_faults(plant, scenario, n) | _missed_calls(scenario, n)
 
 
 def _lags(scenario: Scenario, n: int) -> Arrays:
@@ -42,6 +43,25 @@ def _lags(scenario: Scenario, n: int) -> Arrays:
                 "of the sample"
             )
     return {"sensor_lag": lags, "readings": np.zeros((n, len(sensors)))}
+
+
+def _words(scenario: Scenario, n: int) -> Arrays:
+    if not scenario.words:
+        return {}
+    sensors = list(scenario.sensors)
+    low, step = np.zeros(len(sensors)), np.ones(len(sensors))
+    masks = np.zeros((3, n, len(sensors)), dtype=np.int64)
+    for name, word in scenario.words.items():
+        _require("words", name, sensors)
+        if not (np.isfinite(word.low) and 0 < word.step < np.inf):
+            raise SignalError(
+                f"word of '{name}' counts from {word.low} in steps of {word.step}: give a finite start and a step > 0"
+            )
+        i = sensors.index(name)
+        low[i], step[i] = word.low, word.step
+        for mask, bits in zip(masks, (word.flipped, word.set_bits, word.cleared), strict=True):
+            mask[:, i] = _column("bits of the word", name, bits, n)
+    return {"word_low": low, "word_step": step, "flipped": masks[0], "set_bits": masks[1], "cleared": masks[2]}
 
 
 def _input_faults(plant: Plant, scenario: Scenario, n: int) -> Arrays:

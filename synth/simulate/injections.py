@@ -1,130 +1,162 @@
-"""Faults of a campaign (FMEA), derived from the interface of a stage, and what each changes in a scenario.
+"""Faults of a campaign (FMEA), derived from the declaration of a stage.
 
-    sensor    not finite, out of range, frozen, offset, drift, noise, one sample late, repeated code
-    actuator  dead, stuck, weak
-    calls     missing
+    sensor              not finite, out of range, frozen, offset, drift, noise, late, repeated, bit flipped, bit stuck
+    set-point           jump, refused
+    actuator            dead, stuck, weak
+    calls               missing, alternate, delayed
+    two sensors         both lost, lost and frozen, both frozen: of one parity relation
+    sensor, actuator    lost and dead: a sensor, and the actuator that moves it most
 
-Sensor faults act between plant and C, before or after the quantisation as in the hardware; actuator faults act between
-C and plant. A permanent fault lasts to the end of the run, a short one for one sample less than the latch needs.
+A permanent fault lasts to the end of the run, a short one for one sample less than the latch needs, and others as long
+as the campaign declares. `fault_effects` states what each changes in a scenario.
+
+Two sensors are in one parity relation where the projector on the left null space of the output Jacobian at rest,
+I - C C+, has an entry for them: the positions do not determine their readings independently, so the loss of one leaves
+the other redundant and the loss of both does not.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
-from zlib import crc32
+from itertools import combinations
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.campaign import FaultCampaign
+from synth.declaration import Stage
+from synth.plant import Plant
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import InputFault, Trajectory
-from synth.simulate.sensors import Override
 
 PERMANENT, SHORT = "permanent", "short"
-BEYOND = 0.1  # of a sensor's range: distance of a reading out of range from its end
+SENSOR, SET_POINT, ACTUATOR, CALLS = "sensor", "set-point", "actuator", "calls"
+SENSORS, SENSOR_AND_ACTUATOR = "two sensors", "sensor and actuator"
+KINDS = {
+    SENSOR: (
+        *("not finite", "out of range", "frozen", "offset", "drift", "noise", "late", "repeated"),
+        *("bit flipped", "bit stuck"),
+    ),
+    SET_POINT: ("jump", "refused"),
+    ACTUATOR: ("dead", "stuck", "weak"),
+    CALLS: ("missing", "alternate", "delayed"),
+    SENSORS: ("both lost", "lost and frozen", "both frozen"),
+    SENSOR_AND_ACTUATOR: ("lost and dead",),
+}
+PAIRS = (SENSORS, SENSOR_AND_ACTUATOR)
+PARITY = 1e-6  # of the projector, whose entries are at most 1: below it a sensor is in no parity relation
+AND = " + "  # between the two targets of a pair
 
 
 @dataclass(frozen=True)
 class Injection:
-    """One fault: the class of its target (sensor, actuator, calls), the target, the kind and the duration."""
+    """One fault: the class of its target, the target, the kind and the duration.
+
+    A sweep gives a `magnitude` in place of the campaign's, as a fraction of the range, and a number of `samples` in
+    place of those of the duration.
+    """
 
     group: str
     target: str
     kind: str
     duration: str
-
-
-@dataclass(frozen=True, eq=False)
-class _Course:
-    """What a fault may depend on: its samples (N,), those since the onset, and the healthy run."""
-
-    rig: Rig
-    campaign: FaultCampaign
-    healthy: Trajectory
-    onset: int
-    active: NDArray[np.bool_]
+    magnitude: float | None = None
+    samples: int | None = None
 
     @property
-    def since(self) -> NDArray[np.int64]:
-        """The samples since the onset (N,), 0 while the fault does not act."""
-        return np.where(self.active, np.arange(len(self.active)) - self.onset, 0)
-
-    def span(self, sensor: str) -> float:
-        """Return the width of a sensor's range in its unit."""
-        signal = self.rig.stage.interface.signals[sensor]
-        return signal.high - signal.low
+    def targets(self) -> tuple[str, ...]:
+        """The faulty sensors, set-points and actuators."""
+        return tuple(self.target.split(AND))
 
 
-Fields = Mapping[str, Any]
-
-
-def _override(c: _Course, sensor: str, value: float) -> Fields:
-    return {"overrides": {sensor: Override(c.active, np.full(len(c.active), value))}}
-
-
-def _out_of_range(c: _Course, sensor: str) -> Fields:
-    return _override(c, sensor, c.rig.stage.interface.signals[sensor].high + BEYOND * c.span(sensor))
-
-
-def _disturbance(c: _Course, sensor: str, values: NDArray[np.floating]) -> Fields:
-    """Return the sensor noise of the rig with `values`, as fractions of the sensor's range, added to one sensor."""
-    noise = c.rig.sensor_noise(len(c.active))
-    return {"noise": noise | {sensor: noise.get(sensor, 0.0) + c.span(sensor) * np.where(c.active, values, 0.0)}}
-
-
-def _white_noise(c: _Course, sensor: str) -> Fields:
-    values = np.random.default_rng(crc32(sensor.encode())).standard_normal(len(c.active))
-    return _disturbance(c, sensor, c.campaign.noise * values)
-
-
-def _drift(c: _Course, sensor: str) -> Fields:
-    return _disturbance(c, sensor, c.campaign.drift_per_s * c.rig.period_s * c.since)
-
-
-def _gain(c: _Course, actuator: str, gain: float, bias: float = 0.0) -> Fields:
-    return {"input_faults": {actuator: InputFault(np.where(c.active, gain, 1.0), np.where(c.active, bias, 0.0))}}
-
-
-_EFFECTS: Mapping[str, Mapping[str, Callable[[_Course, str], Fields]]] = {
-    "sensor": {
-        "not finite": lambda c, s: _override(c, s, np.nan),
-        "out of range": _out_of_range,
-        "frozen": lambda c, s: {"lags": {s: np.where(c.active, c.since + 1, 0)}},
-        "offset": lambda c, s: _disturbance(c, s, np.full(len(c.active), c.campaign.offset)),
-        "drift": _drift,
-        "noise": _white_noise,
-        "late": lambda c, s: {"lags": {s: np.where(c.active, 1, 0)}},
-        "repeated": lambda c, s: {"lags": {s: c.since % c.campaign.repeated}},
-    },
-    "actuator": {
-        "dead": lambda c, a: _gain(c, a, 0.0),
-        "stuck": lambda c, a: _gain(c, a, 0.0, float(c.healthy.applied[a][c.onset - 1])),
-        "weak": lambda c, a: _gain(c, a, c.campaign.weak),
-    },
-    "calls": {"missing": lambda c, _: {"missed": c.active}},
-}
-
-
-def derive(rig: Rig) -> tuple[Injection, ...]:
-    """Return every fault of the stage's interface: sensors, plant inputs with an actuator, calls of the controller."""
-    interface = rig.stage.interface
-    targets = {"sensor": [s.name for s in interface.sensors], "actuator": list(rig.connections), "calls": ["calls"]}
+def derive(stage: Stage) -> tuple[Injection, ...]:
+    """Return every fault of the stage's interface: of sensors, set-points, plant inputs with an actuator, calls."""
+    interface, durations = stage.interface, stage.faults.durations_s
+    targets = {
+        SENSOR: [s.name for s in interface.sensors],
+        SET_POINT: [s.name for s in interface.set_points],
+        ACTUATOR: list(_connections(stage)),
+        CALLS: ["calls"],
+        SENSORS: [AND.join(pair) for pair in sensor_pairs(stage)],
+        SENSOR_AND_ACTUATOR: [AND.join(pair) for pair in driven_sensors(stage)],
+    }
+    finite = ([SHORT] if interface.bad_samples > 1 else []) + [f"{seconds:g} s" for seconds in durations]
     return tuple(
         Injection(group, target, kind, duration)
-        for group, kinds in _EFFECTS.items()
+        for group, kinds in KINDS.items()
         for target in targets[group]
         for kind in kinds
-        for duration in (PERMANENT, SHORT)
-        if duration == PERMANENT or interface.bad_samples > 1
+        for duration in (PERMANENT, *(finite if group not in PAIRS else ()))
     )
 
 
-def scenario_fields(
-    rig: Rig, campaign: FaultCampaign, injection: Injection, healthy: Trajectory, onset: int
-) -> dict[str, Any]:
-    """Return the fields of `Scenario` that a fault from sample `onset` >= 1 on changes."""
-    k = np.arange(len(healthy.time))
-    samples = rig.stage.interface.bad_samples - 1 if injection.duration == SHORT else len(k)
-    course = _Course(rig, campaign, healthy, onset, (k >= onset) & (k < onset + samples))
-    return dict(_EFFECTS[injection.group][injection.kind](course, injection.target))
+def sample_count(rig: Rig, injection: Injection, n: int) -> int:
+    """Return the number of samples that a fault lasts in a run of n samples."""
+    if injection.samples is not None:
+        return injection.samples
+    if injection.duration == PERMANENT:
+        return n
+    if injection.duration == SHORT:
+        return rig.stage.interface.bad_samples - 1
+    return max(1, round(float(injection.duration.removesuffix(" s")) / rig.period_s))
+
+
+def is_loss(injection: Injection) -> bool:
+    """Return whether a fault is the loss of one sensor for the rest of the run."""
+    return (injection.group, injection.kind, injection.duration) == (SENSOR, "not finite", PERMANENT)
+
+
+def _plant(stage: Stage) -> Plant:
+    """Return the plant with the inputs that faults of actuators concern: that of the drive, where there is one."""
+    return stage.drive.plant if stage.drive else stage.plant
+
+
+def _connections(stage: Stage) -> Iterable[str]:
+    """Return the plant inputs that an actuator drives."""
+    if stage.drive:
+        return [s.name for s in stage.drive.plant.inputs if s.name not in stage.interface.disturbances]
+    return stage.wires or [a.of for a in stage.interface.actuators]
+
+
+def sensor_pairs(stage: Stage) -> tuple[tuple[str, str], ...]:
+    """Return the pairs of sensors that are in one parity relation of the model at rest."""
+    C, _, _ = _linear_model(stage)
+    sensors = [s.name for s in stage.interface.sensors]
+    projector = np.eye(len(sensors)) - C @ np.linalg.pinv(C)
+    pairs = combinations(range(len(sensors)), 2)
+    return tuple((sensors[i], sensors[j]) for i, j in pairs if abs(projector[i, j]) > PARITY)
+
+
+def driven_sensors(stage: Stage) -> tuple[tuple[str, str], ...]:
+    """Return each sensor with the plant input that moves it most: the largest Markov parameter times the input range.
+
+    The Markov parameter is the first of C B, C A B, C A^2 B that is not 0; a sensor that no actuator moves is left out.
+    """
+    C, A, B = _linear_model(stage)
+    plant_inputs = _plant(stage).inputs
+    inputs = [s.name for s in plant_inputs]
+    driven = [inputs.index(name) for name in _connections(stage)]
+    spans = np.array([plant_inputs[j].high - plant_inputs[j].low for j in driven])
+    pairs = []
+    for sensor, row in zip(stage.interface.sensors, C, strict=True):
+        markov = [np.abs(row @ np.linalg.matrix_power(A, k) @ B[:, driven]) * spans for k in range(3)]
+        gains = next((g for g in markov if g.max(initial=0.0) > 0), None)
+        if gains is not None:
+            pairs.append((sensor.name, inputs[driven[int(np.argmax(gains))]]))
+    return tuple(pairs)
+
+
+def _linear_model(stage: Stage) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return C of the sensors, A and B at the start of the stage with zero inputs, in the units of the ranges.
+
+    Rows and columns are scaled by the spans of the signals, so that metres and radians compare.
+    """
+    plant = _plant(stage)
+    x, u = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs))
+    f, h = plant.f(x, u, plant.values), plant.h(x, u, plant.values)
+    jacobians = ca.Function("jacobians", [x, u], [ca.jacobian(h, x), ca.jacobian(f, x), ca.jacobian(f, u)])
+    start = [stage.start.get(s.name, 0.0) for s in plant.states]
+    C, A, B = (np.array(ca.DM(m)) for m in jacobians(start, np.zeros(len(plant.inputs))))
+    outputs = [s.name for s in plant.outputs]
+    rows = [outputs.index(s.of) for s in stage.interface.sensors]
+    spans = np.array([s.high - s.low for s in plant.states])
+    ranges = np.array([plant.outputs[i].high - plant.outputs[i].low for i in rows])
+    return C[rows] * spans / ranges[:, None], A * spans / spans[:, None], B / spans[:, None]

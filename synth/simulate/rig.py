@@ -1,10 +1,11 @@
 """Simulation rig: the plant of a stage with its compiled controller, sensors, delay and stops.
 
-plant --> sensors (noise, resolution) --> compiled controller --> delay --> hold --> plant
+plant --> sensors (noise, resolution) --> compiled controller --> drive --> delay --> hold --> plant
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -12,13 +13,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from synth.declaration import Stage
-from synth.execute import host
+from synth.execute import build, host
 from synth.plant import Plant
 from synth.simulate import closed_loop
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
+Simulate = Callable[[Plant, host.Controller, Scenario, ca.Function | None], Trajectory]
 Wires = Mapping[str, str | Mapping[str, float]]
+
+
+def of_stage(stage: Stage, controller: host.Controller) -> "Rig":
+    """Return the plant of a stage under a compiled controller, through the drive that the stage declares."""
+    if stage.drive is None:
+        return Rig(stage, stage.plant, controller)
+    return Rig(stage, stage.drive.plant, controller, drive=_compile_drive(stage, np.dtype(controller.scalar).name))
+
+
+@lru_cache(maxsize=8)
+def _compile_drive(stage: Stage, scalar: str) -> tuple[host.Controller, ...]:
+    kind, blocks = np.float32 if scalar == "float32" else np.float64, stage.drive.blocks if stage.drive else ()
+    return tuple(build.compile_block(block, kind, error=stage.surrogate_error.get(kind)) for block in blocks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +42,8 @@ class Rig:
 
     `quantised` False removes the resolution of the sensors; `noise` scales their declared noise, generated from `seed`;
     `actuators` replaces the connections from controller outputs to plant inputs; `disturbance(x, t)` is added to dx/dt.
+    `drive` are the compiled Blocks behind the controller; `plant` is then the plant that they drive.
+    `offsets` are errors of the sensors' zeros, in their units. `simulate` runs a scenario.
     """
 
     stage: Stage
@@ -37,6 +54,9 @@ class Rig:
     seed: int = 0
     actuators: Wires = field(default_factory=dict)
     disturbance: ca.Function | None = None
+    drive: tuple[host.Controller, ...] = ()
+    offsets: Mapping[str, float] = field(default_factory=dict)
+    simulate: Simulate = closed_loop.simulate
 
     @property
     def period_s(self) -> float:
@@ -45,13 +65,26 @@ class Rig:
 
     @property
     def connections(self) -> Wires:
-        """The controller output, or weighted outputs, of each plant input that an actuator drives."""
+        """The controller output, or weighted outputs, of each plant input that an actuator drives.
+
+        With a drive it is the output of the drive that is called like the plant input.
+        """
+        if self.drive and not self.actuators:
+            return {s.name: s.name for s in self.plant.inputs if s.name not in self.stage.interface.disturbances}
         return self.actuators or self.stage.wires or {a.of: a.name for a in self.stage.interface.actuators}
 
     @property
     def ideal(self) -> "Rig":
         """The same rig with ideal sensors: without noise and quantisation."""
         return replace(self, quantised=False, noise=0.0)
+
+    @property
+    def without_drive(self) -> "Rig":
+        """The same rig in which the controller's outputs act on the plant of the stage directly."""
+        if not self.drive:
+            return self
+        values = {p.name: p.value for p in self.plant.parameters}
+        return replace(self, plant=self.stage.plant.with_parameters(**values), drive=())
 
     def with_interface(self, **fields: Any) -> "Rig":
         """Return the same rig with some fields of its interface replaced; the controller is unchanged."""
@@ -76,14 +109,13 @@ class Rig:
         interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
         default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
-        commands = self.controller.outputs.names or ()
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
             "references": default_set_points | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
-            "hold": {a.name: a.safe for a in interface.actuators if a.name in commands},
+            "hold": self._first_commands(start),
             "forcing": dict.fromkeys(interface.disturbances, 0.0),
             "velocities": self.stage.velocities,
             "stops": self.stage.stops,
@@ -91,7 +123,31 @@ class Rig:
             "substeps": self.stage.substeps,
         }
         scenario = Scenario(duration_s, start, **(fields | options))
-        return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance)
+        if self.drive:
+            return closed_loop.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
+        return self.simulate(self.plant, self.controller, scenario, self.disturbance)
+
+    def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
+        """Return the commands before the first sample: the safe values, through the drive at the initial position."""
+        interface, outputs = self.stage.interface, self.controller.outputs.names or ()
+        safe = {a.name: a.safe for a in interface.actuators if a.name in outputs}
+        if not self.drive:
+            return safe
+        positions = self.plant.output_values(start)
+        known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
+        known |= {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
+        known |= dict.fromkeys(outputs, 0.0) | safe
+        for block in self.drive:
+            commands = block.step(block.init(), {name: known[name] for name in block.inputs.names or ()}).outputs
+            known |= commands
+        return {name: float(value) for name, value in commands.items()}
+
+    @property
+    def positions(self) -> dict[str, str]:
+        """The plant state that each set-point controls, or the output behind its sensor where it names no state."""
+        states, interface = {s.name for s in self.plant.states}, self.stage.interface
+        sensors = {s.name: s.of for s in interface.sensors if s.name not in states}
+        return {s.name: sensors.get(s.of, s.of) for s in interface.set_points}
 
     def at_rest(self) -> dict[str, float]:
         """Return the controller inputs at the initial state of the stage, with zero plant inputs."""
@@ -101,7 +157,12 @@ class Rig:
         return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
 
     def _encoders(self) -> dict[str, Encoder]:
-        return {s.name: Encoder(s.resolution) for s in self.stage.interface.sensors if self.quantised and s.resolution}
+        resolutions = {s.name: s.resolution if self.quantised else 0.0 for s in self.stage.interface.sensors}
+        return {
+            name: Encoder(resolution, self.offsets.get(name, 0.0))
+            for name, resolution in resolutions.items()
+            if resolution or name in self.offsets
+        }
 
     def sensor_noise(self, n: int) -> dict[str, Array]:
         """Return n samples of noise for each noisy sensor; a shorter record is the beginning of a longer one."""

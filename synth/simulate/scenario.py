@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, show
 from synth.errors import SignalError
-from synth.simulate.sensors import Override, Sensor
+from synth.simulate.sensors import Override, Sensor, Word
 from synth.statespace import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Columns = dict[str, NDArray[Any]]
+Columns = Mapping[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +42,9 @@ class Scenario:
     ideal. `noise` (N,) is added to the measured quantity before quantisation. `velocities` maps each position that
     `stops` (low, high) and `locked` may name to its velocity. `delay` is in samples.
 
-    A sensor in `lags` delivers the reading of `lags` (N,) samples ago. `input_faults` are faults of plant inputs that
-    an actuator drives. The controller is not called in the samples where `missed` (N,) is true; its outputs stay.
+    A sensor in `lags` delivers the reading of `lags` (N,) samples ago, and one in `words` has faulty bits.
+    `input_faults` are faults of plant inputs that an actuator drives. The controller is not called in the samples where
+    `missed` (N,) is true; its outputs stay.
     """
 
     duration_s: float
@@ -59,6 +60,7 @@ class Scenario:
     velocities: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lags: Mapping[str, ArrayLike] = field(default_factory=dict)
+    words: Mapping[str, Word] = field(default_factory=dict)
     input_faults: Mapping[str, InputFault] = field(default_factory=dict)
     missed: NDArray[np.bool_] | None = None
     locked: Sequence[str] = ()
@@ -77,7 +79,8 @@ class Trajectory:
     """One value for each sample t = kT, k = 0 .. N-1, in read-only columns (N,) by name.
 
     `states` and `outputs` are true values of the plant, before any encoder; `applied` are the plant inputs from t on;
-    `measured` are the controller inputs, suitable for `controller.replay`; `commands` are the controller outputs.
+    `measured` are the controller inputs, suitable for `controller.replay`; `commands` are the controller outputs,
+    `driven` those of the Blocks of a drive, and `drive_faults` the fault words of each of these Blocks.
     `impacts` is the largest speed of an impact on each stop. `units` has the unit of each column that is known.
     """
 
@@ -90,11 +93,13 @@ class Trajectory:
     faults: NDArray[np.uint32]
     impacts: dict[str, float]
     units: Mapping[str, str] = field(default_factory=dict)
+    driven: Columns = field(default_factory=dict)
+    drive_faults: Mapping[str, NDArray[np.uint32]] = field(default_factory=dict)
 
     def sheet(self) -> show.Sheet:
         """Return the range of every column and the impacts."""
         groups = {"state": self.states, "output": self.outputs, "applied": self.applied}
-        groups |= {"measured": self.measured, "command": self.commands}
+        groups |= {"measured": self.measured, "command": self.commands, "driven": self.driven}
         rows = (
             (
                 group,
@@ -121,11 +126,11 @@ class Trajectory:
         return plots.over_time(self.time, {name: self[name] for name in chosen}, self.units)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the column `name` from the first of states, outputs, applied, measured, commands that has it.
+        """Return the column `name` from the first of states, outputs, applied, measured, commands, driven with it.
 
         Raises SignalError when none of them has it.
         """
-        groups = (self.states, self.outputs, self.applied, self.measured, self.commands)
+        groups = (self.states, self.outputs, self.applied, self.measured, self.commands, self.driven)
         for columns in groups:
             if name in columns:
                 return columns[name]

@@ -3,6 +3,7 @@
     seen      s = (1 + gain_error) y + offset + noise          of every sensor
     Encoder   m = r round(s / r), halves to even, so |m - s| <= r/2 for the resolution r;  m = s for r = 0
     Analogue  as an encoder with r = (high - low) / 2^bits, limited to low .. high
+    word      the count of a reading with some bits set or inverted, see `Word`
     override  m_k = v_k at every sample k of the mask, independent of y
 
 Offsets, resolutions, noise and values are in the unit of y; a gain error is a fraction.
@@ -112,3 +113,17 @@ class Override:
 
     mask: NDArray[np.bool_]
     values: ArrayLike
+
+
+@dataclass(frozen=True, eq=False)
+class Word:
+    """A faulty word of a sensor: of its count w = round((m - low) / step) some bits are inverted, then some fixed.
+
+    `low` and `step` are in the unit of the reading m; `flipped`, `set_bits` and `cleared` (N,) are masks of bits.
+    """
+
+    low: float
+    step: float
+    flipped: ArrayLike = 0
+    set_bits: ArrayLike = 0
+    cleared: ArrayLike = 0

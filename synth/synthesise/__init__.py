@@ -7,18 +7,18 @@ State feedback
     lqrd(system, Q, R, period_s)          optimal gain of a held input, exact cost between the samples
     with_integrators(system, outputs)     the model with integrals of outputs, for `lqr`
     place(system, poles)                  gain for given poles of the closed loop
-    deadbeat(system)                      the state is 0 after the fewest samples
+    deadbeat(system)                      gain that brings the state to 0 in the fewest samples
     solve_riccati(system, Q, R)           the Riccati equation with its certificate
 
 Observers
     kalman(system, W, V)                  steady-state Kalman filter in the model's own time
     kalmd(system, W, V, period_s)         discrete Kalman filter of a continuous model
-    lqg(gain, estimator)                  controller of a gain and a Kalman filter, one period to compute
+    lqg(gain, estimator)                  controller of a gain and a Kalman filter, with one period of delay
     reduced_observer(system, measured, L) observer of the states that are not measured, for a gain L
-    reduced_kalman(system, measured, W)   the one of least covariance
+    reduced_kalman(system, measured, W)   reduced-order observer of least error covariance
 
 Regulators
-    internal_model(frequencies)           the exosystem of steps and sines that e -> 0 rejects
+    internal_model(frequencies)           exosystem: the steps and sines that the regulator rejects
     servo(system, exosystem, Q, R)        state feedback around copies of the exosystem, optimal
     servo_discrete(system, exosystem, Q, R, period_s)   the same for a held input
     back_calculation(regulator, decay_per_s)   its anti-windup

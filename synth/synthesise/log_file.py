@@ -35,7 +35,7 @@ UNITS: dict[str, tuple[str, float, float]] = {
 COLUMN = re.compile(r"\s*([A-Za-z]\w*)\s*\[\s*([^\]\s]+)\s*\]\s*", re.ASCII)
 NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 SI = tuple(dict.fromkeys(unit for unit, _, _ in UNITS.values()))
-HUGE = 1e70  # upper bound of a magnitude, as in `arguments.SIZES`
+MAX_MAGNITUDE = 1e70  # upper bound of a magnitude, as in `arguments.SIZES`
 
 
 @arguments.checked
@@ -124,6 +124,6 @@ def _read_number(cell: str, unit: str, where: str) -> float:
         raise SignalError(f"{where} is '{cell.strip()}': give a finite number, with a point and without its unit")
     _, factor, divisor = UNITS[unit]
     value = float(cell) * factor / divisor
-    if not abs(value) < HUGE:
+    if not abs(value) < MAX_MAGNITUDE:
         raise SignalError(f"{where} is {cell.strip()} {unit}: give a number of a size that can be measured")
     return value

@@ -7,17 +7,19 @@ from typing import Any
 from synth import check as checks
 from synth import show
 from synth.check import Check
+from synth.simulate.fault_rows import Campaign
 from synth.verify.agree import Agreement
 
 
 @show.with_repr
 @dataclass(frozen=True, repr=False)
 class Evidence:
-    """The agreements between witnesses and the checks that follow from them."""
+    """Agreements between witnesses and the checks that follow from them; the fault campaign where one was run."""
 
     design: str
     agreements: Sequence[Agreement]
     checks: Sequence[Check]
+    faults: Campaign | None = None
 
     def sheet(self) -> show.Sheet:
         """Return the checks and the agreements."""
@@ -42,4 +44,5 @@ class Evidence:
             "passed": self.passed,
             "agreements": [asdict(a) for a in self.agreements],
             "checks": [c.document() | {"passed": c.passed} for c in self.checks],
+            **({"faults": self.faults.document()} if self.faults else {}),
         }

@@ -16,7 +16,7 @@ from synth.execute import host
 from synth.verify import stimuli
 
 SEED, RUNS, BEFORE = 31, 8, 50  # runs of random inputs, and samples of each before the loss of measurement
-LONGEST = 100_000  # samples of a slew
+MAX_SLEW_SAMPLES = 100_000  # samples of a slew
 ROUNDING = 16  # of a change of the output, in units in the last place of its range
 
 
@@ -29,7 +29,7 @@ def verify(controller: host.Controller) -> tuple[Check, ...]:
     fields = {f["name"]: f for f in controller.manifest["structs"]["output"]["fields"]}
     span = {n: fields[n]["high"] - fields[n]["low"] for n in safety["safe_output"]}
     slews = [ceil(span[n] / (rate * period)) for n, rate in safety["slew_per_s"].items()]
-    after = safety["bad_samples"] + min(max(slews), LONGEST) + 2
+    after = safety["bad_samples"] + min(max(slews), MAX_SLEW_SAMPLES) + 2
     fastest, remaining = dict.fromkeys(span, 0.0), dict.fromkeys(span, 0.0)
     for _ in range(RUNS):
         replay = controller.replay(stimuli.loss_of_measurement(controller, BEFORE, after, rng))

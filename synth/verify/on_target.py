@@ -135,17 +135,15 @@ def _identity_checks(where: str, expected: _HostResults, actual: host.Batch) -> 
     faults = _count_differing(expected.after.faults, actual.faults)
     steps = len(expected.sequence)
     return (
+        Check(f"{where}: outputs that differ", sum(outputs.values()), 0, "values", _summary(steps, "steps", outputs)),
         Check(
-            f"{where}: outputs with other bits", sum(outputs.values()), 0, "values", _summary(steps, "steps", outputs)
-        ),
-        Check(
-            f"{where}: states with other bits",
+            f"{where}: states that differ",
             sum(states.values()),
             0,
             "values",
             _summary(len(states_after), "states", states),
         ),
-        Check(f"{where}: other fault words", faults, 0, "steps", f"{steps} steps"),
+        Check(f"{where}: fault words that differ", faults, 0, "steps", f"{steps} steps"),
     )
 
 

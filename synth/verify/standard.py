@@ -17,6 +17,7 @@ from synth.analyse import robustness
 from synth.check import Check
 from synth.declaration import Reference, Stage
 from synth.errors import DesignError
+from synth.simulate import rig as rigs
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.verify import agree, sampling, steps, stimuli, suite
@@ -56,7 +57,7 @@ def verify(stage: Stage, progress: Callable[[str], None], whole: bool) -> Eviden
     """
     progress("witnesses")
     witness_set = witnesses(stage)
-    rig = Rig(stage, stage.plant, witness_set.c64)
+    rig = rigs.of_stage(stage, witness_set.c64)
     runs = _runs(rig, WHOLE if whole else QUICK)
     progress("random and edge steps")
     agreements, checks = compare_samples(witness_set, runs)
@@ -122,7 +123,7 @@ def compare_precisions(
     `counts` are real states that jump with a decision, each with its least jump; a smaller difference counts as equal.
     """
     double, single = suite.in_both_precisions(witness_set, states, inputs)
-    alike = suite.decide_alike(witness_set.block, double, single)
+    alike = suite.same_decisions(witness_set.block, double, single)
     for name, jump in (counts or {}).items():
         alike &= np.abs(double.states[name] - single.states[name].astype(np.float64)) < jump
     pair = ("c64", suite.select(double, alike)), ("c32", suite.select(single, alike))
@@ -136,11 +137,11 @@ def compare_precisions(
 
 def compare_paths(stage: Stage, witness_set: Witnesses) -> list[Check]:
     """Compare the path of the plant under both scalar types in each experiment, with ideal sensors."""
-    rigs = [Rig(stage, stage.plant, c).ideal for c in (witness_set.c64, witness_set.c32)]
+    precisions = [rigs.of_stage(stage, c).ideal for c in (witness_set.c64, witness_set.c32)]
     return [
         check
         for experiment in stage.experiments
-        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in rigs])
+        for check in _path_checks(stage, experiment.name, [experiment.run(rig) for rig in precisions])
     ]
 
 

@@ -19,8 +19,9 @@ from synth.execute import build, host
 from synth.verify import agree
 from synth.verify.agree import Agreement, Columns, StepResults
 
-EXACT = 1e-12  # of max(floor, |output|), and of the range of a state: rounding of some hundred operations in double
-OTHERS = ("reference", "casadi", "casadi_c")  # witnesses that are compared with the C in double precision
+# Of max(floor, |output|), and of the range of a state: rounding of some hundred operations in double.
+DOUBLE_TOLERANCE = 1e-12
+WITNESS_NAMES = ("reference", "casadi", "casadi_c")  # witnesses that are compared with the C in double precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +76,8 @@ def exact_checks(agreements: Sequence[Agreement], unit: str) -> list[Check]:
     for a in agreements:
         about, pair = f"worst of {a.samples} steps, {a.signal}", f"{a.first} and {a.second}"
         checks += [
-            Check(f"{a.what}: {a.first} against {a.second}", a.worst, EXACT, unit, about),
-            Check(f"{a.what}: next states of {pair}", a.state_worst, EXACT, "of range", a.state),
+            Check(f"{a.what}: {a.first} against {a.second}", a.worst, DOUBLE_TOLERANCE, unit, about),
+            Check(f"{a.what}: next states of {pair}", a.state_worst, DOUBLE_TOLERANCE, "of range", a.state),
             Check(f"{a.what}: fault words of {pair} that differ", a.faults_differ, 0, "1"),
         ]
     return checks
@@ -88,12 +89,12 @@ def in_both_precisions(witness_set: Witnesses, states: Columns, inputs: Columns)
     return agree.emitted_c(witness_set.c64)(x, u), agree.emitted_c(witness_set.c32)(x, u)
 
 
-def decide_alike(block: Block, first: StepResults, second: StepResults) -> NDArray[np.bool_]:
+def same_decisions(block: Block, first: StepResults, second: StepResults) -> NDArray[np.bool_]:
     """Return for each step (N,) whether fault words and integer states of two witnesses are equal."""
-    alike = np.asarray(first.faults) == np.asarray(second.faults)
+    same = np.asarray(first.faults) == np.asarray(second.faults)
     for s in (s for s in block.states if s.integer):
-        alike &= np.asarray(first.states[s.name]) == np.asarray(second.states[s.name])
-    return np.asarray(alike)
+        same &= np.asarray(first.states[s.name]) == np.asarray(second.states[s.name])
+    return np.asarray(same)
 
 
 def select(stepped: StepResults, chosen: NDArray[np.bool_]) -> StepResults:

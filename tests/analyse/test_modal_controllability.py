@@ -72,7 +72,7 @@ def test_one_input_cannot_control_two_modes_of_one_eigenvalue() -> None:
 def test_the_measures_of_a_large_model_are_the_least_singular_values() -> None:
     """Above SMALL states inverse iteration takes the place of a decomposition for each mode, input and output."""
     rng = np.random.default_rng(4)
-    n = modal_controllability.SMALL + 10
+    n = modal_controllability.MAX_SVD_STATES + 10
     A, B, C = rng.normal(size=(n, n)), rng.normal(size=(n, 2)), rng.normal(size=(1, n))
     part = staircase.of_model(of((A, B, C)))
     b, c = part.B / np.linalg.norm(part.B, axis=0), part.C / np.linalg.norm(part.C)
@@ -87,7 +87,7 @@ def test_the_measures_of_a_large_model_are_the_least_singular_values() -> None:
 
 
 def test_a_long_chain_of_integrators_does_not_overflow() -> None:
-    n = modal_controllability.SMALL + 10
+    n = modal_controllability.MAX_SVD_STATES + 10
     measures = modal_controllability.modal_measures((np.diag(np.ones(n - 1), 1), np.eye(n, 1, -n // 2), np.eye(1, n)))
     assert all(
         m.controllability < tolerances.of("double") and m.observability == pytest.approx(1) for m in measures.modes

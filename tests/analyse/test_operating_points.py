@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from models import maglev_stage
 from synth import plant
-from synth.analyse.operating_points import trim
+from synth.analyse.operating_points import OperatingPoint, trim
 from synth.errors import ModelError, SignalError
 from synth.plant import Plant, Symbols
 from synth.signals import Parameter, Signal
@@ -203,3 +203,19 @@ def test_nothing_free_at_an_equilibrium() -> None:
 def test_wrong_names_are_refused(held: dict[str, float], free: tuple[str, ...], message: str) -> None:
     with pytest.raises(SignalError, match=message):
         trim(maglev_stage.plant(), held, free)
+
+
+def test_a_point_shows_its_values_by_name() -> None:
+    tie = ({"i": 1.0},)
+    point = OperatingPoint(np.array([5e-4, 0.0]), np.array([0.25]), np.zeros(0), 0.0, ("x", "vx"), ("i",), ("i",), tie)
+    lines = repr(point).splitlines()
+    assert lines[:3] == [
+        "Operating point, residual 0",
+        "outside its range: i",
+        "1 other equilibria at the same distance",
+    ]
+    assert [line.split() for line in lines[4:]] == [
+        ["state", "x", "0.0005"],
+        ["state", "vx", "0"],
+        ["input", "i", "0.25"],
+    ]

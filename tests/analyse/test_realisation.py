@@ -151,7 +151,9 @@ def test_the_order_is_found_in_coordinates_far_from_orthogonal() -> None:
         minimal = realisation.minimal(system)
         if len(minimal.model.A) != order:
             assert (
-                minimal.fewer is not None and minimal.fewer.order == order and "may be superfluous" in str(minimal)
+                minimal.lower_order is not None
+                and minimal.lower_order.order == order
+                and "may be superfluous" in str(minimal)
             ), seed
             warnings += 1
     assert warnings <= 3
@@ -161,7 +163,7 @@ def test_the_order_is_found_in_coordinates_far_from_orthogonal() -> None:
 def test_a_response_of_zero_has_no_states(seed: int) -> None:
     U = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
     minimal = realisation.minimal((U @ np.diag([-1.0, -2, -3]) @ U.T, U @ np.eye(3, 1), np.array([[0.0, 1, 1]]) @ U.T))
-    assert minimal.model.states == () and minimal.gap.kept > 1e-3 and minimal.gap.left < 1e-13
+    assert minimal.model.states == () and minimal.gap.kept > 1e-3 and minimal.gap.neglected < 1e-13
     assert "Least coupling kept" in str(minimal) and "uncertain" not in str(minimal)
     near = replace(minimal, gap=staircase.Gap(2e-11, 5e-12))
     assert "they lie so close that the order is uncertain" in str(near)
@@ -171,8 +173,8 @@ def test_weak_coupling_above_rounding_is_kept_and_reported() -> None:
     U = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
     A = U @ np.diag([-1.0, -2, -3]) @ U.T
     minimal = realisation.minimal((A, U @ [[1.0], [1.0], [3e-10]], np.ones((1, 3)) @ U.T))
-    assert len(minimal.model.A) == 3 and minimal.fewer is not None and minimal.fewer.order == 2
-    assert 1e-12 < minimal.fewer.difference < 1e-9
+    assert len(minimal.model.A) == 3 and minimal.lower_order is not None and minimal.lower_order.order == 2
+    assert 1e-12 < minimal.lower_order.difference < 1e-9
 
 
 @pytest.mark.filterwarnings("error")

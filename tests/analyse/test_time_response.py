@@ -109,7 +109,7 @@ def test_fast_and_slow_modes_are_exact_side_by_side() -> None:
         (lambda f: f(1 / (S + 1), 1.0, 2.0), TimingError, "hold 0 intervals of 2 s"),
         (lambda f: f(1 / (Z - 0.5), 1.0, 0.1), TimingError, "has its own interval, but 0.1 s was given"),
         (lambda f: f(1 / (S - 1), 1000.0), ModelError, "beyond what a double holds"),
-        (lambda f: f(3.0), SignalError, "no linear model"),
+        (lambda f: f(3.0), SignalError, "not a linear model"),
     ],
 )
 @pytest.mark.parametrize("signal", ["step", "impulse"])

@@ -25,6 +25,7 @@ INNER = {  # modules whose functions take what others have read
     *("nearest_root", "peak_gain", "bounded_real", "resolvent", "period_cost", "balance", "copies", "modes"),
     *("modal", "modal_peak", "climb", "isolated_zeros", "refinement", "zeros", "glsdc", "error_map", "phasor"),
     *("axis_blocks", "axis_inverse", "axis_regulator", "equilibrium_equations"),
+    *("glsdc_model", "glsdc_jacobian", "glsdc_linearisation", "glsdc_solution", "glsdc_integrity", "glsdc_monitor"),
 }
 
 

@@ -18,12 +18,12 @@ from synth.signals import signal_names
 LATTICE = 1.2e-4  # T: what the other matrices of the lattice add, 9e-5 T at the corners of the reach
 DRAWN = 2e-5  # T: of what errors of blocks add: 1.2e-5 T by the lattice, 1e-6 T by terms of the third order
 EXACT = Tolerances(0.0, 0.0, 0.0)
-AT = np.random.default_rng(1).uniform(-built_matrix.REACH, built_matrix.REACH, (2, 60))
+AT = np.random.default_rng(1).uniform(-built_matrix.MAX_REACH, built_matrix.MAX_REACH, (2, 60))
 
 
 def oracle(as_built: AsBuilt, z: float = 3e-3) -> np.ndarray:
     """Return B_X and B_Y (2, N) in T at AT by magpylib."""
-    blocks, off = as_built.blocks, as_built.off
+    blocks, off = as_built.blocks, as_built.displacements
     cuboids = [
         magpylib.magnet.Cuboid(
             dimension=(SIDE, SIDE, HEIGHT),
@@ -44,22 +44,24 @@ def ours(spread: Tolerances) -> np.ndarray:
 def test_the_field_is_that_of_the_blocks_as_they_were_made() -> None:
     as_built, meant = built_matrix.draw_blocks(), built_matrix.draw_blocks(EXACT)
     theirs, exact = oracle(as_built), oracle(meant)
-    flux = ours(built_matrix.USUAL)[:2]
+    flux = ours(built_matrix.DEFAULT_TOLERANCES)[:2]
     assert np.abs(flux - theirs).max() < LATTICE
     assert np.abs((flux - ours(EXACT)[:2]) - (theirs - exact)).max() < DRAWN
     # What a defect would be: places counted the other way.
-    planted = oracle(replace(as_built, off=-as_built.off))
+    planted = oracle(replace(as_built, displacements=-as_built.displacements))
     assert np.abs((flux - ours(EXACT)[:2]) - (planted - exact)).max() > 50 * DRAWN
 
 
 def test_the_slope_is_that_along_z() -> None:
     slope = (oracle(built_matrix.draw_blocks(), 3.01e-3) - oracle(built_matrix.draw_blocks(), 2.99e-3)) / 2e-5
-    np.testing.assert_allclose(ours(built_matrix.USUAL)[2:], slope, rtol=0, atol=2e-3 * np.abs(slope).max())
+    np.testing.assert_allclose(
+        ours(built_matrix.DEFAULT_TOLERANCES)[2:], slope, rtol=0, atol=2e-3 * np.abs(slope).max()
+    )
 
 
 def test_the_tables_add_little() -> None:
     fine = built_matrix.series(built_matrix.draw_blocks(), built_matrix.HARMONICS * 3 // 2)
-    points, true = fine.grid(built_matrix.REACH), built_matrix.tabulate(fine)
+    points, true = fine.grid(built_matrix.MAX_REACH), built_matrix.tabulate(fine)
     X, Y = np.meshgrid(points, points, indexing="ij")
     at = built_matrix.field().at.map(X.size)(X.ravel()[None], Y.ravel()[None]).full()
     error = np.abs(at.reshape(true.shape) - true).max(axis=(1, 2))[:2]
@@ -73,11 +75,11 @@ def test_blocks_are_spread_as_far_as_they_should_be_and_no_further() -> None:
     ratio = sizes[0][there] / sizes[1][there]
     cosine = (as_built.blocks.remanence * meant.remanence).sum(axis=2)[there] / (sizes[0] * sizes[1])[there]
     tilt = np.arccos(np.clip(cosine, -1, 1))
-    for errors, bound in ((np.abs(ratio - 1), 0.02), (tilt, radians(1)), (np.abs(as_built.off), 1e-4)):
+    for errors, bound in ((np.abs(ratio - 1), 0.02), (tilt, radians(1)), (np.abs(as_built.displacements), 1e-4)):
         assert 0.95 * bound < errors.max() <= bound * (1 + 1e-9)
     assert not as_built.blocks.remanence[~there].any()
-    assert np.array_equal(built_matrix.draw_blocks().off, as_built.off)
-    assert not np.array_equal(built_matrix.draw_blocks(Tolerances(seed=1)).off, as_built.off)
+    assert np.array_equal(built_matrix.draw_blocks().displacements, as_built.displacements)
+    assert not np.array_equal(built_matrix.draw_blocks(Tolerances(seed=1)).displacements, as_built.displacements)
 
 
 def test_the_stage_reads_the_field_at_its_sensors_behind_a_filter() -> None:

@@ -52,18 +52,18 @@ def test_the_constant_counts() -> None:
 
 def test_the_worst_without_yaw_is_that_of_the_added_sensor() -> None:
     worst = hall_fisher.worst(THREE)
-    np.testing.assert_allclose(worst.met * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
-    assert (worst.met <= worst.bound).all() and (worst.bound <= 1.0011 * worst.met).all()
+    np.testing.assert_allclose(worst.attained * 1e6, [5.2803, 5.3084, 198.002], rtol=2e-5)
+    assert (worst.attained <= worst.bound).all() and (worst.bound <= 1.0011 * worst.attained).all()
     at = hall_fisher.deviations(THREE, worst.at.T)
-    np.testing.assert_allclose(np.diag(at), worst.met, rtol=1e-9)
+    np.testing.assert_allclose(np.diag(at), worst.attained, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("yaw", "largest"), [(5.0, 7.745), (15.0, 22.82), (45.0, 119.6)])
 def test_the_worst_over_yaw(yaw: float, largest: float) -> None:
     worst = hall_fisher.worst(THREE, (radians(yaw), radians(yaw)), 1e-2)
-    assert max(worst.met[:2]) * 1e6 <= largest * 1.001
+    assert max(worst.attained[:2]) * 1e6 <= largest * 1.001
     assert max(worst.bound[:2]) * 1e6 >= largest * 0.999
-    assert (worst.bound <= 1.011 * worst.met).all()
+    assert (worst.bound <= 1.011 * worst.attained).all()
 
 
 def count_exceeding(array: Array, half: np.ndarray, count: int = 4000) -> int:
@@ -92,7 +92,7 @@ def test_a_bound_that_forgets_a_column_is_caught(part: int, monkeypatch: pytest.
 
 
 def test_two_sensors_have_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hall_fisher, "MOST", 200_000)
+    monkeypatch.setattr(hall_fisher, "MAX_CELLS", 200_000)
     with pytest.raises(ModelError, match="rank seems to be lost: add a sensor"):
         hall_fisher.worst(Array(PLACES[:2], 0.0, ALPHA, BETA))
 

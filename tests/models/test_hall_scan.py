@@ -46,7 +46,7 @@ def test_the_residual_above_blocks_is_as_published() -> None:
     assert 0.11 < np.abs(fit.residual).max() < 0.2  # V: "less than 200 mV"; of (2, +-1), the 9th and the 3rd
     np.testing.assert_allclose(fit.measured, fit.modelled + fit.residual, rtol=0, atol=1e-15)
     np.testing.assert_allclose(fit.modelled, formula({"X": fit.X, "Y": fit.Y}, fit.estimate.by_name), atol=1e-12)
-    assert "and nowhere more" in repr(fit)
+    assert "The largest residual is" in repr(fit)
 
 
 def coverage(noise: float, stated: float) -> float:

@@ -72,7 +72,7 @@ def test_a_point_that_is_not_met_is_caught(monkeypatch: pytest.MonkeyPatch) -> N
         return None if near else end
 
     monkeypatch.setattr(isolated_zeros, "newton", forgetful)
-    monkeypatch.setattr(isolated_zeros, "CUTS", 8)
+    monkeypatch.setattr(isolated_zeros, "MAX_BISECTIONS", 8)
     with pytest.raises(ModelError, match=r"near the phases 0.785\d, 2.35\d+ rad zeros meet"):
         hall_singular_points.of_pair(PAIR, 0.0)
 
@@ -86,7 +86,7 @@ def test_cells_are_only_left_out_where_there_is_no_point() -> None:
 
 
 def test_half_a_pitch_apart_a_line_is_lost() -> None:
-    with pytest.raises(ModelError, match=r"at X = .* no slope along X, which is lost on this whole line"):
+    with pytest.raises(ModelError, match=r"at X = .* no slope along X, which is not observable on this whole line"):
         hall_singular_points.of_pair(replace(PAIR, positions=((0.0, 0.0), (l / 2, 0.3 * l))), 0.0)
 
 

@@ -1,5 +1,6 @@
 """Fault campaign of the two-axis levitator: derived from its interface, measured on the plant, planted defects fail."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,9 +12,10 @@ from synth.blocks import safety
 from synth.campaign import FaultCampaign, FaultLimit
 from synth.errors import SignalError
 from synth.progress import silent
-from synth.simulate import campaign, fault_rows, injections
+from synth.simulate import campaign, fault_effects, fault_rows, fault_sweeps, fault_table, injections
 from synth.simulate.campaign import FaultRun, HealthyRun
 from synth.simulate.fault_rows import Campaign
+from synth.simulate.fault_sweeps import Sweep
 from synth.simulate.injections import Injection
 from synth.simulate.rig import Rig
 from tests import levitator
@@ -61,6 +63,12 @@ def control(unlatched: Runs) -> list[FaultRun]:
     return [run for _, faulty in unlatched for run in faulty]
 
 
+def campaign_of(rig: Rig, runs: Runs, control: list[FaultRun], sweeps: Sequence[Sweep] = ()) -> Campaign:
+    """Return the result of runs by condition."""
+    healthy, every = [h for h, _ in runs], [run for _, faulty in runs for run in faulty]
+    return fault_rows.campaign(rig, 1, healthy, every, control, sweeps)
+
+
 def one(rig: Rig, kind: str, target: str, condition: int = 0, duration: str = "permanent") -> FaultRun:
     group = "sensor" if target in "zx" else "actuator"
     chosen = campaign.motion_and_standstill(rig)[condition]
@@ -68,11 +76,11 @@ def one(rig: Rig, kind: str, target: str, condition: int = 0, duration: str = "p
 
 
 def test_faults_are_those_of_the_interface(rig: Rig) -> None:
-    derived = injections.derive(rig)
-    assert len(derived) == len(set(derived)) == 2 * (2 * 8 + 2 * 3 + 1)
+    derived = injections.derive(rig.stage)
+    assert len(derived) == len(set(derived)) == 3 * (2 * 10 + 2 * 2 + 2 * 3 + 3) + 2
     assert {i.target for i in derived if i.group == "actuator"} == {"i1", "i2"}
     single = rig.with_interface(bad_samples=1)
-    assert {i.duration for i in injections.derive(single)} == {"permanent"}
+    assert {i.duration for i in injections.derive(single.stage)} == {"permanent", "0.05 s"}
 
 
 def test_velocities_and_stops_come_from_the_model(bare: Rig) -> None:
@@ -142,11 +150,11 @@ def test_a_controller_without_latch_still_reports_but_never_latches(unlatched: R
 
 
 def test_the_campaign_sees_what_the_latch_prevents_or_not(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
-    result = fault_rows.campaign(rig, 1, runs, control)
+    result = campaign_of(rig, runs, control)
     assert result.can_tell and result.alarms == 0 and not result.checks
     assert all(row.runs == (1 if row.condition == "at rest" else 2) for row in result.rows)
-    assert len(fault_rows.worst_targets(result)) == 2 * 2 * (8 + 3 + 1)
-    assert any("runs that latch" in note for note in fault_rows.notes(result))
+    assert len(fault_table.worst_targets(result)) == 2 * (3 * (10 + 2 + 3 + 3) + 1)
+    assert any("runs that latch" in note for note in fault_table.notes(result))
     assert result.document()["rows"][0]["target"] == "z"
 
 
@@ -168,20 +176,20 @@ def failures(result: Campaign) -> list[str]:
 
 
 def test_limits_become_checks(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
-    result = fault_rows.campaign(limited(rig), 1, runs, control)
-    assert len(result.checks) == len(LIMITS) + 1 and failures(result) == []
+    result = campaign_of(limited(rig), runs, control)
+    assert len(result.checks) == len(LIMITS) + 2 and failures(result) == []
 
 
 def test_a_planted_detector_that_never_latches_is_caught(rig: Rig, unlatched: Runs, control: list[FaultRun]) -> None:
-    failed = failures(fault_rows.campaign(limited(rig), 1, unlatched, control))
+    failed = failures(campaign_of(limited(rig), unlatched, control))
     assert "latch_s: not finite, permanent" in failed and fault_rows.CONTROL in failed
 
 
 def test_a_control_without_harm_cannot_tell(rig: Rig, runs: Runs, control: list[FaultRun]) -> None:
     harmless = [replace(run, impacts=dict.fromkeys(run.impacts, 0.0)) for run in control]
-    result = fault_rows.campaign(limited(rig), 1, runs, harmless)
+    result = campaign_of(limited(rig), runs, harmless)
     assert not result.can_tell and failures(result) == [fault_rows.CONTROL]
-    assert "cannot tell" in fault_rows.notes(result)[-1]
+    assert "cannot tell" in fault_table.notes(result)[-1]
 
 
 @pytest.mark.parametrize(
@@ -196,4 +204,96 @@ def test_a_wrong_limit_is_refused(
     rig: Rig, runs: Runs, control: list[FaultRun], limit: FaultLimit, message: str
 ) -> None:
     with pytest.raises(SignalError, match=message):
-        fault_rows.campaign(limited(rig, (limit,)), 1, runs, control)
+        campaign_of(limited(rig, (limit,)), runs, control)
+
+
+def test_the_two_faults_of_a_pair_act_together(rig: Rig) -> None:
+    pairs = [i for i in injections.derive(rig.stage) if i.group in injections.PAIRS]
+    assert [(i.target, i.kind) for i in pairs] == [("z + i1", "lost and dead"), ("x + i2", "lost and dead")]
+    run = campaign.run(rig, 0, campaign.motion_and_standstill(rig)[0], silent, pairs[:1])[1][0]
+    dead = one(rig, "dead", "i1")
+    assert run.latch_s == one(rig, "not finite", "z").latch_s and dead.latch_s == np.inf
+    assert run.impacts["z"] == pytest.approx(dead.impacts["z"], rel=0.05)
+
+
+def test_a_flipped_bit_moves_the_reading_by_its_weight_and_a_stuck_bit_repeats_codes() -> None:
+    """The word of z counts 0.1 um; a twentieth of 1.2 mm is 600 counts, in which the highest bit weighs 512."""
+    stage = levitator.design().DESIGN.stage
+    rig = with_campaign(standard_tasks.rig(stage, stage.scalar))
+    healthy = rig.run(0.1, {}, {"z_ref": 0.0})
+    for kind in ("bit flipped", "bit stuck"):
+        fault = Injection("sensor", "z", kind, "permanent")
+        fields = fault_effects.scenario_fields(rig, rig.stage.faults, fault, healthy, 100)
+        faulty = rig.run(0.1, {}, {"z_ref": 0.0}, **fields)
+        low, true = rig.stage.interface.signals["z"].low, np.rint(faulty.outputs["z"] / 1e-7)
+        base = round(low / 1e-7)
+        word, code = true - base, np.rint(faulty.measured["z"].astype(float) / 1e-7) - base
+        bits = word.astype(int) ^ 512 if kind == "bit flipped" else word.astype(int) & ~512
+        assert np.array_equal(code[100:], bits[100:]) and np.array_equal(code[:100], word[:100])
+
+
+def test_a_set_point_that_jumps_is_followed_and_a_refused_one_held(rig: Rig) -> None:
+    at_rest = campaign.motion_and_standstill(rig)[0]
+    jump, refused = (
+        campaign.run(rig, 0, at_rest, silent, [Injection("set-point", "x_ref", kind, "permanent")])[1][0]
+        for kind in ("jump", "refused")
+    )
+    assert jump.excursion["x"] > 1e-4 and jump.notice_s == np.inf  # a tenth of 1.6 mm
+    assert refused.excursion["x"] == 0 and refused.notice_s == 0 and refused.named and refused.latch_s == np.inf
+
+
+def test_calls_that_miss_every_second_sample_disturb_less_than_none_at_all(rig: Rig) -> None:
+    in_motion = campaign.motion_and_standstill(rig)[1]
+    missing, alternate, delayed = (
+        campaign.run(rig, 0, in_motion, silent, [Injection("calls", "calls", kind, "permanent")])[1][0]
+        for kind in ("missing", "alternate", "delayed")
+    )
+    assert missing.harms and 0 < delayed.excursion["z"] < missing.excursion["z"]
+    assert alternate.effect and alternate.excursion["z"] < missing.excursion["z"]
+
+
+def test_a_planted_fault_that_is_not_injected_is_not_counted(monkeypatch: pytest.MonkeyPatch, rig: Rig) -> None:
+    """A limit on faults without any effect fails: nothing was tested."""
+    monkeypatch.setattr(fault_effects, "scenario_fields", lambda *_: {})
+    at_rest = campaign.motion_and_standstill(rig)[0]
+    lost = Injection("sensor", "z", "not finite", "permanent")
+    healthy, runs = campaign.run(rig, 0, at_rest, silent, [lost])
+    limit = FaultLimit("latch_s", 1.5e-3, kind="not finite")
+    result = campaign_of(limited(rig, (limit,)), [(healthy, runs)], [])
+    (row,) = result.rows
+    assert (row.runs, row.without_effect, row.noticed, row.named) == (1, 1, 0, 0)
+    assert not result.checks[0].passed and "nothing was tested" in result.checks[0].about
+    assert "1 without effect" in fault_table.notes(result)[1]
+
+
+def test_a_sweep_finds_the_gap_of_the_detector(rig: Rig, without_latch: Rig) -> None:
+    """Half of the range added to z in motion is not noticed and runs into the stop; the whole range is noticed."""
+    offset = Injection("sensor", "z", "offset", "permanent")
+    (swept,) = fault_sweeps.run(rig, without_latch, campaign.motion_and_standstill(rig)[1], silent, [offset])
+    assert (swept.noticed, swept.harmful, swept.tolerated_s) == (1.0, 0.5, np.inf)
+    result = campaign_of(rig, [], [], [swept])
+    expected = ("z offset", "permanent", "in motion", "100 %", "50 %")
+    assert fault_table.magnitude_cells(result, False) == fault_table.magnitude_cells(result, True) == (expected,)
+
+
+def test_the_tolerated_time_is_the_longest_that_does_no_harm(rig: Rig, without_latch: Rig) -> None:
+    at_rest = campaign.motion_and_standstill(rig)[0]
+    dead = Injection("actuator", "i1", "dead", "permanent")
+    (swept,) = fault_sweeps.run(rig, without_latch, at_rest, silent, [dead])
+    assert swept.noticed is None and swept.harmful is None and swept.tolerated_s is not None
+    longest = round(swept.tolerated_s / rig.period_s)
+    for samples, harms in ((longest, False), (round(fault_sweeps.REFINEMENT * longest) + 1, True)):
+        fault = replace(dead, samples=samples)
+        assert campaign.run(without_latch, 0, at_rest, silent, [fault])[1][0].harms == harms
+
+
+def test_a_planted_detector_that_names_the_wrong_sensor_is_caught(rig: Rig) -> None:
+    names = {"z": "x", "x": "z"}
+    swapped = [f | {"input": names.get(f.get("input"), f.get("input"))} for f in rig.controller.manifest["faults"]]
+    planted = replace(rig, controller=replace(rig.controller, manifest={**rig.controller.manifest, "faults": swapped}))
+    run = one(planted, "not finite", "z")
+    assert not run.named and run.wrong_names == ("x",)
+    result = campaign_of(
+        limited(rig, (FaultLimit("wrong_names", 0.0),)), [(HealthyRun("at rest", 0, 0, {}), [run])], []
+    )
+    assert not result.checks[0].passed

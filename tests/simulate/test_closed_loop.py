@@ -276,7 +276,7 @@ def test_a_trajectory_is_read_by_name_and_not_written(mass: Plant, level: Level)
     ("changes", "error", "says"),
     [
         ({"x0": {"v": 0.0}}, SignalError, "'q', whose range"),
-        ({"x0": {"q": 0.02, "u": 0.0}}, SignalError, "x0: 'u' is not one of q, v, s, w"),
+        ({"x0": {"q": 0.02, "u": 0.0}}, SignalError, "initial plant states x0: 'u' is not one of q, v, s, w"),
         ({"sensors": {"gap": "height"}}, SignalError, "'height' is not one of gap, lift"),
         ({"sensors": {"gap": "lift"}}, WiringError, "in m, plant signal 'lift'"),
         ({"sensors": {}}, WiringError, "'gap' has 0 sources"),

@@ -96,3 +96,18 @@ def test_names_are_kept_apart_and_known(rig: Rig) -> None:
         experiments.run(rig, [step, step], print)
     with pytest.raises(SignalError, match="no set-point 'z': name one of z_ref, x_ref"):
         Step("z", 1e-4, 0.1, 0.1).run(rig)
+
+
+def test_a_position_is_the_plant_state_and_not_the_biased_reading_of_its_sensor(rig: Rig) -> None:
+    sensors = rig.stage.interface.sensors
+    biased = rig.with_interface(sensors=tuple(replace(s, of=f"{s.name}_read") for s in sensors))
+    assert biased.positions == {"z_ref": "z", "x_ref": "x"}
+    gauges = tuple(replace(s, name=f"{s.name}_gauge") for s in sensors)
+    points = tuple(replace(s, of=f"{s.of}_gauge") for s in rig.stage.interface.set_points)
+    assert rig.with_interface(sensors=gauges, set_points=points).positions == {"z_ref": "z", "x_ref": "x"}
+
+
+@pytest.mark.parametrize("limit", [-2e-4, 0.0, np.nan])
+def test_a_limit_that_is_meant_as_a_set_point_is_refused(rig: Rig, limit: float) -> None:
+    with pytest.raises(SignalError, match=r"hold_z_ref: the limit of \|y - r\| at 'z_ref' is .*: give a positive one"):
+        Hold({"z_ref": limit}).run(rig)

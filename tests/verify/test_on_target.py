@@ -45,7 +45,7 @@ def test_target_and_host_are_bit_identical(core: str) -> None:
     runs = [f"{core}, {compiler}, unicorn" for compiler in cross.available()] + [f"{core}, gcc, QEMU"] * HAS_QEMU
     for run in runs:
         names = [c.name for c in checks if c.name.startswith(f"{run}: ")]
-        assert [n.split(": ")[1].split()[0] for n in names] == ["outputs", "states", "other"]
+        assert [n.split(": ")[1].split()[0] for n in names] == ["outputs", "states", "fault"]
     assert len(messages) == len(runs)
     singles = [c for c in checks if "double-precision" in c.name]
     assert len(singles) == (len(cross.available()) if core == "cortex-m4f" else 0)
@@ -75,15 +75,15 @@ def test_a_changed_literal_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) 
     for compiler in cross.available():
         where = f"cortex-m4f, {compiler}, unicorn"
         broken = [name for name in failed(checks) if name.startswith(where)]
-        assert broken == [f"{where}: outputs with other bits", f"{where}: states with other bits"]
-    (states,) = [c for c in checks if c.name == "cortex-m4f, zig, unicorn: states with other bits"]
+        assert broken == [f"{where}: outputs that differ", f"{where}: states that differ"]
+    (states,) = [c for c in checks if c.name == "cortex-m4f, zig, unicorn: states that differ"]
     assert "filter_2_s" in states.about and "filter_1_s" not in states.about
 
 
 def test_another_fault_word_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target, "load", planted("cortex-m4f", lambda c: c.replace("0x00000001u", "0x00000004u")))
     checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
-    assert {n.split(": ")[1] for n in failed(checks)} == {"other fault words"}
+    assert {n.split(": ")[1] for n in failed(checks)} == {"fault words that differ"}
 
 
 @pytest.mark.skipif(not HAS_QEMU, reason="qemu-system-arm and arm-none-eabi-gcc are not on the PATH")
@@ -98,7 +98,7 @@ def test_the_second_emulator_is_compared_too(monkeypatch: pytest.MonkeyPatch) ->
 def test_contraction_breaks_the_identity(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cross, "FLAGS", (*cross.FLAGS, *cross.CONTRACTED))
     checks = on_target.verify(EMITTED["cortex-m4f"], inputs(), "cortex-m4f", silent)
-    assert "cortex-m4f, gcc, unicorn: states with other bits" in failed(checks)
+    assert "cortex-m4f, gcc, unicorn: states that differ" in failed(checks)
 
 
 @pytest.mark.parametrize("core", SCALARS)

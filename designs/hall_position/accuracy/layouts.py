@@ -13,7 +13,7 @@ from models.hall_array import Pair
 
 Places = tuple[Pair, ...]  # in pitches
 
-REACH = 0.64  # pitches, bound of the searches: as far as the published layout
+SEARCH_RADIUS = 0.64  # pitches, bound of the searches: as far as the published layout
 LAYOUTS: dict[int, Places] = {  # by the yaws in degrees to either side; proved worst deviations in um and urad:
     5: ((-0.132, 0.173), (0.106, -0.066), (0.385, -0.344)),  # 4.87, 5.14, 217, where PUBLISHED has 7.7, 7.0, 238
     15: ((0.269, -0.214), (-0.230, 0.285), (0.019, 0.035)),  # 4.83, 4.68, 258, where PUBLISHED has 199, 29, 4379

@@ -43,23 +43,27 @@ def array(name: str = NAME) -> Array:
     """
     if name not in tuple(PLACES):
         raise DesignError(f"'{name}' is not one of the shipped estimators: give one of {', '.join(PLACES)}")
-    of = Stage().array(PLACES[name])
-    return replace(of, alpha=digits.significant(of.alpha, DIGITS), beta=digits.significant(of.beta, DIGITS))
+    planar_array = Stage().array(PLACES[name])
+    return replace(
+        planar_array,
+        alpha=digits.significant(planar_array.alpha, DIGITS),
+        beta=digits.significant(planar_array.beta, DIGITS),
+    )
 
 
 def controller(name: str = NAME) -> Controller:
     """Return the guarded estimator of a name; raise DesignError for an unknown one."""
-    of = array(name)
-    volts = channels.voltages(len(of.positions))
-    body = hall_array.plant(*hall_two_waves.model(of), volts, TUNING.pitches * of.pitch)
-    around = stage.interface(
+    planar_array = array(name)
+    volts = channels.voltages(len(planar_array.positions))
+    body = hall_array.plant(*hall_two_waves.model(planar_array), volts, TUNING.pitches * planar_array.pitch)
+    interface = stage.interface(
         body,
         sensors=[Sensor(s.name) for s in body.outputs],
         disturbances=signal_names(body.inputs),
         bad_samples=channels.BAD_SAMPLES,
         reason=estimator.REASON,
     )
-    return stage.controller(name, TIME, around, lambda: [estimator.estimator(of, TIME, TUNING)])
+    return stage.controller(name, TIME, interface, lambda: [estimator.estimator(planar_array, TIME, TUNING)])
 
 
 def block(name: str = NAME) -> Block:
@@ -69,13 +73,13 @@ def block(name: str = NAME) -> Block:
 
 def gains(name: str, scalar: type[np.floating]) -> dict[str, Any]:
     """Return the content of gains.json for an estimator: model, sensors, tuning, and sources of the numbers."""
-    of = array(name)
+    planar_array = array(name)
     return {
         "model": "B_X = alpha sin(w X) + beta sin(5 w X), B_Y likewise in Y: (2), for the fabricated matrix at 3 mm",
-        "alpha_V": of.alpha,
-        "beta_V": of.beta,
-        "pitch_m": of.pitch,
-        "deviation_V": of.deviation,
+        "alpha_V": planar_array.alpha,
+        "beta_V": planar_array.beta,
+        "pitch_m": planar_array.pitch,
+        "deviation_V": planar_array.deviation,
         "positions_pitches": [list(place) for place in PLACES[name]],
         "period_s": TIME.period_s,
         "method": "modified Gaussian least squares differential correction (GLSDC), Fig. 9, a fixed number a sample",

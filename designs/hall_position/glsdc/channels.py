@@ -17,13 +17,14 @@ from synth.timing import Discrete
 
 SPAN = 5.0  # V, of the converter
 BAD_SAMPLES = 5
-LEAST = 1e-30  # V^2, added under a root: the range analysis cannot see that the sum of squares is not negative
+# The range analysis cannot see that the sum of squares is not negative.
+ROOT_REGULARISATION = 1e-30  # V^2, added under a root
 COMPLETE = Signal("complete", "1", 0, 1, "every voltage of this sample was accepted")
 
 
-def outputs(names: Sequence[str], far: float, largest: float, flags: Mapping[str, str]) -> list[Signal]:
-    """Return pose within `far` m, its standard deviations up to `largest` m, the residual, and flags {name: about}."""
-    pose = [_coordinate(name, far) for name in names]
+def outputs(names: Sequence[str], max_distance: float, max_deviation: float, flags: Mapping[str, str]) -> list[Signal]:
+    """Return pose within `max_distance` m, deviations up to `max_deviation` m, residual, and flags {name: about}."""
+    pose = [_coordinate(name, max_distance) for name in names]
     return [
         *pose,
         *(
@@ -31,7 +32,7 @@ def outputs(names: Sequence[str], far: float, largest: float, flags: Mapping[str
                 f"deviation_{s.name}",
                 s.unit,
                 0,
-                largest if s.unit == "m" else 1,
+                max_deviation if s.unit == "m" else 1,
                 f"standard deviation of {s.name} from the voltages' noise",
             )
             for s in pose
@@ -42,9 +43,11 @@ def outputs(names: Sequence[str], far: float, largest: float, flags: Mapping[str
     ]
 
 
-def _coordinate(name: str, far: float) -> Signal:
+def _coordinate(name: str, max_distance: float) -> Signal:
     if name in "XY":
-        return Signal(name, "m", -far, far, f"position of the body's origin along {name} of the magnet matrix")
+        return Signal(
+            name, "m", -max_distance, max_distance, f"position of the body's origin along {name} of the magnet matrix"
+        )
     if name == "Z":
         return Signal(name, "m", 0, 1, "height of the body's origin above the magnet matrix")
     return Signal(name, "rad", -pi, pi, f"{name} of the body relative to the magnet matrix")
@@ -88,4 +91,4 @@ def freedom(sensors: int, unknowns: int, excluded: Vector | None) -> ca.SX:
 
 def residual(squares: ca.SX, freedom: ca.SX) -> ca.SX:
     """Return the root mean square of squared residuals, V."""
-    return ca.sqrt(LEAST + squares / freedom)
+    return ca.sqrt(ROOT_REGULARISATION + squares / freedom)

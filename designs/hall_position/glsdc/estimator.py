@@ -36,7 +36,7 @@ from synth.timing import Discrete
 
 REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
 MAX_DEVIATION = 1e4  # m: 1e-3 is never exceeded, but interval arithmetic loses the correlation of a quotient
-USUAL = Tuning()
+DEFAULT_TUNING = Tuning()
 # Relative, of polynomials: an error of 3e-7 in a sine is an error of 3 nm in the position.
 SURROGATE_ERROR: dict[type[np.floating], float] = {np.float32: 3e-7, np.float64: 1e-15}
 FLAGS = {
@@ -47,29 +47,31 @@ FLAGS = {
 }
 
 
-def guarded_estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL, name: str = "hall_position") -> Block:
+def guarded_estimator(
+    array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING, name: str = "hall_position"
+) -> Block:
     """Return the estimator behind the guard of its voltages."""
     return channels.with_guard(name, time, len(array.positions), estimator(array, time, tuning), REASON)
 
 
-def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Block:
+def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNING) -> Block:
     """Return the Block from held voltages, ``complete`` or, if redundant, ``fault_V_ax`` .. to X, Y and yaw."""
-    of, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
+    problem, redundant = planar_model.problem(array, tuning), tracking.is_redundant(array)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
-        excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, of)
+        excluded, prediction = tracking.excluded_sensors(array, u, x), tracking.predict(x, problem)
         heading = phasor.by_range_reduction(prediction["yaw"], 2, "yaw_fraction", named)
-        sensors = planar_model.sensors(u, prediction, k, heading, excluded, of, named)
-        solution = glsdc.descend(planar_model.trial_function(sensors, of, named), of.descent)
+        sensors = planar_model.sensors(u, prediction, k, heading, excluded, problem, named)
+        solution = glsdc.descend(planar_model.trial_function(sensors, problem, named), problem.descent)
         normal, yaw = solution.last.normal, prediction["yaw"] + solution.at[2]
-        integrity = tracking.check_integrity(of, solution, yaw, _prior_weight(normal, of), excluded, u, x)
-        after = tracking.advance(solution, integrity, prediction, x, of)
+        integrity = tracking.check_integrity(problem, solution, yaw, _prior_weight(normal, problem), excluded, u, x)
+        after = tracking.advance(solution, integrity, prediction, x, problem)
         lever = _lever(heading, after.yaw_change, array, named)
         known = ca.logic_and(after.ambiguity_resolved, ca.logic_not(x["lock_lost"]))
         accepted = after.inside if redundant else ca.logic_and(after.inside, u["complete"])
         freedom = channels.freedom(len(array.positions), 3, excluded)
-        output = _position(after.pose, lever, array) | _deviations(normal, lever, of)
+        output = _position(after.pose, lever, array) | _deviations(normal, lever, problem)
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
         output |= {"lock_lost": x["lock_lost"]} | ({"excluded_sensor": x["excluded_sensor"]} if redundant else {})
@@ -81,7 +83,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = USUAL) -> Blo
         law,
         inputs=channels.estimator_inputs(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
-        states=tracking.states(of),
+        states=tracking.states(problem),
         constants=hall_planar.constants(array),
         tag="GLSDC, Fig. 9",
     )
@@ -107,26 +109,26 @@ def _position(pose: Exprs, lever: Phasor, array: PlanarArray) -> dict[str, ca.SX
     return {"X": x - lever.cosine, "Y": y - lever.sine, "yaw": pose["yaw"]}
 
 
-def _deviations(of: Normal, lever: Phasor, problem: Problem) -> dict[str, ca.SX]:
+def _deviations(normal: Normal, lever: Phasor, problem: Problem) -> dict[str, ca.SX]:
     """Return the standard deviations of X, Y in m and of the yaw, rad."""
     sigma, w = problem.array.deviation, problem.array.wave_number
-    yaw = 1 / _yaw_information(of, problem)
+    yaw = 1 / _yaw_information(normal, problem)
     slopes = lever.sine, -lever.cosine  # X = X_centre - lever_x, whose derivative is lever_y
     deviations = {"deviation_yaw": sigma * ca.sqrt(yaw)}
-    for name, n, slope in zip("XY", of.axes, slopes, strict=True):
+    for name, n, slope in zip("XY", normal.axes, slopes, strict=True):
         by_yaw = n.coupling * n.inverse - w * slope
         deviations[f"deviation_{name}"] = sigma / w * ca.sqrt(n.inverse + yaw * by_yaw**2)
     return deviations
 
 
-def _prior_weight(of: Normal, problem: Problem) -> ca.SX:
+def _prior_weight(normal: Normal, problem: Problem) -> ca.SX:
     """Return the trace of (N + damping)^-1, 1/V^2; times the damping, how many parameters the prior decides."""
     total, alone = ca.SX(problem.array.radius**2), ca.SX(0)
-    for n in of.axes:
+    for n in normal.axes:
         total, alone = total + (n.coupling * n.inverse) ** 2, alone + n.inverse
-    return total / _yaw_information(of, problem) + alone
+    return total / _yaw_information(normal, problem) + alone
 
 
-def _yaw_information(of: Normal, problem: Problem) -> ca.SX:
+def _yaw_information(normal: Normal, problem: Problem) -> ca.SX:
     """Return the information of a sample on the yaw, with the damping of the phases."""
-    return of.data_information + problem.damping * problem.array.radius**2
+    return normal.data_information + problem.damping * problem.array.radius**2

@@ -33,7 +33,7 @@ from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
 AXES = ("x", "y")
-SLACK, ROUNDING = 0.01, 2e-6  # of deviation^2, and relative: the rise of the cost allowed for rounding
+COST_SLACK, ROUNDING = 0.01, 2e-6  # of deviation^2, and relative: the rise of the cost allowed for rounding
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
     bounds = tuple(Signal(f"motion_{name}", "rad", -size, size) for name, size in sizes)
     variance = array.deviation**2
     descent = Descent(
-        tuning.iterations, bounds, SLACK * variance, (tuning.convergence_sigma * array.deviation) ** 2, ROUNDING
+        tuning.iterations, bounds, COST_SLACK * variance, (tuning.convergence_sigma * array.deviation) ** 2, ROUNDING
     )
     innovation_bound = hypot(
         tuning.residual_limit, tuning.innovation_gate_sigma * array.deviation / sqrt(tuning.damping)
@@ -112,7 +112,7 @@ def problem(array: PlanarArray, tuning: Tuning) -> Problem:
 
 
 def sensors(
-    u: Exprs, pose: Exprs, k: Exprs, heading: Phasor, excluded: Vector | None, of: Problem, named: NamedExpressions
+    u: Exprs, pose: Exprs, k: Exprs, heading: Phasor, excluded: Vector | None, problem: Problem, named: NamedExpressions
 ) -> list[Sensor]:
     """Return the sensors at the predicted pose; an excluded one has zero voltages in a zero field.
 
@@ -120,27 +120,27 @@ def sensors(
     """
 
     def sensor(n: int) -> Sensor:
-        letter, (ax, ay) = ascii_lowercase[n], of.array.arms[n]
+        letter, (ax, ay) = ascii_lowercase[n], problem.array.arms[n]
 
         def if_in_use(value: ca.SX) -> ca.SX:
             return value if excluded is None else (1 - excluded[n]) * value
 
         place = heading.times(Phasor(ca.SX(ax), ca.SX(ay)))
         at = pose["phase_x"] + place.cosine, pose["phase_y"] + place.sine
-        x, y = (phasor.by_range_reduction(p, of.halvings, "phase_fraction", named) for p in at)
+        x, y = (phasor.by_range_reduction(p, problem.halvings, "phase_fraction", named) for p in at)
         vx, vy = (if_in_use(u[f"V_{letter}{a}_held"]) for a in AXES)
-        field = [if_in_use(ca.SX(of.array.c)), *(if_in_use(k[f"field_{i}"]) for i in hall_planar.POWERS)]
+        field = [if_in_use(ca.SX(problem.array.c)), *(if_in_use(k[f"field_{i}"]) for i in hall_planar.POWERS)]
         slope = [if_in_use(k[f"slope_{i - 1}"]) for i in hall_planar.POWERS]
         return Sensor((x, y), place, heading.times(Phasor(vx, vy)), field, slope)
 
-    return [sensor(n) for n in range(len(of.array.positions))]
+    return [sensor(n) for n in range(len(problem.array.positions))]
 
 
 def trial_function(
-    sensors: Sequence[Sensor], of: Problem, named: NamedExpressions
+    sensors: Sequence[Sensor], problem: Problem, named: NamedExpressions
 ) -> Callable[[int, Vector], Trial[Normal]]:
     """Return the function that evaluates the i-th trial at a displacement (U, V, T)."""
-    damping, radius = of.damping, of.tuning.yaw_damping_ratio * of.array.radius
+    damping, radius = problem.damping, problem.tuning.yaw_damping_ratio * problem.array.radius
 
     def trial(i: int, at: Vector) -> Trial[Normal]:
         at_trial = hall_planar.displace(sensors, at, named) if i else sensors
@@ -151,7 +151,7 @@ def trial_function(
         named.append(
             (Signal(f"cost_{i}", "V^2", 0, 1e9, f"cost of correction {i}: squared residuals and damping"), cost)
         )
-        return Trial(at, residuals, squares, cost, _normal(by_axis, at, damping, radius, of.tuning.scale))
+        return Trial(at, residuals, squares, cost, _normal(by_axis, at, damping, radius, problem.tuning.scale))
 
     return trial
 

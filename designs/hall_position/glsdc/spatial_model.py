@@ -25,8 +25,8 @@ from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
 POSE = ("phase_x", "phase_y", "rise", "roll", "pitch", "yaw")
-SLACK = 0.01  # of deviation^2: the rise of the cost allowed for rounding
-STEP = 0.25  # of the ranges of rise and tilts: their largest change in a sample
+COST_SLACK = 0.01  # of deviation^2: the rise of the cost allowed for rounding
+MAX_STEP_FRACTION = 0.25  # of the ranges of rise and tilts: their largest change in a sample
 
 
 @dataclass(frozen=True)
@@ -51,17 +51,19 @@ def problem(array: SpatialArray, tuning: SpatialTuning) -> Problem:
     """Return the problem; phases and the yaw together move a sensor's phase by `tuning.max_phase_step`."""
     half, rise = tuning.max_phase_step / 2, array.wave_number * tuning.gap
     limits = (pi, pi, rise, tuning.tilt, tuning.tilt, pi)
-    steps = (half, half, *(STEP * limit for limit in limits[2:5]), array.yaw_within(half))
+    steps = (half, half, *(MAX_STEP_FRACTION * limit for limit in limits[2:5]), array.yaw_within(half))
     bounds, ranges = (
         tuple(Signal(name, "rad", -size, size) for name, size in zip(POSE, sizes, strict=True))
         for sizes in (steps, limits)
     )
     weight, variance = tuning.damping * array.alpha**2, array.deviation**2
     damping = (weight,) * 3 + (weight * array.radius**2,) * 3
-    descent = Descent(tuning.corrections, bounds, SLACK * variance, (tuning.convergence_sigma * array.deviation) ** 2)
-    high = max(abs(z) for _, _, z in array.arms)
-    tilted = (1 + STEP) * tuning.tilt
-    largest = tuning.max_phase_step + 2 * array.longest_arm * tilted**2 + 2 * high * tilted
+    descent = Descent(
+        tuning.corrections, bounds, COST_SLACK * variance, (tuning.convergence_sigma * array.deviation) ** 2
+    )
+    max_height = max(abs(z) for _, _, z in array.arms)
+    tilted = (1 + MAX_STEP_FRACTION) * tuning.tilt
+    largest = tuning.max_phase_step + 2 * array.longest_arm * tilted**2 + 2 * max_height * tilted
     halvings = phasor.halvings(pi + half + array.longest_arm)
     phase_change = Signal("phase_change", "rad", -largest, largest)
     return Problem(array, tuning, descent, damping, ranges, phase_change, _column_bound(array, tuning), halvings)
@@ -88,7 +90,7 @@ def sensors(array: SpatialArray, u: Exprs, k: Exprs, excluded: Vector | None) ->
 
 
 def correct(
-    pose: Exprs, sensors: Sequence[Sensor], of: Problem, named: NamedExpressions
+    pose: Exprs, sensors: Sequence[Sensor], setup: Problem, named: NamedExpressions
 ) -> Solution[LdlNormalEquations]:
     """Return the solution of the corrections of a predicted pose."""
     heading = phasor.by_range_reduction(pose["yaw"], 2, "yaw_fraction", named)
@@ -97,28 +99,30 @@ def correct(
     body = hall_spatial.attitude(heading, pose["roll"], pose["pitch"])
     places = [hall_spatial.place(s, body) for s in sensors]
     phases = [
-        [phasor.by_range_reduction(pose[POSE[i]] + o[i], of.halvings, "phase_fraction", named) for i in (0, 1)]
+        [phasor.by_range_reduction(pose[POSE[i]] + o[i], setup.halvings, "phase_fraction", named) for i in (0, 1)]
         for o in places
     ]
-    seen = [hall_spatial.observe(*each, pose["rise"]) for each in zip(sensors, places, phases, strict=True)]
-    first = [e for each in seen for e in hall_spatial.residuals(each, body)]
-    rows = [row for each in seen for row in hall_spatial.rows(each, body)]
+    observations = [hall_spatial.observe(*each, pose["rise"]) for each in zip(sensors, places, phases, strict=True)]
+    first = [e for each in observations for e in hall_spatial.residuals(each, body)]
+    rows = [row for each in observations for row in hall_spatial.rows(each, body)]
 
     def residuals(i: int, at: Vector) -> Vector:
         if not i:
             return first
-        by = dict(zip(POSE, at, strict=True))
+        change = dict(zip(POSE, at, strict=True))
         body_at_trial = hall_spatial.attitude(
-            heading.times(phasor.of(by["yaw"])), *(pose[n] + by[n] for n in POSE[3:5])
+            heading.times(phasor.of(change["yaw"])), *(pose[n] + change[n] for n in POSE[3:5])
         )
         places_at_trial = [hall_spatial.place(s, body_at_trial) for s in sensors]
         displaced = [
-            [p.times(phasor.of(clip(at[i] + (o[i] - predicted[i]), of.phase_change))) for i, p in enumerate(along)]
+            [p.times(phasor.of(clip(at[i] + (o[i] - predicted[i]), setup.phase_change))) for i, p in enumerate(along)]
             for o, predicted, along in zip(places_at_trial, places, phases, strict=True)
         ]
-        rise = pose["rise"] + by["rise"]
-        seen = [hall_spatial.observe(*each, rise) for each in zip(sensors, places_at_trial, displaced, strict=True)]
-        return [e for each in seen for e in hall_spatial.residuals(each, body_at_trial)]
+        rise = pose["rise"] + change["rise"]
+        observations = [
+            hall_spatial.observe(*each, rise) for each in zip(sensors, places_at_trial, displaced, strict=True)
+        ]
+        return [e for each in observations for e in hall_spatial.residuals(each, body_at_trial)]
 
-    factors = glsdc.factorise(rows, of.damping, of.column_bound)
-    return glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, of.damping, named), of.descent)
+    factors = glsdc.factorise(rows, setup.damping, setup.column_bound)
+    return glsdc.descend(glsdc.fixed_jacobian(factors, rows, residuals, setup.damping, named), setup.descent)

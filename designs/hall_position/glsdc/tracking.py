@@ -68,9 +68,9 @@ class NextState:
     ambiguity_resolved: ca.SX
 
 
-def states(of: Problem) -> list[State]:
+def states(problem: Problem) -> list[State]:
     """Return the states of the tracker."""
-    n = of.tuning.pitches
+    n = problem.tuning.pitches
     reals = [
         Signal(f"phase_{a}", "rad", -pi, pi, f"phase of the sensors' centre along {a}, within its pitch") for a in AXES
     ]
@@ -79,19 +79,19 @@ def states(of: Problem) -> list[State]:
     reals += [Signal(f"start_{a}", "rad", -pi, pi, f"phase along {a} at which the last search started") for a in AXES]
     reals += [Signal(f"pitch_{a}", "1", -n, n, f"number of whole pitches along {a}, from the middle one") for a in AXES]
     about = ("predicted change of phase per sample",) * 2 + ("predicted change of yaw per sample",)
-    if of.tuning.velocity_gain:
-        reals += [Signal(b.name, "rad", b.low, b.high, a) for b, a in zip(of.descent.bounds, about, strict=True)]
+    if problem.tuning.velocity_gain:
+        reals += [Signal(b.name, "rad", b.low, b.high, a) for b, a in zip(problem.descent.bounds, about, strict=True)]
     counts = [restarts.RESIDUAL_FAULTS, restarts.SEARCHING]
     counts += [Signal("ambiguity_resolved", "1", 0, 1, "no other position has the same voltages")]
     counts += [Signal("acquired", "1", 0, 1, "position lock has been acquired since init"), restarts.LOCK_LOST]
-    if is_redundant(of.array):
-        counts += [excluded_sensor_number(of.array)]
+    if is_redundant(problem.array):
+        counts += [excluded_sensor_number(problem.array)]
     return restarts.states(reals, counts)
 
 
-def predict(x: Exprs, of: Problem) -> Exprs:
+def predict(x: Exprs, problem: Problem) -> Exprs:
     """Return the predicted phases and yaw."""
-    return {n: x[n] + x[m] if of.tuning.velocity_gain else x[n] for n, m in zip(POSE, MOTION, strict=True)}
+    return {n: x[n] + x[m] if problem.tuning.velocity_gain else x[n] for n, m in zip(POSE, MOTION, strict=True)}
 
 
 def is_redundant(array: PlanarArray) -> bool:
@@ -128,13 +128,13 @@ def in_yaw_window(yaw: ca.SX, x: Exprs, tuning: Tuning) -> ca.SX:
 
 
 def check_integrity(
-    of: Problem, solution: Solution[Normal], yaw: ca.SX, weight: ca.SX, excluded: Vector | None, u: Exprs, x: Exprs
+    problem: Problem, solution: Solution[Normal], yaw: ca.SX, weight: ca.SX, excluded: Vector | None, u: Exprs, x: Exprs
 ) -> Integrity:
     """Return the integrity flags of a sample that ends at a yaw; the prior decides damping * `weight` parameters."""
-    array, tuning, last = of.array, of.tuning, solution.last
+    array, tuning, last = problem.array, problem.tuning, solution.last
     freedom = channels.freedom(len(array.positions), 3, excluded)
-    damped = weight > tuning.max_prior_weight / of.damping
-    gate = tuning.innovation_gate_sigma * array.deviation / sqrt(of.damping)  # rad
+    damped = weight > tuning.max_prior_weight / problem.damping
+    gate = tuning.innovation_gate_sigma * array.deviation / sqrt(problem.damping)  # rad
     growing_gate = ca.SX(gate) if excluded is None else gate + gate * x["residual_faults"]
     gate_exceeded = planar_model.squared_motion(last.at, array.radius) > growing_gate**2
     residuals_large = last.squares > freedom * tuning.residual_limit**2
@@ -142,37 +142,39 @@ def check_integrity(
     lost = ca.if_else(x["ambiguity_resolved"], gate_exceeded, ca.logic_and(x["searching"], ca.logic_not(in_window)))
     fault = ca.logic_or(residuals_large, lost)
     good = ca.logic_and(solution.converged, ca.logic_not(ca.logic_or(damped, ca.logic_or(fault, gate_exceeded))))
-    unambiguous = ca.logic_and(good, _is_unambiguous(excluded, in_window, weight, x, of))
+    unambiguous = ca.logic_and(good, _is_unambiguous(excluded, in_window, weight, x, problem))
     unambiguous = ca.logic_and(unambiguous, u["complete"]) if excluded is None else unambiguous
     inconsistent = last.squares > freedom * min(tuning.residual_limit, INCONSISTENT * array.deviation) ** 2
     return Integrity(fault, inconsistent, damped, good, unambiguous)
 
 
-def _is_unambiguous(excluded: Vector | None, in_window: ca.SX, weight: ca.SX, x: Exprs, of: Problem) -> ca.SX:
+def _is_unambiguous(excluded: Vector | None, in_window: ca.SX, weight: ca.SX, x: Exprs, problem: Problem) -> ca.SX:
     """Return whether no other pose has the same voltages, from the first sample after the one that ended the search.
 
     With two sensors the yaw must be in the window. A moving body exceeds the gate until its motion has been estimated.
     """
-    tracking, threshold = ca.logic_not(x["searching"]), of.tuning.ambiguity_threshold / of.damping
+    tracking, threshold = ca.logic_not(x["searching"]), problem.tuning.ambiguity_threshold / problem.damping
     if excluded is None:
         return ca.logic_and(ca.logic_and(in_window, tracking), weight <= threshold)
     enough = ca.logic_and(reduce(add, excluded) < len(excluded) - 2, weight <= REDUNDANCY_FACTOR * threshold)
     return ca.logic_and(enough, tracking)
 
 
-def advance(solution: Solution[Normal], integrity: Integrity, prediction: Exprs, x: Exprs, of: Problem) -> NextState:
+def advance(
+    solution: Solution[Normal], integrity: Integrity, prediction: Exprs, x: Exprs, problem: Problem
+) -> NextState:
     """Return the pose and the states after the corrections of the predicted pose."""
-    fault, tuning = integrity.residual_fault, of.tuning
+    fault, tuning = integrity.residual_fault, problem.tuning
     by = restarts.gate_correction(fault, POSE, solution.at, x)
     pose = {"yaw": restarts.wrap(prediction["yaw"] + by["yaw"])[0]}
-    limit, counted = valid_yaw_limit(of.array, tuning), ca.SX(1)
+    limit, counted = valid_yaw_limit(problem.array, tuning), ca.SX(1)
     for a in AXES:
         phase, turns = restarts.wrap(prediction[f"phase_{a}"] + by[f"phase_{a}"])
         pose |= {f"phase_{a}": phase, f"pitch_{a}": x[f"pitch_{a}"] + turns}
         counted = ca.logic_and(counted, ca.fabs(pose[f"pitch_{a}"]) <= tuning.pitches)
     size = ca.fabs(pose["yaw"])
     inside = ca.logic_and(counted, size <= limit)
-    next, restart = _search(solution, integrity, x, of)
+    next, restart = _search(solution, integrity, x, problem)
     unambiguous = ca.logic_and(integrity.unambiguous, inside)
     resolved = ca.logic_or(unambiguous, ca.logic_and(x["ambiguity_resolved"], ca.logic_not(integrity.damped)))
     reliable = ca.logic_and(resolved, ca.logic_not(fault))
@@ -193,13 +195,15 @@ def advance(solution: Solution[Normal], integrity: Integrity, prediction: Exprs,
     return NextState(pose, by["yaw"], next, inside, resolved)
 
 
-def _search(solution: Solution[Normal], integrity: Integrity, x: Exprs, of: Problem) -> tuple[dict[str, ca.SX], ca.SX]:
+def _search(
+    solution: Solution[Normal], integrity: Integrity, x: Exprs, problem: Problem
+) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return the next counts and flags, and whether the next sample restarts elsewhere."""
     fault = integrity.residual_fault
     restart, faults = restarts.count_faults(fault, x)
     next = {"residual_faults": faults}
-    if is_redundant(of.array):
-        largest, is_single = _largest_innovation(solution.first.residuals, of)
+    if is_redundant(problem.array):
+        largest, is_single = _largest_innovation(solution.first.residuals, problem)
         resolved = ca.logic_and(x["ambiguity_resolved"], x["residual_faults"] >= SUSPECT - 1)
         failed = ca.logic_and(ca.logic_and(fault, integrity.inconsistent), ca.logic_and(resolved, is_single))
         next["excluded_sensor"] = ca.if_else(restart, 0, ca.if_else(failed, largest, x["excluded_sensor"]))
@@ -208,13 +212,13 @@ def _search(solution: Solution[Normal], integrity: Integrity, x: Exprs, of: Prob
     return next, restart
 
 
-def _largest_innovation(residuals: Vector, of: Problem) -> tuple[ca.SX, ca.SX]:
+def _largest_innovation(residuals: Vector, problem: Problem) -> tuple[ca.SX, ca.SX]:
     """Return the number, from 1, of the sensor with the largest innovation, and whether it alone has failed."""
-    n = len(of.array.positions)
+    n = len(problem.array.positions)
     squares = [a**2 + b**2 for a, b in zip(residuals[:n], residuals[n:], strict=True)]
     largest, number, others = squares[0], ca.SX(1), ca.SX(0)
     for k, square in enumerate(squares[1:], 2):
         number = ca.if_else(square > largest, k, number)
         largest, others = ca.fmax(square, largest), others + ca.fmin(square, largest)
-    agree = others <= 2 * (n - 1) * of.innovation_bound**2
+    agree = others <= 2 * (n - 1) * problem.innovation_bound**2
     return number, ca.logic_and(agree, CONTRAST * others <= largest)

@@ -29,10 +29,10 @@ from synth.statespace import Array as Numbers
 from synth.statespace import readonly
 
 DIGITS = 5  # of the field
-MAPPED, CELL = 0.027, 1e-3  # m: half side and spacing of the table
+TABLE_HALF_SIDE, TABLE_SPACING = 0.027, 1e-3  # m
 UNITS = (1e-8, 1e-8, 1e-6)  # m, m, rad: resolution of the table, a hundredth of the noise
-MARGIN, LINE = 2.2e-3, 1e-3  # m: range of the samples beyond the table, and distance of their lines
-TOGETHER = 8  # samples that are averaged
+SAMPLE_MARGIN, LINE_SPACING = 2.2e-3, 1e-3  # m: range of the samples beyond the table, and distance of their lines
+AVERAGED_SAMPLES = 8
 
 
 @cache
@@ -40,7 +40,9 @@ def calibrated_source(places: tuple[Pair, ...] = closed_loop.PLACES) -> Source:
     """Return the position source of a stage, with identified field and mapped errors; raise ModelError as `Bench`."""
     bench = Bench(places)
     plain = Source(array(bench))
-    return replace(plain, map=error_map.fit(*samples(bench, plain), lookup_table.square(MAPPED, CELL), UNITS))
+    return replace(
+        plain, map=error_map.fit(*samples(bench, plain), lookup_table.square(TABLE_HALF_SIDE, TABLE_SPACING), UNITS)
+    )
 
 
 def array(bench: Bench) -> Array:
@@ -54,17 +56,21 @@ def array(bench: Bench) -> Array:
 
 
 def samples(
-    bench: Bench, source: Source, reach: float = MAPPED + MARGIN, line: float = LINE, seed: int = 2
+    bench: Bench,
+    source: Source,
+    reach: float = TABLE_HALF_SIDE + SAMPLE_MARGIN,
+    line: float = LINE_SPACING,
+    seed: int = 2,
 ) -> tuple[Numbers, Numbers]:
-    """Return estimates (N, 3) and laser positions, means over TOGETHER samples along lines `line` m apart.
+    """Return estimates (N, 3) and laser positions, means over AVERAGED_SAMPLES samples along lines `line` m apart.
 
     Pitches are counted from the origin, where the platen starts. Raises ModelError as `hall_bench.static_voltages`.
     """
-    poses = hall_bench.scan(reach, line, TOGETHER)
+    poses = hall_bench.scan(reach, line, AVERAGED_SAMPLES)
     block = unranged(estimator.guarded_estimator(source.array, TIME, closed_loop.TUNING))
     controller = build.compile_block(block, np.float32, libm=True)
-    read = controller.replay(hall_bench.sampled_voltages(bench, poses, TIME, seed)).outputs
-    columns = np.stack([np.asarray(read[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
-    valid = np.asarray(read["valid"]).reshape(-1, TOGETHER).all(axis=1)
-    estimated, true = (readonly(each.reshape(-1, TOGETHER, 3).mean(axis=1)[valid]) for each in (columns, poses))
+    outputs = controller.replay(hall_bench.sampled_voltages(bench, poses, TIME, seed)).outputs
+    columns = np.stack([np.asarray(outputs[n], np.float64) for n in ("X", "Y", "yaw")], axis=1)
+    valid = np.asarray(outputs["valid"]).reshape(-1, AVERAGED_SAMPLES).all(axis=1)
+    estimated, true = (readonly(each.reshape(-1, AVERAGED_SAMPLES, 3).mean(axis=1)[valid]) for each in (columns, poses))
     return estimated, true

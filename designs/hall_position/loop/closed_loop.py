@@ -95,11 +95,11 @@ def _source(time: Discrete, suffix: str) -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         known, starts = x["known"], ca.SX(1)
-        for axis, far in START_RANGE.items():
-            starts = ca.logic_and(starts, ca.fabs(u[estimate[axis].name]) <= far)
-        sound = ca.logic_and(u["valid"], ca.logic_not(u["lock_lost"]))
-        good = ca.logic_and(sound, ca.logic_or(known, starts))
-        after = ca.logic_and(good, known)
+        for axis, limit in START_RANGE.items():
+            starts = ca.logic_and(starts, ca.fabs(u[estimate[axis].name]) <= limit)
+        is_usable = ca.logic_and(u["valid"], ca.logic_not(u["lock_lost"]))
+        good = ca.logic_and(is_usable, ca.logic_or(known, starts))
+        is_tracked = ca.logic_and(good, known)
         next: dict[str, ca.SX] = {"known": ca.if_else(good, 1, known)}
         output: dict[str, ca.SX] = {KNOWN.name: known}
         for axis in HORIZONTAL:
@@ -107,7 +107,7 @@ def _source(time: Discrete, suffix: str) -> Block:
             held = ca.if_else(known, predicted, u[vertical.REFERENCES[axis].name])
             raw = clip(ca.if_else(good, at, held), sensing.RAW[axis])
             output[f"{axis}_raw"] = next[axis] = raw
-            next[f"motion_{axis}"] = x[f"motion_{axis}"] + ca.if_else(after, VELOCITY_GAIN * (raw - predicted), 0)
+            next[f"motion_{axis}"] = x[f"motion_{axis}"] + ca.if_else(is_tracked, VELOCITY_GAIN * (raw - predicted), 0)
         for signal, axis in zip(sensing.WITHIN, "xy", strict=True):
             whole = ca.floor(output[f"{axis}_raw"] / PITCH + (FLOOR_OFFSET + 0.5)) - FLOOR_OFFSET
             output[signal.name] = clip(output[f"{axis}_raw"] - PITCH * whole, signal)
@@ -139,9 +139,9 @@ def _states() -> list[State]:
 
 def _failures(u: Exprs, x: Exprs, good: ca.SX) -> dict[str, ca.SX]:
     """Return the next counts: invalid samples once the position is known, and the failed sensor, permanently."""
-    lost = x["invalid"] >= MAX_INVALID
-    counted = ca.if_else(lost, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
-    failed_sensor = ca.if_else(lost, ALL_SENSORS, 0)
+    too_long = x["invalid"] >= MAX_INVALID
+    counted = ca.if_else(too_long, x["invalid"], ca.if_else(x["known"], x["invalid"] + 1, 0))
+    failed_sensor = ca.if_else(too_long, ALL_SENSORS, 0)
     for n in range(1, ALL_SENSORS):
         failed_sensor = ca.if_else(u["excluded_sensor"] >= n, n, failed_sensor)
     return {
@@ -154,21 +154,21 @@ def _suspects(x: Exprs) -> dict[str, ca.SX]:
     failed = x["failed"]
     suspects = {sensing.SUSPECTED.name: failed > 0}
     for n, letter in enumerate("abc", 1):
-        one = ca.logic_or(failed == n, failed == ALL_SENSORS)
-        suspects |= {f"suspect_V_{letter}{axis}": one for axis in "xy"}
+        is_suspect = ca.logic_or(failed == n, failed == ALL_SENSORS)
+        suspects |= {f"suspect_V_{letter}{axis}": is_suspect for axis in "xy"}
     return suspects
 
 
 def gate_currents(law: Sequence[Block], time: Discrete) -> list[Block]:
     """Return the law, made ready by a known position, and a gate that passes no current before."""
     computed = [s for b in law for s in b.outputs if s.name in signal_names(allocation.COMPUTED)]
-    demanded = {s.name: s.name.replace("_computed", "_wanted") for s in computed}
+    ungated = {s.name: s.name.replace("_computed", "_ungated") for s in computed}
     raw, ready = {s.name for s in sensing.RAW.values()}, {sensing.READY.name: KNOWN.name}
-    blocks = [b.renamed(demanded | (ready if raw & b.symbol.keys() else {})) for b in law]
+    blocks = [b.renamed(ungated | (ready if raw & b.symbol.keys() else {})) for b in law]
 
     def gate(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in demanded.items()})
+        return Step({name: ca.if_else(u[KNOWN.name], u[to], 0) for name, to in ungated.items()})
 
-    inputs = [*(replace(s, name=demanded[s.name]) for s in computed), KNOWN]
+    inputs = [*(replace(s, name=ungated[s.name]) for s in computed), KNOWN]
     tag = "no current until a position is known"
     return [*blocks, build("known_gate", time, gate, inputs=inputs, outputs=computed, tag=tag)]

@@ -62,7 +62,7 @@ class Loop:
         start = {**(start or {}), **self._filter_states(start or {})}
         run = planar.simulate(self.rig, duration_s, references, start, noise=noise, **options)
         seen = self.view.replay(run.measured).outputs
-        return replace(run, outputs=run.outputs | {name: np.asarray(v, np.float64) for name, v in seen.items()})
+        return replace(run, outputs=dict(run.outputs) | {name: np.asarray(v, np.float64) for name, v in seen.items()})
 
     def _filter_states(self, start: Mapping[str, float]) -> dict[str, float]:
         """Return the filters' states for a platen at rest, V."""

@@ -20,31 +20,33 @@ from synth.report.maps import Map
 
 UM = 1e-6
 POINTS = 96  # points of a map along each side of the pitch
-COARSE, TURNS = 48, 121  # for the curve over yaw: positions along each side of the pitch, and number of yaws
+CURVE_POINTS, CURVE_YAWS = 48, 121  # for the curve over yaw: positions along each side of the pitch, and number of yaws
 YAW = radians(5)  # of the second row of maps
-WIDEST = radians(30)  # largest yaw of that curve, to either side
-SINGULAR = (0.0, 1.0, 2.0, 5.0, 10.0)  # degrees: yaws at which the singular points of two sensors are listed
+MAX_YAW = radians(30)  # largest yaw of that curve, to either side
+SINGULAR_YAWS = (0.0, 1.0, 2.0, 5.0, 10.0)  # degrees: yaws at which the singular points of two sensors are listed
 REQUIRED = 5.3e-6  # m, largest deviation allowed with the third sensor at yaw 0
-SIDE, PLACES = 25, 16  # starts along each side of a square, and random true positions for each start
-WIDE = 0.5  # pitches, half the side of the square of starts
+BASIN_STARTS, BASIN_POSES = 25, 16  # starts along each side of a square, and random true positions for each start
+BASIN_HALF_SIDE = 0.5  # pitches, half the side of the square of starts
 CORRECTIONS, SCALE = 60, 0.5  # GLSDC steps from each start, and their largest scale
-CONVERGED = 1e-6  # m, largest final error of a start that counts as converged
-OFF = ("off along X, pitches", "off along Y, pitches")  # labels of the axes: offset of the start
-NEAR = (0.0625, 0.125, 0.25)  # pitches: half sides of the squares over which the table averages
+CONVERGENCE_ERROR = 1e-6  # m, largest final error of a start that counts as converged
+OFFSET_LABELS = ("off along X, pitches", "off along Y, pitches")  # labels of the axes: offset of the start
+TABLE_HALF_SIDES = (0.0625, 0.125, 0.25)  # pitches: half sides of the squares over which the table averages
 
 
 def blocks(stage: Stage) -> dict[str, Content]:
     """Return the blocks of the section: accuracy of each layout, errors of the field model, regions of convergence."""
     layouts = layouts_by_name(stage)
-    positions = {n: [(x / of.pitch, y / of.pitch) for x, y in of.positions] for n, of in layouts.items()}
+    positions = {
+        n: [(x / layout.pitch, y / layout.pitch) for x, y in layout.positions] for n, layout in layouts.items()
+    }
     return {
         "accuracy.places": drawings.layouts(positions),
         "accuracy.maps": _maps(stage, layouts),
-        "accuracy.coarse": COARSE,
+        "accuracy.coarse": CURVE_POINTS,
         "accuracy.required": REQUIRED / UM,
         "accuracy.over_yaw": _over_yaw(layouts),
         "accuracy.worst": _worst(stage),
-        "accuracy.singular": [_singular(stage, yaw) for yaw in SINGULAR],
+        "accuracy.singular": [_singular(stage, yaw) for yaw in SINGULAR_YAWS],
         **_errors(stage),
         **_basins(stage),
     }
@@ -70,21 +72,21 @@ def _maps(stage: Stage, layouts: Mapping[str, PlanarArray]) -> Figure:
     return maps.maps(shown, _pitch_extent(stage), (2.0, 20.0), label="µm")
 
 
-def _larger_deviation(of: PlanarArray, yaw: float) -> Array:
+def _larger_deviation(array: PlanarArray, yaw: float) -> Array:
     """Return the larger of the deviations of X and Y (POINTS, POINTS) over the pitch at a yaw, m."""
-    q = grid(of, POINTS)
+    q = grid(array, POINTS)
     q[2] = yaw
-    return np.asarray(hall_fisher.deviations(of, q)[:2].max(axis=0).reshape(POINTS, POINTS))
+    return np.asarray(hall_fisher.deviations(array, q)[:2].max(axis=0).reshape(POINTS, POINTS))
 
 
 def _over_yaw(layouts: Mapping[str, PlanarArray]) -> Figure:
-    lines, yaws = [], np.linspace(-WIDEST, WIDEST, TURNS)
-    for name, of in list(layouts.items())[1:]:
-        q = np.tile(grid(of, COARSE), TURNS)
-        q[2] = np.repeat(yaws, COARSE**2)
-        largest = hall_fisher.deviations(of, q)[:2].max(axis=0).reshape(TURNS, -1).max(axis=1)
+    lines, yaws = [], np.linspace(-MAX_YAW, MAX_YAW, CURVE_YAWS)
+    for name, layout in list(layouts.items())[1:]:
+        q = np.tile(grid(layout, CURVE_POINTS), CURVE_YAWS)
+        q[2] = np.repeat(yaws, CURVE_POINTS**2)
+        largest = hall_fisher.deviations(layout, q)[:2].max(axis=0).reshape(CURVE_YAWS, -1).max(axis=1)
         lines.append(Line(np.degrees(yaws), largest / UM, name, {"lw": 1.2}))
-    lines.append(Line(np.degrees(yaws), np.full(TURNS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
+    lines.append(Line(np.degrees(yaws), np.full(CURVE_YAWS, REQUIRED / UM), style={**LEVEL, "ls": ":"}))
     return charts.draw([Chart(lines, "yaw, °", "largest of X and Y over the pitch, µm", log="y")], 3.0)
 
 
@@ -93,7 +95,7 @@ def _worst(stage: Stage) -> Rows:
     proofs |= {(f"searched, ±{yaw}°", yaw): rank.worst_of_optimised_layout(stage, yaw) for yaw in (5, 15)}
     rows: list[tuple[str, ...]] = [("two sensors", "any", *("none",) * 6)]
     for (name, yaw), proved in proofs.items():
-        values = (f"{v / UM:.4g}" for v in (*proved.met, *proved.bound))
+        values = (f"{v / UM:.4g}" for v in (*proved.attained, *proved.bound))
         rows.append((name, f"{-yaw or 0} .. {yaw}".replace("-", "−"), *values))
     return rows
 
@@ -126,25 +128,32 @@ def _basins(stage: Stage) -> dict[str, Content]:
         "two sensors, yaw estimated": basin(stage.pair, False),
         "three sensors, searched": basin(stage.array(LAYOUTS[5]), False),
     }
-    distance = WIDE * np.abs(np.linspace(-1, 1, SIDE))
-    squares = [np.maximum(distance[:, None], distance) <= half_side + 1e-9 for half_side in NEAR]
+    distance = BASIN_HALF_SIDE * np.abs(np.linspace(-1, 1, BASIN_STARTS))
+    squares = [np.maximum(distance[:, None], distance) <= half_side + 1e-9 for half_side in TABLE_HALF_SIDES]
     shown = [Map(n, 100 * share) for n, share in shares.items()]
     return {
         "basin.scale": SCALE,
-        "basin.places": PLACES,
-        "basin.figure": maps.maps(shown, [(-WIDE, WIDE)] * 2, (0.0, 100.0), log=False, label="%", labels=OFF),
+        "basin.places": BASIN_POSES,
+        "basin.figure": maps.maps(
+            shown, [(-BASIN_HALF_SIDE, BASIN_HALF_SIDE)] * 2, (0.0, 100.0), log=False, label="%", labels=OFFSET_LABELS
+        ),
         "basin.table": [(n, *(100 * float(v[inside].mean()) for inside in squares)) for n, v in shares.items()],
     }
 
 
-def basin(of: PlanarArray, yaw_known: bool) -> Array:
-    """Return the share of the true positions for which GLSDC converges from a start offset by (X, Y): (SIDE, SIDE)."""
-    offsets = of.pitch * np.linspace(-WIDE, WIDE, SIDE)
+def basin(array: PlanarArray, yaw_known: bool) -> Array:
+    """Return the share of the true positions for which GLSDC converges, by the start's offset in X and Y.
+
+    The offsets form a square of BASIN_STARTS by BASIN_STARTS.
+    """
+    offsets = array.pitch * np.linspace(-BASIN_HALF_SIDE, BASIN_HALF_SIDE, BASIN_STARTS)
     X, Y = np.meshgrid(offsets, offsets, indexing="ij")
-    positions = of.pitch * np.random.default_rng(0).uniform(0, 1, (2, PLACES))
-    q = np.zeros((3, PLACES, SIDE, SIDE))
+    positions = array.pitch * np.random.default_rng(0).uniform(0, 1, (2, BASIN_POSES))
+    q = np.zeros((3, BASIN_POSES, BASIN_STARTS, BASIN_STARTS))
     q[:2] = positions[:, :, None, None]
     start = q + np.array([X, Y, np.zeros_like(X)])[:, None]
     truth, starts = q.reshape(3, -1), start.reshape(3, -1)
-    end = hall_correction.iterate(of, hall_correction.volts(of, truth), starts, SCALE, CORRECTIONS, yaw_known)
-    return np.asarray((np.hypot(*(end - truth)[:2]) < CONVERGED).reshape(PLACES, SIDE, SIDE).mean(axis=0))
+    end = hall_correction.iterate(array, hall_correction.volts(array, truth), starts, SCALE, CORRECTIONS, yaw_known)
+    return np.asarray(
+        (np.hypot(*(end - truth)[:2]) < CONVERGENCE_ERROR).reshape(BASIN_POSES, BASIN_STARTS, BASIN_STARTS).mean(axis=0)
+    )

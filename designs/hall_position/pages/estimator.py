@@ -20,9 +20,9 @@ def blocks(meaning: Mapping[str, str]) -> dict[str, Content]:
 
 
 def _array(name: str) -> tuple[str | float, ...]:
-    of = config.array(name)
-    places = ", ".join(f"({x / of.pitch:.3f}, {y / of.pitch:.3f})".replace("-", "−") for x, y in of.positions)
-    return name, len(of.positions), places, of.alpha, of.beta, 1e3 * of.deviation
+    array = config.array(name)
+    places = ", ".join(f"({x / array.pitch:.3f}, {y / array.pitch:.3f})".replace("-", "−") for x, y in array.positions)
+    return name, len(array.positions), places, array.alpha, array.beta, 1e3 * array.deviation
 
 
 def _chain() -> Rows:

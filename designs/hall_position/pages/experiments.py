@@ -25,11 +25,11 @@ STEPS, ZIGZAGS, SOURCES = ("step_plain", "step_calibrated"), ("zigzag_plain", "z
 ABSENT = page.Text("Not run.")
 
 
-def blocks(of: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Content]:
+def blocks(error_map: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, Content]:
     """Return the map of a source's errors, its effect, and Figs. 10 and 11; ABSENT for runs that are missing."""
     by_name = {e.name: e for e in runs}
     return {
-        **({"calibration.map": ABSENT, "calibration.shares": ABSENT} if of is None else _calibration(of)),
+        **({"calibration.map": ABSENT, "calibration.shares": ABSENT} if error_map is None else _calibration(error_map)),
         "calibration.compared": _before_and_after(by_name) or ABSENT,
         "experiments.steps": _steps(by_name) if by_name.keys() >= set(STEPS) else ABSENT,
         "experiments.zigzags": _zigzags(by_name) if by_name.keys() >= set(ZIGZAGS) else ABSENT,
@@ -76,18 +76,20 @@ def _unit(what: str) -> str:
     return readable(re.sub(r"\bphi\b", "φ", what))
 
 
-def _calibration(of: ErrorMap) -> dict[str, Content]:
+def _calibration(error_map: ErrorMap) -> dict[str, Content]:
     """Return the map of a source's errors, and how large it is, rms and at most."""
-    named = zip(("X", "Y", "yaw"), ("mm", "mm", "mrad"), of.added, strict=True)
+    named = zip(("X", "Y", "yaw"), ("mm", "mm", "mrad"), error_map.added, strict=True)
     shown = [Map(f"added to {name}, {unit}", 1e3 * values) for name, unit, values in named]
     shares = [
         (name, 1e6 * float(np.sqrt(np.mean(values**2))), 1e6 * float(np.abs(values).max()), unit)
-        for name, unit, values in zip(("X", "Y", "yaw"), ("µm", "µm", "µrad"), of.added, strict=True)
+        for name, unit, values in zip(("X", "Y", "yaw"), ("µm", "µm", "µrad"), error_map.added, strict=True)
     ]
     return {
-        "calibration.size": f"{of.grid.size[0]} × {of.grid.size[1]}",
-        "calibration.spacing": 1e3 * of.grid.spacing,
-        "calibration.map": maps.signed_maps(shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in of.grid.axes]),
+        "calibration.size": f"{error_map.grid.size[0]} × {error_map.grid.size[1]}",
+        "calibration.spacing": 1e3 * error_map.grid.spacing,
+        "calibration.map": maps.signed_maps(
+            shown, [(1e3 * float(a[0]), 1e3 * float(a[-1])) for a in error_map.grid.axes]
+        ),
         "calibration.shares": shares,
     }
 

@@ -17,23 +17,24 @@ from synth.report.charts import Chart, Line
 from synth.report.figures import COLOURS
 from synth.report.maps import Map
 
-POINTS = 97  # of a field's picture, along a pitch
+POINTS = 97  # of a map of the field, along a pitch
 HEIGHTS = (2e-3, 2.5e-3, 3e-3, 3.5e-3, 4e-3)  # m
-SCAN, SEED = 24, 4  # places along a pitch at each height; of its noise
+SCAN_POINTS = 24  # along a pitch, at each height
+SEED = 4  # of the noise of the first scan
 MISALIGNMENT = np.radians(1.0)  # about Z, of the scanned sensor: it makes gamma observable
-FABRICATED = (*orders_on_axes((1, 3, 5, 7, 9)), *CROSS)
-NUMBERS = (1, 3, 5, 7, 9)
-PRINTED = 3  # spacings of (3)
+WAVE_NUMBERS = (1, 3, 5, 7, 9)
+FABRICATED = (*orders_on_axes(WAVE_NUMBERS), *CROSS)  # waves above blocks as made: also cross terms
+PRINTED_SPACINGS = 3  # the paper gives the first three of (3)
 GREEK = {"alpha": "α", "beta": "β", "gamma": "γ"}
 
 
 def blocks(stage: Stage) -> dict[str, Content]:
     """Return the matrix' field with Figs. 3, 4, 5 and 8, and the dependence on the air gap."""
     fit, (fits, decays) = audited.fit_above_blocks(stage), over_gap(stage)
-    left = 1e3 * np.abs(fit.residual)
+    residual = 1e3 * np.abs(fit.residual)  # mV
     waves = stage.waves(concentrated_field.orders_up_to(5) + orders_on_axes((7, 9)))
     above = {"ideal": stage.waves(orders_on_axes(hall_figures.HARMONICS), ideal=True), "as made": waves}
-    surfaces = {name: hall_figures.surface(of, POINTS, stage.height) for name, of in above.items()}
+    surfaces = {name: hall_figures.surface(each, POINTS, stage.height) for name, each in above.items()}
     return {
         "field.parameters": _parameters(stage),
         "field.amplitudes": _amplitudes(stage),
@@ -41,11 +42,11 @@ def blocks(stage: Stage) -> dict[str, Content]:
         "field.surface": _surface(surfaces),
         "field.sections": _sections(surfaces),
         "field.spacing": _spacing(stage),
-        "fit.largest_mV": float(left.max()),
-        "fit.rms_mV": float(np.sqrt(np.mean(left**2))),
+        "fit.largest_mV": float(residual.max()),
+        "fit.rms_mV": float(np.sqrt(np.mean(residual**2))),
         "fit.gain": stage.chain.gain,
         "fit.residuals": _residuals(fit),
-        "gap.turned_deg": float(np.degrees(MISALIGNMENT)),
+        "gap.misalignment_deg": float(np.degrees(MISALIGNMENT)),
         "gap.figure": _gap(stage, fits, decays),
         "gap.coefficients": [_coefficients(z, fit) for z, fit in fits.items()],
         "gap.decays": [_decay(each) for each in decays],
@@ -55,10 +56,10 @@ def blocks(stage: Stage) -> dict[str, Content]:
 def over_gap(stage: Stage) -> tuple[Mapping[float, Fit], list[Decay]]:
     """Return fits of model (2) at HEIGHTS, of a sensor with MISALIGNMENT, and the decay of its coefficients."""
     sensor = hall_array.Sensor((0.0, 0.0, 0.0), misalignment=(0.0, 0.0, MISALIGNMENT))
-    one, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(FABRICATED)
+    array, waves = hall_array.HallArray((sensor,), stage.chain), stage.waves(FABRICATED)
     fits = {}
     for k, z in enumerate(HEIGHTS):
-        log = hall_scan.simulate_scan(one, waves, hall_scan.places(stage.pitch, SCAN, (z,)), SEED + k)
+        log = hall_scan.simulate_scan(array, waves, hall_scan.places(stage.pitch, SCAN_POINTS, (z,)), SEED + k)
         fits[z] = hall_scan.fit(log, "V_ax", stage.pitch)
     return fits, [hall_scan.decay(fits, name, stage.pitch, stage.height) for name in GREEK]
 
@@ -80,7 +81,7 @@ def _amplitudes(stage: Stage) -> Rows:
     rows = []
     for label, ideal in (("ideal", True), ("as made", False)):
         for z in (0.0, stage.height):
-            sizes = stage.amplitudes(NUMBERS, z, ideal)
+            sizes = stage.amplitudes(WAVE_NUMBERS, z, ideal)
             shown = np.where(np.abs(sizes) < audited.NEGLIGIBLE_AMPLITUDE, 0.0, sizes).tolist()
             rows.append((label, f"{1e3 * z:g} mm", *shown, 0.0 if ideal else stage.cross(z)))
     return rows
@@ -99,45 +100,48 @@ def _harmonics(stage: Stage, z: float) -> Chart:
 
 def _surface(above: Mapping[str, Surface]) -> Figure:
     """Return Fig. 4: B_X over the target area above ideal and fabricated blocks."""
-    shown = [Map(f"B_X, {name}, mT", 1e3 * of.B_X) for name, of in above.items()]
+    shown = [Map(f"B_X, {name}, mT", 1e3 * surface.B_X) for name, surface in above.items()]
     return maps.signed_maps(shown, [(0.0, 1e3 * float(above["ideal"].X[-1]))] * 2)
 
 
 def _sections(above: Mapping[str, Surface]) -> Figure:
-    """Return four sections along X of each."""
+    """Return four sections along X of each surface."""
     lines = [
-        Line(1e3 * of.X, 1e3 * of.B_X[:, k], "" if k else name, {"color": colour, "lw": 0.8})
-        for (name, of), colour in zip(above.items(), COLOURS, strict=False)
-        for k in range(0, len(of.Y) - 1, (len(of.Y) - 1) // 4)
+        Line(1e3 * surface.X, 1e3 * surface.B_X[:, k], "" if k else name, {"color": colour, "lw": 0.8})
+        for (name, surface), colour in zip(above.items(), COLOURS, strict=False)
+        for k in range(0, len(surface.Y) - 1, (len(surface.Y) - 1) // 4)
     ]
     return charts.draw([Chart(lines, "X, mm", "B_X, mT", legend="upper right")], 2.6)
 
 
 def _spacing(stage: Stage) -> Figure:
     """Return Fig. 5: voltages of two sensors along X, and the least slope of a pair over its spacing."""
-    waves, printed = stage.waves(orders_on_axes(hall_figures.HARMONICS)), hall_figures.spacings(PRINTED, stage.pitch)
+    waves, printed = (
+        stage.waves(orders_on_axes(hall_figures.HARMONICS)),
+        hall_figures.spacings(PRINTED_SPACINGS, stage.pitch),
+    )
     line = hall_figures.line(waves, float(printed[0]), height=stage.height)
-    of = hall_figures.least_slopes(waves, 240, stage.height)
-    X, pitch, top = 1e3 * line.X, line.X[-1], 1e-3 * float(of.least.max())
-    steep = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
-    read = []
-    for k, (volts, used) in enumerate(zip(line.volts, (steep, ~steep), strict=True)):
-        read.append(Line(X, volts, style={"color": COLOURS[k], "lw": 0.8}))
+    slopes = hall_figures.least_slopes(waves, 240, stage.height)
+    X, pitch, top = 1e3 * line.X, line.X[-1], 1e-3 * float(slopes.least.max())
+    first_is_steeper = np.abs(line.slopes[0]) >= np.abs(line.slopes[1])
+    voltages = []
+    for k, (volts, is_steeper) in enumerate(zip(line.volts, (first_is_steeper, ~first_is_steeper), strict=True)):
+        voltages.append(Line(X, volts, style={"color": COLOURS[k], "lw": 0.8}))
         bold = {"color": COLOURS[k], "lw": 2.8}
-        read.append(Line(X, np.where(used, volts, np.nan), f"sensor {'AB'[k]}", bold))
-    least = [Line(of.spacing / pitch, 1e-3 * of.least)]
+        voltages.append(Line(X, np.where(is_steeper, volts, np.nan), f"sensor {'AB'[k]}", bold))
+    least = [Line(slopes.spacing / pitch, 1e-3 * slopes.least)]
     dashed = {"color": COLOURS[1], "ls": "--"}
     least += [Line([at, at], [0.0, top], "" if k else "(3)", dashed) for k, at in enumerate(printed / pitch)]
-    ends = {"ylim": (0.0, None)}
-    right = Chart(least, "spacing, pitches", "least slope of the pair, V/mm", legend="lower right", options=ends)
-    return charts.draw([Chart(read, "X, mm", "voltage, V; bold: the steeper", legend="upper right"), right], 2.8)
+    limits = {"ylim": (0.0, None)}
+    right = Chart(least, "spacing, pitches", "least slope of the pair, V/mm", legend="lower right", options=limits)
+    return charts.draw([Chart(voltages, "X, mm", "voltage, V; bold: the steeper", legend="upper right"), right], 2.8)
 
 
 def _residuals(fit: Fit) -> Figure:
     """Return Fig. 8: a scan of a voltage, its fit by model (2), and the residual; places are the centres of squares."""
     n, half = int(np.sqrt(len(fit.measured))), fit.Y[1] / 2
     sides = [(1e3 * float(v[0] - half), 1e3 * float(v[-1] + half)) for v in (fit.X, fit.Y)]
-    shown = {"(a) measured, V": fit.measured, "(b) model (2), V": fit.modelled, "(c) left, mV": 1e3 * fit.residual}
+    shown = {"(a) measured, V": fit.measured, "(b) model (2), V": fit.modelled, "(c) residual, mV": 1e3 * fit.residual}
     return maps.signed_maps([Map(title, values.reshape(n, n)) for title, values in shown.items()], sides)
 
 
@@ -145,13 +149,13 @@ def _gap(stage: Stage, fits: Mapping[float, Fit], decays: list[Decay]) -> Figure
     """Return |alpha|, |beta|, .. of fits over the height, and the law of decay from the sensors' height."""
     z, lines = np.linspace(HEIGHTS[0], HEIGHTS[-1], 50), []
     for (name, greek), decay, colour in zip(GREEK.items(), decays, COLOURS, strict=False):
-        law = np.exp(decay.estimate["ln"] - decay.law * (z - stage.height))
+        law = np.exp(decay.estimate["ln_at_height"] - decay.law * (z - stage.height))
         dots = {"ls": "", "marker": "o", "ms": 4, "color": colour}
         sizes = [abs(f.estimate[name]) for f in fits.values()]
         lines += [Line(1e3 * z, law, style={"color": colour}), Line(1e3 * np.array(HEIGHTS), sizes, f"|{greek}|", dots)]
-    ends = {"xlim": (1e3 * HEIGHTS[0] - 0.05, 1e3 * HEIGHTS[-1] + 0.05)}
+    limits = {"xlim": (1e3 * HEIGHTS[0] - 0.05, 1e3 * HEIGHTS[-1] + 0.05)}
     labels = "height above the matrix, mm", "coefficient, V"
-    return charts.draw([Chart(lines, *labels, log="y", legend="center right", options=ends)], 2.9)
+    return charts.draw([Chart(lines, *labels, log="y", legend="center right", options=limits)], 2.9)
 
 
 def _coefficients(z: float, fit: Fit) -> tuple[str | float, ...]:
@@ -161,6 +165,7 @@ def _coefficients(z: float, fit: Fit) -> tuple[str | float, ...]:
     return f"{1e3 * z:g}", *(t.replace("-", "−") for t in shown), 1e3 * float(np.abs(fit.residual).max())
 
 
-def _decay(of: Decay) -> tuple[str | float, ...]:
-    low, high = of.estimate.intervals[1]
-    return GREEK[of.coefficient], of.estimate["rate"], low, high, of.law, "yes" if low <= of.law <= high else "NO"
+def _decay(decay: Decay) -> tuple[str | float, ...]:
+    low, high = decay.estimate.intervals[1]
+    in_interval = "yes" if low <= decay.law <= high else "NO"
+    return GREEK[decay.coefficient], decay.estimate["rate"], low, high, decay.law, in_interval

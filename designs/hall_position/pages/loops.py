@@ -78,18 +78,18 @@ def open_loop(source: Source, block: Block, place: Place) -> LoopParts:
     return loops.in_motor_coordinates(hall_chain.with_filter(motors, HORIZONTAL, Chain()), K, measurement, E)
 
 
-def voltages_and_slopes(of: Sensors, pose: Place) -> tuple[Array, Array]:
+def voltages_and_slopes(sensors: Sensors, pose: Place) -> tuple[Array, Array]:
     """Return the Hall voltages (6,) at a pose in the field of model (2), and their slopes (6, 6) by AXES."""
     q = [pose[axis] + (hall_array.HEIGHT if axis == "z" else 0.0) for axis in SPATIAL]
-    volts, H = (v.full() for v in hall_array.spatial(*hall_two_waves.model(of)).function()(q))
+    volts, H = (v.full() for v in hall_array.spatial(*hall_two_waves.model(sensors)).function()(q))
     return volts.ravel(), H[:, [SPATIAL.index(axis) for axis in AXES]]
 
 
-def initial_states(block: Block, of: Sensors, pose: Place) -> dict[str, float]:
+def initial_states(block: Block, sensors: Sensors, pose: Place) -> dict[str, float]:
     """Return the initial states of a controller whose estimator tracks from a place, at yaw 0, without a search."""
     states = {s.name: s.initial for s in block.states}
-    for axis, centre in zip("xy", of.centre, strict=True):
-        pitches = (pose[axis] + centre) / of.pitch
+    for axis, centre in zip("xy", sensors.centre, strict=True):
+        pitches = (pose[axis] + centre) / sensors.pitch
         states |= {f"estimator_phase_{axis}": 2 * np.pi * (pitches - round(pitches))}
         states[f"estimator_pitch_{axis}"] = round(pitches)
     return states | {"estimator_searching": 0.0}

@@ -22,11 +22,11 @@ STEPS, TREAD, ALONG, PERIOD = (
 SCALE, INNER = 0.2, 5  # of a correction; corrections in a sample
 
 
-def remaining_step(of: PlanarArray, scale: float, corrections: int) -> float:
+def remaining_step(array: PlanarArray, scale: float, corrections: int) -> float:
     """Return the fraction of a step of X that remains after some corrections, median over the pitch."""
-    q = grid(of, 20)
+    q = grid(array, 20)
     start = q - np.array([[STEP], [0.0], [0.0]])
-    end = hall_correction.iterate(of, hall_correction.volts(of, q), start, scale, corrections)
+    end = hall_correction.iterate(array, hall_correction.volts(array, q), start, scale, corrections)
     return float(np.median(np.abs(end[0] - q[0]))) / STEP
 
 
@@ -35,32 +35,32 @@ def count_corrections(scale: float, samples: int, fraction: float) -> int:
     return next(n for n in range(1, 50) if (1 - scale) ** (samples * n) < fraction)
 
 
-def converged_share(of: PlanarArray, scale: float, distance: float, yaw: float) -> float:
+def converged_share(array: PlanarArray, scale: float, distance: float, yaw: float) -> float:
     """Return the share of random starts, off by `distance` pitches and `yaw` degrees at most, that converge."""
-    q, off = random_starts(of, distance, yaw)
-    end = hall_correction.iterate(of, hall_correction.volts(of, q), q + off, scale, CORRECTIONS)
+    q, off = random_starts(array, distance, yaw)
+    end = hall_correction.iterate(array, hall_correction.volts(array, q), q + off, scale, CORRECTIONS)
     return float(np.mean(np.hypot(*(end - q)[:2]) < CONVERGED))
 
 
-def random_starts(of: PlanarArray, distance: float, yaw: float) -> tuple[Array, Array]:
+def random_starts(array: PlanarArray, distance: float, yaw: float) -> tuple[Array, Array]:
     """Return random poses (3, N) at yaw 0 in the pitch, and the offsets of their starts."""
     rng = np.random.default_rng(SEED)
-    q = np.vstack([rng.uniform(0, of.pitch, (2, DRAWS)), np.zeros(DRAWS)])
-    sides = np.array([[distance * of.pitch], [distance * of.pitch], [radians(yaw)]])
+    q = np.vstack([rng.uniform(0, array.pitch, (2, DRAWS)), np.zeros(DRAWS)])
+    sides = np.array([[distance * array.pitch], [distance * array.pitch], [radians(yaw)]])
     return q, sides * rng.uniform(-1, 1, (3, DRAWS))
 
 
 def staircase_estimates(stage: Stage, step: float, yaw_known: bool) -> Array:
     """Return the estimates of X in m on a staircase, (stairs, samples, N), without the first half of each stair."""
-    of, time = stage.pair, Discrete(PERIOD)
-    q = grid(of, ALONG)
-    size = 2 * len(of.positions) * q.shape[1]
+    pair, time = stage.pair, Discrete(PERIOD)
+    q = grid(pair, ALONG)
+    size = 2 * len(pair.positions) * q.shape[1]
     noise = hall_chain.noise(stage.chain, time, (size, (STEPS + 1) * TREAD), SEED).T
     estimates, at = [], q
     for stair, more in enumerate(noise.reshape(STEPS + 1, TREAD, 2, -1, q.shape[1])):
         true = q + np.array([[step * stair], [0.0], [0.0]])
-        clean = hall_correction.volts(of, true)
+        clean = hall_correction.volts(pair, true)
         for now in more:
-            at = hall_correction.iterate(of, clean + now, at, SCALE, INNER, yaw_known)
+            at = hall_correction.iterate(pair, clean + now, at, SCALE, INNER, yaw_known)
             estimates.append(at[0])
     return np.array(estimates).reshape(STEPS + 1, TREAD, -1)[:, TREAD // 2 :]

@@ -20,12 +20,12 @@ WAVES = (*concentrated_field.orders_on_axes((1, 3, 5, 9)), *concentrated_field.C
 @lru_cache(CACHED_RESULTS)
 def errors(stage: Stage, yaw_known: bool) -> Array:
     """Return the errors of GLSDC in X and Y (2, N) in m above six pitches of blocks, at yaw 0, X slowest."""
-    of, fit = stage.truth, field.fit_above_blocks(stage).estimate
+    truth, fit = stage.truth, field.fit_above_blocks(stage).estimate
     model = replace(stage.pair, c=fit["c"], alpha=fit["alpha"], beta=fit["beta"])
-    i, j = (v.ravel() for v in np.indices((of.count, of.count)))
-    at = np.rint(np.array(model.positions) / of.spacing).astype(int)
-    read = np.stack([of.at(i + x, j + y) for x, y in at], axis=1)
-    q = of.spacing * np.vstack([i, j, np.zeros(i.size)]).astype(np.float64)
+    i, j = (v.ravel() for v in np.indices((truth.count, truth.count)))
+    at = np.rint(np.array(model.positions) / truth.spacing).astype(int)
+    read = np.stack([truth.at(i + x, j + y) for x, y in at], axis=1)
+    q = truth.spacing * np.vstack([i, j, np.zeros(i.size)]).astype(np.float64)
     return _error(model, read, q, yaw_known)
 
 
@@ -59,16 +59,18 @@ def true_motions(off: Array, spacing: float, step: float) -> Array:
 
 
 @lru_cache(CACHED_RESULTS)
-def by_waves(stage: Stage, of: PlanarArray, points: int = PER_PITCH) -> Array:
+def by_waves(stage: Stage, array: PlanarArray, points: int = PER_PITCH) -> Array:
     """Return the errors of GLSDC in X and Y (2, N) in m above the infinite matrix at yaw 0, with the yaw estimated."""
-    q = grid(of, points)
-    predicted = hall_array.planar(hall_array.point_sensors(of.positions, stage.chain), stage.waves(WAVES), stage.height)
+    q = grid(array, points)
+    predicted = hall_array.planar(
+        hall_array.point_sensors(array.positions, stage.chain), stage.waves(WAVES), stage.height
+    )
     volts = predicted.function().map(q.shape[1])(q)[0].full()
-    return _error(of, np.stack([volts[0::2], volts[1::2]]), q, False)
+    return _error(array, np.stack([volts[0::2], volts[1::2]]), q, False)
 
 
-def _error(of: PlanarArray, read: Array, q: Array, yaw_known: bool) -> Array:
-    return readonly(hall_correction.iterate(of, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
+def _error(array: PlanarArray, read: Array, q: Array, yaw_known: bool) -> Array:
+    return readonly(hall_correction.iterate(array, read, q, SCALE, CORRECTIONS, yaw_known)[:2] - q[:2])
 
 
 def rms(values: Array) -> float:

@@ -31,23 +31,23 @@ TOLERANCES = {0: 1e-3, 5: 0.1, 15: 0.25}  # relative, of proofs over yaws in deg
 LEVER = 50e-3  # m: lever that converts a yaw to a displacement
 
 
-def deviations(of: PlanarArray) -> Array:
+def deviations(array: PlanarArray) -> Array:
     """Return the deviations (3, N) of X, Y in m and yaw in rad over the pitch at yaw 0."""
-    return hall_fisher.deviations(of, grid(of, POINTS))
+    return hall_fisher.deviations(array, grid(array, POINTS))
 
 
-def deviation_at_known_yaw(of: PlanarArray, points: int = 4096) -> Array:
+def deviation_at_known_yaw(array: PlanarArray, points: int = 4096) -> Array:
     """Return the deviation of X in m at a known yaw of 0, over a pitch (points,)."""
     q = np.zeros((3, points))
     q[0] = 2 * np.pi * np.arange(points) / points
-    slopes = hall_fisher.rows(of, q).g[0]
-    return np.asarray(of.deviation / of.wave_number / np.sqrt((slopes**2).sum(axis=0)))
+    slopes = hall_fisher.rows(array, q).g[0]
+    return np.asarray(array.deviation / array.wave_number / np.sqrt((slopes**2).sum(axis=0)))
 
 
 @lru_cache(CACHED_RESULTS)
-def worst(of: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> LargestDeviation:
+def worst(array: PlanarArray, low: float, high: float, tolerance: float = TOLERANCES[0]) -> LargestDeviation:
     """Return the largest deviations over the pitch and yaws in degrees, with their bounds, as `hall_fisher.worst`."""
-    return hall_fisher.worst(of, (radians(low), radians(high)), tolerance)
+    return hall_fisher.worst(array, (radians(low), radians(high)), tolerance)
 
 
 def worst_of_optimised_layout(stage: Stage, yaw: int) -> LargestDeviation:
@@ -72,33 +72,35 @@ def conditions(stage: Stage) -> Array:
 def deviations_with_ninth_harmonic(stage: Stage) -> Array:
     """Return the largest deviations of X, Y and yaw of three sensors at yaw 0, with the 9th harmonic."""
     waves = stage.waves(concentrated_field.orders_on_axes((1, 5, 9)))
-    of = hall_array.point_sensors(stage.three.positions, stage.chain)
+    sensors = hall_array.point_sensors(stage.three.positions, stage.chain)
     at = hall_two_waves.poses(stage.pitch, FINE).T
-    return hall_accuracy.of_sensors(of, waves, at, hall_accuracy.rms_radius(of), stage.height).deviations.max(axis=0)
+    return hall_accuracy.of_sensors(sensors, waves, at, hall_accuracy.rms_radius(sensors), stage.height).deviations.max(
+        axis=0
+    )
 
 
-def deviation_at(of: PlanarArray, x: float, y: float, yaw: float) -> float:
+def deviation_at(array: PlanarArray, x: float, y: float, yaw: float) -> float:
     """Return the deviation of X in m at a place in pitches and a yaw in degrees."""
-    return float(hall_fisher.deviations(of, np.array([[x * of.pitch], [y * of.pitch], [radians(yaw)]]))[0, 0])
+    return float(hall_fisher.deviations(array, np.array([[x * array.pitch], [y * array.pitch], [radians(yaw)]]))[0, 0])
 
 
-def voltage_changes(of: PlanarArray) -> tuple[float, ...]:
+def voltage_changes(array: PlanarArray) -> tuple[float, ...]:
     """Return the largest changes of the voltages, V, of four motions of random poses.
 
     They are a displacement by a pitch; rotations of body and position by a quarter and by half a turn about the origin;
     and a rotation of the body alone by an eighth of a turn.
     """
     rng = np.random.default_rng(0)
-    q = np.vstack([rng.uniform(0, of.pitch, (2, 200)), rng.uniform(-np.pi, np.pi, 200)])
+    q = np.vstack([rng.uniform(0, array.pitch, (2, 200)), rng.uniform(-np.pi, np.pi, 200)])
     moves = (
-        q + np.array([[of.pitch], [0.0], [0.0]]),
+        q + np.array([[array.pitch], [0.0], [0.0]]),
         np.vstack([-q[1], q[0], q[2] + np.pi / 2]),
         np.vstack([-q[0], -q[1], q[2] + np.pi]),
         q + np.array([[0.0], [0.0], [np.pi / 4]]),
     )
-    return tuple(float(np.abs(_body_voltages(of, at) - _body_voltages(of, q)).max()) for at in moves)
+    return tuple(float(np.abs(_body_voltages(array, at) - _body_voltages(array, q)).max()) for at in moves)
 
 
-def _body_voltages(of: PlanarArray, q: Array) -> Array:
+def _body_voltages(array: PlanarArray, q: Array) -> Array:
     """Return the voltages in the body's axes (2, sensors, N) at q (3, N), V."""
-    return hall_correction.rotate_voltages(hall_correction.volts(of, q), -q[2])
+    return hall_correction.rotate_voltages(hall_correction.volts(array, q), -q[2])

@@ -9,7 +9,7 @@ period T, the wave number w, and the amplitude alpha and the noise deviation of 
                     requires alpha sqrt(damping) |e| <= innovation_gate_sigma deviation
 
 At 800 Hz with the shipped tuning, the speed limit is 3.23 m/s along each axis. The acceleration limit in the plane is
-77.9 m/s^2. MARGIN of it is reserved for the noise and for the yaw, which moves the sensors by their rms arm, and
+77.9 m/s^2. RESERVED_FRACTION of it is left to the noise and to the yaw, which moves the sensors by their rms arm, and
 39.0 m/s^2 remain. At the full 77.9 m/s^2 with three sensors, one body in fifty loses position lock in 1500 samples.
 """
 
@@ -25,16 +25,16 @@ from models import hall_motions as motions
 from models.hall_motions import Limits
 from synth.check import Check
 
-MARGIN = 0.5  # fraction of the acceleration limit that is reserved for noise and yaw
-PITCHES = 1000  # that the estimator counts here; motions at the limits leave the range of the shipped one
+RESERVED_FRACTION = 0.5  # fraction of the acceleration limit that is reserved for noise and yaw
+COUNTED_PITCHES = 1000  # that the estimator counts here; motions at the limits leave the range of the shipped one
 MAX_ERROR = 1e-4  # m: ten standard deviations where the valid position is least accurate
-SLOWEST = 1e-3  # least fraction of the limits, so that slow motions are included
+MIN_LIMIT_FRACTION = 1e-3  # least fraction of the limits, so that slow motions are included
 YAW_SHARE = 0.95  # of the valid yaw limit
 
 
 @dataclass(frozen=True)
 class Endurance:
-    """Result of a simulation: the fraction of `valid` samples, and of bodies that have `lost` position lock at the end.
+    """Result of a simulation: `valid_share` of the samples, `lock_lost_share` of the bodies at the end.
 
     `misleading` is the number of samples that are valid at a wrong position, `max_valid_error` the largest position
     error of the valid samples in m, and `max_error` that of all samples.
@@ -42,8 +42,8 @@ class Endurance:
 
     limits: Limits
     samples: int
-    valid: float
-    lost: float
+    valid_share: float
+    lock_lost_share: float
     misleading: int
     max_valid_error: float
     max_error: float
@@ -51,36 +51,38 @@ class Endurance:
 
 def checks(name: str, config: EstimatorConfig, bodies: int, samples: int) -> list[Check]:
     """Check that within the limits no body loses position lock, or reports a wrong position as valid."""
-    outcome = run(config, bodies, samples, limits(config))
-    conditions = f"{outcome.limits.speed:.3g} m/s, {outcome.limits.acceleration:.3g} m/s^2, {outcome.samples} samples"
-    about = f"{conditions}, {100 * outcome.valid:.3g} % valid"
+    endurance = run(config, bodies, samples, limits(config))
+    conditions = (
+        f"{endurance.limits.speed:.3g} m/s, {endurance.limits.acceleration:.3g} m/s^2, {endurance.samples} samples"
+    )
+    about = f"{conditions}, {100 * endurance.valid_share:.3g} % valid"
     what = f"{name}, random motion"
     return [
-        Check(f"{what}: share of bodies that lose position lock", outcome.lost, 0, "1", about),
-        Check(f"{what}: samples valid at a wrong position", outcome.misleading, 0, "1", about),
-        Check(f"{what}: largest error of a valid position", outcome.max_valid_error, MAX_ERROR, "m", about),
+        Check(f"{what}: share of bodies that lose position lock", endurance.lock_lost_share, 0, "1", about),
+        Check(f"{what}: samples valid at a wrong position", endurance.misleading, 0, "1", about),
+        Check(f"{what}: largest error of a valid position", endurance.max_valid_error, MAX_ERROR, "m", about),
     ]
 
 
 def limits(config: EstimatorConfig) -> Limits:
-    """Return the limits of speed and acceleration of the sensors' centre, with MARGIN."""
+    """Return the limits of speed and acceleration of the sensors' centre, with RESERVED_FRACTION."""
     tuning, array, T = config.tuning, config.array, estimator_ensemble.TIME.period_s
     max_innovation = tuning.innovation_gate_sigma * array.deviation / (array.alpha * sqrt(tuning.damping))
     speed = tuning.max_phase_step / 2 / (array.wave_number * T)
-    acceleration = (1 - MARGIN) * tuning.velocity_gain * max_innovation / (array.wave_number * T**2)
+    acceleration = (1 - RESERVED_FRACTION) * tuning.velocity_gain * max_innovation / (array.wave_number * T**2)
     return Limits(speed, acceleration, YAW_SHARE * tracking.valid_yaw_limit(array, tuning))
 
 
 def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed: int = 0) -> Endurance:
-    """Simulate an ensemble of bodies on random motions within limits, with an estimator that counts PITCHES.
+    """Simulate an ensemble of bodies on random motions within limits, with an estimator that counts COUNTED_PITCHES.
 
-    Half of the bodies reach the limits, the others a random fraction of them, at least SLOWEST.
+    Half of the bodies reach the limits, the others a random fraction of them, at least MIN_LIMIT_FRACTION.
 
     Raises ModelError for fewer than one sample, and as `random_course`.
     """
-    config = replace(config, tuning=replace(config.tuning, pitches=PITCHES))
+    config = replace(config, tuning=replace(config.tuning, pitches=COUNTED_PITCHES))
     rng = np.random.default_rng(seed)
-    course = motions.random_course(config.array, estimator_ensemble.TIME, bodies, within, rng, SLOWEST)
+    course = motions.random_course(config.array, estimator_ensemble.TIME, bodies, within, rng, MIN_LIMIT_FRACTION)
     state = estimator_ensemble.states_on_course(config, course)
     valid = misleading = 0
     max_valid_error = max_error = 0.0
@@ -89,6 +91,6 @@ def run(config: EstimatorConfig, bodies: int, samples: int, within: Limits, seed
         valid, misleading = valid + int(scores.valid.sum()), misleading + int(scores.is_wrong.sum())
         max_valid_error = max(max_valid_error, float(scores.error[scores.valid].max(initial=0)))
         max_error = max(max_error, float(scores.error.max()))
-    lost = float((state["estimator_lock_lost"] > 0).mean())
+    lock_lost_share = float((state["estimator_lock_lost"] > 0).mean())
     total = bodies * samples
-    return Endurance(within, total, valid / total, lost, misleading, max_valid_error, max_error)
+    return Endurance(within, total, valid / total, lock_lost_share, misleading, max_valid_error, max_error)

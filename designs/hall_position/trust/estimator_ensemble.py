@@ -22,7 +22,7 @@ from synth.execute import build, host
 from synth.simulate import ensemble
 from synth.simulate.ensemble import Scores
 
-USUAL = Tuning()
+DEFAULT_TUNING = Tuning()
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class EstimatorConfig:
     """Sensors of an estimator, and its tuning."""
 
     array: Array
-    tuning: Tuning = USUAL
+    tuning: Tuning = DEFAULT_TUNING
 
 
 @cache

@@ -33,7 +33,7 @@ from synth.statespace import readonly
 
 MAX_DELAY = 5  # samples from a residual above its limit to the flag, at most
 BEFORE, AFTER = 20, 40  # samples
-WEAK = 0.9
+WEAK_GAIN = 0.9
 Samples = Sequence[tuple[host.Batch, Scores]]
 Failing = Callable[[Numbers, Numbers], Numbers]  # a sensor's voltages (N, 2), and those before -> the failed ones
 
@@ -51,36 +51,36 @@ FAILURES: MappingProxyType[str, Failing] = MappingProxyType(
             np.where(now[:, 0] < 0, -channels.SPAN, channels.SPAN), now
         ),
         "NaN": lambda now, before: _replace_first_axis(np.nan, now),
-        "weak": lambda now, before: WEAK * now,
+        "weak": lambda now, before: WEAK_GAIN * now,
         "stuck": lambda now, before: _replace_first_axis(before[:, 0], now),
     }
 )
 
 
 @dataclass(frozen=True)
-class Outcome:
+class FailureResponse:
     """Shares of bodies with a failed sensor, and the errors of their estimates.
 
     Shares: `residual_exceeded` its limit, failure `flagged`, failed sensor `isolated` (excluded by number), position
-    lock `lost`, estimate `valid` at the end, ever `misleading` (valid with an error above 10 standard deviations).
-    `delay`: largest number of samples from the exceeded residual to the flag, AFTER without a flag. `error`: rms of the
-    valid estimates in standard deviations; `max_valid_error`: the largest, m.
+    `lock_lost`, estimate `valid` at the end, ever `misleading` (valid with an error above 10 standard deviations).
+    `delay`: largest number of samples from the exceeded residual to the flag, AFTER without a flag. `rms_error_sigma`:
+    rms error of the valid estimates in standard deviations; `max_valid_error`: the largest, m.
     """
 
     residual_exceeded: float
     flagged: float
     isolated: float
-    lost: float
+    lock_lost: float
     delay: int
     valid: float
-    error: float
+    rms_error_sigma: float
     max_valid_error: float
     misleading: float
 
 
 def run_failure(
     config: EstimatorConfig, failure: str, sensor: int, bodies: int, within: Limits | None, seed: int = 0
-) -> Outcome:
+) -> FailureResponse:
     """Simulate the failure of a sensor, numbered from 1, of bodies that move within limits or rest in the pitch.
 
     Raises ModelError for an unknown failure, a sensor that does not exist, or no body.
@@ -131,7 +131,7 @@ def _is_flagged(batch: host.Batch) -> NDArray[np.bool_]:
     return np.asarray((batch.outputs["valid"] == 0) | excluded | (batch.faults > 0))
 
 
-def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
+def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> FailureResponse:
     batches, each = zip(*samples, strict=True)
     scores, state = ensemble.stack(each), batches[-1].states
     flag = _first_sample(np.array([_is_flagged(batch) for batch in batches]))
@@ -140,14 +140,14 @@ def _outcome(config: EstimatorConfig, samples: Samples, sensor: int) -> Outcome:
     name = "estimator_excluded_sensor"
     excluded = state[name] if name in (state.dtype.names or ()) else np.zeros(exceeding.size)
     rms = np.sqrt((scores.deviations**2).mean(axis=1))
-    return Outcome(
+    return FailureResponse(
         residual_exceeded=float(exceeded.mean()),
         flagged=float((flag < AFTER).mean()),
         isolated=float((excluded == sensor).mean()),
-        lost=float((state["estimator_lock_lost"] > 0).mean()),
+        lock_lost=float((state["estimator_lock_lost"] > 0).mean()),
         delay=int((flag - exceeding)[exceeded].max(initial=0)),
         valid=float(valid[-1].mean()),
-        error=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
+        rms_error_sigma=float(np.sqrt((rms[valid] ** 2).mean())) if valid.any() else 0.0,
         max_valid_error=float(scores.error[valid].max(initial=0)),
         misleading=float(scores.is_wrong.any(axis=0).mean()),
     )

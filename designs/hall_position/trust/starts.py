@@ -24,7 +24,8 @@ from synth.statespace import readonly
 
 MAX_DISTANCE, MAX_YAW = 0.5, np.radians(10)  # of the pitch, and rad: largest offsets of starts
 BINS = (8, 4)  # of these offsets
-DIRECTIONS, RINGS, NEAR = 8, 16, 0.125  # of starts about a position; distances up to this share of the pitch
+DIRECTIONS, RINGS = 8, 16  # of starts about a position
+MAX_RING_RADIUS = 0.125  # of the pitch
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,7 @@ def capture_radius(config: EstimatorConfig, points: int, seed: int = 0) -> Numbe
     """
     rng, pitch = np.random.default_rng(seed), config.array.pitch
     along = pitch * np.arange(numeric.whole("the number of points", points)) / points
-    rings = NEAR * pitch * np.arange(1, RINGS + 1) / RINGS
+    rings = MAX_RING_RADIUS * pitch * np.arange(1, RINGS + 1) / RINGS
     X, Y, d, h = np.meshgrid(along, along, rings, 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, indexing="ij")
     pose = Pose(X.ravel(), Y.ravel(), np.zeros(X.size))
     state = estimator_ensemble.states_at(config, pose.displaced(d.ravel(), h.ravel()), resolved=False)

@@ -35,7 +35,9 @@ def recorded_step(loop: Rig, axis: str, printed: float) -> Step:
 
 def of_record(time: Array, y: Array) -> Step:
     """Return the figures of a step from 0 to 1, with a band at least as wide as the noise in the last quarter."""
-    return axis_figures.of_response(time, y, max(axis_figures.BAND, float(np.abs(y[-len(y) // 4 :] - 1).max())))
+    return axis_figures.of_response(
+        time, y, max(axis_figures.SETTLING_BAND, float(np.abs(y[-len(y) // 4 :] - 1).max()))
+    )
 
 
 def meets(margin: Margin, crossover: Printed, phase: Printed) -> bool:

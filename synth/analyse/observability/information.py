@@ -87,7 +87,7 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     """Return the largest deviation over N places, times its size; with `lost`, after the loss of that many rows.
 
     Rows are lost in consecutive groups, for example the two axes of one sensor; the worst group counts. The information
-    is at least LEAST of the largest, which keeps the value finite for a search even where rank is lost.
+    is at least REGULARISATION of the largest, which keeps the value finite for a search even where rank is lost.
 
     Raises ModelError for invalid Jacobians or sizes, and unless the rows make whole groups.
     """
@@ -101,12 +101,12 @@ def largest_deviation(H: ArrayLike, sigma: float, sizes: ArrayLike, lost: int = 
     return max(_largest_finite_deviation(total - removed, sigma) for removed in (parts if lost else [np.zeros((n, n))]))
 
 
-LEAST = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
+REGULARISATION = 1e-9  # of the largest information, added to the diagonal to keep deviations finite
 
 
 def _largest_finite_deviation(information: Array, sigma: float) -> float:
     n = information.shape[1]
-    regularised = information + max(LEAST * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
+    regularised = information + max(REGULARISATION * information.max(), np.finfo(np.float64).tiny) * np.eye(n)
     return float(sigma * np.sqrt(np.diagonal(np.linalg.inv(regularised), axis1=1, axis2=2).max()))
 
 

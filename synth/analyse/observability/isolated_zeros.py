@@ -28,13 +28,13 @@ Ball = flint.arb
 Place = tuple[Ball, ...]
 
 CELLS = 64  # along a turn, at first
-CUTS = 24
-FIRST = 3  # cuts before Newton's method is tried
-STARTS = 400  # of Newton's method at a cut
-CUBES = (0.05, 0.02, 0.01, 0.005, 0.002)  # rad, half their sides, tried in this order
-INSIDE = 1 - 1e-9  # of a cube: cells inside this part of it count as covered
+MAX_BISECTIONS = 24
+NEWTON_START = 3  # bisections before Newton's method is tried
+STARTS = 400  # of Newton's method at a bisection
+CUBE_HALF_SIDES = (0.05, 0.02, 0.01, 0.005, 0.002)  # rad, of the cubes about zeros, tried in this order
+COVERED_FRACTION = 1 - 1e-9  # of a cube: cells inside this part of it count as covered
 STEPS = 12  # of Newton's method: each doubles the digits
-SAME = 1e-7  # rad: results of Newton's method closer than this are one zero
+DISTINCT_DISTANCE = 1e-7  # rad: results of Newton's method closer than this are one zero
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,14 @@ class Cube:
 def search(equations: Equations) -> list[Cube]:
     """Return a cube about each zero; cells are halved until these cubes cover all. Call it in `precise.precision`.
 
-    Raises ModelError if CUTS do not suffice, because zeros meet or lie on a line.
+    Raises ModelError if MAX_BISECTIONS do not suffice, because zeros meet or lie on a line.
     """
     half = pi / CELLS
     cells = grid(equations.n)
     cubes: list[Cube] = []
-    for cut in range(CUTS):
+    for bisection in range(MAX_BISECTIONS):
         cells = cells[:, equations.possible(cells, half)]
-        if cut >= FIRST:
+        if bisection >= NEWTON_START:
             cells = _uncovered_cells(cubes, cells, half)
             cubes += _new_cubes(equations, cubes, cells)
             cells = _uncovered_cells(cubes, cells, half)
@@ -109,7 +109,7 @@ def _new_cubes(equations: Equations, known: list[Cube], cells: Array) -> list[Cu
     cubes: list[Cube] = []
     for start in cells.T[:: ceil(cells.shape[1] / STARTS) or 1]:
         end = newton(equations, start)
-        if end is not None and all(_distance(end, c.at) > SAME for c in (*known, *cubes)):
+        if end is not None and all(_distance(end, c.at) > DISTINCT_DISTANCE for c in (*known, *cubes)):
             cubes.append(_isolate(equations, end))
     return cubes
 
@@ -127,11 +127,11 @@ def newton(equations: Equations, start: Array) -> Place | None:
 
 
 def _isolate(equations: Equations, at: Place) -> Cube:
-    """Return the largest of CUBES about a zero that is proved to contain no other."""
+    """Return the largest of CUBE_HALF_SIDES about a zero that is proved to contain no other."""
     n = equations.n
     inverse = precise.midpoints(equations.slopes(at).inv())
     offset = inverse * equations.values(at)
-    for half in CUBES:
+    for half in CUBE_HALF_SIDES:
         box = [v + Ball(0, half) for v in at]
         error = flint.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]) - inverse * equations.slopes(box)
         bounds = [abs(offset[i, 0]) + sum((abs(error[i, j]) for j in range(n)), Ball(0)) * half for i in range(n)]
@@ -144,8 +144,8 @@ def _uncovered_cells(cubes: list[Cube], cells: Array, half: float) -> Array:
     """Return the cells (n, N) that no cube covers."""
     inside = np.zeros(cells.shape[1], dtype=bool)
     for cube in cubes:
-        off = _within_half_turn(cells - np.array([[float(v)] for v in cube.at]))
-        inside |= np.abs(off).max(axis=0) + half < cube.half * INSIDE
+        offset = _within_half_turn(cells - np.array([[float(v)] for v in cube.at]))
+        inside |= np.abs(offset).max(axis=0) + half < cube.half * COVERED_FRACTION
     return cells[:, ~inside]
 
 

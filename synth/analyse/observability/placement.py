@@ -21,7 +21,7 @@ from synth import arguments, kinds
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
 
-MOST = 100_000  # tries, generations, population, coordinates
+MAX_COUNT = 100_000  # tries, generations, population, coordinates
 STEPS = (32, 16, 8, 4, 2, 1)  # of 1/grid
 
 Cost = Callable[[Array], float]
@@ -48,7 +48,7 @@ class Square:
 class Effort:
     """The effort of a search: `generations` of a `population` per coordinate, then `tries` steps of each length.
 
-    Raises ModelError for numbers below 0 or above MOST, or no population.
+    Raises ModelError for numbers below 0 or above MAX_COUNT, or no population.
     """
 
     generations: int = 200
@@ -58,18 +58,18 @@ class Effort:
 
     def __post_init__(self) -> None:
         numbers = (self.generations, self.population, self.tries, self.seed)
-        if not (min(numbers) >= 0 and max(numbers) <= MOST and self.population):
-            raise ModelError(f"the effort is {numbers}: give whole numbers up to {MOST}, and a population")
+        if not (min(numbers) >= 0 and max(numbers) <= MAX_COUNT and self.population):
+            raise ModelError(f"the effort is {numbers}: give whole numbers up to {MAX_COUNT}, and a population")
 
 
 @arguments.checked
 def search(coarse: Cost, fine: Cost, coordinates: int, within: Square, effort: Effort) -> Array:
     """Return coordinates x (coordinates,) of the least cost found with this effort.
 
-    Raises ModelError for fewer than 1 or more than MOST coordinates, and as `improve`.
+    Raises ModelError for fewer than 1 or more than MAX_COUNT coordinates, and as `improve`.
     """
-    if not 1 <= coordinates <= MOST:
-        raise ModelError(f"{coordinates} coordinates are searched for: give a number from 1 to {MOST}")
+    if not 1 <= coordinates <= MAX_COUNT:
+        raise ModelError(f"{coordinates} coordinates are searched for: give a number from 1 to {MAX_COUNT}")
     bounds = [(-within.half_width, within.half_width)] * coordinates
     best = optimize.differential_evolution(
         partial(_value, coarse),

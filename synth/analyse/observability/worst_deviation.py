@@ -20,7 +20,7 @@ from synth import arguments
 from synth.errors import ModelError
 from synth.statespace import Array, readonly
 
-AT_ONCE = 200_000  # cells, for memory
+CHUNK_CELLS = 200_000  # cells, for memory
 ROUNDING = 1e-9  # relative, added to bounds: far above the rounding error of a finite bound
 
 Deviations = Callable[[Array], Array]
@@ -31,12 +31,12 @@ Changes = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class LargestDeviation:
-    """The largest deviations over the box: attained `met` (n,) at `at` (n, n), row i for deviation i, and `bound` (n,).
+    """The largest deviations over the box: `attained` (n,) at `at` (n, n), row i for deviation i, and `bound` (n,).
 
     `cells` is the number of evaluated cells.
     """
 
-    met: Array
+    attained: Array
     bound: Array
     at: Array
     cells: int
@@ -50,32 +50,32 @@ def search(
     high: Sequence[float],
     cells: Sequence[int],
     tolerance: float = 1e-3,
-    most: int = 30_000_000,
+    max_cells: int = 30_000_000,
 ) -> LargestDeviation:
     """Return the largest deviations for q from `low` to `high` (n,), within a relative `tolerance` of their bound.
 
     `cells` (n,) are the initial numbers of cells along each side.
 
-    Raises ModelError for invalid sides, and if more than `most` cells are needed, for example because rank is lost.
+    Raises ModelError for invalid sides, and if `max_cells` cells do not suffice, for example because rank is lost.
     """
     q, half = _cells(low, high, cells)
     n = len(q)
-    met, at, count = np.zeros(n), np.zeros((n, n)), 0
-    ended = np.zeros(n)  # the largest bound of cells that are done with
+    attained, at, count = np.zeros(n), np.zeros((n, n)), 0
+    proved = np.zeros(n)  # the largest bound of cells that are done with
     while q.shape[1]:
         count += q.shape[1]
         kept = []
-        for part in np.array_split(np.arange(q.shape[1]), ceil(q.shape[1] / AT_ONCE)):
+        for part in np.array_split(np.arange(q.shape[1]), ceil(q.shape[1] / CHUNK_CELLS)):
             s, bound = bound_cells(deviations, changes, q[:, part], half)
-            for i in np.flatnonzero(s.max(axis=1) > met):
-                met[i], at[i] = s[i].max(), q[:, part[s[i].argmax()]]
-            undecided = (bound > (1 + tolerance) * met[:, None]).any(axis=0)
-            ended = np.maximum(ended, bound[:, ~undecided].max(axis=1, initial=0.0))
+            for i in np.flatnonzero(s.max(axis=1) > attained):
+                attained[i], at[i] = s[i].max(), q[:, part[s[i].argmax()]]
+            undecided = (bound > (1 + tolerance) * attained[:, None]).any(axis=0)
+            proved = np.maximum(proved, bound[:, ~undecided].max(axis=1, initial=0.0))
             kept.append(part[undecided])
-        if count > most or not np.isfinite(met).all():
-            raise ModelError(_no_bound_message(met, at, count))
+        if count > max_cells or not np.isfinite(attained).all():
+            raise ModelError(_no_bound_message(attained, at, count))
         q, half = _halve(q[:, np.concatenate(kept)], half)
-    return LargestDeviation(readonly(met), readonly(ended), readonly(at), count)
+    return LargestDeviation(readonly(attained), readonly(proved), readonly(at), count)
 
 
 @arguments.checked
@@ -84,22 +84,22 @@ def bound_cells(deviations: Deviations, changes: Changes, q: ArrayLike, half: Ar
 
     Raises SignalError unless the arguments are matrices, ModelError for shapes that do not fit each other.
     """
-    middles, sides = arguments.matrix("the middles", q), arguments.matrix("the half sides", half)
-    s, moves = (
+    centres, sides = arguments.matrix("the centres", q), arguments.matrix("the half sides", half)
+    s, column_changes = (
         arguments.matrix(name, f)
-        for name, f in (("deviations", deviations(middles)), ("changes", changes(middles, sides)))
+        for name, f in (("deviations", deviations(centres)), ("changes", changes(centres, sides)))
     )
     if (
-        not (s.shape == moves.shape == middles.shape)
-        or sides.shape != (len(middles), 1)
-        or not np.isfinite([*middles.flat, *sides.flat]).all()
+        not (s.shape == column_changes.shape == centres.shape)
+        or sides.shape != (len(centres), 1)
+        or not np.isfinite([*centres.flat, *sides.flat]).all()
     ):
         raise ModelError(
-            f"cells {middles.shape} with half sides {sides.shape} have deviations {s.shape} and changes {moves.shape}: "
-            "give (n, N) of each, half sides (n, 1), and finite places"
+            f"cells {centres.shape} with half sides {sides.shape} have deviations {s.shape} and changes "
+            f"{column_changes.shape}: give (n, N) of each, half sides (n, 1), and finite places"
         )
     with np.errstate(invalid="ignore"):
-        denominators = 1 - (moves * s).sum(axis=0)
+        denominators = 1 - (column_changes * s).sum(axis=0)
     is_bounded = denominators > 0  # False for NaN
     return s, np.where(is_bounded, s * (1 + ROUNDING) / np.where(is_bounded, denominators, 1.0), np.inf)
 
@@ -122,10 +122,10 @@ def _halve(q: Array, half: Array) -> tuple[Array, Array]:
     return np.hstack([q + half * np.array(sign)[:, None] for sign in signs]), half / 2
 
 
-def _no_bound_message(met: Array, at: Array, cells: int) -> str:
-    i = int(met.argmax())
+def _no_bound_message(attained: Array, at: Array, cells: int) -> str:
+    i = int(attained.argmax())
     place = ", ".join(f"{v:.6g}" for v in at[i])
     return (
-        f"no bound of the deviations is found in {cells} cells; that of unknown {i} exceeds {met[i]:.3g} times the "
-        f"measurements' at q = ({place}), where rank seems to be lost: add a sensor, or allow a larger tolerance"
+        f"no bound of the deviations is found in {cells} cells; that of unknown {i} exceeds {attained[i]:.3g} times "
+        f"the measurements' at q = ({place}), where rank seems to be lost: add a sensor, or allow a larger tolerance"
     )

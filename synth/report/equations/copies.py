@@ -11,7 +11,7 @@ import sympy as sp
 from synth.report.equations import symbolic
 from synth.report.equations.derive import Equation, Group
 
-LEAST = 4  # operations: shorter equations are shown in full
+MIN_OPERATIONS = 4  # operations: shorter equations are shown in full
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def of_equations(group: Group) -> tuple[EquationWithCopies, ...]:
     first: list[tuple[Equation, list[tuple[Equation, Mapping[str, str]]]]] = []
     for equation in group.equations:
         for source, copies in first:
-            if sp.count_ops(source.shown) < LEAST or source.mark != equation.mark:
+            if sp.count_ops(source.shown) < MIN_OPERATIONS or source.mark != equation.mark:
                 continue
             if (names := names_in_place(source, equation)) is not None:
                 copies.append((equation, names))

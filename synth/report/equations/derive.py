@@ -21,7 +21,7 @@ from synth.report.equations import glyphs, mathml, mathml_value, symbolic
 from synth.signals import Signal
 
 Symbols = Mapping[str, ca.SX]
-Named = Callable[[Symbols, Symbols, Symbols], Mapping[str, ca.SX]]
+NamedTerms = Callable[[Symbols, Symbols, Symbols], Mapping[str, ca.SX]]
 Mark = Literal["", "rate", "next"]
 
 
@@ -93,13 +93,13 @@ class Group:
         return mathml.expression(shown.xreplace({s: symbolic.symbol(self.name(s.name)) for s in shown.free_symbols}))
 
 
-def plant_function(plant: Plant, named: Named | None = None) -> tuple[ca.Function, dict[str, int]]:
+def plant_function(plant: Plant, terms: NamedTerms | None = None) -> tuple[ca.Function, dict[str, int]]:
     """Return a plant as a function of one column (x, u, p), and the row of each result by name.
 
-    The results are the expressions of `named`, the rates, as ``<state> rate``, and the outputs.
+    The results are the expressions of `terms`, the rates, as ``<state> rate``, and the outputs.
     """
     x, u, p = symbols(plant.states), symbols(plant.inputs), symbols(plant.parameters)
-    inside = dict(named(x, u, p)) if named else {}
+    inside = dict(terms(x, u, p)) if terms else {}
     columns = [[*group.values()] for group in (x, u, p)]
     vectors = [ca.vcat(column) for column in columns]
     exprs = [*(ca.SX(e) for e in inside.values()), plant.f(*vectors), plant.h(*vectors)]
@@ -108,14 +108,14 @@ def plant_function(plant: Plant, named: Named | None = None) -> tuple[ca.Functio
     return f, {name: k for k, name in enumerate(names)}
 
 
-def plant(plant: Plant, named: Named | None = None) -> tuple[Group, ...]:
+def plant(plant: Plant, terms: NamedTerms | None = None) -> tuple[Group, ...]:
     """Return the definitions of a plant, and the derivatives of its states.
 
-    `named(x, u, p)` gives names to expressions that the physics computes, such as forces.
+    `terms(x, u, p)` gives names to expressions that the physics computes, such as forces.
 
     Raises ModelError for a named expression that the physics does not compute.
     """
-    f, places = plant_function(plant, named)
+    f, places = plant_function(plant, terms)
     loads = [("load", s.name) for group in (plant.states, plant.inputs, plant.parameters) for s in group]
     nodes, results = lower.walk(f, loads, {}, symbolic.UNARY_TOO, symbolic.BINARY_TOO)
     at = {name: results[k] for name, k in places.items()}

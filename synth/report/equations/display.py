@@ -11,7 +11,7 @@ from synth.plant import Plant
 from synth.report import page
 from synth.report.equations import copies, derive, glyphs, mathml, proof
 from synth.report.equations.copies import EquationWithCopies, GroupWithCopies
-from synth.report.equations.derive import Equation, Group, Named
+from synth.report.equations.derive import Equation, Group, NamedTerms
 from synth.report.notation import number, readable
 from synth.signals import Signal, per_second
 
@@ -21,17 +21,17 @@ LEGEND = (
     "truncated. sat saturates at the lower and upper bound shown with it, or else at the range of the signal; a flag "
     "is 1 if it is true."
 )
-FEW = 12  # largest number of equations of a Block that are not collapsed
+MAX_SHOWN_EQUATIONS = 12  # largest number of equations of a Block that are not collapsed
 
 
-def plant(plant: Plant, named: Named | None = None) -> tuple[page.Formulas, ...]:
-    """Return the equations of a plant, checked by `proof`; `named` as in `derive.plant`.
+def plant(plant: Plant, terms: NamedTerms | None = None) -> tuple[page.Formulas, ...]:
+    """Return the equations of a plant, checked by `proof`; `terms` as in `derive.plant`.
 
     Raises ModelError where the displayed equations differ from the plant.
     """
     with distribute(False):  # no distribution of a factor over a sum
-        groups = derive.plant(plant, named)
-        proof.plant(plant, groups, named)
+        groups = derive.plant(plant, terms)
+        proof.plant(plant, groups, terms)
         return tuple(_formulas(shown) for shown in copies.of_groups(groups))
 
 
@@ -44,7 +44,7 @@ def block(block: Block, folded: Collection[str] = ()) -> tuple[page.Formulas | p
         groups = derive.block(block)
         proof.block(block, groups)
         shown = {g.group.title: _formulas(g) for g in copies.of_groups(groups)}
-    return tuple(_fold(f) if name in folded or len(f.rows) > FEW else f for name, f in shown.items())
+    return tuple(_fold(f) if name in folded or len(f.rows) > MAX_SHOWN_EQUATIONS else f for name, f in shown.items())
 
 
 def signals(caption: str, signals: Sequence[Signal]) -> page.Table:

@@ -1,6 +1,7 @@
 """Names as presentation MathML: a letter with the remaining characters as its subscript.
 
 k_s_phi, i_d1, wphi and Kv1 have subscripts; names of Greek letters become Greek letters, longer words are upright.
+A name of two letters is Greek only alone or before a number: pi and mu1, but pid and mute are words.
 """
 
 import re
@@ -10,8 +11,9 @@ from markupsafe import Markup, escape
 
 GREEK = {unicodedata.name(c).rpartition(" ")[2].lower(): c for c in "αβγδεζηθικμνξπρστυφχψω"} | {"lambda": "λ"}
 GREEK |= {name.capitalize(): letter.upper() for name, letter in GREEK.items()}
+_HEADS = [name if len(name) > 2 else f"{name}(?![a-z])" for name in sorted(GREEK, key=len, reverse=True)]
 _SPLIT = re.compile(
-    rf"(?P<head>{'|'.join(sorted(GREEK, key=len, reverse=True))}"
+    rf"(?P<head>{'|'.join(_HEADS)}"
     rf"|[vwiu](?=[a-z](?:\d|$)|{'|'.join(GREEK)})|[A-Z](?=[a-z]{{1,2}}\d*$)|[A-Za-z](?=\d))(?P<tail>.*)"
 )
 

@@ -14,19 +14,19 @@ from synth.emit import lower
 from synth.errors import ModelError
 from synth.plant import Plant
 from synth.report.equations import derive, glyphs, mathml_value
-from synth.report.equations.derive import Equation, Group, Named
+from synth.report.equations.derive import Equation, Group, NamedTerms
 from synth.signals import Signal
 from synth.statespace import Array
 
 Values = Mapping[str, Array]
 POINTS, TOLERANCE, SEED = 48, 1e-9, 7
 SPREAD = 0.05  # relative variation of parameters and constants
-WILD = 4  # powers of ten by which the inputs of a Block exceed their ranges in half of the points
+RANGE_DECADES = 4  # powers of ten by which the inputs of a Block exceed their ranges in half of the points
 
 
-def plant(plant: Plant, groups: Sequence[Group], named: Named | None = None) -> None:
+def plant(plant: Plant, groups: Sequence[Group], terms: NamedTerms | None = None) -> None:
     """Check displayed equations against a plant; raise ModelError that names the first different equation."""
-    f, places = derive.plant_function(plant, named)
+    f, places = derive.plant_function(plant, terms)
     rng = np.random.default_rng(SEED)
     values = np.array([p.value for p in plant.parameters])
     points = np.vstack([_inside([*plant.states, *plant.inputs], rng), _perturbations(values, rng)])
@@ -43,7 +43,7 @@ def block(block: Block, groups: Sequence[Group]) -> None:
     signals = [*block.inputs, *(s.signal for s in block.states)]
     points = _inside(signals, rng)
     half = POINTS // 2
-    points[:, half:] *= 10.0 ** rng.uniform(0, WILD, (len(signals), POINTS - half))
+    points[:, half:] *= 10.0 ** rng.uniform(0, RANGE_DECADES, (len(signals), POINTS - half))
     for row, state in zip(points[len(block.inputs) :], block.states, strict=True):
         if state.integer:
             row[:] = rng.integers(int(state.signal.low), int(state.signal.high) + 1, POINTS)

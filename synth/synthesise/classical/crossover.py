@@ -25,7 +25,7 @@ from synth.synthesise.classical import lead_lag
 from synth.synthesise.classical.lead_lag import Compensator, LeadLag, Method
 from synth.timing import Continuous, Discrete
 
-MOST_LEAD = 65.0  # degrees per section: r = 20; beyond it gain and noise grow far faster than the lead
+MAX_LEAD = 65.0  # degrees per section: r = 20; beyond it gain and noise grow far faster than the lead
 
 
 @show.result
@@ -66,11 +66,11 @@ def design(
     integral_corner: float | None = None,
     sections: int = 1,
     method: Method = lead_lag.prewarped,
-    most_lead: float = MOST_LEAD,
+    max_lead: float = MAX_LEAD,
 ) -> Design:
     """Return the lead-lag compensator of a continuous plant with one input and one output, at `period_s` and `delay_s`.
 
-    `crossover` and `integral_corner` are in rad/s, `phase_margin` and `most_lead`, the largest lead or lag of one
+    `crossover` and `integral_corner` are in rad/s, `phase_margin` and `max_lead`, the largest lead or lag of one
     section, in degrees.
 
     Raises SignalError for a plant that is not scalar, a corner that is not below the crossover, or an impossible number
@@ -78,7 +78,7 @@ def design(
     when the sections cannot provide the phase, when a sampled pole is negative, or when the loop is not stable.
     """
     model = transfer.scalar(of(plant))
-    _check_angles(phase_margin, sections, most_lead)
+    _check_angles(phase_margin, sections, max_lead)
     _check_frequencies(integral_corner, crossover, np.pi / Discrete(period_s).period_s)
     sampled = loop.sampled(model, period_s, delay_s)
 
@@ -96,24 +96,30 @@ def design(
         raise ModelError(f"the sampled plant has a zero at {crossover:g} rad/s: ask for another crossover")
     required = np.exp(1j * np.radians(phase_margin - 180)) / plant_response
     flat_response = complex(flat.response(z)[0, 0, 0])
-    needed = float(np.degrees(np.angle(required / flat_response)))
+    required_lead = float(np.degrees(np.angle(required / flat_response)))
 
     def lead_of(lead: float) -> float:
         return float(np.degrees(np.angle(sampled_compensator(lead).discrete.response(z)[0, 0, 0] / flat_response)))
 
     lead = _solve_lead(
-        lead_of, needed, most_lead, crossover, sections, _phase_lag(model, plant_response, crossover), phase_margin
+        lead_of,
+        required_lead,
+        max_lead,
+        crossover,
+        sections,
+        _phase_lag(model, plant_response, crossover),
+        phase_margin,
     )
     gain = abs(required) / abs(sampled_compensator(lead).discrete.response(z)[0, 0, 0])
     return _check_design(sampled_compensator(lead, gain), sampled, crossover, phase_margin, lead)
 
 
-def _check_angles(phase_margin: float, sections: int, most_lead: float) -> None:
+def _check_angles(phase_margin: float, sections: int, max_lead: float) -> None:
     if sections not in (1, 2):
         raise SignalError(f"{sections} sections were asked for: give 1 or 2")
-    if not (0 < phase_margin < 180 and 0 < most_lead < 90):
+    if not (0 < phase_margin < 180 and 0 < max_lead < 90):
         raise SignalError(
-            f"the phase margin is {phase_margin:g} degrees and the most a section may lead {most_lead:g}: "
+            f"the phase margin is {phase_margin:g} degrees and the most a section may lead {max_lead:g}: "
             "give a margin between 0 and 180 and a lead between 0 and 90"
         )
 
@@ -153,24 +159,24 @@ def _phase_lag(plant: StateSpace, sampled: complex, w: float) -> float:
 
 def _solve_lead(
     lead_of: Callable[[float], float],
-    needed: float,
+    required_lead: float,
     limit: float,
     crossover: float,
     sections: int,
     lag: float,
     margin: float,
 ) -> float:
-    """Return the lead of one section, in degrees, for a total lead of `needed`."""
+    """Return the lead of one section, in degrees, for a total lead of `required_lead`."""
     low, high = lead_of(-limit), lead_of(limit)
-    if not low <= needed <= high:
-        more = "lower the crossover, shorten the delay or the period, or ask for less margin"
-        more = f"use two sections, {more}" if sections == 1 and needed > 0 else more
+    if not low <= required_lead <= high:
+        remedy = "lower the crossover, shorten the delay or the period, or ask for less margin"
+        remedy = f"use two sections, {remedy}" if sections == 1 and required_lead > 0 else remedy
         raise ModelError(
-            f"a phase margin of {margin:g} degrees at {crossover:g} rad/s needs {needed:.4g} degrees of lead, but "
-            f"{sections} section{'s' if sections > 1 else ''} of at most {limit:g} degrees give {low:.4g} to "
-            f"{high:.4g}; hold and delay take {lag:.4g}: {more}; if that is far off, change the sign of the plant"
+            f"a phase margin of {margin:g} degrees at {crossover:g} rad/s needs {required_lead:.4g} degrees of lead, "
+            f"but {sections} section{'s' if sections > 1 else ''} of at most {limit:g} degrees give {low:.4g} to "
+            f"{high:.4g}; hold and delay take {lag:.4g}: {remedy}; if that is far off, change the sign of the plant"
         )
-    return float(brentq(lambda v: lead_of(v) - needed, -limit, limit, xtol=1e-13, rtol=1e-14))
+    return float(brentq(lambda v: lead_of(v) - required_lead, -limit, limit, xtol=1e-13, rtol=1e-14))
 
 
 def _check_design(

@@ -33,8 +33,8 @@ from synth.synthesise.riccati.equation import decays
 from synth.timing import Continuous
 
 RANK = 1e-10  # of the largest singular value: a smaller one is the rounding error of zero
-MISSED = 1e-8  # of the size of the equations: a larger residual means that there are no weights
-CLOSE = 1e-5  # of the terms: the least size of the equations, below which it is rounding error
+MAX_RESIDUAL = 1e-8  # of the size of the equations: a larger residual means that there are no weights
+MIN_EQUATION_SIZE = 1e-5  # of the terms: the least size of the equations, below which it is rounding error
 NEGATIVE = 1e-9  # of the terms: a negative weight that adds less is the rounding error of zero
 
 
@@ -94,7 +94,7 @@ def diagonal_weights(system: System, poles: Sequence[complex], R: float = 1.0) -
     closed_loop_poles, R = _check_poles(model, poles), _input_weight(R)
     M, rhs, size = _root_locus_equations(model, closed_loop_poles, R)
     solution, nullspace, residual = _least_squares(M, rhs)
-    if residual > MISSED:
+    if residual > MAX_RESIDUAL:
         raise ModelError(
             f"no diagonal weights give the poles {_text(closed_loop_poles)}: the symmetric root locus is missed by "
             f"{residual:.2g} of its size; weight products of states too, or check the poles"
@@ -102,7 +102,7 @@ def diagonal_weights(system: System, poles: Sequence[complex], R: float = 1.0) -
     n, lowest = len(model.states), -NEGATIVE * np.abs(solution).max(initial=1.0)
     if solution.min() < lowest and nullspace.size:
         nonnegative, misfit = nnls(M, rhs)
-        solution = nonnegative if misfit <= MISSED * _residual_scale(rhs) else solution
+        solution = nonnegative if misfit <= MAX_RESIDUAL * _residual_scale(rhs) else solution
     q, null = solution[:n] / size[:n], nullspace[:n] / size[:n, None]
     if solution[:n].min() < lowest:
         i = int(np.argmin(solution[:n]))
@@ -160,11 +160,11 @@ def gain_weights(system: System, K: ArrayLike) -> GainWeights:
     size = np.where(size > 0, size, 1.0)
     unit, rhs = (M / size)[:, free], -M[:, n]
     solution, nullspace, residual = _least_squares(unit, rhs)
-    if (nullspace.size and solution.min() < 0) or solution.min() < -MISSED * np.abs(solution).max(initial=1.0):
+    if (nullspace.size and solution.min() < 0) or solution.min() < -MAX_RESIDUAL * np.abs(solution).max(initial=1.0):
         solution, misfit = nnls(unit, rhs)
         residual = float(misfit) / _residual_scale(rhs)
     all_weights = np.insert(np.maximum(solution, 0.0) / size[free], n, 1.0)
-    if residual > MISSED or all_weights[n:].min() <= 0:
+    if residual > MAX_RESIDUAL or all_weights[n:].min() <= 0:
         raise ModelError(
             f"no diagonal weights Q >= 0, R > 0 make this gain optimal: the equations are missed by {residual:.2g} of "
             "their size; give K with more digits, or it is optimal for weights on products, or for none"
@@ -204,7 +204,7 @@ def _least_squares(columns: Array, rhs: Array) -> tuple[Array, Array, float]:
 
 def _residual_scale(rhs: Array) -> float:
     """Return the size to which the residual of the equations is relative."""
-    return max(float(np.linalg.norm(rhs)), CLOSE)
+    return max(float(np.linalg.norm(rhs)), MIN_EQUATION_SIZE)
 
 
 def _check_poles(model: StateSpace, poles: Sequence[complex]) -> Complex:

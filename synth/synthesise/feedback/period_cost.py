@@ -41,16 +41,16 @@ def over_period(plant: StateSpace, W: Array, period_s: float, delay_s: float, ex
     """
     (n, m), F = plant.B.shape, _input_matrix(plant)
     if isinstance(delay_s, float | int) and delay_s == 0:
-        over = discretise.gramian(F, W, period_s, exact=exact)
-        model = replace(plant, A=over.M[:n, :n], B=over.M[:n, n:], time=Discrete(float(period_s)))
-        return PeriodCost(model, over.W)
-    late = loop.sampled(plant, period_s, delay_s)
+        held = discretise.gramian(F, W, period_s, exact=exact)
+        model = replace(plant, A=held.M[:n, :n], B=held.M[:n, n:], time=Discrete(float(period_s)))
+        return PeriodCost(model, held.W)
+    delayed = loop.sampled(plant, period_s, delay_s)
     whole, fraction = _whole_and_fraction(delay_s / period_s)
-    acting = _weight_of_period(F, W, m, period_s, fraction, exact)
+    period_weight = _weight_of_period(F, W, m, period_s, fraction, exact)
     if not whole:
-        return PeriodCost(late, acting)
-    P = _power(late.A, whole, exact)[: len(acting) - m]
-    return PeriodCost(late, _congruence(scipy.linalg.block_diag(P, np.eye(m)), acting, exact))
+        return PeriodCost(delayed, period_weight)
+    P = _power(delayed.A, whole, exact)[: len(period_weight) - m]
+    return PeriodCost(delayed, _congruence(scipy.linalg.block_diag(P, np.eye(m)), period_weight, exact))
 
 
 def _input_matrix(plant: StateSpace) -> Array:
@@ -63,16 +63,16 @@ def _weight_of_period(F: Array, W: Array, m: int, period_s: float, fraction: flo
     if not fraction:
         return discretise.gramian(F, W, period_s, exact=exact).W
     first = discretise.gramian(F, W, fraction * period_s, exact=exact)
-    then = discretise.gramian(F, W, (1 - fraction) * period_s, exact=exact).W
+    second = discretise.gramian(F, W, (1 - fraction) * period_s, exact=exact).W
     M = scipy.linalg.block_diag(first.M, np.eye(m))
     M = np.delete(M, np.s_[len(F) - m : len(F)], axis=0)  # h no longer acts
-    return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruence(M, then, exact)
+    return scipy.linalg.block_diag(first.W, np.zeros((m, m))) + _congruence(M, second, exact)
 
 
 def _whole_and_fraction(samples: float) -> tuple[int, float]:
     """Return a delay as whole samples and a fraction of one, as `loop.sampled` does."""
     whole = round(samples)
-    return (whole, 0.0) if abs(samples - whole) < loop.WHOLE else (int(samples), samples - int(samples))
+    return (whole, 0.0) if abs(samples - whole) < loop.DELAY_ROUNDING else (int(samples), samples - int(samples))
 
 
 def _power(A: Array, k: int, exact: bool) -> Array:

@@ -3,8 +3,8 @@
 One input has one solution (Ackermann 1972), computed in ball arithmetic. With r independent inputs and no pole of
 multiplicity above r, the eigenvectors are made as orthogonal as possible (Tits, Yang 1996, in SciPy). Otherwise the
 poles are placed one after the other (Miminis, Paige 1988): (A - s I) v + B u = 0 is solved with the least |u| / |v|, an
-orthogonal step deflates v, and the remaining poles are placed on the rest. Of a multiple real pole up to r are placed
-in one step.
+orthogonal step deflates v, and the remaining poles are placed on the rest. Up to r copies of a multiple real pole are
+placed in one step.
 
 All steps are taken in scaled units, which makes the result independent of units up to a power of 2. The attained poles
 are those of the rounded K, computed in ball arithmetic: they differ from the desired ones by the rounding of K only.
@@ -26,13 +26,13 @@ from synth.statespace import Array, Complex, StateSpace, System, of, readonly
 from synth.synthesise.riccati import exact_eigenvalues
 from synth.timing import Continuous, Discrete, Time
 
-PAIR = 1e-9  # of a pole's size: conjugates may differ by this
-CLOSE = 1e-8  # of the poles' size: below this error the gain with robust eigenvectors is taken
-CHEAP = 1e-2  # of the largest |v| / |u|: an eigenvector that needs 100 times the gain is not taken
-SWEEPS = 30  # of the robust method over all pairs of poles; fewer beyond EASY poles, as the time grows as their cube
-EASY = 15
-LISTED = 6  # number of poles that a message lists
-MISSED = 1e-2  # of the poles' size: a larger error is refused; rounding of K shifts a sixfold pole by 2e-3
+CONJUGATE_TOLERANCE = 1e-9  # of a pole's size: conjugates may differ by this
+ROBUST_TOLERANCE = 1e-8  # of the poles' size: below this error the first candidate, with robust eigenvectors, is taken
+MIN_STATE_PER_INPUT = 1e-2  # of the largest |v| / |u|: an eigenvector that needs 100 times the gain is not taken
+MAX_SWEEPS = 30  # of the robust method over all pairs of poles; fewer beyond SWEPT_POLES poles: the time grows as n^3
+SWEPT_POLES = 15
+MAX_LISTED = 6  # number of poles that a message lists
+MAX_ERROR = 1e-2  # of the poles' size: a larger error is refused; rounding of K shifts a sixfold pole by 2e-3
 
 
 @show.result
@@ -84,9 +84,9 @@ def place(system: System, poles: Sequence[complex] | ArrayLike) -> Placement:
     size = _pole_scale(requested, model.time)
     placements = (_placement(model, K, requested, fixed) for K in _candidates(part, split.basis, requested))
     best = next(placements)
-    while best.error > CLOSE * size and (other := next(placements, None)):
+    while best.error > ROBUST_TOLERANCE * size and (other := next(placements, None)):
         best = min(best, other, key=lambda p: p.error)
-    if best.error > MISSED * size or not exact_eigenvalues.decays(best.poles, model.time).all():
+    if best.error > MAX_ERROR * size or not exact_eigenvalues.decays(best.poles, model.time).all():
         raise ModelError(_inaccuracy_message(best))
     return best
 
@@ -100,9 +100,9 @@ def _check_poles(poles: Sequence[complex] | ArrayLike, count: int, fixed: Comple
     if array.ndim != 1 or not np.isfinite(array).all():
         raise SignalError(f"the poles are {array.tolist()}: give a list of finite numbers")
     if len(array) != count:
-        stay = f", without the uncontrollable {_text(fixed)}," if len(fixed) else ""
+        without = f", without the uncontrollable {_text(fixed)}," if len(fixed) else ""
         raise SignalError(
-            f"the number of poles for {', '.join(model.states)} is {len(array)}: give {count}{stay}, each with its "
+            f"the number of poles for {', '.join(model.states)} is {len(array)}: give {count}{without}, each with its "
             "conjugate"
         )
     if not (decaying := exact_eigenvalues.decays(array, model.time)).all():
@@ -112,11 +112,11 @@ def _check_poles(poles: Sequence[complex] | ArrayLike, count: int, fixed: Comple
 
 
 def _paired(poles: Complex) -> Complex:
-    is_real = np.abs(poles.imag) <= PAIR * np.abs(poles)
+    is_real = np.abs(poles.imag) <= CONJUGATE_TOLERANCE * np.abs(poles)
     real, upper = np.sort(poles[is_real].real), poles[~is_real & (poles.imag > 0)]
     lower = list(poles[~is_real & (poles.imag < 0)])
     for p in upper:
-        match = next((q for q in lower if abs(np.conj(q) - p) <= PAIR * abs(p)), None)
+        match = next((q for q in lower if abs(np.conj(q) - p) <= CONJUGATE_TOLERANCE * abs(p)), None)
         if match is None:
             raise SignalError(f"the pole {show.number(p)} has no conjugate: give both")
         lower.remove(match)
@@ -133,29 +133,29 @@ def _inaccuracy_message(placement: Placement) -> str:
     k = int(np.argmax(distance[columns_attained, columns_requested]))
     worst, pole = requested[columns_requested[k]], placement.poles[columns_attained[k]]
     return (
-        f"the poles {_text(placement.requested, LISTED)} are attained only within {placement.error:.1e}, "
+        f"the poles {_text(placement.requested, MAX_LISTED)} are attained only within {placement.error:.1e}, "
         f"{show.number(worst, 6)} as {show.number(pole, 6)}, as double precision does not resolve the gain: spread the "
         "poles, ask for slower ones or use the Riccati equation"
     )
 
 
-def _candidates(part: staircase.Scaled, inside: Array, poles: Complex) -> Iterator[Array]:
+def _candidates(part: staircase.Scaled, basis: Array, poles: Complex) -> Iterator[Array]:
     """Yield gains (m, n) in the model's units, the robust one first."""
-    A, scaled_poles = inside.T @ part.A @ inside, poles / part.rate
-    B, inward = _independent_inputs(inside.T @ part.B)
+    A, scaled_poles = basis.T @ part.A @ basis, poles / part.rate
+    B, input_basis = _independent_inputs(basis.T @ part.B)
     rank = B.shape[1]
 
-    def outward(K: Array) -> Array:
-        return np.asarray(part.u[:, None] * (inward @ K @ inside.T) / part.x)
+    def in_model_units(K: Array) -> Array:
+        return np.asarray(part.u[:, None] * (input_basis @ K @ basis.T) / part.x)
 
     if not len(A):
-        yield outward(np.zeros((rank, 0)))
+        yield in_model_units(np.zeros((rank, 0)))
     elif rank == 1:
-        yield outward(ackermann(A, B, scaled_poles))
+        yield in_model_units(ackermann(A, B, scaled_poles))
     else:
         if max(np.sum(scaled_poles == p) for p in scaled_poles) <= rank:
-            yield outward(_place_robustly(A, B, scaled_poles))
-        yield outward(_place_by_deflation(A, B, list(scaled_poles[scaled_poles.imag >= 0])))
+            yield in_model_units(_place_robustly(A, B, scaled_poles))
+        yield in_model_units(_place_by_deflation(A, B, list(scaled_poles[scaled_poles.imag >= 0])))
 
 
 def _independent_inputs(B: Array) -> tuple[Array, Array]:
@@ -191,7 +191,7 @@ def _place_robustly(A: Array, B: Array, poles: Complex) -> Array:
     n = len(A)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # slow convergence: the certificate states the attained poles
-        placed = scipy.signal.place_poles(A, B, poles, maxiter=max(1, int(SWEEPS * min(1.0, EASY / n) ** 3)))
+        placed = scipy.signal.place_poles(A, B, poles, maxiter=max(1, int(MAX_SWEEPS * min(1.0, SWEPT_POLES / n) ** 3)))
     X, U = np.zeros((n, n), dtype=np.complex128), np.zeros((B.shape[1], n), dtype=np.complex128)
     for k, s in enumerate(placed.requested_poles):
         null = _null_space(A, B, complex(s))
@@ -214,11 +214,11 @@ def _place_by_deflation(A: Array, B: Array, poles: list[complex]) -> Array:
     return K @ first.T + _place_by_deflation(free.T @ A @ free, free.T @ B, remaining) @ free.T
 
 
-def _eigenvectors(A: Array, B: Array, s: complex, most: int) -> tuple[Array, Array]:
-    """Return V (n, k) and U (m, k) with A V + B U = s V, k <= `most`: those with moderate |u| / |v|."""
+def _eigenvectors(A: Array, B: Array, s: complex, limit: int) -> tuple[Array, Array]:
+    """Return V (n, k) and U (m, k) with A V + B U = s V, k <= `limit`: those with moderate |u| / |v|."""
     null = _null_space(A, B, s)
     _, sigma, V = np.linalg.svd(null[: len(A)])
-    count = min(most, int((sigma > CHEAP * sigma[0]).sum()))
+    count = min(limit, int((sigma > MIN_STATE_PER_INPUT * sigma[0]).sum()))
     w = null @ V[:count].T
     return w[: len(A)], w[len(A) :]
 
@@ -265,6 +265,6 @@ def _pole_scale(poles: Complex, time: Time) -> float:
     return 1.0 if isinstance(time, Discrete) else float(np.abs(poles).max(initial=0.0))
 
 
-def _text(poles: Complex, most: int | None = None) -> str:
-    more = [f"and {len(poles) - most} more"] if most is not None and len(poles) > most else []
-    return ", ".join([*(show.number(p, 6) for p in poles[:most]), *more])
+def _text(poles: Complex, limit: int | None = None) -> str:
+    more = [f"and {len(poles) - limit} more"] if limit is not None and len(poles) > limit else []
+    return ", ".join([*(show.number(p, 6) for p in poles[:limit]), *more])

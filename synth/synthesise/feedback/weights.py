@@ -16,7 +16,8 @@ Weight = ArrayLike | Mapping[str, float]
 
 ROUNDING = 1e-12  # of the unit diagonal: an eigenvalue this far below zero is the rounding error of zero
 ASYMMETRY = 2.0**-50  # of M_ij and sqrt(M_ii M_jj), times n: a smaller M_ij - M_ji is the rounding error of a product
-SINGULAR = 2.0**-50  # of the unit diagonal, times n: an eigenvalue below it may be the rounding error of zero
+# Of the unit diagonal, times n: an eigenvalue below it may be the rounding error of zero.
+EIGENVALUE_ROUNDING = 2.0**-50
 
 
 @show.result
@@ -82,7 +83,7 @@ def definite(what: str, value: Weight, names: Sequence[str]) -> Array:
     An eigenvalue that is 0 within rounding is also refused.
     """
     matrix = symmetric(what, value, names)
-    if not is_above(matrix, SINGULAR * len(matrix)):
+    if not is_above(matrix, EIGENVALUE_ROUNDING * len(matrix)):
         lowest = lowest_eigenvalue(matrix)
         raise SignalError(
             f"the matrix {what} has the eigenvalue {lowest:.3g}: it must be positive definite beyond rounding; weight "
@@ -145,7 +146,7 @@ def unit_diagonal(matrix: Array) -> Array:
 
 def is_regular(matrix: Array) -> bool:
     """Tell whether a symmetric matrix (n, n), scaled to a unit diagonal, is regular beyond rounding error."""
-    return bool(np.abs(np.linalg.eigvalsh(unit_diagonal(matrix))).min() > SINGULAR * len(matrix))
+    return bool(np.abs(np.linalg.eigvalsh(unit_diagonal(matrix))).min() > EIGENVALUE_ROUNDING * len(matrix))
 
 
 def _without_rounding(matrix: Array) -> Array:

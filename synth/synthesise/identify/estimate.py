@@ -13,22 +13,22 @@ from synth.statespace import Array
 
 @dataclass(frozen=True)
 class Residual:
-    """The largest residual of `many`: its output, row and size in standard deviations of that residual."""
+    """The largest of `count` residuals: its output, its row, and its size in standard deviations of that residual."""
 
     output: str
     row: int
     deviations: float
-    many: int
+    count: int
 
     @property
     def median_of_largest(self) -> float:
-        """The median of the largest of `many` normal residuals."""
-        return -float(ndtri((1 - 0.5 ** (1 / self.many)) / 2))
+        """The median of the largest of `count` normal residuals."""
+        return -float(ndtri((1 - 0.5 ** (1 / self.count)) / 2))
 
     def __str__(self) -> str:
         return (
             f"The largest residual is that of '{self.output}' in row {self.row}: {self.deviations:.3g} standard "
-            f"deviations; normal noise reaches some {self.median_of_largest:.2g} in {self.many} residuals."
+            f"deviations; normal noise reaches some {self.median_of_largest:.2g} in {self.count} residuals."
         )
 
 
@@ -38,8 +38,9 @@ class Estimate:
 
     `rms` is the residual of each output, `r_squared` relates it to the output's variance (NaN where that is zero).
     `residual_freedom` is N p - k; `degrees_of_freedom` (k,) are those of each interval, fewer where the noise of
-    several outputs is estimated. `condition` is that of Phi with columns of length 1, `level` the probability of the
-    intervals."""
+    several outputs is estimated. `condition` is that of the regressor matrix with columns of length 1,
+    `level` the probability of the intervals.
+    """
 
     parameters: tuple[str, ...]
     values: Array

@@ -28,7 +28,7 @@ Model = Callable[[Array], tuple[Array, Array | bordered.Jacobian]]
 
 STEPS = 100  # most steps of a minimisation
 OPTIMALITY = 1e-6  # at the minimum: |projection of e onto the range of J| / |e|, about 1e-6 standard errors
-EXACT = 1e-3  # |e| counts as at least this fraction of |y|: an exact fit, e = 0, also meets OPTIMALITY
+MIN_RELATIVE_RESIDUAL = 1e-3  # |e| counts as at least this fraction of |y|: an exact fit, e = 0, also meets OPTIMALITY
 PASSES = 200  # most minimisations, with the noise estimated after each
 
 
@@ -107,7 +107,7 @@ def minimise(
             raise ModelError(f"{error}; the residual is {_largest_residual(point.e / deviation, outputs)}") from error
         previous_deviation = deviation
         deviation = least_squares.deviations(linear, y, outputs) if estimated else deviation
-        if np.allclose(previous_deviation, deviation, rtol=least_squares.CONVERGED, atol=0.0):
+        if np.allclose(previous_deviation, deviation, rtol=least_squares.CONVERGENCE_TOLERANCE, atol=0.0):
             break
     else:
         raise ModelError(least_squares.no_convergence_text(PASSES))
@@ -150,7 +150,7 @@ def _minimum(
         factors = bordered.factors(J)
         determined = factors.sigma > identifiability.RANK * max(1.0, factors.sigma.max(initial=0.0))
         projection = np.concatenate([(factors.U.T @ e)[determined], factors.group_components(e).ravel()])
-        optimality = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), EXACT * y_norm)
+        optimality = float(np.linalg.norm(projection)) / max(float(np.linalg.norm(e)), MIN_RELATIVE_RESIDUAL * y_norm)
         if optimality <= OPTIMALITY:
             return point, step, optimality
         while damping < 1e12:

@@ -24,8 +24,9 @@ from synth.synthesise.identify import bordered, identifiability, variances
 from synth.synthesise.identify.estimate import Estimate, Residual
 
 PASSES = 500  # most fits until the outputs' noise converges
-CONVERGED = 1e-6  # relative change of a standard deviation
-EXACT = 1e-12  # of the rms of an output: lower bound of the residual, which gives an exact fit a finite weight
+CONVERGENCE_TOLERANCE = 1e-6  # relative change of a standard deviation
+# Of the rms of an output: lower bound of the residual, which gives an exact fit a finite weight.
+MIN_RELATIVE_RESIDUAL = 1e-12
 PASSED_THROUGH = 1e-9  # of a residual's variance: below it the fit interpolates the row
 
 
@@ -76,7 +77,7 @@ def solve(
     for _ in range(PASSES if noise is None and len(outputs) > 1 else 0):
         before, deviation = deviation, deviations(solution, y, outputs)
         solution = solve_with_deviations(J, y, deviation, parameters, nominal)
-        if np.allclose(before, deviation, rtol=CONVERGED, atol=0.0):
+        if np.allclose(before, deviation, rtol=CONVERGENCE_TOLERANCE, atol=0.0):
             break
     else:
         if noise is None and len(outputs) > 1:
@@ -177,7 +178,7 @@ def deviations(solution: Solution, y: Array, outputs: Sequence[str]) -> Array:
 
     Raises ModelError where the fit of one output is exact and others are not: its weight would be infinite.
     """
-    floor = EXACT * _size(y)
+    floor = MIN_RELATIVE_RESIDUAL * _size(y)
     estimates = variances.deviations(solution.e, solution.U, solution.Q)
     exact, used = estimates <= floor, solution.U.any(axis=(0, 2)) | solution.Q.any(axis=(0, 1, 3))
     if (exact & used).any() and not (exact | ~used).all():

@@ -19,8 +19,9 @@ from synth.synthesise.identify import gauss_newton
 from synth.synthesise.identify.estimate import Estimate
 from synth.synthesise.identify.trajectory import Problem
 
-SHIFT = 0.1  # standard errors by which twice the steps may change a parameter: widens an interval of 95 % by 0.5 %
-NEGLIGIBLE = 1e-7  # of a parameter: alternative tolerance, as a log without noise has no standard errors
+# Standard errors by which twice the steps may change a parameter: widens an interval of 95 % by 0.5 %.
+MAX_PARAMETER_SHIFT = 0.1
+RELATIVE_TOLERANCE = 1e-7  # of a parameter: alternative tolerance, as a log without noise has no standard errors
 DOUBLINGS = 6  # of the Runge-Kutta steps, before a plant counts as too fast for its sample period
 
 
@@ -65,8 +66,8 @@ def refine_steps(
         fit = minimise(problem(substeps), before.theta)
         change = np.array([fit.estimate[name] - before.estimate[name] for name in parameters])
         shift = _in_standard_errors(fit, change, parameters)
-        negligible = NEGLIGIBLE * np.abs([fit.estimate[name] for name in parameters])
-        if ((shift <= SHIFT) | (np.abs(change) <= negligible)).all():
+        negligible = RELATIVE_TOLERANCE * np.abs([fit.estimate[name] for name in parameters])
+        if ((shift <= MAX_PARAMETER_SHIFT) | (np.abs(change) <= negligible)).all():
             most = float(shift.max())
             return TrajectoryFit(fit.estimate, steps + fit.steps, fit.optimality, substeps, most)
     worst = int(shift.argmax())

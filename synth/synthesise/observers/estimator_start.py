@@ -22,7 +22,7 @@ from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.timing import common
 
 ENDS = ("_estimate", "_predicted")
-DEPENDENT = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
+RANK_TOLERANCE = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ def _state_values(what: str, entries: Mapping[str, float] | None, states: Sequen
 def _require_independent(part: StateSpace, d: Array) -> None:
     """Raise ModelError when C diag(d) has no right inverse, in any units."""
     values = np.linalg.svd(equilibrated(part.C * d)[0], compute_uv=False)
-    if len(part.outputs) > len(part.states) or values[-1] <= DEPENDENT * values[0]:
+    if len(part.outputs) > len(part.states) or values[-1] <= RANK_TOLERANCE * values[0]:
         raise ModelError(
             f"the outputs {', '.join(part.outputs)} are linearly dependent in the states that may change: no "
             "initial state explains them all; start from fewer outputs in `measured`, or give more states a "

@@ -36,8 +36,8 @@ INTEGRAL = "_integral"
 class Controller:
     """A gain on an estimator: `compensator` from y, references and other known inputs to u, and the closed `loop`.
 
-    The loop has the inputs ``<state>_disturbance`` (on x' or x+), ``<output>_noise``, then those of the compensator but
-    y; its outputs are y and u.
+    The loop has the inputs ``<state>_disturbance`` (on x' or x+), ``<output>_noise``, then those of the compensator
+    except y; its outputs are y and u.
     """
 
     gain: lqr.Gain
@@ -113,21 +113,21 @@ def current(gain: lqr.Gain, estimator: kalman.Estimator) -> Controller:
 
 
 @arguments.checked
-def expected_cost(controller: Controller, acting: noise.Noise | None = None) -> Expectation:
+def expected_cost(controller: Controller, actual_noise: noise.Noise | None = None) -> Expectation:
     """Return the expected cost for the gain's weights, and the standard deviations of all states and inputs.
 
-    The noise is that of the estimator, or `acting`. The cost is that of the actual loop: the gain need not be designed
-    for the same model. With weights of `lqr.lqrd` it is the cost of one period, without the constant that the noise
-    inside a period adds for every controller.
+    The noise is that of the estimator, or `actual_noise`. The cost is that of the actual loop: the gain need not be
+    designed for the same model. With weights of `lqr.lqrd` it is the cost of one period, without the constant that the
+    noise inside a period adds for every controller.
 
     Raises ModelError when a pole of the loop does not decay.
     """
-    loop, gain, e = controller.loop, controller.gain, acting or controller.estimator.noise
+    loop, gain, e = controller.loop, controller.gain, actual_noise or controller.estimator.noise
     k = len(e.W) + len(e.V)
     Sigma, B = np.block([[e.W, e.S], [e.S.T, e.V]]), loop.B[:, :k]
-    driven = B @ Sigma @ B.T
-    driven = (driven + driven.T) / 2
-    X = noise.stationary(loop.A, driven, loop.time)
+    disturbance_covariance = B @ Sigma @ B.T
+    disturbance_covariance = (disturbance_covariance + disturbance_covariance.T) / 2
+    X = noise.stationary(loop.A, disturbance_covariance, loop.time)
     controls = loop.select(gain.inputs, loop.inputs[:k])
     z = [loop.states.index(name) for name in gain.states]
     zz, zu = X[np.ix_(z, z)], X[z] @ controls.C.T
@@ -136,30 +136,34 @@ def expected_cost(controller: Controller, acting: noise.Noise | None = None) -> 
     values = np.sqrt(np.concatenate([np.diag(zz), np.diag(uu)]))
     names = (*gain.states, *gain.inputs)
     units = {name: loop.unit(name) for name in names}
-    residual = noise.residual(loop.A, driven, X, loop.time)
+    residual = noise.residual(loop.A, disturbance_covariance, X, loop.time)
     return Expectation(cost, dict(zip(names, values.tolist(), strict=True)), units, residual, loop.time)
 
 
-def _controller(gain: lqr.Gain, estimator: kalman.Estimator, form: StateSpace) -> Controller:
+def _controller(gain: lqr.Gain, estimator: kalman.Estimator, estimator_form: StateSpace) -> Controller:
     model = estimator.model
     common(gain.time, model.time)
     regulated = integrals(gain, model)
     integrators = _integrators(model, regulated)
     others = tuple(name for name in model.inputs if name not in gain.inputs)
     external = (*model.outputs, *(f"{y}_reference" for y in regulated), *others)
-    parts = (form, integrators.renamed({y: f"{y}_measured" for y in regulated}), _feedback(gain, form, integrators))
+    parts = (
+        estimator_form,
+        integrators.renamed({y: f"{y}_measured" for y in regulated}),
+        _feedback(gain, estimator_form, integrators),
+    )
     wires = {f"{y}_measured": {y: 1.0} for y in regulated}
     compensator = interconnect.connect(parts, external, gain.inputs, wires)
     return Controller(gain, estimator, compensator, _loop(model, compensator, others))
 
 
-def _feedback(gain: lqr.Gain, form: StateSpace, integrators: StateSpace) -> StateSpace:
+def _feedback(gain: lqr.Gain, estimator_form: StateSpace, integrators: StateSpace) -> StateSpace:
     """Return u = K (x^, q) as a static model."""
     names = tuple(x if x in integrators.states else f"{x}_estimate" for x in gain.states)
     m, n = gain.K.shape
-    units = {**form.units, **integrators.units}
-    nothing = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((m, 0)))
-    return StateSpace(*nothing, gain.K, (), names, gain.inputs, gain.time, units)
+    units = {**estimator_form.units, **integrators.units}
+    no_states = (np.zeros((0, 0)), np.zeros((0, n)), np.zeros((m, 0)))
+    return StateSpace(*no_states, gain.K, (), names, gain.inputs, gain.time, units)
 
 
 def _loop(model: StateSpace, compensator: StateSpace, others: Sequence[str]) -> StateSpace:

@@ -26,10 +26,11 @@ from synth.timing import Continuous, Time
 NoiseInput = ArrayLike | Sequence[str] | None
 """Where w enters: a matrix G (n, q); names of inputs, which are then noise; None for one noise on each state."""
 
-SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
+EIGENVALUE_ROUNDING = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
 DOUBLINGS = 80  # of the time span of the sum; the slowest decay in discrete time needs 2^40
 DECAYED = 2.0**-60  # of the largest power of A so far: a smaller power ends the sum
-SIZES = (1e-100, 1e100)  # range of variances: their squares, times those of a model, stay finite in double precision
+# The squares of variances in it, times those of a model, stay finite in double precision.
+VARIANCE_RANGE = (1e-100, 1e100)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +75,7 @@ def white(
     S = np.zeros((len(W), len(V))) if S is None else arguments.matrix("S", S)
     if S.shape != (len(W), len(V)) or not np.isfinite(S).all():
         raise SignalError(f"S is {S.shape}: {len(W)} noises and {len(V)} outputs need a finite {(len(W), len(V))}")
-    if _least_eigenvalue(np.block([[W, S], [S.T, V]]))[0] < -SINGULAR:
+    if _least_eigenvalue(np.block([[W, S], [S.T, V]]))[0] < -EIGENVALUE_ROUNDING:
         raise SignalError("S is larger than W and V allow: [[W, S], [S', V]] must be positive semidefinite; lower S")
     with precise.precision():
         g, f, w, v, s = (precise.matrix(part) for part in (entered.G, entered.F, W, V, S))
@@ -215,16 +216,17 @@ def _require_size(noise: Noise, model: StateSpace) -> None:
     """Raise SignalError for a nonzero variance whose square overflows or underflows."""
     sizes = np.concatenate([np.diag(noise.W), np.diag(noise.V)])
     for name, size in zip((*model.states, *model.outputs), sizes, strict=True):
-        if size and not SIZES[0] <= size <= SIZES[1]:
+        if size and not VARIANCE_RANGE[0] <= size <= VARIANCE_RANGE[1]:
             raise SignalError(
-                f"the noise on {name} has the size {size:.3g}: a filter needs 0 or {SIZES[0]:.0e} .. {SIZES[1]:.0e}; "
+                f"the noise on {name} has the size {size:.3g}: a filter needs 0 or "
+                f"{VARIANCE_RANGE[0]:.0e} .. {VARIANCE_RANGE[1]:.0e}; "
                 "choose units in which it is nearer to 1, or take 0 for a negligible noise"
             )
 
 
 def _require_measurement(V: Array, outputs: Sequence[str]) -> None:
     least, direction = _least_eigenvalue(V)
-    if least < SINGULAR:
+    if least < EIGENVALUE_ROUNDING:
         part = np.abs(direction) > 0.1 * np.abs(direction).max()
         who = ", ".join(name for name, takes_part in zip(outputs, part, strict=True) if takes_part)
         raise ModelError(

@@ -72,15 +72,15 @@ def augmented(observer: ReducedObserver, computed: System) -> StateSpace:
     Raises TimingError for different times; SignalError when an input of `computed` is neither measured nor an input of
     the plant nor ``<state>_estimate``, or for a duplicate state name.
     """
-    model, part, extra = observer.model, observer.partition, of(computed)
-    time = common(model.time, extra.time)
-    y, x, u = _input_selection(part, extra)
+    model, part, computed_model = observer.model, observer.partition, of(computed)
+    time = common(model.time, computed_model.time)
+    y, x, u = _input_selection(part, computed_model)
     C, D = measurement_rows(model, part.measured)
-    n, k = len(model.states), len(extra.states)
-    A = np.block([[model.A, np.zeros((n, k))], [extra.B @ (y @ C + x), extra.A]])
-    B = np.vstack([model.B, extra.B @ (y @ D + u)])
-    states = (*model.states, *extra.states)
-    units = {**extra.units, **model.units}
+    n, k = len(model.states), len(computed_model.states)
+    A = np.block([[model.A, np.zeros((n, k))], [computed_model.B @ (y @ C + x), computed_model.A]])
+    B = np.vstack([model.B, computed_model.B @ (y @ D + u)])
+    states = (*model.states, *computed_model.states)
+    units = {**computed_model.units, **model.units}
     return StateSpace(A, B, np.eye(n + k), np.zeros((n + k, B.shape[1])), states, model.inputs, states, time, units)
 
 
@@ -91,8 +91,8 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
     Raises SignalError when K has the wrong shape or is not finite; ModelError naming the poles when A + B K is not
     stable, or when the algebraic loop of u through D has no solution; else as `augmented`.
     """
-    extra = interconnect.integrals(observer.model, {}) if computed is None else of(computed)
-    plant = augmented(observer, extra)
+    computed_model = interconnect.integrals(observer.model, {}) if computed is None else of(computed)
+    plant = augmented(observer, computed_model)
     gain, shape = arguments.matrix("K", K), plant.B.T.shape
     if gain.shape != shape or not np.isfinite(gain).all():
         raise SignalError(
@@ -108,12 +108,12 @@ def compensator(observer: ReducedObserver, K: ArrayLike, computed: System | None
             f"u = K x leaves the poles {', '.join(show.number(p, 9) for p in regulator[~decaying])}, which do not "
             "decay: design K on reduced_compensator.augmented in the same time, with the sign inside K"
         )
-    model = _model(observer, extra, gain)
+    model = _model(observer, computed_model, gain)
     loop = _loop(observer.partition, model)
     with precise.precision():
         poles = exact_eigenvalues.eigenvalues(ball(loop.A))
     separation = _separation(observer, loop.A, precise.rounded(regulated))
-    return Compensator(observer, extra, readonly(gain), model, loop, regulator, poles, separation)
+    return Compensator(observer, computed_model, readonly(gain), model, loop, regulator, poles, separation)
 
 
 def _input_selection(part: Partition, computed: StateSpace) -> tuple[Array, Array, Array]:
@@ -131,10 +131,10 @@ def _input_selection(part: Partition, computed: StateSpace) -> tuple[Array, Arra
     return picks[:, :p], picks[:, p : p + n], picks[:, p + n :]
 
 
-def _model(observer: ReducedObserver, extra: StateSpace, K: Array) -> StateSpace:
+def _model(observer: ReducedObserver, computed_model: StateSpace, K: Array) -> StateSpace:
     """Return the compensator; each signal is a matrix on (x3, z, y) in ball arithmetic, rounded once."""
     part, model = observer.partition, observer.model
-    q, k, n, p = len(part.estimated), len(extra.states), len(model.states), len(part.measured)
+    q, k, n, p = len(part.estimated), len(computed_model.states), len(model.states), len(part.measured)
     columns = np.eye(q + k + p)
     with precise.precision():
         x3, z, y = ball(columns[:q]), ball(columns[q : q + k]), ball(columns[q + k :])
@@ -144,15 +144,19 @@ def _model(observer: ReducedObserver, extra: StateSpace, K: Array) -> StateSpace
         u = _solve_algebraic_loop(ball(np.eye(len(K))) + Kx * from_x1 * D, Kx * (from_x1 * y + from_x3 * x3) + Kz * z)
         x1 = y - D * u
         estimate = from_x1 * x1 + from_x3 * x3
-        from_y, from_x, from_u = (ball(m) for m in _input_selection(part, extra))
-        driven = from_y * y + from_x * estimate + from_u * u
+        from_y, from_x, from_u = (ball(m) for m in _input_selection(part, computed_model))
+        computed_input = from_y * y + from_x * estimate + from_u * u
         next = (
             ball(observer.F) * x3 + ball(observer.G) * x1 + ball(observer.H) * u,
-            ball(extra.A) * z + ball(extra.B) * driven,
+            ball(computed_model.A) * z + ball(computed_model.B) * computed_input,
         )
         next_states, out = np.vstack([precise.rounded(m) for m in next]), precise.rounded(u)
-    states = (*(f"{x}_x3" for x in part.estimated), *extra.states)
-    units = {**extra.units, **model.units, **{f"{x}_x3": model.unit(x) for x in part.estimated if model.unit(x)}}
+    states = (*(f"{x}_x3" for x in part.estimated), *computed_model.states)
+    units = {
+        **computed_model.units,
+        **model.units,
+        **{f"{x}_x3": model.unit(x) for x in part.estimated if model.unit(x)},
+    }
     width = q + k
     return StateSpace(
         next_states[:, :width], next_states[:, width:], out[:, :width], out[:, width:],
@@ -174,10 +178,12 @@ def _loop(part: Partition, model: StateSpace) -> StateSpace:
     C, D = measurement_rows(plant, part.measured)
     units = {**plant.units, **model.units}
     measured = StateSpace(plant.A, plant.B, C, D, plant.states, plant.inputs, part.measured, plant.time, units)
-    pushed = {u: {u: 1.0, f"{u}_disturbance": 1.0} for u in plant.inputs}
-    heard = {y: {y: 1.0, f"{y}_noise": 1.0} for y in part.measured}
+    disturbed_inputs = {u: {u: 1.0, f"{u}_disturbance": 1.0} for u in plant.inputs}
+    noisy_outputs = {y: {y: 1.0, f"{y}_noise": 1.0} for y in part.measured}
     external = (*(f"{u}_disturbance" for u in plant.inputs), *(f"{y}_noise" for y in part.measured))
-    return interconnect.connect([measured, model], external, (*part.measured, *plant.inputs), {**pushed, **heard})
+    return interconnect.connect(
+        [measured, model], external, (*part.measured, *plant.inputs), {**disturbed_inputs, **noisy_outputs}
+    )
 
 
 def _separation(observer: ReducedObserver, A: Array, regulated: Array) -> float:

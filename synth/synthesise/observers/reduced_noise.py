@@ -32,7 +32,7 @@ from synth.synthesise.observers.reduced_partition import Partition
 from synth.synthesise.riccati import riccati
 from synth.timing import Continuous
 
-SINGULAR = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
+EIGENVALUE_ROUNDING = 1e-12  # of a covariance scaled to a diagonal of 1: an eigenvalue below it counts as zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def steady_filter(part: Partition, noise: Noise) -> Filter:
 def _noise_free_combinations(R: Array) -> Array:
     """Return the combinations (p, k) of signals that have no noise, R (p, p) scaled to a diagonal of 1."""
     values, vectors = np.linalg.eigh(weights.unit_diagonal(R))
-    return np.asarray(vectors[:, values <= SINGULAR])
+    return np.asarray(vectors[:, values <= EIGENVALUE_ROUNDING])
 
 
 def _require_steady(part: Partition, noise: Noise) -> None:
@@ -129,7 +129,7 @@ def _require_steady(part: Partition, noise: Noise) -> None:
             f"optimal gain is infinite; give W a part on {who}, or sample the model"
         )
     size = np.sqrt(np.diag(noise.W22))
-    W_error = np.where(np.abs(W_error) > SINGULAR * size * size[:, None], W_error, 0.0)
+    W_error = np.where(np.abs(W_error) > EIGENVALUE_ROUNDING * size * size[:, None], W_error, 0.0)
     for mode in structure.uncontrollable_modes(A_error, W_error, part.estimated, part.model.time):
         raise ModelError(
             f"the process noise W excites mode {show.number(mode.value, 4)} of the error in "

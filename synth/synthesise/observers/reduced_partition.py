@@ -23,7 +23,8 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.riccati.exact_eigenvalues import ball
 
-DEPENDENT = 0.1  # of the largest coefficient of a dependence between outputs: an output with a smaller one is not named
+# Of the largest coefficient of a dependence between outputs: an output with a smaller one is not named.
+MIN_NAMED_COEFFICIENT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +99,7 @@ def _choose_estimated_states(model: StateSpace, names: tuple[str, ...], C: Array
     U, sigma, _ = np.linalg.svd(scaled)
     if rank := p - int((sigma > staircase.COUPLING * sigma[0]).sum()):
         share = np.linalg.norm(U[:, p - rank :], axis=1)
-        who = [name for name, s in zip(names, share, strict=True) if s > DEPENDENT * share.max()]
+        who = [name for name, s in zip(names, share, strict=True) if s > MIN_NAMED_COEFFICIENT * share.max()]
         raise ModelError(_dependence_message(who))
     if p == n:
         raise ModelError(

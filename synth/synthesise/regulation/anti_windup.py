@@ -36,7 +36,7 @@ from synth.synthesise.regulation.servo import Servo
 from synth.synthesise.riccati import exact_eigenvalues, kronecker
 from synth.timing import Continuous, Time
 
-SINGULAR = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
+RANK_TOLERANCE = 1e-11  # of the largest singular value, rows and columns scaled: a smaller one is rounding error
 
 
 @show.result
@@ -187,7 +187,7 @@ def _mode_sizes(C: Array, orders: Sequence[int]) -> Array:
 def _require_invertible(part: StateSpace, M: Array, what: str) -> Array:
     """Return M (m, m), called `what`; raise ModelError when it is singular after scaling."""
     values = np.linalg.svd(equilibrated(M)[0], compute_uv=False)
-    if not values.size or values[-1] <= SINGULAR * values[0]:
+    if not values.size or values[-1] <= RANK_TOLERANCE * values[0]:
         raise ModelError(
             f"from {', '.join(part.inputs)} to {', '.join(part.outputs)} {what} is singular: no reference makes every "
             "command realisable; condition on other inputs, give each command an error of its own, or use "

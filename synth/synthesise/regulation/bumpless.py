@@ -16,7 +16,7 @@ from synth.errors import ModelError, SignalError
 from synth.statespace import Array, readonly
 from synth.synthesise.regulation.servo import Servo
 
-BUMP = 1e-12  # of the terms of a command: a larger difference is no rounding error
+COMMAND_ROUNDING = 1e-12  # of the terms of a command: a larger difference is no rounding error
 
 
 @arguments.checked
@@ -38,7 +38,10 @@ def start(regulator: Servo, state: ArrayLike, present: ArrayLike) -> Array:
     xi = np.linalg.lstsq(K_xi, command, rcond=None)[0]
     xi = xi + np.linalg.lstsq(K_xi, command - K_xi @ xi, rcond=None)[0]
     jump = K_xi @ xi - command
-    bumps = np.abs(jump) > BUMP * (np.abs(u) + np.abs(regulator.K_x) @ np.abs(x) + np.abs(K_xi) @ np.abs(xi))
+    terms = np.abs(u) + np.abs(regulator.K_x) @ np.abs(x) + np.abs(K_xi) @ np.abs(xi)
+    # Least squares leaves a residual of the size of the largest command, also in a control that others do not touch.
+    rounding = np.finfo(float).eps * (np.linalg.norm(command) + np.linalg.norm(K_xi) * np.linalg.norm(xi))
+    bumps = np.abs(jump) > COMMAND_ROUNDING * terms + rounding
     if bumps.any():
         named = ", ".join(f"{controls[k]} by {jump[k]:.3g}" for k in np.flatnonzero(bumps))
         raise ModelError(

@@ -30,7 +30,7 @@ from synth.synthesise.regulation import minimal_polynomial, regulator_equations
 from synth.synthesise.regulation.minimal_polynomial import Mode
 from synth.timing import Continuous, Discrete, Time, common
 
-MOST = 100  # multiplicity of a mode: no signal grows as t^100
+MAX_MULTIPLICITY = 100  # multiplicity of a mode: no signal grows as t^100
 
 
 @show.result
@@ -102,7 +102,7 @@ def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalMod
     proportional to t.
 
     Raises SignalError for no frequency, for a negative, infinite, repeated or non-numeric one, or for a multiplicity
-    below 1 or above MOST.
+    below 1 or above MAX_MULTIPLICITY.
     """
     if isinstance(frequencies, str) or not isinstance(frequencies, Iterable):
         raise SignalError(f"the exosystem is {frequencies!r}: give frequencies in rad/s as a list")
@@ -114,9 +114,10 @@ def exosystem(frequencies: Sequence[float] | Mapping[float, int]) -> InternalMod
     counts = [*frequencies.values()] if isinstance(frequencies, Mapping) else [1] * len(w)
     for f, count in zip(w, counts, strict=True):
         number = arguments.real(f"multiplicity of {f} rad/s", count)
-        if number.ndim or not 1 <= number <= MOST or number != np.floor(number):
+        if number.ndim or not 1 <= number <= MAX_MULTIPLICITY or number != np.floor(number):
             raise SignalError(
-                f"exosystem frequency {f} rad/s has multiplicity {count}: give a whole number of 1 .. {MOST}"
+                f"exosystem frequency {f} rad/s has multiplicity {count}: give a whole number of 1 .. "
+                f"{MAX_MULTIPLICITY}"
             )
     return _continuous([Mode(complex(0, f), int(count)) for f, count in zip(w, counts, strict=True)])
 

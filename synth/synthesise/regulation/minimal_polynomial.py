@@ -25,8 +25,8 @@ from synth.errors import SignalError
 from synth.statespace import Array, Complex
 
 NEIGHBOURHOODS = (3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)  # of the size of a part of S
-ALIKE = 1e-9  # relative: modes of different components of S within this distance are equal
-VANISHING = 1e-13  # of the size of S to its power: a smaller entry is rounding error
+EQUAL_MODES_TOLERANCE = 1e-9  # relative: modes of different components of S within this distance are equal
+ENTRY_ROUNDING = 1e-13  # of the size of S to its power: a smaller entry is rounding error
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _distinct(values: Iterable[complex]) -> list[complex]:
     """Return the values without duplicates."""
     distinct: list[complex] = []
     for value in values:
-        if not any(abs(value - other) <= ALIKE * abs(other) for other in distinct):
+        if not any(abs(value - other) <= EQUAL_MODES_TOLERANCE * abs(other) for other in distinct):
             distinct.append(value)
     return distinct
 
@@ -137,7 +137,7 @@ def _jordan_index(S: Array, value: complex, values: Sequence[complex]) -> int:
     N, power, size = T[:count, :count] - value * np.eye(count), np.eye(count), _size(S)
     for k in range(1, count + 1):
         power = power @ N
-        if np.abs(power).max() <= VANISHING * size**k:
+        if np.abs(power).max() <= ENTRY_ROUNDING * size**k:
             return k
     return 0
 

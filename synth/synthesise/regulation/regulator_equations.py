@@ -9,7 +9,8 @@ for which A + B K is stable, u = K x + (Gamma - K Pi) w converges to it from eve
 
 A solution exists for all E and F when no mode s of S is a transmission zero: the Rosenbrock matrix
 [[A - s I, B], [C, D]] must have full row rank n + p. If it has not, its left null vector (v, y) gives the combination
-y^H e of the errors that no input affects at s. With more inputs than errors, the solution of least Gamma is taken.
+y^H e of the errors that no input affects at s. With more inputs than errors, the solution has the least norm of
+Gamma.
 """
 
 from collections.abc import Sequence
@@ -27,7 +28,7 @@ from synth.statespace import Array, StateSpace, System, of, readonly
 from synth.synthesise.regulation import minimal_polynomial
 from synth.timing import Continuous, Time
 
-SOLVED = 1e-9  # of the terms of an equation: above this residual there is no solution
+MAX_RESIDUAL = 1e-9  # of the terms of an equation: above this residual there is no solution
 
 
 @show.result
@@ -71,7 +72,7 @@ def solve(system: System, S: ArrayLike, E: ArrayLike, F: ArrayLike) -> SteadySta
     equations = _equations(model, S, E, F)
     z = equations.solve()
     residual = equations.residual(z)
-    if not residual <= SOLVED:
+    if not residual <= MAX_RESIDUAL:
         if len(model.inputs) >= len(model.outputs):
             require_no_zero(model, np.linalg.eigvals(S).tolist())
         raise ModelError(
@@ -103,12 +104,12 @@ def require_solvable(model: StateSpace, modes: Sequence[minimal_polynomial.Mode]
 def require_no_zero(model: StateSpace, points: Sequence[complex]) -> None:
     """Raise ModelError for a transmission zero at one of the `points`, in 1/s or in z, naming the blocked outputs."""
     for point in points:
-        stuck = _blocked_outputs(model, point)
-        if stuck is not None:
+        blocked = _blocked_outputs(model, point)
+        if blocked is not None:
             raise ModelError(
                 f"the plant from {', '.join(model.inputs)} to {', '.join(model.outputs)} has a transmission zero at "
                 f"{_mode_text(point, model.time)} of the exosystem: it cannot be regulated there, as no input affects "
-                f"{structure.direction_text(stuck)}; drop it, regulate other outputs or change the actuators"
+                f"{structure.direction_text(blocked)}; drop it, regulate other outputs or change the actuators"
             )
 
 
@@ -149,16 +150,16 @@ class _Equations:
     M: Array
     b: Array
     size: Array
-    effort: Array  # which entries of z are Gamma's
+    is_gamma: Array  # of each entry of z
 
     def solve(self) -> Array:
-        """Return z of least Gamma among the least squares solutions."""
-        z = self._step(self.b)
-        z = z + self._step(self.b - self.M @ z)
+        """Return z with the least norm of Gamma among the least squares solutions."""
+        z = self._least_squares(self.b)
+        z = z + self._least_squares(self.b - self.M @ z)
         if self.M.shape[0] < self.M.shape[1]:
             Z = scipy.linalg.null_space(self.M, rcond=staircase.COUPLING)
-            scale = self.size[self.effort]
-            t = np.linalg.lstsq(scale[:, None] * Z[self.effort], -scale * z[self.effort], rcond=None)[0]
+            scale = self.size[self.is_gamma]
+            t = np.linalg.lstsq(scale[:, None] * Z[self.is_gamma], -scale * z[self.is_gamma], rcond=None)[0]
             z = z + Z @ t
         return z
 
@@ -167,7 +168,7 @@ class _Equations:
         terms = np.abs(self.M) @ np.abs(z) + np.abs(self.b)
         return float(np.abs(self.M @ z - self.b).max(initial=0.0) / (terms.max(initial=0.0) or 1.0))
 
-    def _step(self, b: Array) -> Array:
+    def _least_squares(self, b: Array) -> Array:
         return np.asarray(np.linalg.lstsq(self.M, b, rcond=staircase.COUPLING)[0])
 
 
@@ -177,5 +178,5 @@ def _equations(model: StateSpace, S: Array, E: Array, F: Array) -> _Equations:
     shift[:n, :n] = np.eye(n)
     M = np.kron(np.eye(q), np.block([[model.A, model.B], [model.C, model.D]])) - np.kron(S.T, shift)
     M, rows, columns = equilibrated(M)
-    effort = np.tile(np.arange(n + m) >= n, q)
-    return _Equations(M, -rows * np.vstack([E, F]).T.ravel(), columns, effort)
+    is_gamma = np.tile(np.arange(n + m) >= n, q)
+    return _Equations(M, -rows * np.vstack([E, F]).T.ravel(), columns, is_gamma)

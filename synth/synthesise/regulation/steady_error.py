@@ -32,7 +32,7 @@ from synth.synthesise.regulation.minimal_polynomial import Mode
 from synth.synthesise.riccati import exact_eigenvalues
 from synth.timing import Continuous, Time, common
 
-VANISHING = 1e-8  # of the signals that make up the error: modes rounded by 1e-16 at a distance of 1e-8 from poles
+ERROR_ROUNDING = 1e-8  # of the signals that make up the error: modes rounded by 1e-16 at a distance of 1e-8 from poles
 
 
 @show.result
@@ -60,7 +60,7 @@ class SteadyError:
     @property
     def vanishes(self) -> bool:
         """Whether the loop is stable and each error tends to zero under each signal of the exosystem."""
-        return self.unstable_pole is None and self.worst <= VANISHING
+        return self.unstable_pole is None and self.worst <= ERROR_ROUNDING
 
     def sheet(self) -> show.Sheet:
         """Return the verdict, and the largest relative error over the outputs for each source and mode."""

@@ -23,10 +23,11 @@ from synth.statespace import Array
 from synth.synthesise.riccati.equation import Equation
 
 PASSES = 60  # doublings: 2^60 periods; a recursion that has not converged by then diverges
-CONVERGED = 1e-7  # of H: the next increment is the square of this one, and Newton's method follows
+CONVERGENCE_TOLERANCE = 1e-7  # of H: the next increment is the square of this one, and Newton's method follows
 DECAYED = 1e-2  # of a state: the remainder of Y is the square of this
 FACTORS = (1.0, 2.0, 4.0)  # of the mean rate: the rates c that are tried
-LARGEST = 10.0  # bound of the rms singular value of c J, or (1 + k) J: c is then far from the eigenvalues of A
+# Of c J, or of (1 + k) J: c is then far from the eigenvalues of A.
+MAX_RMS_SINGULAR_VALUE = 10.0
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ def _double(A: Array, G: Array, H: Array) -> Array | None:
         size = float(np.vdot(H, H))
         if not size < 1e300:
             return None
-        if float(np.vdot(step, step)) <= CONVERGED * CONVERGED * size:
+        if float(np.vdot(step, step)) <= CONVERGENCE_TOLERANCE * CONVERGENCE_TOLERANCE * size:
             return H
     return None
 
@@ -132,7 +133,7 @@ def bilinear_map(equation: Equation) -> Bilinear:
         J = bilinear.resolvent(equation.A)
         unit = bilinear.c if equation.continuous else 1 + bilinear.k
         tried.append(np.inf if J is None else unit * float(np.linalg.norm(J)))
-        if tried[-1] < LARGEST * np.sqrt(len(equation.A)):
+        if tried[-1] < MAX_RMS_SINGULAR_VALUE * np.sqrt(len(equation.A)):
             return bilinear
     return Bilinear(FACTORS[int(np.argmin(tried))] * c, equation.continuous)
 

@@ -19,9 +19,9 @@ from synth.analyse import discretise, twofold
 from synth.analyse.twofold import Twofold
 from synth.statespace import Array, Complex
 
-LEAST = 2.0**-52  # of the largest diagonal entry of balanced X: below it the cost of a state is zero within rounding
-POLISHED = 1e-10  # of each row of L: a correction this small ends the refinement
-POLISHINGS = 8
+MIN_COST = 2.0**-52  # of the largest diagonal entry of balanced X: below it the cost of a state is zero within rounding
+REFINEMENT_TOLERANCE = 1e-10  # of each row of L: a correction this small ends the refinement
+MAX_REFINEMENTS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,14 +92,14 @@ class Equation:
         """
         S, L = self.weight(X), self.gain(X)
         last = np.full(len(L), np.inf)
-        for _ in range(POLISHINGS):
+        for _ in range(MAX_REFINEMENTS):
             large, defect = self._sums(X, L)
             d = defect.rounded()
             small = np.linalg.solve(S, d)
             F = large.high + (large.low - (L.T + small.T) @ d)
             polished = L + small
             correction = np.abs(small).max(axis=1)
-            if ((correction <= POLISHED * np.abs(L).max(axis=1)) | (correction > last / 2)).all():
+            if ((correction <= REFINEMENT_TOLERANCE * np.abs(L).max(axis=1)) | (correction > last / 2)).all():
                 break
             L, last = polished, correction
         return (F + F.T) / 2, polished
@@ -165,4 +165,4 @@ def decays(poles: Complex, continuous: bool) -> bool:
 def sizes(X: Array) -> Array:
     """Return sqrt(X_ii) (n,) of a balanced X, or of its equation's terms, with a floor for states without cost."""
     diagonal = np.abs(X.diagonal())
-    return np.asarray(np.sqrt(np.maximum(diagonal, LEAST * float(diagonal.max()) or 1.0)))
+    return np.asarray(np.sqrt(np.maximum(diagonal, MIN_COST * float(diagonal.max()) or 1.0)))

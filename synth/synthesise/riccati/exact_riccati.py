@@ -30,7 +30,7 @@ BITS = (precise.BITS, 4 * precise.BITS, 16 * precise.BITS)
 STEPS = 30
 HALVED = 8  # steps in a row that only halve the error: a pole lies on the stability boundary
 PASSES = 200  # doublings
-CONVERGED = 1e-20  # of H: a smaller increment ends the doubling
+CONVERGENCE_TOLERANCE = 1e-20  # of H: a smaller increment ends the doubling
 CLEAR = 1e-15  # of a pole: a slower decay counts as none
 
 
@@ -192,7 +192,7 @@ def _doubling_limit(p: _Problem, X0: Mat) -> Mat | None:
             G, H = (G + G.transpose()) * flint.arb(0.5), (H + H.transpose()) * flint.arb(0.5)
             if not precise.norm(H) < 1e300:
                 return None
-            if precise.norm(step) <= CONVERGED * precise.norm(H):
+            if precise.norm(step) <= CONVERGENCE_TOLERANCE * precise.norm(H):
                 X = X0 + H
                 poles = exact_eigenvalues.eigenvalues(precise.midpoints(p.A - p.B * p.feedback(X)))
                 return X if _decays_clearly(poles, p.continuous) else None

@@ -20,15 +20,15 @@ from synth.synthesise.riccati import doubling
 from synth.synthesise.riccati.doubling import Bilinear, StableMap
 from synth.synthesise.riccati.equation import Equation, Solution, sizes
 
-ROUNDED = 2.0**-52  # of sqrt(X_ii X_jj), times n: an error of the size of the rounding of X
-FINE = 1e-10  # likewise: a sufficient error where the linear equation is ill-conditioned
-RIGID = 1e13  # condition above which the linear equation has few correct digits and steps gain nothing
-STALLED = 1e-6  # likewise: errors below it should decrease in each step
+ROUNDING_ERROR = 2.0**-52  # of sqrt(X_ii X_jj), times n: an error of the size of the rounding of X
+SUFFICIENT_ERROR = 1e-10  # likewise: a sufficient error where the linear equation is ill-conditioned
+MAX_CONDITION = 1e13  # condition above which the linear equation has few correct digits and steps gain nothing
+DECREASE_BELOW = 1e-6  # likewise: errors below it should decrease in each step
 REUSED = 1e-8  # likewise: below this error the linear equation of the last step is used again
-SMALL = 1e-10  # likewise: below this error the residual is updated, not evaluated
+UPDATE_BELOW = 1e-10  # likewise: below this error the residual is updated, not evaluated
 STEPS = 60  # far from the optimum each step only halves the excess of X
 CANCELLED = 1e-9  # of its terms: the floor for a row of L, as 1e-15 of the terms is rounding error
-LOOSER = 1e-2  # weight of the error that X adds to L, which the final correction of L removes
+GAIN_ERROR_WEIGHT = 1e-2  # weight of the error that X adds to L, which the final correction of L removes
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def refine(equation: Equation, X: Array, bilinear: Bilinear) -> CertifiedSolutio
             iterate = _Iterate.of(equation, Solution(X, L, closed, defect, decay.gramian(defect)))
             if not np.isfinite(iterate.error):
                 return None
-            if T is None and iterate.error < STALLED:
+            if T is None and iterate.error < DECREASE_BELOW:
                 T = equation.terms(X)
                 condition = _condition(T, iterate.size, decay)
             stalled = T is not None and iterate.error > last / 2
@@ -73,7 +73,7 @@ def refine(equation: Equation, X: Array, bilinear: Bilinear) -> CertifiedSolutio
             if T is not None and (stalled or iterate.is_fine(condition)):
                 return best.certify(equation, T, condition)
             X, last = X + iterate.solution.step, iterate.error
-            follows = iterate.error < SMALL and iterate.error * condition < 1
+            follows = iterate.error < UPDATE_BELOW and iterate.error * condition < 1
             defect, L = iterate.update_residual(equation, X) if follows else equation.residual(X)
     except np.linalg.LinAlgError:
         return None
@@ -97,14 +97,14 @@ class _Iterate:
         added = np.linalg.solve(equation.weight(solution.X), equation.B.T @ step)
         added_L, L = (np.abs(v / size).max(axis=1) for v in (added, solution.L))
         forward = float((np.abs(solution.step) / size / size[:, None]).max())
-        if not (LOOSER * added_L <= FINE * L).all():
+        if not (GAIN_ERROR_WEIGHT * added_L <= SUFFICIENT_ERROR * L).all():
             L = np.maximum(L, CANCELLED * (equation.gain_terms(solution.X) / size).max(axis=1))
-        error = max(forward, LOOSER * float((added_L / np.where(L > 0, L, 1.0)).max()))
+        error = max(forward, GAIN_ERROR_WEIGHT * float((added_L / np.where(L > 0, L, 1.0)).max()))
         return _Iterate(solution, np.asarray(added), size, forward, error)
 
     def is_fine(self, condition: float) -> bool:
         """Tell whether the error is within rounding, or small where another step would not reduce it much."""
-        return self.error <= (FINE if condition > RIGID else ROUNDED * len(self.size))
+        return self.error <= (SUFFICIENT_ERROR if condition > MAX_CONDITION else ROUNDING_ERROR * len(self.size))
 
     def update_residual(self, equation: Equation, X: Array) -> tuple[Array, Array]:
         """Return residual and L at an X (n, n) near this iterate."""

@@ -36,7 +36,7 @@ from synth.synthesise.riccati.balance import Balance
 from synth.synthesise.riccati.equation import Equation, Solution, decays
 from synth.timing import Continuous, Time
 
-TRUSTED = 1e-8  # forward error up to which a solution in double precision is accepted
+MAX_FORWARD_ERROR = 1e-8  # forward error up to which a solution in double precision is accepted
 BALLS = 12  # number of states up to which ball arithmetic is tried
 
 
@@ -165,7 +165,7 @@ def solve_matrices(model: StateSpace, Q: Array, R: Array, N: Array, exact: bool)
         (lambda: (start or exact_riccati.solve(equation, solution.X)).poles()) if len(model.states) <= BALLS else None
     )
     marginal = solvability.marginal_poles(
-        model, equation, certified.poles, certified.condition > newton.RIGID, exact_poles
+        model, equation, certified.poles, certified.condition > newton.MAX_CONDITION, exact_poles
     )
     solvability.require_unique_gain(model, balance.scaled.weight(certified.solution.X))
     return _with_certificate(model, equation, solution, certified, balance, marginal)
@@ -225,7 +225,7 @@ def _first_certified_solution(model: StateSpace, stated: Equation, balance: Bala
         candidate = None if start is None else newton.refine(scaled, start, balance.bilinear)
         if candidate is not None and decays(candidate.poles, scaled.continuous):
             nearest = candidate.error
-            if nearest <= TRUSTED:
+            if nearest <= MAX_FORWARD_ERROR:
                 return candidate
     if not weights.is_above(weights.joint_weight(scaled.Q, scaled.R, scaled.N), -weights.ROUNDING):
         solvability.require_clear_boundary(scaled)

@@ -31,12 +31,12 @@ from synth.timing import Continuous, Time
 MARGIN = 1e-7  # of the fastest pole: a slower decay may be the rounding error of none
 DAMPING = 1e-6  # of a pole: likewise
 BOUNDARY = 1e-10  # of the fastest mode: within it a mode, or the mean of a cluster, lies on the boundary
-BEYOND = 1e-9  # of the fastest mode: a mode this far beyond the boundary is unstable for any rounding
+UNSTABLE_DISTANCE = 1e-9  # of the fastest mode: a mode this far beyond the boundary is unstable for any rounding
 CLUSTER = 1e-5  # of the fastest mode: equal modes scatter by less
 MIRRORED = 0.02  # of a mode: a pole within this distance of its mirror image may be that image
-ALONE = 1e-3  # of a mode: the least distance of an isolated mode from all others
+ISOLATION_DISTANCE = 1e-3  # of a mode: the least distance of an isolated mode from all others
 UNIT = 2.0**-50  # times n: the distance from the unit circle that rounding of entries near 1 can cause
-SEEN = 1e-10  # of the largest eigenvalue of Q
+WEIGHTED_THRESHOLD = 1e-10  # of the largest eigenvalue of Q
 
 
 def marginal_poles(
@@ -92,7 +92,7 @@ def hidden_mode_error(model: StateSpace, stated: Equation) -> ModelError | None:
         modes = structure.uncontrollable_modes(model.A, model.B, model.states, model.time)
         fastest = float(np.abs(np.linalg.eigvals(model.A)).max())
         beyond = (m.value.real / (fastest or 1.0) if stated.continuous else abs(m.value) - 1 for m in modes)
-        if any(by > BEYOND for by in beyond):
+        if any(by > UNSTABLE_DISTANCE for by in beyond):
             raise
         return error
     return None
@@ -257,7 +257,10 @@ def _certainly_detectable(scaled: Equation, poles: Complex) -> bool:
     i = np.flatnonzero(_may_be_mirrored(s, poles, scaled.continuous))
     distance = np.abs(s[i, None] - s) + np.where(i[:, None] == np.arange(len(s)), np.inf, 0)
     cost = np.einsum("ji,jk,ki->i", V[:, i].conj(), Q, V[:, i]).real
-    return bool((distance.min(axis=1) > ALONE * np.abs(s[i])).all() and (np.abs(cost) > SEEN * np.linalg.norm(Q)).all())
+    return bool(
+        (distance.min(axis=1) > ISOLATION_DISTANCE * np.abs(s[i])).all()
+        and (np.abs(cost) > WEIGHTED_THRESHOLD * np.linalg.norm(Q)).all()
+    )
 
 
 def _may_be_mirrored(s: Complex, poles: Complex, continuous: bool) -> NDArray[np.bool_]:

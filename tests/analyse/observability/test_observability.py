@@ -66,8 +66,8 @@ def slope_change(q: np.ndarray, half: np.ndarray) -> np.ndarray:
 
 def test_the_largest_deviation_is_attained_and_proved() -> None:
     worst = worst_deviation.search(slope_deviation, slope_change, [0.0], [6.0], [4], 1e-3)
-    assert worst.met[0] == pytest.approx(1.0, rel=1e-3) and worst.at[0, 0] == pytest.approx(np.pi, abs=0.1)
-    assert worst.met[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.met[0]
+    assert worst.attained[0] == pytest.approx(1.0, rel=1e-3) and worst.at[0, 0] == pytest.approx(np.pi, abs=0.1)
+    assert worst.attained[0] <= 1.0 <= worst.bound[0] <= 1.0011 * worst.attained[0]
 
 
 def test_a_bound_without_one_change_is_detected() -> None:
@@ -129,13 +129,13 @@ def test_a_zero_missed_by_newton_is_detected(monkeypatch: pytest.MonkeyPatch) ->
         return None if end is not None and abs(float(end[1]) - np.pi / 4) < 0.1 else end
 
     monkeypatch.setattr(isolated_zeros, "newton", forgetful)
-    monkeypatch.setattr(isolated_zeros, "CUTS", 8)
+    monkeypatch.setattr(isolated_zeros, "MAX_BISECTIONS", 8)
     with precise.precision(), pytest.raises(ModelError, match=r"near the phases .* rad zeros meet or lie on a line"):
         isolated_zeros.search(sines(0.5))
 
 
 def test_double_zeros_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(isolated_zeros, "CUTS", 6)
+    monkeypatch.setattr(isolated_zeros, "MAX_BISECTIONS", 6)
     with precise.precision(), pytest.raises(ModelError, match="meet or lie on a line"):
         isolated_zeros.search(sines(1.0))
 

@@ -27,11 +27,11 @@ MOST = 2_000_000  # bytes of a page
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw maps of few places."""
-    for name, value in {"POINTS": 12, "COARSE": 6, "TURNS": 5, "SINGULAR": (5.0,)}.items():
+    for name, value in {"POINTS": 12, "CURVE_POINTS": 6, "CURVE_YAWS": 5, "SINGULAR_YAWS": (5.0,)}.items():
         monkeypatch.setattr(accuracy, name, value)
     monkeypatch.setattr(field, "POINTS", 13)
     monkeypatch.setattr(six, "POINTS", 8)
-    monkeypatch.setattr(accuracy, "SIDE", 5)
+    monkeypatch.setattr(accuracy, "BASIN_STARTS", 5)
     absent = dict.fromkeys(set(re.findall(r"(?:trust|failures)\.\w+", REPORT)), 0.0)
     monkeypatch.setattr(trust, "blocks", lambda of: absent)  # which compiles two estimators: see test_page_trust
 
@@ -129,7 +129,7 @@ def test_the_page_says_that_three_sensors_lose_rank_in_six_degrees_of_freedom(mo
 def test_the_basin_is_whole_where_the_yaw_is_known_and_has_holes_where_it_is_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(accuracy, "SIDE", 9)
+    monkeypatch.setattr(accuracy, "BASIN_STARTS", 9)
     known, free = (accuracy.basin(STAGE.pair, yaw_known) for yaw_known in (True, False))
     middle = slice(2, 7)  # a quarter pitch to either side
     assert known[middle, middle].min() == 1 and known[0].max() < 1

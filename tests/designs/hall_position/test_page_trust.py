@@ -36,13 +36,13 @@ def with_libm(kind: EstimatorConfig) -> host.Controller:
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(estimator_ensemble, "compile_estimator", with_libm)
     for name, value in {
-        "POINTS": 6,
+        "RADIUS_POINTS": 6,
         "BODIES": 400,
         "SAMPLES": 20,
         "STARTS": 4,
-        "WAIT": 60,
-        "MOVING": 20,
-        "LONG": 40,
+        "COLD_SAMPLES": 60,
+        "MOVING_BODIES": 20,
+        "MOTION_SAMPLES": 40,
     }.items():
         monkeypatch.setattr(trust, name, value)
 
@@ -88,8 +88,8 @@ def test_motion_is_within_the_limits_that_are_derived() -> None:
 
 
 def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trust, "FAILING", 20)
-    monkeypatch.setattr(trust, "MAPPED", 6)
+    monkeypatch.setattr(trust, "FAILURE_BODIES", 20)
+    monkeypatch.setattr(trust, "FAILURE_POINTS", 6)
     rows = trust.failure_rows(TWO)
     (kind,) = TWO.values()
     outcomes = [failures.run_failure(kind, "dead", sensor, 20, None, sensor) for sensor in (1, 2)]
@@ -104,7 +104,7 @@ def test_failures_are_shown_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_a_failure_that_is_not_flagged_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sensor that fails as nobody sees is flagged in no body that rests."""
-    monkeypatch.setattr(trust, "FAILING", 20)
+    monkeypatch.setattr(trust, "FAILURE_BODIES", 20)
     monkeypatch.setattr(failures, "FAILURES", {"none": lambda now, before: now})
     rows = trust.failure_rows(TWO)
     assert rows[0][1:3] == ("none", "at rest") and float(rows[0][3]) == 0 and float(rows[0][6]) > 80

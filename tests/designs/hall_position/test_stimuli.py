@@ -62,7 +62,7 @@ def test_the_replay_has_faults_and_in_the_end_latches(name: str) -> None:
     controller = subject(name).controller
     replay = controller.replay(stimuli.replay(controller))
     latched = (replay.faults & LATCH) != 0
-    assert len(latched) == stimuli.REPLAY and int(np.argmax(latched)) == 9505 and latched[9505:].all()
+    assert len(latched) == stimuli.REPLAY_STEPS and int(np.argmax(latched)) == 9505 and latched[9505:].all()
     seen = [k for k in range(2 * len(config.PLACES[name])) if (replay.faults[:9500] >> k & 1).any()]
     assert seen == [1, 2, 3] and np.count_nonzero(replay.faults[:9500]) < 100
     assert 0.1 < np.mean(replay.outputs["valid"]) < 1

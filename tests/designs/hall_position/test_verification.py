@@ -70,7 +70,7 @@ def test_the_sound_estimator_passes() -> None:
     assert [c.name for c in checks if not c.passed] == []
     pairs = {(a.what, a.first, a.second) for agreements, _ in parts for a in agreements}
     kinds = [f"{PAIR}, {kind} steps" for kind in SIZES]
-    assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {(kinds[0], "c64", "c32")}
+    assert pairs == {(k, n, "c64") for k in kinds for n in suite.WITNESS_NAMES} | {(kinds[0], "c64", "c32")}
     counted = [c for c in checks if "condition number above" in c.name]
     assert len(counted) == 3 and all(" of " in c.about for c in counted)
 
@@ -256,8 +256,11 @@ def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(
         endurance, "checks", lambda name, kind, bodies, n: [replace(check, name=f"{name} {bodies * n}")]
     )
-    for whole, sizes, samples in ((True, verification.WHOLE, 10_000_000), (False, verification.QUICK, 100_000)):
+    for whole, sizes, samples in (
+        (True, verification.FULL_STEPS, 10_000_000),
+        (False, verification.QUICK_STEPS, 100_000),
+    ):
         evidence = verification.verify(heard.append, whole)
         expected = [f"{name} {each}" for name in config.PLACES for each in (sizes, samples)]
         assert evidence.design == PAIR and [c.name for c in evidence.checks] == expected
-    assert verification.WHOLE["motions"] == 100_000 and len(heard) == 8
+    assert verification.FULL_STEPS["motions"] == 100_000 and len(heard) == 8

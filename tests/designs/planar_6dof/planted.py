@@ -92,7 +92,7 @@ def require_witnesses(evidence: Evidence, samples: Mapping[str, int]) -> None:
     pairs = {(a.what, a.first, a.second) for a in evidence.agreements}
     replays = [what for what, _, _ in pairs if what.startswith("replay")]
     kinds = {"random steps", "edge steps", *replays}
-    assert pairs == {(k, n, "c64") for k in kinds for n in suite.OTHERS} | {("random steps", "c64", "c32")}
+    assert pairs == {(k, n, "c64") for k in kinds for n in suite.WITNESS_NAMES} | {("random steps", "c64", "c32")}
     assert len(set(replays)) == 4
     by_case = {a.what: a.samples for a in evidence.agreements if a.first == "reference"}
     assert {what: by_case[what] for what in samples} == samples

@@ -142,6 +142,8 @@ def test_names_have_their_subscripts(name: str, key: str) -> None:
 
 def test_greek_letters_are_written_as_such() -> None:
     assert "φ" in glyphs.markup("phi") and "θ" in glyphs.markup("wtheta") and "Γ" in glyphs.markup("Gamma")
+    assert "π" not in glyphs.markup("pid_integral") and "<mi>pid</mi>" in glyphs.markup("pid_integral")
+    assert "π" in glyphs.markup("pi") and "μ" in glyphs.markup("mu1")
     assert glyphs.markup("sum") == "<mi>sum</mi>" and glyphs.markup("=g1") == "<mi>g1</mi>"
 
 

@@ -74,7 +74,7 @@ def test_the_lead_is_the_closed_form_for_a_double_integrator() -> None:
     assert design.compensator.continuous.zeros == pytest.approx((-W / root, -W / 10))
     assert design.compensator.continuous.poles == pytest.approx((-W * root, 0.0))
     two = crossover.design(stage(), W, 60.0, T, 2e-3, W / 10, sections=2)
-    assert len(two.compensator.poles) == 3 and two.lead < crossover.MOST_LEAD
+    assert len(two.compensator.poles) == 3 and two.lead < crossover.MAX_LEAD
 
 
 def test_a_plant_with_phase_to_spare_gets_a_lag() -> None:

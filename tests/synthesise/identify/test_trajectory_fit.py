@@ -133,7 +133,7 @@ def test_the_integration_error_is_made_smaller_than_the_noise(monkeypatch: pytes
     start, truth = {"x": 0.0, "v": 0.0}, [3.0, 4000.0]
     fit = identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start)
     assert (np.abs(fit.estimate.values - truth) < 3.5 * fit.estimate.errors).all()
-    assert fit.substeps > 8 and fit.shift < trajectory_fit.SHIFT
+    assert fit.substeps > 8 and fit.shift < trajectory_fit.MAX_PARAMETER_SHIFT
     assert f"{fit.substeps} Runge-Kutta steps a period; half as many change a parameter by at most" in str(fit)
     with (
         monkeypatch.context() as planted,
@@ -141,7 +141,7 @@ def test_the_integration_error_is_made_smaller_than_the_noise(monkeypatch: pytes
     ):
         planted.setattr(trajectory_fit, "DOUBLINGS", 1)
         identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start)
-    monkeypatch.setattr(trajectory_fit, "SHIFT", np.inf)
+    monkeypatch.setattr(trajectory_fit, "MAX_PARAMETER_SHIFT", np.inf)
     wrong = identify.fit_trajectory(plant, log, ("d", "k"), ("s",), initial=start, substeps=2).estimate
     assert (np.abs(wrong.values - truth) > 5 * wrong.errors).any(), "planted: twice the steps count unchecked"
 

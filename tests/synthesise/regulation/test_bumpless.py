@@ -1,5 +1,7 @@
 """The first command is the present one, or the controls that must jump are named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -60,6 +62,20 @@ def test_the_first_step_of_the_controller_is_the_present_command(with_observer: 
     assert (np.abs(c.C @ start + c.D @ w - present) <= 16 * np.finfo(float).eps * size).all()
     cold = np.concatenate([0 * xi, x]) if with_observer else 0 * xi
     assert np.abs(c.C @ cold + c.D @ w - present).max() > 0.1
+
+
+@pytest.mark.parametrize("coupling", [0.0, 1e-30])
+def test_a_control_at_rest_beside_one_at_work_does_not_jump_by_rounding(coupling: float) -> None:
+    """Coils a and b move y and the yaw, c moves x alone: all terms of the command of c are tiny."""
+    zero, one = np.zeros((3, 3)), np.eye(3)
+    push = np.array([[0, 0, 13.2547], [13.2547, 13.2547, 0], [-117.15, 117.15, 0]])
+    A, B = np.block([[zero, one], [zero, zero]]), np.vstack([zero, push])
+    names = ("x", "y", "yaw", "dx", "dy", "dyaw"), ("a", "b", "c"), ("x", "y", "yaw")
+    plant = StateSpace(A, B, np.hstack([one, zero]), zero, *names, Continuous())
+    regulator = optimal_servo.lqrd(plant, (0.0, 0.2094), np.ones(15), np.ones(3), 1 / 800)
+    decoupled = np.where(np.abs(regulator.K) < 1e-12, coupling, regulator.K)
+    xi = bumpless.start(replace(regulator, K=decoupled), np.zeros(6), [0.1, 0.0, 0.0])
+    np.testing.assert_allclose(decoupled[:, 6:] @ xi, [0.1, 0.0, 0.0], atol=1e-16)
 
 
 def test_a_start_that_must_jump_names_the_controls() -> None:

@@ -78,7 +78,7 @@ def test_what_is_no_square_matrix_is_refused(S: object) -> None:
 
 
 def test_modes_that_are_not_nilpotent_on_any_group_are_not_guessed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(minimal_polynomial, "VANISHING", -1.0)
+    monkeypatch.setattr(minimal_polynomial, "ENTRY_ROUNDING", -1.0)
     with pytest.raises(SignalError, match="not determined in double precision: give frequencies"):
         minimal_polynomial.roots(jordan(2j, 2))
 

@@ -9,7 +9,7 @@ import pytest
 from synth.errors import ModelError, SignalError
 from synth.statespace import StateSpace
 from synth.synthesise.regulation import internal_model, optimal_servo, servo, steady_error
-from synth.synthesise.regulation.steady_error import VANISHING, with_suffix
+from synth.synthesise.regulation.steady_error import ERROR_ROUNDING, with_suffix
 from synth.timing import Continuous, Discrete
 from tests import tolerances
 
@@ -54,7 +54,7 @@ def test_the_response_is_the_closed_form() -> None:
     """e = s r / (s + 1)^2 on constants and at 1 rad/s: |j / (1 + j)^2| = 1 / 2."""
     certificate = steady_error.evaluate(transfer([1, 0], [1, 2, 1]), ["e"], (0.0, 1.0))
     np.testing.assert_allclose(certificate.response[:, 0, 0], [0, 0.5], atol=tolerances.of("double"))
-    assert certificate.relative_error[0, 0, 0] < VANISHING < certificate.relative_error[1, 0, 0]
+    assert certificate.relative_error[0, 0, 0] < ERROR_ROUNDING < certificate.relative_error[1, 0, 0]
     assert not certificate.vanishes
     np.testing.assert_allclose(certificate.poles, -1, atol=tolerances.of("multiple_root"))
     assert "An error STAYS" in repr(certificate)
@@ -85,7 +85,7 @@ def test_what_is_left_does_not_depend_on_units(size: float) -> None:
     a, b = (steady_error.evaluate(model, errors, (0.0, 2.0, 1.0)) for model in (loop, scaled))
     np.testing.assert_allclose(b.relative_error[1], a.relative_error[1], rtol=tolerances.of("double"))
     assert a.relative_error[1].min() > 1e-3  # 1 rad/s is none of the regulator's frequencies
-    assert a.relative_error[[0, 2]].max() < VANISHING
+    assert a.relative_error[[0, 2]].max() < ERROR_ROUNDING
 
 
 def test_an_unstable_loop_leaves_everything() -> None:
@@ -135,7 +135,7 @@ def test_a_model_sampled_by_eulers_rule_is_seen_to_leave_an_error() -> None:
     assert certificate.worst < np.inf
     assert not certificate.vanishes
     assert (
-        certificate.relative_error[0].max() < VANISHING < certificate.relative_error[1].max()
+        certificate.relative_error[0].max() < ERROR_ROUNDING < certificate.relative_error[1].max()
     )  # constants are right, sines are not
 
 

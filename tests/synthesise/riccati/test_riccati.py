@@ -95,7 +95,7 @@ def test_the_certificate_states_the_error_that_ball_arithmetic_finds(kind: str, 
         size = equation.sizes(exact.X * D * D[:, None])
         error = np.abs((solution.X - exact.X) * D * D[:, None] / size / size[:, None]).max()
         bound = solution.forward_error + (1 + 1e-9 * solution.condition) * ROUNDED
-        assert error <= 3 * bound and error <= riccati.TRUSTED, seed
+        assert error <= 3 * bound and error <= riccati.MAX_FORWARD_ERROR, seed
         L = exact.L * D / E / size
         off = np.abs((solution.L - exact.L) * D / E / size) / np.abs(L).max(axis=1, keepdims=True)
         assert off.max() <= 1e-6, seed
@@ -209,7 +209,7 @@ def test_what_doubling_misses_scipy_or_ball_arithmetic_finds(monkeypatch: pytest
     monkeypatch.setattr(doubling, "solution", lambda *_: None)
     by_scipy = riccati.solve(c, Q, R, N)
     np.testing.assert_allclose(by_scipy.X, right.X, rtol=tolerances.of("folded"))
-    monkeypatch.setattr(riccati, "TRUSTED", 0.0)  # nothing in double precision is taken
+    monkeypatch.setattr(riccati, "MAX_FORWARD_ERROR", 0.0)  # nothing in double precision is taken
     by_balls = riccati.solve(c, Q, R, N)
     np.testing.assert_allclose(by_balls.X, right.X, rtol=tolerances.of("folded"))
     monkeypatch.setattr(riccati, "BALLS", 0)
@@ -223,7 +223,7 @@ def test_the_other_solution_is_not_shipped(monkeypatch: pytest.MonkeyPatch) -> N
     for start in (-1.0, 1.0):
         monkeypatch.setattr(doubling, "solution", lambda *_, X=start: np.array([[X]]))
         np.testing.assert_allclose(riccati.solve(c, [[3.0]], [[1.0]]).X, [[3.0]])
-    monkeypatch.setattr(riccati, "TRUSTED", 0.0)
+    monkeypatch.setattr(riccati, "MAX_FORWARD_ERROR", 0.0)
     monkeypatch.setattr(riccati, "_starts", lambda *_: iter([np.array([[-1.0]])]))
     np.testing.assert_array_equal(riccati.solve(c, [[3.0]], [[1.0]]).X, [[3.0]])
     monkeypatch.setattr(exact_riccati, "solve", lambda e, *_: exact_riccati.certify(e, np.array([[-1.0]])))

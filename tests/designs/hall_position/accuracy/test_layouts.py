@@ -55,7 +55,7 @@ def test_a_layout_is_proved_better(yaw: int, tolerance: float, bounds: tuple[flo
     at = over_yaws(FIELD, radians(yaw), (60, 17))
     published = hall_fisher.deviations(hall_two_waves.with_positions(FIELD, PUBLISHED), at).max(axis=1)
     assert (published[:2] > 1.2 * proved.bound[:2]).all() and published[2] > proved.bound[2]
-    assert np.abs(LAYOUTS[yaw]).max() <= layouts.REACH
+    assert np.abs(LAYOUTS[yaw]).max() <= layouts.SEARCH_RADIUS
 
 
 @pytest.mark.parametrize("yaw", [5, 15])
@@ -69,7 +69,7 @@ def test_no_small_step_betters_a_layout_much(yaw: int) -> None:
 
 def test_a_short_search_betters_the_published_layout() -> None:
     coarse, fine = (cost_of(FIELD, over_yaws(FIELD, YAW, points)) for points in ((12, 3), (32, 5)))
-    square, finest = placement.Square(layouts.REACH), cost_of(FIELD, over_yaws(FIELD, YAW, (60, 9)))
+    square, finest = placement.Square(layouts.SEARCH_RADIUS), cost_of(FIELD, over_yaws(FIELD, YAW, (60, 9)))
     searched = [placement.search(coarse, fine, 6, square, placement.Effort(60, 8, 15, seed)) for seed in (0, 2)]
     assert min(map(finest, searched)) < 0.9 * finest(np.ravel(PUBLISHED))
 
@@ -77,7 +77,7 @@ def test_a_short_search_betters_the_published_layout() -> None:
 def test_steps_better_a_layout() -> None:
     cost = cost_of(FIELD, over_yaws(FIELD, YAW, (64, 11)))
     start = np.ravel(LAYOUTS[15])
-    better = placement.improve(cost, start, placement.Square(layouts.REACH), placement.Effort(tries=1))
+    better = placement.improve(cost, start, placement.Square(layouts.SEARCH_RADIUS), placement.Effort(tries=1))
     assert cost(better) < cost(start)
 
 
@@ -138,8 +138,8 @@ def test_any_sensor_may_be_lost_of_six_and_with_less_accuracy_of_five() -> None:
 def test_steps_better_places_in_six_degrees_of_freedom() -> None:
     cost = cost_of(ANY, over_yaws(ANY, YAW, (20, 3)))
     start = np.array([0.3, -0.3, -0.3, -0.3, -0.3, 0.3, 0.3, 0.3])
-    better = placement.improve(cost, start, placement.Square(layouts.REACH), placement.Effort(tries=3))
-    assert cost(better) < cost(start) and np.abs(better).max() <= layouts.REACH
+    better = placement.improve(cost, start, placement.Square(layouts.SEARCH_RADIUS), placement.Effort(tries=3))
+    assert cost(better) < cost(start) and np.abs(better).max() <= layouts.SEARCH_RADIUS
 
 
 def test_refusals() -> None:

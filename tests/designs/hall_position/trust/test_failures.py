@@ -44,8 +44,8 @@ def test_of_four_sensors_any_one_may_be_lost(failure: str, sensor: int) -> None:
     """Within 10 deviations all of them, and rms as far as these say."""
     for within in (None, MOVING):
         outcome = failures.run_failure(FOUR, failure, sensor, BODIES, within)
-        assert outcome.flagged == 1 and outcome.lost == 0 and outcome.valid > 0.99
-        assert 0.9 < outcome.error < 1.1 and outcome.misleading < 0.005 and outcome.max_valid_error < 1.5e-4
+        assert outcome.flagged == 1 and outcome.lock_lost == 0 and outcome.valid > 0.99
+        assert 0.9 < outcome.rms_error_sigma < 1.1 and outcome.misleading < 0.005 and outcome.max_valid_error < 1.5e-4
         assert outcome.isolated == (failure != "NaN")
 
 
@@ -56,10 +56,10 @@ def test_of_four_sensors_any_one_may_be_lost_at_the_limits_of_motion(
 ) -> None:
     """For a quarter of a second after it, pitches counted as far as that leads."""
     monkeypatch.setattr(failures, "AFTER", 200)
-    far = replace(FOUR, tuning=replace(FOUR.tuning, pitches=endurance.PITCHES))
+    far = replace(FOUR, tuning=replace(FOUR.tuning, pitches=endurance.COUNTED_PITCHES))
     outcome = failures.run_failure(far, failure, sensor, 200, endurance.limits(far), sensor)
     assert (
-        outcome.lost <= lost
+        outcome.lock_lost <= lost
         and outcome.valid >= 1 - lost
         and outcome.misleading == 0
         and outcome.max_valid_error < 5e-5
@@ -72,7 +72,7 @@ def test_of_three_sensors_it_is_isolated_and_the_others_continue_until_they_lose
     failure: str, sensor: int
 ) -> None:
     outcome = failures.run_failure(THREE, failure, sensor, BODIES, None)
-    assert outcome.isolated > 0.99 and outcome.lost < 0.005 and outcome.valid > (0.5 if sensor == 2 else 0.9)
+    assert outcome.isolated > 0.99 and outcome.lock_lost < 0.005 and outcome.valid > (0.5 if sensor == 2 else 0.9)
     assert outcome.misleading < 0.01 and outcome.max_valid_error < 5e-4
 
 
@@ -91,7 +91,7 @@ def test_undetected_failures_cause_small_errors() -> None:
 def test_without_a_failure_nothing_is_flagged() -> None:
     outcome = failures.run_failure(THREE, "none", 2, BODIES, MOVING)
     assert (
-        outcome.residual_exceeded == outcome.flagged == outcome.isolated == outcome.lost == outcome.misleading == 0
+        outcome.residual_exceeded == outcome.flagged == outcome.isolated == outcome.lock_lost == outcome.misleading == 0
         and outcome.valid == 1
     )
 

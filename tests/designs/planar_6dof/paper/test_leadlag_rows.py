@@ -345,7 +345,7 @@ def _late_plant(patch: pytest.MonkeyPatch) -> Plant:
 
 
 def _heavy_settling(patch: pytest.MonkeyPatch) -> Plant:
-    patch.setattr(axis_figures, "BAND", 1e-5)
+    patch.setattr(axis_figures, "SETTLING_BAND", 1e-5)
     right = axis_figures.of_response
     patch.setattr(axis_figures, "of_response", lambda t, y, band=1e-5: right(t, y, band))
     return PLANT

@@ -1,0 +1,140 @@
+"""Commutation of the four motors: from direct and quadrature currents and the position to twelve phase currents.
+
+    guard -> advance -> commutation        i_a = sqrt(2) (i_d cos th - i_q sin th), b and c at th -+ 120 degrees
+
+Motors 2 and 4 lie along X, motors 1 and 3 along Z; th = pi s/tau + pi/2. The angle is that of the position at which the
+current acts, ADVANCE samples after the measurement; `advance=0` is the commutation at the measured position.
+
+Currents for a wrong angle are worse than none: a direct current that repels the platen also pushes it sideways, away
+from the assumed angle. While the position along an axis is lost, its motors therefore hand their direct currents over
+to those of the other axis, which keeps the sum, and fade out in FADE samples. Without any current the magnets pull the
+platen up from its upper range. While both positions are lost, the motors that carry therefore keep their angles for
+DESCENT samples, in which the safe output of the controller lowers the platen to its stop, and then fade out.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import hypot, sqrt
+
+import casadi as ca
+
+from designs.maglev_5dof.control import BAD_SAMPLES, CURRENT, INTERFACE, MOTORS, NAME, OUTPUTS, SAFE_CURRENT, TIME
+from models import maglev_phases, maglev_stage
+from synth.block import Block, Certificate, Exprs, State, Step, build, clip
+from synth.blocks import advance, phasor, safety
+from synth.blocks.glsdc import NamedExpressions
+from synth.composition import compose
+from synth.fault import Fault
+from synth.plant import Plant
+from synth.signals import Signal, signal_names
+
+ADVANCE = INTERFACE.delay + 0.5  # samples from the measurement to the middle of the time in which its current acts
+FADE = 25  # samples: 2.5 A at the slew rate of 100 A/s
+DESCENT = 80  # samples: the safe output reaches the lower stop from 18.1 mm in 71 samples
+ROUNDING = 1e-4  # of PEAK: what rounding and polynomials may add to a phase, see `_phase_bound`
+PEAK = sqrt(2) * hypot(CURRENT, CURRENT) * (1 + ROUNDING)  # A, both inputs at their limits
+OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
+SAMPLED = "of the sample of the currents"
+ALONG = {n: replace(INTERFACE.signals[n], about=f"{INTERFACE.signals[n].about}, {SAMPLED}") for n in OF_AXIS}
+SPEED = {n: next(s.high for s in maglev_stage.STATES if s.name == f"v{n}") for n in OF_AXIS}  # m/s
+TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
+UNKNOWN = Signal("unknown", "1", 0, DESCENT + FADE, "samples in a row in which both positions are lost")
+PHASES = tuple(replace(s, low=-PEAK, high=PEAK, about=f"{s.about}, instantaneous") for s in maglev_phases.PHASES)
+HELD = {s.name: replace(s, name=f"{s.name}_held") for s in OUTPUTS}
+
+
+def positions(samples: float = ADVANCE) -> Block:
+    """Return the Block from the guarded positions to those when the currents act; a lost one has its fault bit."""
+    along = [advance.Position(s, SPEED[n]) for n, s in ALONG.items()]
+    block = advance.block(TIME, along, samples, BAD_SAMPLES)
+    faults = [
+        Fault(len(HELD) + len(ALONG) + i, advance.lost(s).name, about=_meaning(n))
+        for i, (n, s) in enumerate(ALONG.items())
+    ]
+    return replace(block, faults=tuple(faults))
+
+
+def _meaning(axis: str) -> str:
+    first, second = OF_AXIS[axis]
+    return f"{axis}: lost; motors {first} and {second} hand their direct currents over and fade out"
+
+
+def commutation(plant: Plant, samples: float = ADVANCE) -> Block:
+    """Return the Block from the motors' currents and the acting positions to the phase currents (inverse Park)."""
+    wave = 2 * plant.parameter("tau").value
+    acting, lost = ({n: f(s) for n, s in ALONG.items()} for f in (lambda s: advance.acting(s, samples), advance.lost))
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        named: NamedExpressions = []
+        certified: dict[str, Certificate] = dict.fromkeys(signal_names(PHASES), _phase_bound)
+        waves: dict[str, phasor.Phasor] = {}
+        for n, s in acting.items():
+            distance = phasor.within_period(u[s.name], s, wave, n)
+            named.append((distance.signal, distance.value))
+            certified[distance.signal.name] = distance.certificate
+            turned = phasor.by_quarter_angle(
+                distance.value, -wave, n, named, sqrt(2)
+            )  # th is 90 degrees less its angle
+            waves[n] = phasor.Phasor(turned.sine, turned.cosine)
+        direct, waves, next = _handover(u, x, [u[s.name] for s in lost.values()], waves)
+        output: dict[str, ca.SX] = {}
+        for j, n in zip(MOTORS, maglev_phases.ALONG, strict=True):
+            current = phasor.Phasor(direct[j], u[f"i_q{j}_held"]).times(waves[n])
+            half, other = current.cosine / 2, sqrt(3) / 2 * current.sine
+            output |= {f"i_a{j}": current.cosine, f"i_b{j}": other - half, f"i_c{j}": -half - other}
+        return Step({s.name: clip(output[s.name], s) for s in PHASES}, next, named, certified)
+
+    return build(
+        "commutation",
+        TIME,
+        law,
+        inputs=[*HELD.values(), *acting.values(), *lost.values()],
+        outputs=PHASES,
+        states=[State(TRANSFER, 0.0), State(UNKNOWN, 0, True)],
+        tag="phase currents, inverse Park",
+    )
+
+
+def _handover(
+    u: Exprs, x: Exprs, lost: Sequence[ca.SX], waves: Mapping[str, phasor.Phasor]
+) -> tuple[dict[int, ca.SX], dict[str, phasor.Phasor], dict[str, ca.SX]]:
+    """Return the direct currents to commutate by motor, the phasors times the shares of their motors, and next states.
+
+    While no position is lost and nothing is handed over, they stay as they are.
+    """
+    transfer, both = x["transfer"], ca.logic_and(*lost)
+    active = ca.logic_or(ca.logic_or(*lost), ca.fabs(transfer) > 0)
+    target = ca.if_else(both, transfer, ca.if_else(lost[0], 1, ca.if_else(lost[1], -1, 0)))
+    next = ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
+    unknown = ca.if_else(both, ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1), 0)
+    whole = ca.fmin((DESCENT + FADE - unknown) / FADE, 1)
+    parts, direct, kept = {"x": ca.fmax(next, 0), "z": ca.fmax(-next, 0)}, {}, {}
+    for n, giver in (("x", "z"), ("z", "x")):
+        handed = parts[giver] / 2 * sum(u[f"i_d{j}_held"] for j in OF_AXIS[giver])
+        for j in OF_AXIS[n]:
+            i_d, room = u[f"i_d{j}_held"], CURRENT - ca.fabs(u[f"i_q{j}_held"])
+            direct[j] = ca.if_else(active, ca.fmax(ca.fmin(i_d + handed, room), -room), i_d)
+        wave, share = waves[n], whole * (1 - parts[n])
+        kept[n] = phasor.Phasor(*(ca.if_else(active, share * v, v) for v in (wave.cosine, wave.sine)))
+    return direct, kept, {"transfer": ca.if_else(active, next, 0), "unknown": ca.if_else(active, unknown, 0)}
+
+
+def _phase_bound(u: float, e: float) -> float:
+    """Return a bound on a phase current in A, for a relative rounding error u and a relative error e of the sines.
+
+    The doublings make a unit vector of any sine, so e only affects its angle; rounding changes its length by at most
+    18 u while 1 - sin^2 >= 0.4. The factor sqrt(2), the share, the product with the currents and the sums add 14 u.
+    """
+    return sqrt(2) * hypot(CURRENT, CURRENT) * (1 + e) * (1 + 32 * u)
+
+
+def phase_currents(plant: Plant, samples: float = ADVANCE) -> Block:
+    """Return the commutation: 12 phase currents from the motors' direct and quadrature currents and the position.
+
+    Bad inputs are held. This Block does not latch; the controller that computes the currents does.
+    """
+    guarded = [safety.GuardedInput(s, SAFE_CURRENT if s.name.startswith("i_d") else 0.0, False) for s in OUTPUTS]
+    guarded += [safety.GuardedInput(s, 0.0, False) for s in ALONG.values()]
+    blocks = [safety.guard(TIME, guarded, BAD_SAMPLES), positions(samples), commutation(plant, samples)]
+    inputs = signal_names(g.signal for g in guarded)
+    return compose(f"{NAME}_phase", blocks, inputs=inputs, outputs=signal_names(PHASES))

@@ -1,0 +1,81 @@
+"""Tables of the report about the commutation: errors through both blocks, instructions of a step, and equal bits."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.blocks import phasor
+from synth.companion import Companion
+from synth.declaration import Stage
+from synth.emit.write import EmittedCode
+from synth.execute import host
+from synth.report import page
+from synth.report.prose import Value
+from synth.simulate.experiment import Experiment
+from synth.verify import baselines, meter, steps
+
+ANGLES = {"tracking": "where the current acts", "tracking_measured_angle": "measured"}
+SAMPLES, LOST = slice(2000, 3000), slice(200, 700)  # of the tracking, and of these samples those in which x is lost
+BOTH = slice(900, 920)  # samples in which z is lost, too
+ABSENT = "Instructions and bits were not measured: no emulator or no cross compiler was installed."
+
+
+def values(
+    stage: Stage, files: Mapping[str, EmittedCode], runs: Sequence[Experiment], emulated: bool
+) -> dict[str, Value]:
+    """Return the placeholders of report.md; without an emulator a text takes the place of the second table."""
+    by_name, (companion,) = {run.name: run for run in runs}, stage.companions
+    code = files[companion.block.name]
+    cost = instructions(companion, code, by_name["tracking"]) if emulated else page.Text(ABSENT)
+    (polynomial,), roundoff = code.manifest["surrogates"], float(np.finfo(stage.scalar).eps) / 2
+    bound = phasor.quarter_angle_error(roundoff, polynomial["max_relative_error"])
+    return {"commutation_errors": errors(by_name), "commutation_cost": cost, "sine_error": bound}
+
+
+def errors(runs: Mapping[str, Experiment]) -> page.Table:
+    """Return the mean errors of the 4-DOF tracking through both blocks, for each angle of the commutation."""
+    columns = [name for name in runs["tracking"].figures if name.startswith("mean |e_")]
+    rows: list[tuple[page.Cell, ...]] = [
+        (angle, *(runs[name].figures[c] for c in columns)) for name, angle in ANGLES.items()
+    ]
+    caption = "4-DOF tracking through controller and commutation, one sample late"
+    return page.Table(caption, ("angle of the commutation", *columns), tuple(rows))
+
+
+def instructions(companion: Companion, emitted: EmittedCode, tracking: Experiment) -> page.Table:
+    """Return the instructions of a step of the commutation by build, and how many values differ from the host."""
+    run, controller = tracking.trajectory, host.load(emitted.files, emitted.manifest)
+    recorded = {n: v[SAMPLES].copy() for n, v in companion.select_inputs(run.measured, run.commands).items()}
+    healthy = steps.record(controller, "4-DOF tracking", recorded)
+    recorded["x"][LOST] = recorded["x"][BOTH] = recorded["z"][BOTH] = np.nan
+    lost = steps.record(controller, "positions lost", recorded)
+    rows: list[tuple[page.Cell, ...]] = [
+        (build.name, *_row(emitted, controller, (healthy, lost), build)) for build in meter.builds()
+    ]
+    columns = ("build", "mean", "most", "most, a position lost", "values", "with other bits")
+    return page.Table("Instructions of a step of the commutation on a Cortex-M4F", columns, tuple(rows), digits=6)
+
+
+def _row(
+    emitted: EmittedCode, controller: host.Controller, sequences: Sequence[steps.Steps], build: meter.Build
+) -> tuple[float, ...]:
+    """Return mean and most instructions, most while a position is lost, and of how many values how many differ.
+
+    A build with contraction rounds otherwise by intention.
+    """
+    runs = [meter.run(baselines.emitted_c(emitted), sequence, build) for sequence in sequences]
+    healthy, lost = (run.cost.instructions for run in runs)
+    pairs = [
+        (value, run.outputs[name])
+        for run, sequence in zip(runs, sequences, strict=True)
+        for name, value in steps.evaluate(controller, sequence).outputs.items()
+    ]
+    differing = sum(_count_differing(*pair) for pair in pairs)
+    count = sum(len(value) for value, _ in pairs)
+    return float(healthy.mean()), int(healthy.max()), int(lost.max()), count, differing
+
+
+def _count_differing(expected: NDArray[Any], emulated: NDArray[Any]) -> int:
+    return int(np.count_nonzero(expected.view(np.uint32) != np.asarray(emulated, np.float32).view(np.uint32)))

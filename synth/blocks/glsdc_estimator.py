@@ -1,0 +1,213 @@
+"""Iterated weighted least squares (Gauss-Newton, GLSDC) as a Block, of any measurement model; MATLAB `lsqnonlin`.
+
+    minimise  (y - h(q))' R^-1 (y - h(q)) + sum over priors of (q_i - p_i)^2 / sigma_i^2
+    q <- q + N^-1 (H'e - P (q - p)),   N = H'H + P = L D L',   covariance s^2 N^-1
+
+with e, H whitened as in `glsdc_jacobian` and P = diag(s^2 / sigma_i^2), a fixed number of times a sample, from the last
+estimate and its motion on. The sum of the corrections of a sample is limited, and so is each estimate, to its range.
+
+A pivot of L D L' is never less than that of the largest deviation which an unknown may have. A limit that acts shows in
+the deviation, and the estimate is then `weak` and not valid; so is one whose information exceeds DYNAMIC_RANGE^2 times
+the least, beyond which single precision loses the pivots. Emission proves from these limits that nothing divides by 0
+and nothing overflows.
+
+An estimate is `valid` if it has converged, every channel was accepted, it is not weak and, with integrity monitoring
+(`glsdc_monitor`), the residuals pass their test and each protection level is below its limit. It is otherwise in its
+range, and no more. A prior about the prediction must cover how far the body leaves it; the covariance then bounds that
+of the estimate.
+
+Sources: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
+3.B, Fig. 9; Crassidis, Junkins, "Optimal Estimation of Dynamic Systems", section 1.4 (GLSDC).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import qmc
+
+from synth import arguments
+from synth.block import Block, Constant, Exprs, State, Step, build, clip
+from synth.blocks import glsdc, glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_solution, safety
+from synth.blocks.glsdc import NamedExpressions, Solution, Vector
+from synth.blocks.glsdc_integrity import Integrity
+from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
+from synth.blocks.glsdc_monitor import Monitor
+from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
+from synth.composition import compose
+from synth.errors import ModelError
+from synth.signals import Signal, signal_names
+from synth.timing import Discrete
+
+ROUNDING = 1e-5  # relative, of a variance at its limit
+SAMPLES = 512  # of the ranges, for the largest information
+CHI_SQUARE = Signal("chi_square", "1", 0, 1e9, "weighted sum of squared residuals, and of the priors")
+COMPLETE = Signal("complete", "1", 0, 1, "every channel was accepted in this sample")
+FLAGS = (
+    Signal("converged", "1", 0, 1, "the last correction is small"),
+    Signal("weak", "1", 0, 1, "the channels do not determine every unknown to its largest deviation"),
+    Signal("valid", "1", 0, 1, "converged, complete, not weak, and passes the integrity monitor if there is one"),
+)
+REASON = "an estimator moves nothing: once latched it continues, and the fault word shows the latch"
+
+
+@arguments.checked
+def estimator(
+    name: str,
+    time: Discrete,
+    h: Measurement | Implicit,
+    R: ArrayLike,
+    *,
+    channels: Sequence[Signal],
+    unknowns: Sequence[Unknown],
+    angles: Sequence[str] = (),
+    phases: Sequence[Phase] = (),
+    constants: Sequence[Constant] = (),
+    iteration: Iteration | None = None,
+    integrity: Integrity | None = None,
+    tag: str = "weighted least squares",
+) -> Block:
+    """Return the Block from ``<channel>_held`` and ``complete`` to the unknowns.
+
+    `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q has cos_q and sin_q besides.
+    R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model error. `angles`
+    are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`, too.
+
+    Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
+    and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
+    channel that is left out.
+
+    Raises ModelError for a covariance that does not fit, fewer channels and priors than unknowns, a largest deviation
+    that single precision does not resolve, or integrity without redundancy; SignalError for names that are repeated, an
+    h that does not return a value for each channel, or limits that are not those of the unknowns.
+    """
+    of = glsdc_jacobian.model(h, arguments.matrix("R", R), channels, angles, unknowns, phases, constants)
+    _check_resolution(of, constants)
+    monitor = None if integrity is None else glsdc_monitor.monitor(of, integrity)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        named: NamedExpressions = []
+        weights = glsdc_monitor.weights(monitor, x) if monitor else None
+        problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
+        solution = glsdc_solution.solve(problem, Iteration() if iteration is None else iteration)
+        return _step(of, monitor, problem, solution, u, x, named)
+
+    return build(
+        name,
+        time,
+        law,
+        inputs=[*(replace(s, name=f"{s.name}_held") for s in of.channels), COMPLETE],
+        outputs=[*_outputs(of), *(glsdc_monitor.outputs(monitor) if monitor else [])],
+        states=[*_states(of), *(glsdc_monitor.states(monitor) if monitor else [])],
+        constants=constants,
+        tag=tag,
+    )
+
+
+@arguments.checked
+def guarded(block: Block, name: str, channels: Sequence[Signal], bad_samples: int, reason: str = REASON) -> Block:
+    """Return the estimator behind the guard of its channels, which latches after `bad_samples` incomplete samples.
+
+    Raises SignalError as `safety.guard`, WiringError for channels that are not the estimator's.
+    """
+    inputs = [safety.GuardedInput(s, min(max(0.0, s.low), s.high), True) for s in channels]
+    guard = safety.guard(block.time, inputs, bad_samples, reason=reason)
+    return compose(name, [guard, block], inputs=signal_names(channels), outputs=signal_names(block.outputs))
+
+
+def _problem(
+    of: Model, u: Exprs, x: Exprs, constants: ca.SX, weights: Vector | None, named: NamedExpressions
+) -> Problem:
+    values = [v.wrap(x[v.name] + x[_motion(v).name]) if v.velocity_gain else x[v.name] for v in of.unknowns]
+    measured = [u[f"{s.name}_held"] for s in of.channels]
+    offsets = [v.offset(value) for v, value in zip(of.unknowns, values, strict=True)]
+    return Problem(of, glsdc_linearisation.predict(of, values, measured, constants, named), offsets, weights)
+
+
+def _step(
+    of: Model,
+    monitor: Monitor | None,
+    problem: Problem,
+    solution: Solution[Normal],
+    u: Exprs,
+    x: Exprs,
+    named: NamedExpressions,
+) -> Step:
+    normal, unknowns = solution.last.normal, of.unknowns
+    variances = glsdc.variances(normal.factors)
+    roots = [of.scale * ca.sqrt(variance) for variance in variances]
+    sigmas = [clip(root, _deviation(v)) for v, root in zip(unknowns, roots, strict=True)]
+    cost = ca.fmax(solution.last.cost - normal.decrease, 0)
+    weak = _is_weak(of, normal, variances)
+    good = ca.logic_and(ca.logic_and(solution.converged, u[COMPLETE.name]), ca.logic_not(weak))
+    starts = problem.prediction.values
+    pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
+    next = pose | _motions(of, solution, x)
+    output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
+    output |= {CHI_SQUARE.name: clip(cost / of.scale**2, CHI_SQUARE)}
+    if monitor:
+        judgement = glsdc_monitor.judge(monitor, solution, cost, sigmas, x)
+        good, output = ca.logic_and(good, judgement.passes), output | dict(judgement.levels)
+        if monitor.integrity.exclude:
+            output, next = output | {"excluded": x["excluded"]}, next | {"excluded": judgement.next_excluded}
+    return Step(output | {"converged": solution.converged, "weak": weak, "valid": good}, next, named)
+
+
+def _is_weak(of: Model, normal: Normal, variances: Vector) -> ca.SX:
+    weak = ca.logic_not(normal.in_range)
+    for variance, floor in zip(variances, of.floors, strict=True):
+        weak = ca.logic_or(weak, variance >= (1 - ROUNDING) / floor)
+    return weak
+
+
+def _motions(of: Model, solution: Solution[Normal], x: Exprs) -> dict[str, ca.SX]:
+    """Return the next motions; one that follows from a limited correction, as in a search, is 0."""
+    return {
+        (n := _motion(v).name): ca.if_else(ca.fabs(d) < v.step, x[n] + v.velocity_gain * d, 0)
+        for v, d in zip(of.unknowns, solution.at, strict=True)
+        if v.velocity_gain
+    }
+
+
+def _motion(of: Unknown) -> Signal:
+    return Signal(f"motion_{of.name}", of.signal.unit, -of.step, of.step, f"predicted change of {of.name} a sample")
+
+
+def _deviation(of: Unknown) -> Signal:
+    about = f"standard deviation of {of.name}, limited"
+    return Signal(f"deviation_{of.name}", of.signal.unit, 0, of.largest_deviation, about)
+
+
+def _outputs(of: Model) -> list[Signal]:
+    return [*(u.signal for u in of.unknowns), *map(_deviation, of.unknowns), CHI_SQUARE, *FLAGS]
+
+
+def _states(of: Model) -> list[State]:
+    motions = [State(_motion(u), 0.0) for u in of.unknowns if u.velocity_gain]
+    return [*(State(u.signal, u.start) for u in of.unknowns), *motions]
+
+
+def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:
+    """Raise ModelError for a largest deviation beyond DYNAMIC_RANGE times that of an unknown with the others known."""
+    low, high = ([getattr(u.signal, end) for u in of.unknowns] for end in ("low", "high"))
+    points = qmc.scale(qmc.Halton(len(low), scramble=False).random(SAMPLES), low, high).T
+    turns = np.array([2 * np.pi * p / u.width for u, p in zip(of.unknowns, points, strict=True) if u.periodic])
+    turns = turns.reshape(-1, SAMPLES)
+    values = np.tile(np.reshape([c.value for c in constants], (-1, 1)), SAMPLES)
+    phases = of.phase_function.map(SAMPLES)(points, np.cos(turns), np.sin(turns), values).full()
+    middle = np.tile([[(s.low + s.high) / 2] for s in of.channels], SAMPLES)
+    pairs = np.cos(turns), np.sin(turns), np.cos(phases), np.sin(phases)
+    rows = of.function.map(SAMPLES)(points, *pairs, values, middle)[1].full()
+    columns = np.nan_to_num(rows.reshape(len(of.channels), SAMPLES, len(low)), posinf=0, neginf=0)
+    information = (columns**2).sum(axis=0).max(axis=0) + of.prior_weights
+    for u, most in zip(of.unknowns, information, strict=True):
+        if u.largest_deviation**2 * most > (DYNAMIC_RANGE * of.scale) ** 2:
+            least = of.scale / most**0.5
+            raise ModelError(
+                f"the largest deviation of '{u.name}' is {u.largest_deviation:g} {u.signal.unit}, and the channels "
+                f"resolve {least:.3g}: single precision allows a ratio of {DYNAMIC_RANGE:g}, give "
+                f"{DYNAMIC_RANGE * least:.3g} {u.signal.unit} at most"
+            )

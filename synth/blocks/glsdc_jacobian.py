@@ -1,0 +1,209 @@
+"""Whitened residuals and Jacobian of a measurement model y = h(q) + v, symbolic.
+
+    v ~ N(0, R),   W R W' = s^2 I,   e(q) = W (y - h(q)),   H(q) = W dh/dq      angles: y - h wrapped to half a turn
+
+with W lower triangular and s = 1, or with W = I and s^2 the common variance of independent measurements, which then
+needs no multiplication.
+
+A periodic unknown q_i of period T_i also enters h by the cosine and the sine of 2 pi q_i / T_i, and a Phase a(q) by
+its own. They are computed once a sample, at the prediction; a trial rotates them (`glsdc_linearisation`). Chain rule:
+
+    dh/dq_i = dh/dq_i |c,s + sum over angles a of (c dh/ds - s dh/dc) da/dq_i,   c = cos a,  s = sin a
+
+An Implicit model is a residual e(q, y) of which W de/dy is orthogonal; H(q) = -W de/dq.
+
+Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
+weighted least squares).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, pi
+
+import casadi as ca
+import numpy as np
+
+from synth import arguments
+from synth import law as laws
+from synth.block import Constant, Exprs
+from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
+from synth.errors import ModelError, SignalError
+from synth.signals import Signal, signal_names
+from synth.statespace import Array, readonly
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A measurement model, whitened: `whitening` W (m, m) and `scale` s of the whitened residuals.
+
+    The residuals of the channels in `angles` are wrapped into half the width of their ranges, which is one turn.
+    `phase_function` maps (q (n,), cosines and sines of the periodic unknowns, constants) to the phases; `function` maps
+    these, cosines and sines of the phases, and channels, to residuals (m,), H (m, n) and the unit vectors (m, m), by
+    columns, along which an error of each channel acts on the whitened residuals.
+    """
+
+    channels: tuple[Signal, ...]
+    angles: frozenset[str]
+    unknowns: tuple[Unknown, ...]
+    phases: tuple[Phase, ...]
+    whitening: Array
+    scale: float
+    phase_function: ca.Function
+    function: ca.Function
+    used: frozenset[str]
+    is_implicit: bool
+
+    @property
+    def periodic(self) -> tuple[Unknown, ...]:
+        """The periodic unknowns."""
+        return tuple(u for u in self.unknowns if u.periodic)
+
+    @property
+    def prior_weights(self) -> tuple[float, ...]:
+        """s^2 over the variance of each prior, 0 for none."""
+        return tuple(0.0 if u.prior == inf else (self.scale / u.prior) ** 2 for u in self.unknowns)
+
+    @property
+    def floors(self) -> tuple[float, ...]:
+        """The least pivots: s^2 / largest_deviation^2."""
+        return tuple((self.scale / u.largest_deviation) ** 2 for u in self.unknowns)
+
+    @property
+    def is_diagonal(self) -> bool:
+        """Whether the errors of the channels are independent."""
+        return not np.tril(self.whitening, -1).any()
+
+    def whiten(self, residuals: Sequence[ca.SX]) -> list[ca.SX]:
+        """Return W times residuals (m,), those of angles wrapped."""
+        differences = []
+        for channel, d in zip(self.channels, residuals, strict=True):
+            if channel.name in self.angles:
+                turn = channel.high - channel.low
+                d = ca.if_else(d > turn / 2, d - turn, d)
+                d = ca.if_else(d < -turn / 2, d + turn, d)
+            differences.append(d)
+        return ca.vertsplit(ca.sparsify(ca.DM(self.whitening)) @ ca.vcat(differences))
+
+
+def model(
+    h: Measurement | Implicit,
+    R: Array,
+    channels: Sequence[Signal],
+    angles: Sequence[str],
+    unknowns: Sequence[Unknown],
+    phases: Sequence[Phase],
+    constants: Sequence[Constant],
+) -> Model:
+    """Return the whitened model.
+
+    Raises ModelError for a covariance that is not positive definite or too few channels, and SignalError for names that
+    are repeated, angles that are not channels, and a function that does not return a value for each channel.
+    """
+    channels, unknowns, phases = tuple(channels), tuple(unknowns), tuple(phases)
+    _check(R, channels, unknowns)
+    if strangers := [n for n in angles if n not in signal_names(channels)]:
+        raise SignalError(f"the angle '{strangers[0]}' is no channel: give some of {', '.join(signal_names(channels))}")
+    of = _symbols(channels, unknowns, phases, constants)
+    q, k = laws.NamedSymbols("h: the unknowns", of.known), laws.NamedSymbols("h: the constants", of.k)
+    turns = [ca.SX(laws.evaluate(f"phase '{p.name}'", p.angle, q, k)) for p in phases]
+    residuals = _residuals(h, of, q, k)
+    whitening, scale = _whitening(R)
+    slopes = [_derivative(ca.vcat(turns), u, of) for u in unknowns]
+    columns = [
+        _derivative(residuals, u, of) + _by_phases(residuals, s, of) for u, s in zip(unknowns, slopes, strict=True)
+    ]
+    H = -(ca.sparsify(ca.DM(whitening)) @ ca.hcat(columns))
+    phase_function = ca.Function("phases", [*of.vectors[:3], of.vectors[5]], [ca.vcat(turns)])
+    norms = ca.sparsify(ca.DM(np.diag(1 / np.linalg.norm(whitening, axis=0))))
+    directions = ca.sparsify(ca.DM(whitening)) @ ca.jacobian(residuals, ca.vcat(list(of.y.values()))) @ norms
+    function = ca.Function("model", of.vectors, [residuals, H, directions])
+    used = frozenset(v.name().partition("_")[2] for v in ca.symvar(ca.vertcat(residuals, *turns)))
+    arrays = readonly(whitening), scale, phase_function, function
+    return Model(channels, frozenset(angles), unknowns, phases, *arrays, used, isinstance(h, Implicit))
+
+
+@dataclass(frozen=True, eq=False)
+class _Symbols:
+    """Symbols by name: unknowns q, cosine and sine of the periodic ones and of the phases, constants k, channels y."""
+
+    q: dict[str, ca.SX]
+    turns: dict[str, tuple[ca.SX, ca.SX]]
+    phases: dict[str, tuple[ca.SX, ca.SX]]
+    k: dict[str, ca.SX]
+    y: dict[str, ca.SX]
+
+    @property
+    def known(self) -> dict[str, ca.SX]:
+        """What h sees: unknowns, cosines and sines."""
+        phasors = (self.turns | self.phases).items()
+        return self.q | {f"{f}_{n}": v for n, pair in phasors for f, v in zip(("cos", "sin"), pair, strict=True)}
+
+    @property
+    def vectors(self) -> list[ca.SX]:
+        """The arguments of the model's function."""
+        pairs = [[pair[i] for pair in group.values()] for group in (self.turns, self.phases) for i in (0, 1)]
+        return [ca.vcat(list(each)) for each in (self.q.values(), *pairs, self.k.values(), self.y.values())]
+
+
+def _symbols(
+    channels: Sequence[Signal], unknowns: Sequence[Unknown], phases: Sequence[Phase], constants: Sequence[Constant]
+) -> _Symbols:
+    def pair(name: str) -> tuple[ca.SX, ca.SX]:
+        return ca.SX.sym(f"cos_{name}"), ca.SX.sym(f"sin_{name}")
+
+    return _Symbols(
+        {n: ca.SX.sym(n) for n in signal_names([u.signal for u in unknowns])},
+        {u.name: pair(u.name) for u in unknowns if u.periodic},
+        {p.name: pair(p.name) for p in phases},
+        {c.name: ca.SX.sym(c.name) for c in constants},
+        {n: ca.SX.sym(n) for n in signal_names(channels)},
+    )
+
+
+def _residuals(h: Measurement | Implicit, of: _Symbols, q: Exprs, k: Exprs) -> ca.SX:
+    """Return the residuals (m,): y - h, or those of an Implicit model."""
+    y = laws.NamedSymbols("h: the channels", of.y)
+    values = laws.evaluate("h", h.residual, q, y, k) if isinstance(h, Implicit) else laws.evaluate("h", h, q, k)
+    if not isinstance(values, Mapping):
+        raise SignalError(f"h returns {arguments.describe(values)}: return a mapping of each channel to its value")
+    laws.require_names("h", list(of.y), values)
+    laws.check_numbers("h", {n: ca.SX(v) for n, v in values.items()}, [*q.values(), *k.values(), *y.values()])
+    return ca.vcat([ca.SX(values[n]) if isinstance(h, Implicit) else symbol - values[n] for n, symbol in of.y.items()])
+
+
+def _derivative(of: ca.SX, u: Unknown, symbols: _Symbols) -> ca.SX:
+    """Return the derivative of a column by an unknown and by its cosine and sine, with the phases fixed."""
+    column = ca.jacobian(of, symbols.q[u.name])
+    if u.periodic:
+        c, s = symbols.turns[u.name]
+        column += 2 * pi / u.width * (c * ca.jacobian(of, s) - s * ca.jacobian(of, c))
+    return column
+
+
+def _by_phases(of: ca.SX, slopes: ca.SX, symbols: _Symbols) -> ca.SX:
+    """Return the derivative of a column by way of the phases, whose own derivatives are the slopes."""
+    pairs = enumerate(symbols.phases.values())
+    return sum(((c * ca.jacobian(of, s) - s * ca.jacobian(of, c)) * slopes[i] for i, (c, s) in pairs), ca.SX(0))
+
+
+def _check(R: Array, channels: tuple[Signal, ...], unknowns: tuple[Unknown, ...]) -> None:
+    m, measured = len(channels), len(channels) + sum(u.prior < inf for u in unknowns)
+    if not unknowns or measured < len(unknowns):
+        raise ModelError(
+            f"{m} channels and the priors are {measured} for {len(unknowns)} unknowns: give as many at least"
+        )
+    if R.shape != (m, m) or not np.isfinite(R).all() or not np.allclose(R, R.T, rtol=1e-12, atol=0):
+        raise ModelError(f"R has shape {R.shape}, or is not finite and symmetric: give a covariance {(m, m)}")
+    spreads = np.sqrt(np.maximum(R.diagonal(), 0))
+    if not spreads.all() or np.linalg.eigvalsh(R / np.outer(spreads, spreads)).min() < 1e-12:
+        raise ModelError("R is not positive definite: each channel needs an error of its own")
+
+
+def _whitening(R: Array) -> tuple[Array, float]:
+    """Return W and s with W R W' = s^2 I."""
+    variances = R.diagonal()
+    if not np.any(R - np.diag(variances)):
+        if (variances == variances[0]).all():
+            return np.eye(len(R)), float(np.sqrt(variances[0]))
+        return np.diag(1 / np.sqrt(variances)), 1.0
+    return np.tril(np.linalg.inv(np.linalg.cholesky(R))), 1.0

@@ -1,0 +1,100 @@
+"""Residuals and Jacobian of a measurement model at a trial, with phasors that are computed once a sample.
+
+    cos(a + b) = cos a cos b - sin a sin b,   sin(a + b) = sin a cos b + cos a sin b
+
+a is an angle at the prediction, whose phasor takes a range reduction; b is how far the trial moves it, a small angle,
+whose sine and cosine are polynomials of low degree.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+
+import casadi as ca
+
+from synth.block import clip
+from synth.blocks import phasor
+from synth.blocks.glsdc import NamedExpressions, Vector
+from synth.blocks.glsdc_jacobian import Model
+from synth.blocks.phasor import Phasor
+from synth.signals import Signal
+
+ANY = Phasor(ca.SX(1), ca.SX(0))  # of an angle that the model does not use
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """The predicted unknowns (n,) in their ranges, the phases, the phasors of both, and the held channels."""
+
+    values: Vector
+    phases: Vector
+    turns: Sequence[Phasor]
+    phasors: Sequence[Phasor]
+    measured: Vector
+    constants: ca.SX
+
+
+def predict(of: Model, values: Vector, measured: Vector, constants: ca.SX, named: NamedExpressions) -> Prediction:
+    """Return the prediction of a sample; `named` receives the parts of the phasors."""
+    turns = []
+    for u, value in ((u, v) for u, v in zip(of.unknowns, values, strict=True) if u.periodic):
+        rate = 2 * pi / u.width
+        halvings = phasor.halvings(rate * max(abs(u.signal.low), abs(u.signal.high)))
+        used = u.name in of.used
+        turns.append(phasor.by_range_reduction(rate * value, halvings, f"{u.name}_part", named) if used else ANY)
+    phases = _phases(of, values, turns, constants)
+    phasors = [
+        phasor.by_range_reduction(
+            clip(a, Signal(p.name, "rad", -p.largest, p.largest)), phasor.halvings(p.largest), f"{p.name}_part", named
+        )
+        for p, a in zip(of.phases, phases, strict=True)
+    ]
+    return Prediction(values, phases, turns, phasors, measured, constants)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """Whitened residuals (m,), Jacobian rows (m, n), and the unit vector (m,) along which each channel acts.
+
+    Of such a vector there are the entries that are not 0, by their rows.
+    """
+
+    residuals: Vector
+    rows: Sequence[Vector]
+    directions: Sequence[Mapping[int, ca.SX]]
+
+
+def linearise(of: Model, prediction: Prediction, at: Vector) -> Linearisation:
+    """Return the linearisation at a displacement (n,) from the prediction."""
+    values, turns, phasors = prediction.values, prediction.turns, prediction.phasors
+    if any(not d.is_zero() for d in at):
+        values = [
+            start + d if u.periodic else clip(start + d, u.signal)
+            for u, start, d in zip(of.unknowns, values, at, strict=True)
+        ]
+        moved = [2 * pi / u.width * d for u, d in zip(of.unknowns, at, strict=True) if u.periodic]
+        turns = [start if start is ANY else _rotate(start, d) for start, d in zip(turns, moved, strict=True)]
+        phases = _phases(of, values, turns, prediction.constants)
+        phasors = [
+            _rotate(start, clip(a - before, Signal(p.name, "rad", -p.change, p.change)))
+            for p, start, a, before in zip(of.phases, phasors, phases, prediction.phases, strict=True)
+        ]
+    pairs = [*_columns(turns), *_columns(phasors)]
+    e, H, D = of.function(ca.vcat(list(values)), *pairs, prediction.constants, ca.vcat(list(prediction.measured)))
+    channels = range(len(of.channels))
+    rows = [[H[i, j] for j in range(len(of.unknowns))] for i in channels]
+    directions = [{i: D[i, j] for i in channels if D.sparsity().has_nz(i, j)} for j in channels]
+    return Linearisation(of.whiten([e[i] for i in channels]), rows, directions)
+
+
+def _phases(of: Model, values: Vector, turns: Sequence[Phasor], constants: ca.SX) -> list[ca.SX]:
+    phases = of.phase_function(ca.vcat(list(values)), *_columns(turns), constants)
+    return [phases[i] for i in range(len(of.phases))]
+
+
+def _columns(phasors: Sequence[Phasor]) -> tuple[ca.SX, ca.SX]:
+    return ca.vcat([p.cosine for p in phasors]), ca.vcat([p.sine for p in phasors])
+
+
+def _rotate(start: Phasor, by: ca.SX) -> Phasor:
+    return start.times(phasor.of(by))

@@ -1,0 +1,138 @@
+"""Declaration of a measurement model y = h(q) + v: unknowns with ranges and priors, phases, covariance of the errors.
+
+    h(q, k):   maps unknowns q and constants k by name to the value of each channel; of a periodic unknown q_i and of a
+               Phase a there are cos_<name> and sin_<name> besides
+    Implicit:  e(q, y, k) maps to the residuals instead, for models that are simpler in other axes than the sensors'
+    R:         covariance of the errors v, f^2 (noise^2 + model_error^2)
+
+Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 3.4 (nonlinear
+weighted least squares).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from synth import arguments, numeric
+from synth.block import Exprs, clip
+from synth.blocks import phasor
+from synth.errors import ModelError
+from synth.signals import Signal
+from synth.statespace import Array, readonly
+
+Measurement = Callable[[Exprs, Exprs], Exprs]
+"""h(q, k): maps unknowns and constants by name to the value of each channel; q also has cos_<name> and sin_<name>."""
+
+
+@dataclass(frozen=True)
+class Implicit:
+    """A model by its residuals: maps unknowns, channels and constants by name to a residual for each channel.
+
+    The residuals are the errors of the channels up to signs and rotations among channels of equal variance.
+    """
+
+    residual: Callable[[Exprs, Exprs, Exprs], Exprs]
+
+
+@dataclass(frozen=True)
+class Phase:
+    """An angle (rad) of which h uses cos_<name> and sin_<name>: `angle(q, k)` within +-`largest`, +-`change` a sample.
+
+    Raises ModelError for a value out of its range.
+    """
+
+    name: str
+    angle: Callable[[Exprs, Exprs], ca.SX]
+    largest: float
+    change: float
+
+    def __post_init__(self) -> None:
+        numeric.positive(f"the largest value of '{self.name}'", self.largest)
+        numeric.above(f"the change of '{self.name}'", self.change, 0, phasor.MAX_ANGLE)
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """An unknown with its range. Its deviation is resolved up to `largest_deviation`, in the unit of the signal.
+
+    The sum of corrections in a sample is at most `step`. The estimate begins at `start`. The range of a `periodic`
+    unknown is one period. `prior` is the standard deviation of a prior, infinite for none, which is about `prior_value`
+    or, if this is None, about the prediction. The prediction continues the last motion if the `velocity_gain` is above
+    0: motion + velocity_gain * correction.
+
+    Raises ModelError for a value out of its range.
+    """
+
+    signal: Signal
+    largest_deviation: float
+    step: float
+    start: float = 0.0
+    periodic: bool = False
+    prior: float = inf
+    prior_value: float | None = None
+    velocity_gain: float = 0.0
+
+    def __post_init__(self) -> None:
+        s = self.signal
+        numeric.positive(f"the largest deviation of '{s.name}'", self.largest_deviation)
+        numeric.above(f"the step of '{s.name}'", self.step, 0, self.width / 2)
+        if not self.prior > 0:
+            raise ModelError(f"the prior of '{s.name}' has the deviation {self.prior}: give a positive one, or inf")
+        if not 0 <= numeric.number(f"the velocity gain of '{s.name}'", self.velocity_gain) <= 1:
+            raise ModelError(f"the velocity gain of '{s.name}' is {self.velocity_gain}: give a number from 0 to 1")
+        for what, value in (("start", self.start), ("prior value", self.prior_value)):
+            if value is not None and not s.low <= numeric.number(f"the {what} of '{s.name}'", value) <= s.high:
+                raise ModelError(f"the {what} of '{s.name}' is {value}: give one in {s.low} .. {s.high} {s.unit}")
+
+    @property
+    def name(self) -> str:
+        """The signal's name."""
+        return self.signal.name
+
+    @property
+    def width(self) -> float:
+        """The width of the range: the period of a periodic unknown."""
+        return self.signal.high - self.signal.low
+
+    def wrap(self, value: ca.SX) -> ca.SX:
+        """Return a value less than a width out of range brought into the range: wrapped if periodic, else limited."""
+        if not self.periodic:
+            return clip(value, self.signal)
+        value = ca.if_else(value > self.signal.high, value - self.width, value)
+        return clip(ca.if_else(value < self.signal.low, value + self.width, value), self.signal)
+
+    def offset(self, value: ca.SX) -> ca.SX:
+        """Return how far a prediction in the range is from the prior's value, the short way round; 0 without one."""
+        if self.prior == inf or self.prior_value is None:
+            return ca.SX(0)
+        offset, half = value - self.prior_value, self.width / 2
+        if not self.periodic:
+            return offset
+        offset = ca.if_else(offset > half, offset - self.width, offset)
+        return ca.if_else(offset < -half, offset + self.width, offset)
+
+
+@arguments.checked
+def covariance(noise: ArrayLike, model_error: ArrayLike, inflation: float = 1.0) -> Array:
+    """Return R = f^2 (noise^2 + model_error^2) (m, m), diagonal; deviations (m,) in the units of the channels.
+
+    `model_error` is what the calibration of the model left; f is the `inflation`.
+
+    Raises ModelError for deviations that are negative, not finite, of different shapes, or both 0.
+    """
+    noise, model_error = (
+        np.atleast_1d(arguments.real("noise", noise)),
+        np.atleast_1d(arguments.real("model errors", model_error)),
+    )
+    if noise.ndim != 1 or noise.shape != model_error.shape:
+        raise ModelError(
+            f"the noise is {noise.shape} and the model error {model_error.shape}: give one of each a channel"
+        )
+    variances = numeric.positive("the inflation", inflation) ** 2 * (noise**2 + model_error**2)
+    if not (np.isfinite(variances).all() and (variances > 0).all() and (noise >= 0).all() and (model_error >= 0).all()):
+        raise ModelError(f"the variances are {variances}: give deviations from 0 on, above 0 in each channel")
+    return readonly(np.diag(variances))

@@ -1,0 +1,48 @@
+"""Blocks beside the controller of a stage: companions, which are emitted with it, and the drive of its plant.
+
+sensors, set-points --> controller --> drive, such as a commutation --> amplifiers --> plant
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from synth.block import Block
+from synth.plant import Plant
+
+Gains = Callable[[type[np.floating]], Mapping[str, Any]]  # scalar type -> what gains.json says
+
+
+@dataclass(frozen=True, eq=False)
+class Companion:
+    """A Block that is emitted beside the controller, as the commutation of a motor is.
+
+    `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller;
+    by default each is the output or else the input of the controller with its name. `gains` returns the document of its
+    gains.json.
+    """
+
+    block: Block
+    inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
+    gains: Gains | None = None
+
+    def select_inputs(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the inputs (N,) by name for test vectors; `inputs` and `outputs` are those of the controller."""
+        if self.inputs is not None:
+            return dict(self.inputs(inputs, outputs))
+        return {s.name: outputs[s.name] if s.name in outputs else inputs[s.name] for s in self.block.inputs}
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Blocks through which the controller drives a plant, one after another, such as the commutation of a motor.
+
+    Each of their inputs is, by name, an output of an earlier Block or of the controller, or else an input of the
+    controller. The outputs of the last Block are the inputs of `plant`, by name. It has the states, outputs and
+    parameters of the stage's plant; experiments and fault campaigns run on it.
+    """
+
+    plant: Plant
+    blocks: tuple[Block, ...]

@@ -1,0 +1,243 @@
+"""Lanes: the C of one program for several machines side by side, one machine in each lane of a vector unit.
+
+    for each lane l:   reals', counters', out, faults = step(reals, counters, in)    without a branch
+
+A row of an array is one vector: the values of a signal in all lanes. Every value of a lane goes through the operations
+that the program for a single machine has, in the same order and in the same type, so the bits are the same. A choice
+evaluates both arms and selects; counters have the width of the scalar type.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from synth.emit.c.expressions import literal
+from synth.emit.c.kinds import kinds
+from synth.emit.lower import LIBM, Node, Program
+
+TYPES: Mapping[type[np.floating], tuple[str, str, str]] = {
+    np.float32: ("vf", "vuf", "vmf"),  # reals, counters, truth values
+    np.float64: ("vd", "vud", "vmd"),
+}
+SUPPORT = """#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+typedef float vf __attribute__((vector_size(4 * LANES)));
+typedef uint32_t vuf __attribute__((vector_size(4 * LANES)));
+typedef int32_t vmf __attribute__((vector_size(4 * LANES)));
+typedef double vd __attribute__((vector_size(8 * LANES)));
+typedef uint64_t vud __attribute__((vector_size(8 * LANES)));
+typedef int64_t vmd __attribute__((vector_size(8 * LANES)));
+#define LANE_FUNCTIONS(v, u, m, real, whole) \\
+    static inline v v##_all(real a) { return a - (v){0}; } \\
+    static inline u u##_all(whole a) { return a - (u){0}; } \\
+    static inline v v##_choose(m c, v a, v b) { return (v)(((m)a & c) | ((m)b & ~c)); } \\
+    static inline u u##_choose(m c, u a, u b) { return (u)(((m)a & c) | ((m)b & ~c)); } \\
+    static inline v v##_min(v a, v b) { return v##_choose(a < b, a, b); } \\
+    static inline v v##_max(v a, v b) { return v##_choose(a > b, a, b); } \\
+    static inline v v##_fabs(v a) { return (v)((m)a & ~(m)v##_all(-(real)0)); } \\
+    static inline v v##_limit(v x, v high) { \\
+        return v##_choose(v##_fabs(x) <= high, x, v##_choose(x < v##_all(0), -high, v##_fabs(high))); \\
+    }
+LANE_FUNCTIONS(vf, vuf, vmf, float, uint32_t)
+LANE_FUNCTIONS(vd, vud, vmd, double, uint64_t)
+static inline vd vd_fma(vd a, vd b, vd c) { /* rounded once, on every processor */
+#if defined(__AVX512F__) && LANES == 8
+    return (vd)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+#else
+    vd r;
+    for (int l = 0; l < LANES; l++) r[l] = fma(a[l], b[l], c[l]);
+    return r;
+#endif
+}
+#define LANE_MATH(v, f) \\
+    static inline v v##_##f(v a) { v r; for (int l = 0; l < LANES; l++) r[l] = f(a[l]); return r; }
+"""
+INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
+COMPARED = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The names of the rows of each array: inputs, real states, counters, parameters and outputs, in order."""
+
+    inputs: Sequence[str]
+    reals: Sequence[str]
+    counters: Sequence[str] = ()
+    parameters: Sequence[str] = ()
+    outputs: Sequence[str] = ()
+
+
+def step(name: str, program: Program, rows: Rows, numbers: Mapping[str, float], scalar: type[np.floating]) -> str:
+    """Return the C of a discrete step, which replaces the states of each lane and writes its outputs and faults.
+
+    `numbers` are the constants of the program, already rounded.
+    """
+    program = with_horner(program)
+    lines = _Lanes(program, rows, numbers, scalar)
+    v, u, _ = TYPES[scalar]
+    stores = [f"x[{rows.reals.index(n)}] = {lines.real(k)};" for n, k in program.next.items() if n in rows.reals]
+    stores += [
+        f"counters[{rows.counters.index(n)}] = {lines.whole(k)};" for n, k in program.next.items() if n in rows.counters
+    ]
+    stores += [f"out[{rows.outputs.index(n)}] = {lines.real(k)};" for n, k in program.outputs.items()]
+    stores.append(f"*faults = {f'{u}_all(0)' if program.word is None else lines.whole(program.word)};")
+    arguments = f"{v} *x, {u} *counters, const {v} *in, {v} *out, {u} *faults"
+    return _function(name, arguments, [*lines.texts, *stores], program, scalar)
+
+
+def function(name: str, program: Program, rows: Rows) -> str:
+    """Return the C of a memoryless function of states, inputs and parameters, in double."""
+    lines = _Lanes(program, rows, {}, np.float64)
+    stores = [f"out[{i}] = {lines.real(program.outputs[n])};" for i, n in enumerate(rows.outputs)]
+    return _function(
+        name, "const vd *x, const vd *in, const vd *p, vd *out", [*lines.texts, *stores], program, np.float64
+    )
+
+
+def _function(name: str, arguments: str, lines: Sequence[str], program: Program, scalar: type[np.floating]) -> str:
+    body = "\n".join(f"    {line}" for line in lines)
+    return f"static void {name}({arguments}) {{\n{body}\n}}\n"
+
+
+def mathematics(programs: Sequence[tuple[Program, type[np.floating]]]) -> str:
+    """Return the functions of libm that the programs call, lane by lane."""
+    calls = {
+        (TYPES[scalar][0], f"{n.op}{'f' if scalar is np.float32 else ''}")
+        for program, scalar in programs
+        for n in program.nodes
+        if n.op in LIBM - {"fabs", "atan2"}
+    }
+    return "\n".join(f"LANE_MATH({v}, {f})" for v, f in sorted(calls))
+
+
+def with_horner(program: Program) -> Program:
+    """Return the program with each polynomial written out by Horner's rule, in the order of `c_text`."""
+    nodes: list[Node] = []
+    index: list[int] = []
+
+    def place(node: Node) -> int:
+        nodes.append(node)
+        return len(nodes) - 1
+
+    for node in program.nodes:
+        args = tuple(index[a] for a in node.args)
+        if node.op != "polynomial":
+            index.append(place(replace(node, args=args)))
+            continue
+        *lower, value = program.polynomials[node.name].coefficients
+        k = place(Node("literal", value=value))
+        for c in reversed(lower):
+            k = place(Node("mul", (args[0], k)))
+            k = place(Node("add", (place(Node("literal", value=c)), k))) if c else k
+        index.append(k)
+    return replace(program.with_nodes(tuple(nodes), index), polynomials={})
+
+
+class _Lanes:
+    """The lines that compute every node of a program, one vector a node."""
+
+    def __init__(self, program: Program, rows: Rows, numbers: Mapping[str, float], scalar: type[np.floating]) -> None:
+        self.p, self.kinds, self.rows, self.numbers, self.scalar = program, kinds(program), rows, numbers, scalar
+        self.v, self.u, self.m = TYPES[scalar]
+        self.texts: list[str] = []
+        for k, node in enumerate(program.nodes):
+            kind = self.kinds[k]
+            if node.op not in ("literal", "constant"):
+                t = {"logical": self.m, "integer": self.u}.get(kind, self.v)
+                self.texts.append(f"const {t} n{k} = {self._of(k, node)};")
+
+    def real(self, k: int) -> str:
+        """Return node k as a number of the scalar type."""
+        node = self.p.nodes[k]
+        if node.op in ("literal", "constant"):
+            value = node.value if node.op == "literal" else self.numbers[node.name]
+            return f"{self.v}_all({literal(value, self.scalar).c})"
+        if self.kinds[k] == "logical":
+            return f"{self.v}_choose(n{k}, {self.v}_all(1), {self.v}_all(0))"
+        return f"__builtin_convertvector(n{k}, {self.v})" if self.kinds[k] == "integer" else f"n{k}"
+
+    def whole(self, k: int) -> str:
+        """Return node k as a counter."""
+        node = self.p.nodes[k]
+        if node.op == "literal":
+            return f"{self.u}_all({int(node.value)})"
+        if self.kinds[k] == "logical":
+            return f"(({self.u})n{k} & {self.u}_all(1))"
+        return f"n{k}" if self.kinds[k] == "integer" else f"__builtin_convertvector({self.real(k)}, {self.u})"
+
+    def truth(self, k: int) -> str:
+        """Return node k as a mask."""
+        if self.kinds[k] == "logical":
+            return f"n{k}"
+        return f"({self.whole(k)} != {self.u}_all(0))" if self.kinds[k] == "integer" else self._is_not_zero(k)
+
+    def _is_not_zero(self, k: int) -> str:
+        return f"({self.real(k)} != {self.v}_all(0))"
+
+    def _of(self, k: int, node: Node) -> str:
+        op, args = node.op, node.args
+        if op in ("input", "state", "parameter"):
+            return self._load(node)
+        if op == "not":
+            return f"~{self.truth(args[0])}"
+        if op in ("and", "or"):
+            return f" {'&' if op == 'and' else '|'} ".join(self.truth(a) for a in args)
+        if op in ("choose", "when"):
+            return self._choice(k, node)
+        if op == "bit":
+            return f"{self.whole(args[0])} | {self.u}_all({int(node.value)}u)"
+        if op in COMPARED:
+            counters = all(self.kinds[a] == "integer" or self._is_count(a) for a in args)
+            first, second = (self.whole(a) if counters else self.real(a) for a in args)
+            return f"{first} {COMPARED[op]} {second}"
+        sides = [self.whole(a) if self.kinds[k] == "integer" else self.real(a) for a in args]
+        return self._arithmetic(op, node, sides)
+
+    def _is_count(self, k: int) -> bool:
+        node = self.p.nodes[k]
+        return node.op == "literal" and node.value >= 0 and float(node.value).is_integer()
+
+    def _choice(self, k: int, node: Node) -> str:
+        condition, then, *other = node.args
+        kind = self.kinds[k]
+        if kind == "logical":
+            sides = [self._mask_of(a) for a in node.args[1:]]
+            return f"({self.truth(condition)} & {sides[0]}) | (~{self.truth(condition)} & {sides[1]})"
+        form, name = (self.whole, self.u) if kind == "integer" else (self.real, self.v)
+        last = form(other[0]) if other else f"{name}_all(0)"
+        return f"{name}_choose({self.truth(condition)}, {form(then)}, {last})"
+
+    def _mask_of(self, k: int) -> str:
+        node = self.p.nodes[k]
+        return f"({self.m})({self.u}_all({-int(bool(node.value))}))" if node.op == "literal" else self.truth(k)
+
+    def _arithmetic(self, op: str, node: Node, sides: Sequence[str]) -> str:
+        if op in INFIX:
+            return f"{sides[0]} {INFIX[op]} {sides[1]}"
+        if op == "neg":
+            return f"-{sides[0]}"
+        if op == "sq":
+            return f"{sides[0]} * {sides[0]}"
+        if op == "twice":
+            return f"{sides[0]} + {sides[0]}"
+        if op == "inv":
+            return f"{self.v}_all(1) / {sides[0]}"
+        if op == "within":
+            return sides[0]
+        if op == "clamp":
+            return f"{self.v}_limit({sides[0]}, {sides[2]})"
+        if op == "floor":
+            return f"__builtin_convertvector(__builtin_convertvector({sides[0]}, {self.u}), {self.v})"
+        suffix = "f" if op in LIBM - {"fabs"} and self.scalar is np.float32 else ""
+        return f"{self.v}_{op}{suffix}({', '.join(sides)})"
+
+    def _load(self, node: Node) -> str:
+        rows = self.rows
+        if node.op == "state" and node.name in rows.counters:
+            return f"counters[{rows.counters.index(node.name)}]"
+        array, names = {"input": ("in", rows.inputs), "state": ("x", rows.reals), "parameter": ("p", rows.parameters)}[
+            node.op
+        ]
+        return f"{array}[{names.index(node.name)}]"

@@ -1,0 +1,336 @@
+"""A plant for fast simulation: polynomials, fitted to each set of parameters, for its functions of one variable.
+
+    f(v; p) -> sum_j c_j(p) t^j,   t = (2 v - low - high)/(high - low),   v in low .. high
+
+v is an expression that every path from the states to f passes through, such as the gap of a motor. Chebyshev
+interpolation gives the coefficients; the least degree is taken whose error, measured between the nodes on plants at the
+corners of their tolerances, is below a bound relative to the largest |f|. Functions that are the same but for their
+variable share coefficients. Expressions of the parameters alone are evaluated once for each plant. The rest of the
+plant is left as it is.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from synth.emit import lower, numeric
+from synth.emit.approx import univariate
+from synth.emit.approx.univariate import Univariate
+from synth.emit.lower import Node, Program
+from synth.emit.proof import ranges
+from synth.emit.proof.ranges import Range
+from synth.plant import Plant
+from synth.signals import Signal, signal_names
+
+Array = NDArray[np.float64]
+
+ERROR = 1e-10  # of a polynomial, relative to the largest value of its function
+MARGIN = 0.05  # of a signal's range, added at both ends: the stages of an integration step leave the range
+DEGREES = range(4, 31)
+CORNERS = 16  # plants at corners of their tolerances on which a degree is chosen
+OUTSIDE = "outside"  # the output that is 1 where a variable has left the range of its polynomials
+
+
+class Coefficients(NamedTuple):
+    """The values of a fast plant's parameters (parameters, plants), and the error of its polynomials (plants,)."""
+
+    values: Array
+    error: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """A polynomial of `degree` in t for a function of the lowered program, on low .. high of its variable."""
+
+    function: Univariate
+    low: float
+    high: float
+    degree: int
+
+    def variable(self, t: Array) -> Array:
+        """Return the variable at t in -1 .. 1."""
+        return 0.5 * ((self.high - self.low) * t + (self.high + self.low))
+
+
+@dataclass(frozen=True, eq=False)
+class _Expressions:
+    """A program, the same with a load for each expression of the parameters alone, and the nodes of these by name."""
+
+    source: Program
+    program: Program
+    nodes: Mapping[str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class FastPlant:
+    """Programs `f` and `h` in the states, the inputs and `parameters`, one form for every set of physical parameters.
+
+    The outputs of `f` are the derivatives by state, and OUTSIDE. `degrees` are those of the polynomials, `error` bounds
+    their error at the corners of the tolerances.
+    """
+
+    plant: Plant
+    error: float
+    lowered: Program
+    fits: tuple[_Fit, ...]
+    expressions: tuple[_Expressions, _Expressions]
+
+    @property
+    def f(self) -> Program:
+        """The derivatives."""
+        return self.expressions[0].program
+
+    @property
+    def h(self) -> Program:
+        """The outputs."""
+        return self.expressions[1].program
+
+    @property
+    def degrees(self) -> tuple[int, ...]:
+        """The degrees of the polynomials."""
+        return tuple(fit.degree for fit in self.fits)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the parameters of f and h: coefficients of polynomials and expressions of physical ones."""
+        coefficients = [_coefficient(i, j) for i, degree in enumerate(self.degrees) for j in range(degree + 1)]
+        return (*coefficients, *(name for each in self.expressions for name in each.nodes))
+
+    @property
+    def second_order(self) -> dict[str, str]:
+        """The velocity of each position where the states are q and v = dq/dt, and dv/dt depends on no v; else {}."""
+        f = self.f
+        pairs = {q: f.nodes[k].name for q, k in f.outputs.items() if f.nodes[k].op == "state"}
+        velocities = {*pairs.values()}
+        accelerations = [f.outputs[v] for v in velocities]
+        loads = {f.nodes[k].name for k in _ancestors(f, accelerations) if f.nodes[k].op == "state"}
+        complete = {*pairs} | velocities == {*signal_names(self.plant.states)} and len(velocities) == len(pairs)
+        return pairs if complete and velocities.isdisjoint(pairs) and velocities.isdisjoint(loads) else {}
+
+    def coefficients(self, plants: Sequence[Plant]) -> Coefficients:
+        """Return the parameters' values for plants that differ from this one in their physical parameters."""
+        p = np.array([plant.values for plant in plants], dtype=np.float64).T
+        known = _by_node(self.lowered, self.plant, p)
+        rows = [_fit_coefficients(self.lowered, fit, known) for fit in self.fits]
+        errors = [_error(self.lowered, fit, c, known) for fit, c in zip(self.fits, rows, strict=True)]
+        for each in self.expressions:
+            values = numeric.evaluate(each.source, each.nodes.values(), _by_node(each.source, self.plant, p))
+            rows += [np.broadcast_to(values[k], (1, len(plants))) for k in each.nodes.values()]
+        empty = np.zeros(len(plants))
+        return Coefficients(np.vstack([*rows, np.zeros((0, len(plants)))]), np.max([empty, *errors], axis=0))
+
+
+def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
+    """Return the fast form of a plant; `error` bounds that of each polynomial, relative to its largest value.
+
+    A function that no polynomial of degree 30 approximates stays as it is.
+
+    Raises EmitError for an operation without a form in C.
+    """
+    f, h = _lower(plant, plant.f, plant.states), _lower(plant, plant.h, plant.outputs)
+    corners = np.array([each.values for each in _corners(plant)]).T
+    R = ranges.analyse(f, _bounds(plant, corners), np.float64)
+    known = _by_node(f, plant, corners)
+    fits: list[_Fit] = []
+    replaced: dict[int, tuple[int, int]] = {}
+    for group in _equal_functions(f, R):
+        low, high = min(R[each.variable].low for each in group), max(R[each.variable].high for each in group)
+        if fit := _least_degree(f, group[0], known, low, high, error):
+            replaced |= {each.root: (each.variable, len(fits)) for each in group}
+            fits.append(fit)
+    expressions = (_hoist_parameters(_rewritten(f, replaced, fits), "f"), _hoist_parameters(h, "h"))
+    return FastPlant(plant, error, f, tuple(fits), expressions)
+
+
+def _lower(plant: Plant, function: ca.Function, results: Sequence[Signal]) -> Program:
+    """Return a function of (x, u, p) as a program; the parameters are its constants."""
+    groups: dict[str, tuple[str, ...]] = {
+        "state": signal_names(plant.states),
+        "input": signal_names(plant.inputs),
+        "constant": signal_names(plant.parameters),
+    }
+    symbols = [ca.SX.sym(kind, len(names)) for kind, names in groups.items()]
+    loads = [(kind, name) for kind, names in groups.items() for name in names]
+    expressions = ca.cse([ca.densify(function(*symbols))])
+    nodes, ends = lower.walk(ca.Function("plant", [ca.vcat(symbols)], expressions), loads, {})
+    return Program(tuple(nodes), (), dict(zip(signal_names(results), ends, strict=True)), {})
+
+
+def _corners(plant: Plant) -> list[Plant]:
+    """Return the plant and others at random corners of the tolerances of its parameters."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(plant.parameters)))
+    tolerance = np.array([q.tolerance for q in plant.parameters])
+    names = signal_names(plant.parameters)
+    values = plant.values * (1 + signs * tolerance)
+    return [plant, *(plant.with_parameters(**dict(zip(names, row.tolist(), strict=True))) for row in values)]
+
+
+def _bounds(plant: Plant, p: Array) -> dict[str, Range]:
+    bounds = {}
+    for signal in (*plant.states, *plant.inputs):
+        margin = MARGIN * (signal.high - signal.low)
+        bounds[signal.name] = Range(signal.low - margin, signal.high + margin)
+    ends = zip(p.min(axis=1).tolist(), p.max(axis=1).tolist(), strict=True)
+    return bounds | {q.name: Range(low, high) for q, (low, high) in zip(plant.parameters, ends, strict=True)}
+
+
+def _by_node(program: Program, plant: Plant, p: Array) -> dict[int, Array]:
+    """Return the values (plants,) of the physical parameters by node."""
+    rows = dict(zip(signal_names(plant.parameters), p, strict=True))
+    return {k: rows[n.name] for k, n in enumerate(program.nodes) if n.op == "constant"}
+
+
+def _equal_functions(program: Program, R: Sequence[Range]) -> list[list[Univariate]]:
+    groups: dict[str, list[Univariate]] = {}
+    for f in univariate.find(program, R):
+        groups.setdefault(_key(program, f), []).append(f)
+    return list(groups.values())
+
+
+def _key(program: Program, f: Univariate) -> str:
+    """Return the expression of a function in its variable; equal functions of different variables have equal keys.
+
+    The rows follow the expression, not the order of the program's nodes.
+    """
+    place, rows, waiting = {f.variable: 0}, list[tuple[object, ...]](), [f.root]
+    while waiting:
+        k = waiting[-1]
+        node = program.nodes[k]
+        missing = [] if k in place else [a for a in node.args if a not in place]
+        waiting += missing[::-1]
+        if not missing:
+            waiting.pop()
+        if not missing and k not in place:
+            place[k] = len(place)
+            rows.append((node.op, *(place[a] for a in node.args), node.name, node.value))
+    return repr(rows)
+
+
+def _least_degree(
+    program: Program, f: Univariate, known: Mapping[int, Array], low: float, high: float, error: float
+) -> _Fit | None:
+    for degree in DEGREES:
+        fit = _Fit(f, low, high, degree)
+        if _error(program, fit, _fit_coefficients(program, fit, known), known).max() <= error:
+            return fit
+    return None
+
+
+def _values(program: Program, fit: _Fit, t: Array, known: Mapping[int, Array]) -> Array:
+    """Return the function (points, plants) at t."""
+    variable = {fit.function.variable: fit.variable(t)[:, np.newaxis]}
+    return np.asarray(numeric.evaluate(program, [fit.function.root], {**known, **variable})[fit.function.root])
+
+
+def _fit_coefficients(program: Program, fit: _Fit, known: Mapping[int, Array]) -> Array:
+    """Return the coefficients (degree + 1, plants), lowest power first."""
+    n = fit.degree + 1
+    angle = np.pi * (np.arange(n) + 0.5) / n
+    values = _values(program, fit, np.cos(angle), known)
+    series = [_weighted_sum(np.cos(j * angle), values) * (2.0 if j else 1.0) / n for j in range(n)]
+    powers = _powers(n)
+    return np.array([_weighted_sum(powers[:, j], np.array(series)) for j in range(n)])
+
+
+@cache
+def _powers(n: int) -> Array:
+    """Return the coefficients of the first n Chebyshev polynomials in their rows, lowest power first."""
+    return np.array([np.pad(chebyshev.cheb2poly(row), (0, n - 1 - j)) for j, row in enumerate(np.eye(n))])
+
+
+def _weighted_sum(weights: Array, rows: Array) -> Array:
+    """Return the weighted sum of rows (n, plants) in a fixed order: a matrix product rounds as its library decides."""
+    total = np.zeros(rows.shape[1:])
+    for weight, row in zip(weights.tolist(), rows, strict=True):
+        total = total + weight * row
+    return total
+
+
+def _error(program: Program, fit: _Fit, coefficients: Array, known: Mapping[int, Array]) -> Array:
+    """Return the largest error (plants,) between the nodes, relative to the largest value."""
+    t = np.linspace(-1.0, 1.0, 4 * fit.degree + 1)
+    value = np.zeros((len(t), 1)) + coefficients[-1]
+    for c in coefficients[-2::-1]:
+        value = c + t[:, np.newaxis] * value
+    truth = _values(program, fit, t, known)
+    return np.asarray(np.abs(value - truth).max(axis=0) / np.abs(truth).max(axis=0))
+
+
+def _coefficient(fit: int, power: int) -> str:
+    return f"c{fit}_{power}"
+
+
+def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: Sequence[_Fit]) -> Program:
+    """Return the program with polynomials and with the output OUTSIDE; `replaced` maps a root to (variable, fit)."""
+    nodes: list[Node] = []
+    known: dict[Node, int] = {}
+    index: dict[int, int] = {}
+
+    def place(op: str, *args: int, value: float = 0.0, name: str = "") -> int:
+        node = Node(op, args, value, name)
+        if node not in known:
+            known[node] = len(nodes)
+            nodes.append(node)
+        return known[node]
+
+    def place_polynomial(variable: int, number: int) -> int:
+        fit = fits[number]
+        centred = place("sub", index[variable], place("literal", value=0.5 * (fit.low + fit.high)))
+        t = place("mul", centred, place("literal", value=2.0 / (fit.high - fit.low)))
+        *lower_powers, value = (place("parameter", name=_coefficient(number, j)) for j in range(fit.degree + 1))
+        for c in reversed(lower_powers):
+            value = place("fma", t, value, c)
+        return value
+
+    waiting = list(program.outputs.values())
+    while waiting:
+        k = waiting.pop()
+        needs = (replaced[k][0],) if k in replaced else program.nodes[k].args
+        if missing := [a for a in needs if a not in index]:
+            waiting += [k, *missing]
+        elif k not in index:
+            n = program.nodes[k]
+            if k in replaced:
+                index[k] = place_polynomial(*replaced[k])
+            else:
+                index[k] = place(n.op, *(index[a] for a in n.args), value=n.value, name=n.name)
+    outside = place("literal", value=0.0)
+    for variable, number in dict.fromkeys(replaced.values()):
+        low, high = (place("literal", value=end) for end in (fits[number].low, fits[number].high))
+        within = place("and", place("le", low, index[variable]), place("le", index[variable], high))
+        outside = place("choose", within, outside, place("literal", value=1.0))
+    outputs = {name: index[k] for name, k in program.outputs.items()} | {OUTSIDE: outside}
+    return Program(tuple(nodes), (), outputs, {})
+
+
+def _ancestors(program: Program, ends: Sequence[int]) -> set[int]:
+    """Return the nodes from which the ends follow, themselves included."""
+    reached, waiting = set[int](), list(ends)
+    while waiting:
+        k = waiting.pop()
+        if k not in reached:
+            reached.add(k)
+            waiting += program.nodes[k].args
+    return reached
+
+
+def _hoist_parameters(program: Program, prefix: str) -> _Expressions:
+    """Return the program with a load for each expression of parameters alone that the rest reads."""
+    varies: list[bool] = []
+    for n in program.nodes:
+        varies.append(n.op in ("state", "input", "parameter") or any(varies[a] for a in n.args))
+    users, ends = program.users(), {*program.outputs.values()}
+    fixed = {
+        f"{prefix}{k}": k
+        for k, n in enumerate(program.nodes)
+        if not varies[k] and n.op != "literal" and (k in ends or any(varies[u] for u in users[k]))
+    }
+    names = {k: name for name, k in fixed.items()}
+    nodes = (Node("parameter", name=names[k]) if k in names else n for k, n in enumerate(program.nodes))
+    return _Expressions(program, program.with_nodes(tuple(nodes), range(len(program.nodes))), fixed)

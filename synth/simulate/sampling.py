@@ -1,0 +1,93 @@
+"""Random machines within their tolerances: plant parameters and zeros of sensors.
+
+    value = nominal (1 + tolerance z)     of a parameter          offset = largest offset times z     of a sensor
+
+    uniform   z uniform in -1 .. 1
+    normal    z normal with standard deviation 1/3: the tolerance is three deviations
+    corners   z = -1 or 1
+    latin     z uniform, one row in each of n slices of every quantity (Latin hypercube)
+
+Row k of a seed is the same however many rows are drawn with it; a Latin hypercube also depends on their number.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.errors import SignalError
+from synth.simulate.rig import Rig
+
+Array = NDArray[np.float64]
+_NOISE = 2**31  # the seed of a row's sensor noise comes after its z
+
+
+class Method(StrEnum):
+    """How z is drawn."""
+
+    UNIFORM = "uniform"
+    NORMAL = "normal"
+    CORNERS = "corners"
+    LATIN = "latin"
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """`rows` machines drawn by `method` from `seed`; the first is nominal, with z = 0."""
+
+    rows: int
+    seed: int = 0
+    method: Method = Method.UNIFORM
+
+    def __post_init__(self) -> None:
+        if self.rows < 1 or self.seed < 0:
+            raise SignalError(
+                f"sampling of {self.rows} rows with seed {self.seed}: give at least 1 row and a seed >= 0"
+            )
+
+
+def quantities(rig: Rig) -> tuple[str, ...]:
+    """Return the names of what is drawn: parameters with a tolerance, then sensors with an offset, as `offset.NAME`."""
+    parameters = (p.name for p in rig.plant.parameters if p.tolerance > 0)
+    return (*parameters, *(_offset(s.name) for s in rig.stage.interface.sensors if s.offset > 0))
+
+
+def draw(sampling: Sampling, number: int, rows: Sequence[int]) -> Array:
+    """Return z of the rows (rows, number)."""
+    drawn = np.array([_row(sampling, number, row) for row in rows]).reshape(len(rows), number)
+    if sampling.method is Method.LATIN:
+        drawn = (
+            np.array([_slices(sampling, number)[:, row] for row in rows]).reshape(drawn.shape) + drawn / sampling.rows
+        )
+    return np.where(np.array(rows)[:, np.newaxis] == 0, 0.0, drawn)
+
+
+def _row(sampling: Sampling, number: int, row: int) -> Array:
+    generator = np.random.default_rng([sampling.seed, row])
+    if sampling.method is Method.NORMAL:
+        return generator.standard_normal(number) / 3
+    z = generator.uniform(-1.0, 1.0, number)
+    return np.copysign(1.0, z) if sampling.method is Method.CORNERS else z
+
+
+def _slices(sampling: Sampling, number: int) -> Array:
+    """Return the middles of the slices in -1 .. 1 (number, rows), in an order of its own for each quantity."""
+    middles = (2 * np.arange(sampling.rows) + 1) / sampling.rows - 1
+    generators = (np.random.default_rng([sampling.seed, _NOISE + k]) for k in range(number))
+    return np.array([generator.permutation(middles) for generator in generators])
+
+
+def machine(rig: Rig, z: Mapping[str, float], seed: int, row: int) -> Rig:
+    """Return the rig of a machine with z by quantity; its sensor noise follows from the seed and the row."""
+    plant = rig.plant.with_parameters(
+        **{p.name: p.value * (1 + p.tolerance * z[p.name]) for p in rig.plant.parameters if p.name in z}
+    )
+    sensors = rig.stage.interface.sensors
+    offsets = {s.name: s.offset * z[_offset(s.name)] for s in sensors if _offset(s.name) in z}
+    return replace(rig, plant=plant, offsets=offsets, seed=int(np.random.default_rng([seed, row, 1]).integers(_NOISE)))
+
+
+def _offset(sensor: str) -> str:
+    return f"offset.{sensor}"

@@ -1,0 +1,259 @@
+"""Monte Carlo study of a stage: its experiments on many machines within their tolerances, against the requirements.
+
+    yield = share of the machines that keep every limit       Clopper and Pearson's interval
+    driver of a figure = quantity with the largest |rank correlation| (Spearman)
+
+A table has one row for each machine, which its number and the seed determine. The largest value of a sample is a lower
+bound of the worst case.
+"""
+
+import csv
+import io
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from synth.check import Check
+from synth.errors import DesignError
+from synth.simulate import lockstep, sampling
+from synth.simulate.experiments import Runnable
+from synth.simulate.lanes import LANES
+from synth.simulate.rig import Rig, Simulate
+from synth.simulate.sampling import Sampling
+
+Array = NDArray[np.float64]
+
+SUBSTEPS = 1  # of a sample period in lanes
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """Rows of a study: their numbers (rows,), and columns (rows,) by name.
+
+    `z` has the deviations of the quantities, in tolerances. `figures` and `checks` are called "experiment: name", with
+    the `limits` of the checks and the unit of each in `units`. `errors` tells why a row has no value of an experiment,
+    as (row, experiment, reason); its values are NaN.
+    """
+
+    rows: NDArray[np.int64]
+    z: Mapping[str, Array]
+    figures: Mapping[str, Array]
+    checks: Mapping[str, Array]
+    limits: Mapping[str, float]
+    units: Mapping[str, str]
+    errors: tuple[tuple[int, str, str], ...] = ()
+
+    @property
+    def passed(self) -> NDArray[np.bool_]:
+        """Whether each row keeps every limit (rows,)."""
+        kept = [self.checks[name] <= limit for name, limit in self.limits.items()]
+        failed = np.isin(self.rows, [row for row, _, _ in self.errors])
+        return np.asarray(np.logical_and.reduce([~failed, *kept]))
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The distribution of one figure or check over the rows of a study.
+
+    `worst` is the largest value, of row `worst_row`; for a figure without a limit `limit` is NaN and `passed` 1.
+    `driver` is the quantity with the largest rank correlation, `correlation`.
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    median: float
+    percentile_95: float
+    worst: float
+    worst_row: int
+    limit: float
+    passed: float
+    driver: str
+    correlation: float
+
+
+def select(experiments: Sequence[Runnable], patterns: Sequence[str]) -> list[Runnable]:
+    """Return the experiments whose names match one of the patterns (`fnmatch`), all without patterns.
+
+    Raises DesignError for a pattern that matches none.
+    """
+    for pattern in patterns:
+        if not any(fnmatchcase(e.name, pattern) for e in experiments):
+            names = ", ".join(e.name for e in experiments) or "none"
+            raise DesignError(f"no experiment is called '{pattern}': choose from {names}")
+    return [e for e in experiments if not patterns or any(fnmatchcase(e.name, p) for p in patterns)]
+
+
+def run(rig: Rig, experiments: Sequence[Runnable], drawn: Sampling, rows: Sequence[int]) -> StudyTable:
+    """Run the experiments on the machines of the rows, side by side."""
+    names = sampling.quantities(rig)
+    z = sampling.draw(drawn, len(names), rows)
+    tables = []
+    for first in range(0, len(rows), LANES):
+        batch = slice(first, first + LANES)
+        machines = [
+            sampling.machine(rig, dict(zip(names, values, strict=True)), drawn.seed, row)
+            for row, values in zip(rows[batch], z[batch], strict=True)
+        ]
+        results = {e.name: lockstep.run(_runs(e, machines), rig.plant, SUBSTEPS) for e in experiments}
+        tables.append(_table(rows[batch], names, z[batch], results))
+    return join(tables)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """What a study keeps of an experiment: no trajectory, whose memory many machines would need at once."""
+
+    figures: Mapping[str, float]
+    checks: tuple[Check, ...]
+
+
+def _runs(experiment: Runnable, machines: Sequence[Rig]) -> list[Callable[[Simulate], _Measured]]:
+    return [partial(_run, experiment, machine) for machine in machines]
+
+
+def _run(experiment: Runnable, machine: Rig, simulate: Simulate) -> _Measured:
+    finished = experiment.run(replace(machine, simulate=simulate))
+    return _Measured(finished.figures, finished.checks)
+
+
+def _table(
+    rows: Sequence[int],
+    names: Sequence[str],
+    z: Array,
+    results: Mapping[str, Sequence[lockstep.Result[_Measured]]],
+) -> StudyTable:
+    n = len(rows)
+    figures, checks = dict[str, Array](), dict[str, Array]()
+    limits, units = dict[str, float](), dict[str, str]()
+    errors: list[tuple[int, str, str]] = []
+    for experiment, each in results.items():
+        for k, result in enumerate(each):
+            if result.value is None:
+                errors.append((rows[k], experiment, str(result.error)))
+                continue
+            for name, value in result.value.figures.items():
+                figures.setdefault(f"{experiment}: {name}", np.full(n, np.nan))[k] = value
+            for check in result.value.checks:
+                name = f"{experiment}: {check.name}"
+                checks.setdefault(name, np.full(n, np.nan))[k] = check.value
+                limits[name], units[name] = check.limit, check.unit
+    columns = dict(zip(names, z.T.copy(), strict=True))
+    return StudyTable(np.array(rows, np.int64), columns, figures, checks, limits, units, tuple(errors))
+
+
+def join(tables: Sequence[StudyTable]) -> StudyTable:
+    """Return the rows of all tables in one, in order."""
+    rows = np.concatenate([t.rows for t in tables])
+
+    def columns(groups: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+        names = dict.fromkeys(name for group in groups for name in group)
+        absent = [np.full(len(t.rows), np.nan) for t in tables]
+        return {n: np.concatenate([g.get(n, a) for g, a in zip(groups, absent, strict=True)]) for n in names}
+
+    return StudyTable(
+        rows,
+        columns([t.z for t in tables]),
+        columns([t.figures for t in tables]),
+        columns([t.checks for t in tables]),
+        {name: limit for t in tables for name, limit in t.limits.items()},
+        {name: unit for t in tables for name, unit in t.units.items()},
+        tuple(error for t in tables for error in t.errors),
+    )
+
+
+def summarise(table: StudyTable) -> list[Summary]:
+    """Return the distribution of every check, then of every figure."""
+    checks = [_summary(table, name, values) for name, values in table.checks.items()]
+    return checks + [_summary(table, name, values) for name, values in table.figures.items()]
+
+
+def _summary(table: StudyTable, name: str, values: Array) -> Summary:
+    limit = table.limits.get(name, np.nan)
+    known = values[~np.isnan(values)]
+    worst = int(np.nanargmax(values)) if len(known) else 0
+    passed = float(np.mean(values <= limit)) if name in table.limits else 1.0
+    middle, high = np.percentile(known, [50, 95], method="lower") if len(known) else (np.nan, np.nan)
+    driver, correlation = _driver(table, values)
+    return Summary(
+        name,
+        table.units.get(name, ""),
+        float(values[0]),
+        float(middle),
+        float(high),
+        float(values[worst]),
+        int(table.rows[worst]),
+        float(limit),
+        passed,
+        driver,
+        correlation,
+    )
+
+
+def _driver(table: StudyTable, values: Array) -> tuple[str, float]:
+    """Return the quantity with the largest rank correlation, and that; ("", 0) where a value does not vary."""
+    known = ~np.isnan(values)
+    if known.sum() < 3 or np.ptp(stats.rankdata(values[known])) == 0:
+        return "", 0.0
+    varying = {name: z[known] for name, z in table.z.items() if np.ptp(z[known]) > 0}
+    correlations = {name: float(stats.spearmanr(z, values[known]).statistic) for name, z in varying.items()}
+    driver = max(correlations, key=lambda name: abs(correlations[name]), default="")
+    return driver, correlations.get(driver, 0.0)
+
+
+@dataclass(frozen=True)
+class Yield:
+    """The share of machines that keep every limit, with the ends of its confidence interval."""
+
+    share: float
+    low: float
+    high: float
+
+
+def estimate_yield(table: StudyTable) -> Yield:
+    """Return the yield with Clopper and Pearson's interval of 95 % confidence."""
+    kept, n = int(table.passed.sum()), len(table.rows)
+    interval = stats.binomtest(kept, n).proportion_ci(CONFIDENCE, "exact")
+    return Yield(kept / n, float(interval.low), float(interval.high))
+
+
+def notes(table: StudyTable) -> list[str]:
+    """Return the yield and its meaning as sentences, and why machines have no result."""
+    share = estimate_yield(table)
+    errors = Counter((experiment, reason) for _, experiment, reason in table.errors)
+    return [
+        f"{int(table.passed.sum())} of {len(table.rows)} machines keep every limit: yield {share.share:.2%}, "
+        f"{share.low:.2%} to {share.high:.2%} with {CONFIDENCE:.0%} confidence.",
+        "The worst value of a sample is a lower bound of the worst case. A driver is the quantity with the largest "
+        "rank correlation.",
+        *(f"No result of {experiment} on {n} machines: {reason}" for (experiment, reason), n in errors.items()),
+    ]
+
+
+def csv_text(table: StudyTable) -> str:
+    """Return the table as comma-separated values: row, deviations z in tolerances, checks and figures."""
+    columns = {"row": table.rows, **{f"z {n}": z for n, z in table.z.items()}, **table.checks, **table.figures}
+    lines = io.StringIO()
+    writer = csv.writer(lines, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    return lines.getvalue()
+
+
+def document(table: StudyTable) -> dict[str, Any]:
+    """Return the summary for JSON."""
+    share = estimate_yield(table)
+    return {
+        "rows": len(table.rows),
+        "yield": {"share": share.share, "low": share.low, "high": share.high, "confidence": CONFIDENCE},
+        "summaries": [vars(summary) for summary in summarise(table)],
+        "errors": [list(error) for error in table.errors],
+    }

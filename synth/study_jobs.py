@@ -1,0 +1,150 @@
+"""Jobs of a study: chunks of rows, in processes on this machine or by the workers of a dask cluster.
+
+A chunk is a function of the design, the sampling and its first row. It is stored under the content of all that it
+follows from, in one step: a study that was stopped goes on where it was, and a chunk that a lost worker computed in
+part is computed again. Chunks are put together in the order of their rows.
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from synth import cache, standard_tasks, store, tasks, workspace
+from synth.declaration import Stage
+from synth.errors import ContentError, DesignError
+from synth.jobs import Job, Outcome
+from synth.progress import Counted, Progress
+from synth.simulate import study
+from synth.simulate.rig import Rig
+from synth.simulate.sampling import Sampling
+from synth.simulate.study import StudyTable
+from synth.workspace import Design
+
+CHUNK = 32  # rows
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study: the sampling, and patterns of the experiments' names, all of them without patterns."""
+
+    sampling: Sampling
+    experiments: tuple[str, ...] = ()
+
+    @property
+    def chunks(self) -> list[range]:
+        """The rows of each chunk."""
+        rows = range(self.sampling.rows)
+        return [rows[first : first + CHUNK] for first in rows[::CHUNK]]
+
+
+def stage_of(design: Design) -> Stage:
+    """Return the declared stage of a design; raise DesignError without one, or without an experiment."""
+    if design.stage is None or not design.stage.experiments:
+        raise DesignError(f"design '{design.name}' declares no experiments: a study runs those of a declared stage")
+    return design.stage
+
+
+def jobs(design: Design, plan: Plan) -> list[Job]:
+    """Return the jobs of a study; the first compiles, the others need it.
+
+    Raises DesignError as `stage_of` and for experiments that the stage does not have.
+    """
+    stage, first = stage_of(design), f"{design.name} compile"
+    study.select(stage.experiments, plan.experiments)
+    compile = Job(first, design.name, partial(_compile, stage, plan))
+    chunks = [Job(_name(c), design.name, partial(chunk, design, plan, c), (first,)) for c in plan.chunks]
+    return [compile, *chunks]
+
+
+def result(plan: Plan, outcomes: Mapping[str, Outcome]) -> StudyTable:
+    """Return the whole table from the outcomes of all jobs, none of which failed."""
+    return study.join([outcomes[_name(c)].value for c in plan.chunks])
+
+
+def chunk(design: Design, plan: Plan, rows: Sequence[int], progress: Progress) -> StudyTable:
+    """Return the rows of a chunk, stored or computed."""
+    compute = partial(_rows, stage_of(design), plan, rows, progress)
+    try:
+        return store.fetch(chunk_key(design, plan, rows), compute)
+    except ContentError:
+        return compute()
+
+
+def chunk_key(design: Design, plan: Plan, rows: Sequence[int]) -> str:
+    """Return the key of a chunk; raise ContentError where the source of a function cannot be read."""
+    return cache.key(_rows, tasks.compilers(), design.simulate, plan, tuple(rows), data=True)
+
+
+def row(design: Design, plan: Plan, number: int, progress: Progress) -> StudyTable:
+    """Return one row of a study, computed again; raise DesignError for a row that it does not have."""
+    if not 0 <= number < plan.sampling.rows:
+        raise DesignError(f"row {number} of a study of {plan.sampling.rows} rows: give 0 to {plan.sampling.rows - 1}")
+    return _rows(stage_of(design), plan, [number], progress)
+
+
+def on_cluster(design: Design, plan: Plan, address: str, progress: Progress) -> StudyTable:
+    """Return the whole table, computed by the workers of the dask scheduler at `address`.
+
+    The workers need this workspace at the same path, and this environment. A lost worker's chunks go to others.
+
+    Raises DesignError where dask is not installed or nothing answers at the address.
+    """
+    dask = _import_dask()
+    done: dict[int, StudyTable] = {}
+    with _connect(dask, address) as client:
+        call = partial(_remote, str(Path.cwd()), design.name, plan)
+        futures = {client.submit(call, tuple(rows), pure=False): k for k, rows in enumerate(plan.chunks)}
+        for future, table in dask.as_completed(futures, with_results=True):
+            done[futures[future]] = table
+            progress(Counted(f"{len(done)} of {len(futures)} chunks", len(done), len(futures)))
+    return study.join([done[k] for k in range(len(plan.chunks))])
+
+
+def _import_dask() -> Any:
+    try:
+        import distributed
+    except ImportError as error:
+        raise DesignError(
+            "a study on a cluster needs dask: run `pip install 'synth-stage[cluster]'`, or leave --scheduler out"
+        ) from error
+    return distributed
+
+
+def _connect(distributed: Any, address: str) -> Any:
+    try:
+        return distributed.Client(address, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise DesignError(
+            f"no dask scheduler answers at '{address}': start one with `dask scheduler` and give the address it prints"
+        ) from error
+
+
+def _remote(root: str, name: str, plan: Plan, rows: Sequence[int]) -> StudyTable:
+    """Return a chunk, in a worker: it loads the design from the workspace."""
+    os.chdir(root)
+    (design,) = workspace.designs(Path(root), [name])
+    return chunk(design, plan, rows, lambda line: None)
+
+
+def _name(rows: range) -> str:
+    return f"rows {rows[0]} to {rows[-1]}"
+
+
+def _rig(stage: Stage) -> Rig:
+    return standard_tasks.rig(stage, stage.scalar)
+
+
+def _compile(stage: Stage, plan: Plan, progress: Progress) -> None:
+    progress("compile")
+    rig = _rig(stage)
+    experiments = study.select(stage.experiments, plan.experiments)
+    study.run(rig, experiments[:1], plan.sampling, [0])
+
+
+def _rows(stage: Stage, plan: Plan, rows: Sequence[int], progress: Progress) -> StudyTable:
+    experiments = study.select(stage.experiments, plan.experiments)
+    progress(f"{len(experiments)} experiments")
+    return study.run(_rig(stage), experiments, plan.sampling, rows)

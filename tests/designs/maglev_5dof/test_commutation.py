@@ -1,0 +1,139 @@
+"""The commutation on the machine: its advance, its sines, and what becomes of the platen whose position is lost."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from designs.maglev_5dof import commutation, control, experiments, reference_phase
+from designs.maglev_5dof.design import DESIGN, PHASES
+from models import maglev_stage
+from synth import standard_tasks
+from synth.block import Block
+from synth.emit import write
+from synth.execute import build
+from synth.simulate import campaign
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Trajectory, sample_times
+from synth.simulate.sensors import Override
+from synth.verify import agree, sampling, suite
+
+ERROR = control.SURROGATE_ERROR
+STOP = 0.031  # m, the gap at the lower stop
+
+
+@cache
+def rig() -> Rig:
+    """Return the stage with stops along every coordinate."""
+    return campaign.with_stops(standard_tasks.rig(DESIGN.stage, np.float32))
+
+
+def behind(block: Block) -> Rig:
+    """Return the rig with another commutation."""
+    return replace(rig(), drive=(build.compile_block(block, np.float32, error=ERROR[np.float32]),))
+
+
+def errors(of: Rig) -> dict[str, float]:
+    """Return the mean errors of 12 s of the 4-DOF tracking after 8 s."""
+    return experiments.mean_errors(*experiments.tracking(of, True, 12.0), 8.0, 12.0)
+
+
+def test_the_errors_through_both_blocks_are_those_of_ideal_currents() -> None:
+    driven, direct = errors(rig()), errors(rig().without_drive)
+    assert max(driven["x"], driven["z"]) < 1.5e-6
+    assert driven["x"] < direct["x"] + 0.2e-6 and driven["z"] < direct["z"] + 0.2e-6
+
+
+@pytest.mark.parametrize("samples", [0.0, 1.0, 2.0])
+def test_any_other_advance_is_worse_by_far(samples: float) -> None:
+    worse = errors(behind(commutation.phase_currents(maglev_stage.plant(), samples)))
+    assert min(worse["x"], worse["z"]) > 6e-6
+
+
+def test_the_c_calls_no_sine_and_costs_no_more_than_it_did() -> None:
+    files = write.emit(PHASES, np.float32, error=ERROR[np.float32]).files
+    code = files[f"{PHASES.name}.c"]
+    assert not [f for f in ("sin", "cos", "floor") if f"{f}f(" in code or f"{f}(" in code]
+    assert "maglev_5dof_phase_limit(i_a" not in code  # no limit of a phase is left: all are proved idle
+    assert "x: lost; motors 2 and 4 hand their direct currents over and fade out" in files[f"{PHASES.name}.h"]
+
+
+def test_the_reference_differs_where_the_advance_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    by = suite.witnesses(PHASES, reference_phase.step, ERROR)
+    samples = sampling.anywhere(PHASES, np.random.default_rng(5), 500)
+
+    def worst() -> float:
+        agreements = suite.compare("steps", by, *samples, 1.0)
+        return next(a.worst for a in agreements if a.first == "reference")
+
+    assert worst() < suite.EXACT
+    monkeypatch.setattr(reference_phase, "ADVANCE", 1.5 * (1 + 1e-9))
+    assert worst() > suite.EXACT
+
+
+def lose(
+    of: Rig, sensors: tuple[str, ...], gap: float = 0.025, onset_s: float | None = None, watch_s: float = 1.0
+) -> Trajectory:
+    """Lose sensors at rest after 0.3 s, or in the 4-DOF tracking at the onset, and run for another `watch_s`."""
+    onset = 0.3 if onset_s is None else onset_s
+    time = sample_times(onset + watch_s, of.period_s)
+    lost = {s: Override(time >= onset, np.full(len(time), np.nan)) for s in sensors}
+    if onset_s is None:
+        return of.run(onset + watch_s, {"y": gap}, overrides=lost)
+    courses = {axis: course(time) for axis, course in experiments.COURSES.items()}
+    start = {axis: float(courses[axis][0]) for axis in ("y", "x", "z")}
+    references = {f"{axis}_ref": course for axis, course in courses.items()}
+    return of.run(onset + watch_s, start, references, overrides=lost)
+
+
+def rise(run: Trajectory, onset_s: float) -> float:
+    """Return how far the platen rises after the onset, m."""
+    y = run["y"][run.time >= onset_s]
+    return float(y[0] - y.min())
+
+
+@pytest.mark.parametrize("sensor", ["x", "z"])
+@pytest.mark.parametrize("gap", [0.0182, 0.025, 0.030])
+def test_at_rest_a_lost_position_moves_the_platen_down_and_not_aside(sensor: str, gap: float) -> None:
+    run = lose(rig(), (sensor,), gap)
+    assert np.abs(run[sensor]).max() < 0.2e-3 and rise(run, 0.3) < 0.1e-3
+    assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and run.impacts["y"] < 0.55
+    bit = 1 << (10 + "xz".index(sensor))
+    word = run.drive_faults[PHASES.name]
+    assert np.flatnonzero(word & bit)[0] == 300 + control.BAD_SAMPLES - 1
+
+
+def test_a_commutation_that_keeps_a_stale_angle_pushes_the_platen_to_its_stop(monkeypatch: Any) -> None:
+    monkeypatch.setattr(commutation, "BAD_SAMPLES", 10**6)
+    stale = lose(behind(commutation.phase_currents(maglev_stage.plant())), ("x",), watch_s=3.0)
+    assert stale.impacts["x"] > 0.4
+
+
+@pytest.mark.parametrize("onset", [0.5, 0.75])
+def test_in_motion_no_lost_position_pulls_the_platen_up(onset: float) -> None:
+    for sensors in (("x",), ("z",), ("x", "z")):
+        assert rise(lose(rig(), sensors, onset_s=onset), onset) < 0.5e-3, sensors
+
+
+def test_with_both_positions_lost_the_currents_end() -> None:
+    run = lose(rig(), ("x", "z"))
+    assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and rise(run, 0.3) < 0.1e-3
+    assert max(np.abs(run["x"]).max(), np.abs(run["z"]).max()) < 0.2e-3
+    assert max(abs(float(run.driven[s.name][-1])) for s in PHASES.outputs) == 0.0
+
+
+def test_direct_currents_go_to_the_motors_whose_position_is_known() -> None:
+    """From 1 A in each motor, 2 A in two; a position that is found again gets its currents back."""
+    n = 120
+    inputs = {f"i_d{j}": np.ones(n) for j in control.MOTORS} | {f"i_q{j}": np.zeros(n) for j in control.MOTORS}
+    inputs |= {"x": np.zeros(n), "z": np.zeros(n)}
+    inputs["x"][10:60] = np.nan
+    c64 = build.compile_block(PHASES, np.float64, error=ERROR[np.float64])
+    out = agree.replay(c64, inputs).outputs
+    sizes = {j: np.sqrt(2 / 3 * sum(out[f"i_{p}{j}"] ** 2 for p in "abc") / 2) for j in control.MOTORS}
+    for j, before, during in ((1, 1.0, 2.0), (2, 1.0, 0.0), (3, 1.0, 2.0), (4, 1.0, 0.0)):
+        assert sizes[j][9] == pytest.approx(before) and sizes[j][59] == pytest.approx(during, abs=1e-12)
+        assert sizes[j][-1] == pytest.approx(before)
+        assert np.abs(np.diff(sizes[j])).max() < 0.041

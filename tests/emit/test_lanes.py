@@ -1,0 +1,117 @@
+"""Programs in lanes: the bits of the emitted C, for states and inputs of every kind."""
+
+import ctypes
+
+import numpy as np
+import pytest
+
+from designs.maglev_5dof import design as maglev
+from designs.planar_6dof_leadlag import design as leadlag
+from designs.planar_6dof_lqg import design as lqg
+from synth.block import Block
+from synth.emit import lanes, pipeline
+from synth.emit.lanes import Rows
+from synth.execute import build
+from synth.execute import compile as host_compiler
+from synth.signals import signal_names
+from tests import levitator
+
+pytestmark = pytest.mark.slow
+
+N, LANES = 4000, 8
+SPECIAL = np.array([np.nan, np.inf, -np.inf, 0.0, -0.0, 1e30, -1e30, 1e-40])
+RUN = """#include <math.h>
+#include <stdint.h>
+#define LANES 8
+{functions}
+void run(long n, {v} *x, {u} *counters, const {v} *in, {v} *out, {u} *faults) {{
+    for (long k = 0; k < n; k++)
+        step(x + k * {reals}, counters + k * {whole}, in + k * {inputs}, out + k * {outputs}, faults + k);
+}}
+"""
+LOOPS = {
+    "maglev": maglev.DESIGN.stage,
+    "leadlag": leadlag.DESIGN.stage,
+    "lqg": lqg.DESIGN.stage,
+    "levitator": levitator.design().DESIGN.stage,
+}
+
+
+def align(values: np.ndarray) -> np.ndarray:
+    memory = np.zeros(values.nbytes + 64, np.uint8)
+    start = -memory.ctypes.data % 64
+    copy = memory[start : start + values.nbytes].view(values.dtype).reshape(values.shape)
+    copy[...] = values
+    return copy
+
+
+def columns(block: Block, scalar: type, rng: np.random.Generator) -> tuple[dict, dict]:
+    """Return inputs and states (N,) by name: inside their ranges, at their ends, and inputs that are no numbers."""
+
+    def draw(low: float, high: float) -> np.ndarray:
+        ends = rng.choice([low, high, min(max(0.0, low), high)], N)
+        return np.where(rng.uniform(size=N) < 0.2, ends, rng.uniform(low, high, N))
+
+    inputs = {s.name: draw(s.low, s.high) for s in block.inputs}
+    for name, column in inputs.items():
+        special = rng.uniform(size=N) < 0.03
+        inputs[name] = np.where(special, rng.choice(SPECIAL, N), column).astype(scalar)
+    states = {
+        s.name: (np.rint(draw(s.signal.low, s.signal.high)) if s.integer else draw(s.signal.low, s.signal.high))
+        for s in block.states
+    }
+    return inputs, states
+
+
+def in_lanes(rows: list[np.ndarray], kind: type) -> np.ndarray:
+    """Return rows (signals, N) as (N / LANES, signals, LANES)."""
+    table = np.array(rows).reshape(-1, N).astype(kind)
+    return align(np.ascontiguousarray(table.reshape(len(table), N // LANES, LANES).transpose(1, 0, 2)))
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+@pytest.mark.parametrize("name", LOOPS)
+def test_bits_are_those_of_the_c(name: str, scalar: type) -> None:
+    stage = LOOPS[name]
+    block, error = stage.controller.block, stage.surrogate_error.get(scalar)
+    loaded = build.compile_block(block, scalar, error=error)
+    inputs, states = columns(block, scalar, np.random.default_rng(7))
+    records = np.repeat(loaded.init()[np.newaxis], N)
+    for s, column in states.items():
+        records[s] = column
+    truth = loaded.batch(records, inputs)
+    assert len(np.unique(truth.faults)) > 3
+
+    reduced = pipeline.reduce(block.rounded(scalar), scalar, error=error)
+    reals, counters = ([s.name for s in block.states if s.integer == whole] for whole in (False, True))
+    rows = Rows(signal_names(block.inputs), reals, counters, (), signal_names(block.outputs))
+    v, u, _ = lanes.TYPES[scalar]
+    width = np.uint32 if scalar is np.float32 else np.uint64
+    numbers = {c.name: c.value for c in reduced.block.constants}
+    functions = [
+        lanes.SUPPORT,
+        lanes.mathematics([(reduced.program, scalar)]),
+        lanes.step("step", reduced.program, rows, numbers, scalar),
+    ]
+    sizes = {"reals": len(reals), "whole": len(counters), "inputs": len(rows.inputs), "outputs": len(rows.outputs)}
+    text = RUN.format(functions="\n".join(functions), v=v, u=u, **sizes)
+    library = ctypes.CDLL(
+        str(host_compiler.shared_library({"run.c": text}, ("-O3", "-march=native", "-std=c11", "-Wno-psabi")))
+    )
+    x = in_lanes([records[n] for n in reals], scalar)
+    c = in_lanes([records[n] for n in counters], width)
+    z = in_lanes([inputs[n] for n in rows.inputs], scalar)
+    y = in_lanes([np.zeros(N)] * len(rows.outputs), scalar)
+    faults = align(np.zeros((N // LANES, LANES), width))
+    arguments = [array.ctypes.data_as(ctypes.c_void_p) for array in (x, c, z, y, faults)]
+    library.run(ctypes.c_long(N // LANES), *arguments)
+
+    def column(table: np.ndarray, k: int) -> np.ndarray:
+        return np.ascontiguousarray(table[:, k, :]).ravel()
+
+    assert np.array_equal(faults.ravel(), truth.faults)
+    for k, output in enumerate(rows.outputs):
+        assert column(y, k).tobytes() == truth.outputs[output].tobytes(), output
+    for table, names in ((x, reals), (c, counters)):
+        for k, state in enumerate(names):
+            assert np.array_equal(column(table, k), truth.states[state], equal_nan=True), state

@@ -1,0 +1,83 @@
+"""Functions in lockstep: their results in order, their errors, and loops that cannot run in lanes."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth import standard_tasks
+from synth.simulate import lanes, lockstep
+from synth.simulate.rig import Rig, Simulate
+from tests import levitator
+
+pytestmark = pytest.mark.slow
+PID = levitator.design()
+Function = Callable[[Simulate], float]
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return standard_tasks.rig(PID.DESIGN.stage, np.float64)
+
+
+def peak(rig: Rig, mass: float, duration_s: float = 0.05, times: int = 1) -> Function:
+    """Return a function that measures how far z moves from a start, over one or more runs."""
+
+    def run(simulate: Simulate) -> float:
+        machine = replace(rig, plant=rig.plant.with_parameters(M=mass), simulate=simulate)
+        return max(float(np.abs(machine.run(duration_s, {"z": 1e-4})["z"]).max()) for _ in range(times))
+
+    return run
+
+
+def test_results_are_those_of_single_runs_in_order(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    batches: list[int] = []
+    simulate = lanes.LaneLoop.simulate
+
+    def counted(self: lanes.LaneLoop, plants: list, scenarios: list) -> list:
+        batches.append(len(plants))
+        return simulate(self, plants, scenarios)
+
+    monkeypatch.setattr(lanes.LaneLoop, "simulate", counted)
+    masses = [1.2, 1.1, 1.3, 1.25]
+    functions = [peak(rig, m, times=2 if m == 1.1 else 1) for m in masses]
+    alone = [f(rig.simulate) for f in functions]
+    results = lockstep.run(functions, rig.plant, 4)
+    np.testing.assert_allclose([r.value for r in results], alone, rtol=1e-7)
+    assert batches == [4, 1], "all functions together, then the second run of one"
+
+
+def test_runs_of_different_durations_meet_too(rig: Rig) -> None:
+    results = lockstep.run([peak(rig, 1.2, 0.05), peak(rig, 1.2, 0.1)], rig.plant, 4)
+    assert all(r.error is None for r in results) and results[1].value >= results[0].value > 0  # type: ignore[operator]
+
+
+def test_an_error_stays_with_its_function(rig: Rig) -> None:
+    def broken(simulate: Simulate) -> float:
+        raise ZeroDivisionError("planted")
+
+    def unknown(simulate: Simulate) -> float:
+        return float(replace(rig, simulate=simulate).run(0.05, {"no_state": 1.0})["z"][0])
+
+    results = lockstep.run([peak(rig, 1.2), broken, unknown], rig.plant, 4)
+    assert results[0].error is None and results[0].value is not None
+    assert isinstance(results[1].error, ZeroDivisionError)
+    assert "no_state" in str(results[2].error)
+
+
+def test_what_cannot_run_in_lanes_runs_alone(rig: Rig) -> None:
+    x, t = ca.SX.sym("x", len(rig.plant.states)), ca.SX.sym("t")
+    pushed = replace(rig, disturbance=ca.Function("d", [x, t], [ca.SX.ones(len(rig.plant.states)) * 0.1]))
+    functions = [peak(pushed, 1.2), peak(pushed, 1.3), peak(rig, 1.2)]
+    alone = [f(rig.simulate) for f in functions]
+    results = [r.value for r in lockstep.run(functions, rig.plant, 4)]
+    assert results[:2] == alone[:2] and results[2] == pytest.approx(alone[2], rel=1e-7)
+
+
+def test_a_plant_of_other_equations_runs_alone(rig: Rig) -> None:
+    other = levitator.design().DESIGN.stage.plant
+    rebuilt = replace(rig, plant=replace(other, f=ca.Function("f", other.f.sx_in(), other.f.call(other.f.sx_in()))))
+    (results,) = lockstep.run([peak(rebuilt, 1.2)], rig.plant, 4)
+    assert results.value == peak(rebuilt, 1.2)(rig.simulate)

@@ -1,0 +1,118 @@
+"""A study: its rows, what drives a figure, the yield, and machines without a result."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from synth import standard_tasks
+from synth.check import Check
+from synth.errors import DesignError, SignalError
+from synth.simulate import study
+from synth.simulate.experiment import Experiment
+from synth.simulate.rig import Rig
+from synth.simulate.sampling import Sampling
+from synth.simulate.study import StudyTable
+from tests import levitator
+
+pytestmark = pytest.mark.slow
+PID = levitator.design()
+
+
+@dataclass(frozen=True)
+class Fall:
+    """How far z falls in 20 ms from a start off its set-point; the machine with the mass `lost` has no result."""
+
+    name: str = "fall"
+    limit: float = 1.0
+    lost: float = 0.0
+
+    def run(self, rig: Rig) -> Experiment:
+        run = rig.run(0.02, {"z": 1e-4})
+        mass = rig.plant.parameter("M").value
+        if self.lost and mass > self.lost:
+            raise SignalError("planted")
+        checks = (Check("peak", float(np.abs(run["z"]).max()), self.limit, "m"),)
+        return Experiment(self.name, "", "", run, (), {}, {"mass, kg": mass}, checks)
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return standard_tasks.rig(PID.DESIGN.stage, np.float64)
+
+
+@pytest.fixture(scope="module")
+def table(rig: Rig) -> StudyTable:
+    return study.run(rig, [Fall()], Sampling(20, 1), range(20))
+
+
+def test_a_row_alone_has_the_bits_of_the_table(rig: Rig, table: StudyTable) -> None:
+    for row in (0, 7, 19):
+        alone = study.run(rig, [Fall()], Sampling(20, 1), [row])
+        assert alone.checks["fall: peak"].tobytes() == table.checks["fall: peak"][row : row + 1].tobytes()
+        assert all(alone.z[name][0] == z[row] for name, z in table.z.items())
+
+
+def test_rows_are_the_runs_of_each_machine(rig: Rig, table: StudyTable) -> None:
+    mass = rig.plant.parameter("M")
+    masses = mass.value * (1 + mass.tolerance * table.z["M"])
+    assert np.array_equal(table.figures["fall: mass, kg"], masses) and np.ptp(masses) > 0.01
+    heavy = replace(rig, plant=rig.plant.with_parameters(M=float(masses[3]), **others(rig, table, 3)))
+    alone = Fall().run(heavy).checks[0].value
+    assert table.checks["fall: peak"][3] == pytest.approx(alone, rel=1e-6)
+
+
+def others(rig: Rig, table: StudyTable, row: int) -> dict[str, float]:
+    names = [p for p in rig.plant.parameters if p.name in table.z and p.name != "M"]
+    return {p.name: p.value * (1 + p.tolerance * float(table.z[p.name][row])) for p in names}
+
+
+def made(values: list[float], limit: float = 2.0, **z: list[float]) -> StudyTable:
+    n = len(values)
+    columns = {name: np.array(each) for name, each in z.items()}
+    return StudyTable(np.arange(n), columns, {}, {"e: c": np.array(values)}, {"e: c": limit}, {"e: c": "m"})
+
+
+def test_the_driver_is_the_quantity_that_orders_the_values() -> None:
+    rng = np.random.default_rng(2)
+    a, b = rng.uniform(-1, 1, (2, 200))
+    (summary,) = study.summarise(made((np.exp(-3 * a) + 0.1 * b).tolist(), a=a.tolist(), b=b.tolist()))
+    assert summary.driver == "a" and summary.correlation < -0.98
+    assert summary.worst_row == int(np.argmin(a + 0 * b)) or summary.worst == pytest.approx(
+        np.max(np.exp(-3 * a) + 0.1 * b)
+    )
+    (constant,) = study.summarise(made([1.0] * 200, a=a.tolist()))
+    assert (constant.driver, constant.correlation) == ("", 0.0)
+
+
+def test_the_yield_has_its_interval() -> None:
+    none_failed = study.estimate_yield(made([1.0] * 300))
+    assert none_failed.share == none_failed.high == 1.0
+    assert none_failed.low == pytest.approx(0.025 ** (1 / 300)), "Clopper and Pearson, in closed form"
+    half = study.estimate_yield(made([1.0, 3.0] * 50))
+    assert half.share == 0.5 and half.low == pytest.approx(1 - half.high) and 0.39 < half.low < 0.41
+
+
+def test_a_value_that_is_no_number_keeps_no_limit() -> None:
+    table = made([1.0, np.nan, 2.0, 2.1])
+    assert table.passed.tolist() == [True, False, True, False]
+    (summary,) = study.summarise(table)
+    assert (summary.worst, summary.worst_row, summary.passed) == (2.1, 3, 0.5)
+
+
+def test_a_machine_without_a_result_fails_and_is_reported(rig: Rig) -> None:
+    mass = rig.plant.parameter("M").value
+    table = study.run(rig, [Fall(lost=mass)], Sampling(10, 1), range(10))
+    heavy = table.z["M"] > 0
+    assert 0 < heavy.sum() < 10 and not table.passed[heavy].any() and table.passed[~heavy].all()
+    assert {row for row, _, _ in table.errors} == set(np.flatnonzero(heavy))
+    assert study.notes(table)[-1] == f"No result of fall on {heavy.sum()} machines: planted"
+    assert study.csv_text(table).count("nan") == 2 * heavy.sum()
+
+
+def test_experiments_are_chosen_by_patterns() -> None:
+    experiments = [Fall("step_x"), Fall("step_z"), Fall("hold")]
+    assert [e.name for e in study.select(experiments, ["step_*", "hold"])] == ["step_x", "step_z", "hold"]
+    assert study.select(experiments, []) == experiments
+    with pytest.raises(DesignError, match="no experiment is called 'stp': choose from step_x, step_z, hold"):
+        study.select(experiments, ["stp"])
