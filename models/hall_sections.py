@@ -42,16 +42,19 @@ jumped:
 because an error -r_2 of V_ax reduces s_x^2 by r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 through h_2. Otherwise
 the error has grown slowly and the yaw has followed, which distributes the error of one sensor over r_1 and r_2. Then
 the four voltages of these are all suspected, V_ax and V_bx by m_x, V_ay and V_cy by m_y; all six if both m_x and m_y
-are significant, or the yaw is beyond MAX_KNOWN_YAW. Where m_x and m_y are significant and alike, and r_1 and r_2 are
-not, no single voltage explains it: the amplitude of all differs from that of the field, and only its own bit is set.
+are significant, or the yaw is beyond MAX_KNOWN_YAW.
+
+The following holds with predictions that are `reckoned` from the forces.
 
 Amplitude. The nominal value of m is that of the field times an estimate of the squared amplitude within POWERS, which
 the first good sample sets and later ones correct by POWER_SHARE. Temperature, height and amplifiers change it slowly; a
 failed sensor changes m_x or m_y at once. The position does not depend on the amplitude. The yaw is taken with the
-nominal slope and deviates by up to a fifth where all amplitudes are off by a tenth.
+nominal slope and deviates by up to a fifth where all amplitudes are off by a tenth. Where m_x and m_y are significant
+and alike, and r_1 and r_2 are not, no single voltage explains it: the amplitude of all differs from that of the field,
+and only its own bit is set.
 
-Motion. With `innovation` the raw position less the predicted one counts in rho, over INNOVATION: a channel that sticks
-leads to a motion that the currents do not explain, long before the voltages contradict each other.
+Motion. The raw position less the predicted one counts in rho, over INNOVATION: a channel that sticks leads to a motion
+that the currents do not explain, long before the voltages contradict each other.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
@@ -76,16 +79,15 @@ VOLTAGE = 5.0  # V: 1.7 times the amplitude of 2.93 V
 PITCHES = 2  # counted to either side: 2.5 pitches are 127 mm, the travel is 110 mm
 YAW = 0.025  # rad: the stage rotates by 0.02 at most; a larger raw yaw is clipped
 WEIGHT = 0.1  # of the squared amplitudes in the yaw: a larger one means less noise and more influence of lift and tilt
-REGULAR = 2.5e-5  # of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails
+# of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails
+REGULAR, REGULAR_RECKONED = 0.01, 2.5e-5  # the latter with predictions that depend on the demands
 LEAST = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
 # Noise of 5e-5 m rms in a position is 0.62 % of A in a voltage, 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
 RESIDUAL = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
 POWER = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
 PART = {"m": 0.2, "r": 0.3}  # of these
-INNOVATION = {
-    "x": 5e-4,
-    "phi": 0.08,
-}  # m; of A, for the yaw's error times the root of its sum of squares: 7 times the noise
+# m; of A, for the yaw's error times the root of its sum of squares: 7 times the noise
+INNOVATION = {"x": 5e-4, "phi": 0.08}
 BIG = 1.5
 ALIKE = 0.25  # of the sum of m_x and m_y: their difference where the amplitude of all voltages is off
 NEARLY, SMALL = 0.1, 0.3  # of A^2
@@ -121,6 +123,8 @@ RESIDUALS = (
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
+AMPLITUDE_FAULTS = (Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),)
+POWER_STATE = Signal("power", "1", *POWERS, "estimated squared amplitude over the nominal one")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
@@ -133,32 +137,32 @@ class _Pair:
     m: ca.SX
 
 
-def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bool = False) -> Block:
+def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool = False) -> Block:
     """Return the Block from held voltages to the raw position, the position within the pitch, residuals and suspects.
 
-    Predictions are inputs, or else the raw position of the previous sample. With `innovation` the raw position less the
-    prediction counts as a residual, too: the predictions must then know the forces.
+    Predictions are inputs, or else the raw position of the previous sample. Where they are `reckoned` from the forces,
+    the raw position less the prediction counts as a residual, too, and the amplitude of all voltages is estimated.
     """
     cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
-    yaw = RAW["phi"].name
+    yaw, regular = RAW["phi"].name, REGULAR_RECKONED if reckoned else REGULAR
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         phi = u["phi_predicted"] if predicted else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        power = x["power"] * k["power_0"]
+        power = x["power"] * k["power_0"] if reckoned else k["power_0"]
         X, Y = _pair(ax, -bx, ay, phi, k, power), _pair(ay, -cy, -ax, phi, k, power)
         h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
         r1, r2 = by - ay - h1 * phi, cx - ax + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
-        excess, information = _yaw_equation(X, Y, (h1, h2), (r1, r2), k, A)
+        excess, information = _yaw_equation(X, Y, (h1, h2), (r1, r2), k, regular * A**2)
         turn = excess / information
         known, squared = ca.logic_and(u["ready"], u["complete"]), _squared_residual(r1, r2, X.m, Y.m, A)
-        if innovation:
+        if reckoned:
             off = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
             squared += (RESIDUAL * A / INNOVATION["x"]) ** 2 * (off["x"] ** 2 + off["y"] ** 2)
             squared += (RESIDUAL / INNOVATION["phi"]) ** 2 * (turn * excess)
@@ -173,14 +177,15 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
         for axis, at in within.items():
             next[f"offset_{axis}"] = ca.if_else(sure, offset[axis], x[f"offset_{axis}"])
-            passed = clip(expected[axis], WITHIN[0]) if predicted else x[f"within_{axis}"]
+            passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
             next[f"within_{axis}"] = ca.if_else(sure, at, passed)
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
             output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
-        share = ca.if_else(u["ready"], k["power_gain"], k["first_power_gain"])
-        next["power"] = ca.if_else(sure, x["power"] + share * (X.m + Y.m), x["power"])
+        if reckoned:
+            share = ca.if_else(u["ready"], k["power_gain"], k["first_power_gain"])
+            next["power"] = ca.if_else(sure, x["power"] + share * (X.m + Y.m), x["power"])
         again = ca.logic_and(doubt, x["contradiction_left"])
         waited = ca.if_else(
             ca.logic_and(sure, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
@@ -190,17 +195,22 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, innovation: bo
             "contradiction_confirmed": ca.if_else(again, 1, x["contradiction_confirmed"]),
         }
         flags, alike = _suspects(x, A)
-        output |= {f"suspect_{name}": one for name, one in flags.items()}
         output |= {SUSPECTED.name: x["contradiction_confirmed"]}
-        output[OTHER_AMPLITUDE.name] = ca.logic_and(x["contradiction_confirmed"], alike)
+        if reckoned:
+            flags = {name: ca.logic_and(flag, ca.logic_not(alike)) for name, flag in flags.items()}
+            output[OTHER_AMPLITUDE.name] = ca.logic_and(x["contradiction_confirmed"], alike)
+        output |= {f"suspect_{name}": one for name, one in flags.items()}
         named = list(zip(RATIOS, ratio.values(), strict=True))
-        return Step(output | seen, next, named, {s.name: lambda u, e: RATIOS[0].high for s in RATIOS})
+        certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
+        return Step(output | seen, next, named, certified, _numbers(A, l, regular))
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
-    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
-    states, constants, tag = _states(predicted), _constants(cal), "position and yaw, (1)-(5)"
+    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, *([OTHER_AMPLITUDE] if reckoned else [])]
+    states = [*_states(predicted), *([State(POWER_STATE, 1.0)] if reckoned else [])]
+    constants = [*_constants(cal), *(_power_gains(cal) if reckoned else [])]
+    tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
-    return replace(block, faults=(Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),))
+    return replace(block, faults=AMPLITUDE_FAULTS) if reckoned else block
 
 
 def _states(predicted: bool) -> list[State]:
@@ -214,8 +224,7 @@ def _states(predicted: bool) -> list[State]:
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *WITHIN, *last)
-    power = Signal("power", "1", *POWERS, "estimated squared amplitude over the nominal one")
-    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals), State(power, 1.0)]
+    return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals)]
 
 
 def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
@@ -226,12 +235,36 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
         Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
     ]
+    return [*fits, Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
+
+
+def _power_gains(cal: hall_calibration.Calibration) -> list[Constant]:
     per_power = 1 / (2 * cal.power[0])
     return [
-        *fits,
-        Constant("amplitude_weight", 2 * WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2"),
         Constant("first_power_gain", per_power, "1/V^2", "1 / (2 g_0 A^2)"),
         Constant("power_gain", POWER_SHARE * per_power, "1/V^2", f"{POWER_SHARE:g} / (2 g_0 A^2)"),
+    ]
+
+
+def _numbers(A: float, l: float, regular: float) -> list[Constant]:
+    """Return the numbers that the C names."""
+    amplitude = f"A = {A:.6g} V"
+    return [
+        Constant("pitch", l, "m", "pitch of the matrix"),
+        Constant("half_pitch", l / 2, "m", "half of the pitch"),
+        Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
+        Constant("m_weight", (RESIDUAL / (POWER * A)) ** 2, "1/V^2", f"({RESIDUAL:g} / ({POWER:g} A))^2, {amplitude}"),
+        Constant("squared_residual_limit", (RESIDUAL * A) ** 2, "V^2", f"({RESIDUAL:g} A)^2: rho = 1"),
+        Constant("squared_confirmation", (CONFIRMATION * RESIDUAL * A) ** 2, "V^2", f"rho = {CONFIRMATION:g}"),
+        Constant("squared_jump", (BIG * RESIDUAL * A) ** 2, "V^2", f"rho = {BIG:g}: a voltage jumped"),
+        Constant("significant_m", PART["m"] * POWER * A**2, "V^2", f"{PART['m'] * POWER:g} A^2"),
+        Constant("significant_r", PART["r"] * RESIDUAL * A, "V", f"{PART['r'] * RESIDUAL:g} A"),
+        Constant("nearly_zero_m", NEARLY * A**2, "V^2", f"{NEARLY:g} A^2"),
+        Constant("small_m", SMALL * A**2, "V^2", f"{SMALL:g} A^2"),
+        Constant("least_square", LEAST * A**2, "V^2", f"{LEAST:g} A^2: keeps a divisor from 0"),
+        Constant("least_information", regular * A**2, "V^2", f"{regular:g} A^2: keeps a divisor from 0"),
+        Constant("max_known_yaw", MAX_KNOWN_YAW, "rad", "beyond it every voltage is suspected"),
+        Constant("max_yaw", YAW, "rad", "limit of the raw yaw"),
     ]
 
 
@@ -250,12 +283,12 @@ def _slope(p: _Pair, k: Exprs) -> ca.SX:
 
 
 def _yaw_equation(
-    X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float
+    X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, least: float
 ) -> tuple[ca.SX, ca.SX]:
     """Return numerator and denominator, V^2, of the yaw less the predicted one in rad; h3 is half of h_3."""
     h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
     (h1, h2), (r1, r2) = h, r
-    information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + REGULAR * A**2
+    information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + least
     return h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m)), information
 
 
@@ -315,4 +348,4 @@ def _suspects(x: Exprs, A: float) -> tuple[dict[str, ca.SX], ca.SX]:
         }
         crept = {s: ca.logic_or(yaw_residual, there[a]), c: there[a], other: yaw_residual}
         flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
-    return {name: ca.logic_and(flag, ca.logic_not(alike)) for name, flag in flags.items()}, alike
+    return flags, alike

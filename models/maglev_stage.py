@@ -21,7 +21,7 @@ Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated P
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from math import pi, sqrt
 
 import casadi as ca
@@ -160,6 +160,14 @@ def plant(lv3: str = "csch2") -> Plant:
     return build("maglev_stage", STATES, INPUTS, OUTPUTS, PARAMETERS, physics)
 
 
+@dataclass(frozen=True, eq=False)
+class DirectCurrents:
+    """The direct currents in A by name, and halves of the forces in N that they make: n, d, e, f_1 + f_3, f_2 + f_4."""
+
+    currents: dict[str, ca.SX]
+    half_forces: dict[str, ca.SX]
+
+
 def motion(x: Exprs, second: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
     """Return the derivatives by state and the outputs by name, from the accelerations of `accelerations`."""
     derivative = {q: x[v] for q, v in RATE.items()} | {v: second[q] for q, v in RATE.items()}
@@ -168,7 +176,7 @@ def motion(x: Exprs, second: Exprs, p: Exprs) -> tuple[dict[str, ca.SX], dict[st
 
 def direct_currents(
     w: Exprs, x: Exprs, squares: Sequence[ca.SX], motors: Sequence[pmlsm.ForceLaw], p: Exprs
-) -> dict[str, ca.SX]:
+) -> DirectCurrents:
     """Return i_d1..i_d4 in A for which y'', phi'', theta'' = `w`, by (8) and (12) with given `squares` i_d^2 + i_q^2.
 
     With the forces f_j = b_j i_dj, which carry the loads a_j + c_j (i_d^2 + i_q^2)_j and accelerate,
@@ -185,7 +193,15 @@ def direct_currents(
     e = p["I_z"] / (2 * p["r"]) * (w["theta"] + p["k_s_theta"] * x["theta"]) + (half[1] - half[3])
     odd = ((s2 + s4) * n + (s2 - s4) * e - (s3 - s1) * d) / (s1 + s3 + (s2 + s4))
     even = n - odd
-    return {"i_d1": s1 * (odd - d), "i_d2": s2 * (even + e), "i_d3": s3 * (odd + d), "i_d4": s4 * (even - e)}
+    currents = {"i_d1": s1 * (odd - d), "i_d2": s2 * (even + e), "i_d3": s3 * (odd + d), "i_d4": s4 * (even - e)}
+    forces = {
+        "half_force": n,
+        "half_force_phi": d,
+        "half_force_theta": e,
+        "half_force_1_3": odd,
+        "half_force_2_4": even,
+    }
+    return DirectCurrents(currents, forces)
 
 
 def thrust_currents(w: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dict[str, ca.SX]:

@@ -125,10 +125,19 @@ def allocation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             k["rear_share"] * Cz - k["front_share"] * lifts,
             k["half"] * (Az - Bz),
         )
-        return Step(dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True)))
+        output = dict(zip((s.name for s in (*CURRENTS, *ACHIEVED)), (*currents, *achieved), strict=True))
+        return Step(output, numbers=_current_limits())
 
     inputs, outputs, tag = [*DEMANDS, phi], [*CURRENTS, *ACHIEVED], "motor currents, Table 3, (17)"
     return build("allocation", time, law, inputs=inputs, outputs=outputs, constants=constants, tag=tag)
+
+
+def _current_limits() -> list[Constant]:
+    return [
+        Constant("quadrature_limit", QUADRATURE, "A", "largest quadrature current of a motor"),
+        Constant("half_quadrature_limit", QUADRATURE / 2, "A", "what the yaw leaves to motor C"),
+        Constant("direct_limit", DIRECT, "A", "largest direct current of a motor"),
+    ]
 
 
 def _product(ratio: float, value: ca.SX) -> ca.SX:
@@ -146,6 +155,11 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
     """
     l, a, b, c = (plant.parameter(name).value for name in ("l", "a", "b", "c"))
     turns = round(4 * b / l)
+    numbers = [
+        *(plant.constant(name) for name in "bc"),
+        Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
+        Constant("whole_quarters", turns * l / 4, "m", "whole quarters of the pitch in b"),
+    ]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         angle = clip(u[phi.name], YAW)
@@ -165,7 +179,8 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             middle = -alpha / 2
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
             output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
-        return Step(output, named=[*named, *named_front], certified=dict.fromkeys(output, _phase_bound))
+        certified = dict.fromkeys(output, _phase_bound)
+        return Step(output, named=[*named, *named_front], certified=certified, numbers=numbers)
 
     return build(
         "commutation",

@@ -28,6 +28,8 @@ from typing import Literal
 
 import casadi as ca
 
+from synth.block import Constant
+from synth.plant import Plant
 from synth.signals import Parameter
 
 Values = Mapping[str, ca.SX]
@@ -213,10 +215,35 @@ def force_law(g: ca.SX, p: Values) -> ForceLaw:
     """
     K, L = constants(p), coefficients(g, p)
     S = K.K_h / K.K_v2
-    beta = p["b0"] ** 2 / (4 * p["t1"])
-    inverse = 1 / (g + (p["b0"] / 2 + p["h_m"] / p["mu_rec"] - beta))
+    beta, inverse = _slot_length(p), 1 / (g + _gap_offset(p))
     h = K.K_h * L.L_h
     ratio = K.K_v1 / 2 * (S / K.K_h) ** 2 * carter_coefficient(g, p) ** 2 / permeance_factor(g, p)
-    k = K.K_v3 / (2 * K.K_h**2)
+    k = _half_c_over_h2(p)
     half_a, half_c = h**2 * ratio, h**2 * (k + k * beta * inverse)
     return ForceLaw(half_a, half_c, ca.sqrt(h**2 + 16 * (half_a * half_c)), h, ratio)
+
+
+def numbers(plant: Plant) -> list[Constant]:
+    """Return the numbers of `force_law` that the C names."""
+    k, beta = "K_v3 / (2 K_h^2) of (2)", "beta = b0^2 / (4 t1)"
+    return [
+        plant.constant("half_c_over_h2", "1/N", _half_c_over_h2, f"{k}: half_c / h^2 without the effect of the slots"),
+        plant.constant(
+            "slot_pull", "m/N", lambda p: _half_c_over_h2(p) * _slot_length(p), f"half_c_over_h2 beta, {beta}"
+        ),
+        plant.constant("gap_offset", "m", _gap_offset, f"b0/2 + h_m/mu_rec - beta, {beta}"),
+    ]
+
+
+def _half_c_over_h2(p: Values) -> ca.SX:
+    K = constants(p)
+    return K.K_v3 / (2 * K.K_h**2)
+
+
+def _slot_length(p: Values) -> ca.SX:
+    """Return beta of `force_law` in m."""
+    return p["b0"] ** 2 / (4 * p["t1"])
+
+
+def _gap_offset(p: Values) -> ca.SX:
+    return p["b0"] / 2 + p["h_m"] / p["mu_rec"] - _slot_length(p)

@@ -67,23 +67,22 @@ class Constant:
     def __post_init__(self) -> None:
         identifier("constant", self.name)
         if not np.isfinite(self.value):
-            raise SignalError(
-                f"constant '{self.name}' is {self.value}: it must be finite; scale it for the scalar type"
-            )
+            raise SignalError(f"constant '{self.name}' is {self.value}: it must be finite; scale it for its type")
 
 
 @arguments.checked
 @dataclass(frozen=True)
 class ComputedSignal:
-    """An output or internal signal, the Block that computes it, and the tag of its equation.
+    """An output or internal signal, the Block that computes it, and the tag of its equation; see `Step`.
 
-    `certificate`, of a signal that is limited to +-h, says how large it is before the limit; see `Step`.
+    `certificate` says how large a limited signal is before its limit. An `internal` signal is no output of its Block.
     """
 
     signal: Signal
     block: str
     tag: str
     certificate: Certificate | None = None
+    internal: bool = False
 
 
 @arguments.checked
@@ -92,7 +91,7 @@ class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
-    a latch, of a Block that can latch.
+    a latch. `numbers` are those in the expressions of a Block of the composition, by its name, that C names.
     """
 
     name: str
@@ -108,6 +107,7 @@ class Block:
     computed_signals: tuple[tuple[ComputedSignal, ca.SX], ...] = ()
     faults: tuple[Fault, ...] = field(default=())
     safety: Safety | None = None
+    numbers: tuple[tuple[str, Constant], ...] = ()
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -157,8 +157,7 @@ class Block:
         x, u = self._columns(s.name for s in self.states), self._columns(s.name for s in self.inputs)
         next = ca.vcat([self.next[s.name] for s in self.states])
         y = ca.vcat([self.output[s.name] for s in self.outputs])
-        symbols = [self.symbol[c.name] for c in self.constants]
-        values = [ca.SX(c.value) for c in self.constants]
+        symbols, values = [self.symbol[c.name] for c in self.constants], [ca.SX(c.value) for c in self.constants]
         next, y = ca.substitute([next, y], symbols, values) if symbols else (next, y)
         return ca.Function(self.name, [x, u], [next, y], ["x", "u"], ["x_next", "y"])
 
@@ -174,13 +173,14 @@ class Step:
     `certified` gives for outputs and named signals that are limited to +-h a function (u, e) to how large they are
     before the limit while all inputs are in range, as computed with an error of u relative to the result of each
     operation and of e relative to that of each sine and cosine, infinite where libm computes these. Where that is h or
-    less, emission leaves the limit out.
+    less, emission leaves the limit out. `numbers` are values in the expressions, such as a mass, with name and unit.
     """
 
     output: Exprs
     next: Exprs = field(default_factory=dict)
     named: Sequence[tuple[Signal, ca.SX]] = ()
     certified: Mapping[str, Certificate] = field(default_factory=dict)
+    numbers: Sequence[Constant] = ()
 
 
 Law = Callable[[Exprs, Exprs, Exprs], Step]
@@ -200,8 +200,8 @@ def build(
 ) -> Block:
     """Make a Block from `law(u, x, k) -> Step`, clamping each real state to its declared bounds.
 
-    Raises SignalError when a name is listed twice, when an output or a next state is missing or not declared, when an
-    expression depends on a symbol of another Block, or when the law needs the value of a symbol, as `if` does.
+    Raises SignalError for a name that is listed twice, an output or a next state that is missing or not declared, an
+    expression with a symbol of another Block, and a law that needs the value of a symbol, as `if` does.
     """
     for group in ((*inputs, *outputs), tuple(s.signal for s in states)):
         signal_names(group)
@@ -223,11 +223,13 @@ def build(
     next = {s.name: advanced[s.name] if s.integer else clip(advanced[s.name], s.signal) for s in states}
     output = {s.name: ca.SX(step.output[s.name]) for s in outputs}
     laws.check_numbers(f"block '{name}'", {**output, **advanced}, symbol.values())
-    computed = [(ComputedSignal(s, name, tag, step.certified.get(s.name)), ca.SX(expr)) for s, expr in step.named]
-    computed += [(ComputedSignal(s, name, tag, step.certified.get(s.name)), output[s.name]) for s in outputs]
+    certified = step.certified.get
+    computed = [(ComputedSignal(s, name, tag, certified(s.name), True), ca.SX(expr)) for s, expr in step.named]
+    computed += [(ComputedSignal(s, name, tag, certified(s.name)), output[s.name]) for s in outputs]
     _check_symbols(name, [*next.values(), *(e for _, e in computed)], symbol)
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
-    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed))
+    numbers = tuple((name, n) for n in step.numbers)
+    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=numbers)
 
 
 @arguments.checked

@@ -77,6 +77,7 @@ def compose(name: str, blocks: Sequence[Block], *, inputs: Sequence[str], output
         computed,
         faults,
         _safety(name, blocks, {s: _origin(s, definitions, symbol) for s in outputs}),
+        tuple(pair for b in blocks for pair in b.numbers),
     )
 
 

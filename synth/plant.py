@@ -1,5 +1,6 @@
 """Symbolic nonlinear plants, dx/dt = f(x, u, p), y = h(x, u, p), valid in a box of states and inputs."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
@@ -8,10 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from synth import arguments, law, show
+from synth.block import Constant
 from synth.errors import SignalError
 from synth.signals import Parameter, Signal, signal_names
 
 Symbols = Mapping[str, ca.SX]
+Formula = Callable[[Symbols], ca.SX]
 Physics = Callable[[Symbols, Symbols, Symbols], tuple[Mapping[str, ca.SX], Mapping[str, ca.SX]]]
 
 
@@ -53,6 +56,23 @@ class Plant:
             f"plant '{self.name}' has no parameter '{name}': it has {', '.join(signal_names(self.parameters))}"
         )
 
+    def constant(self, name: str, unit: str = "", formula: Formula | None = None, source: str = "") -> Constant:
+        """Return a number of a law with a name for the C, for `block.Step`: a parameter, or a `formula` of parameters.
+
+        Without a `source`, the formula and the values of its parameters are the source of its value.
+
+        Raises SignalError for a formula that needs more than the parameters.
+        """
+        if formula is None:
+            p = self.parameter(name)
+            return Constant(name, p.value, p.unit, p.source)
+        symbol = {p.name: ca.SX.sym(p.name) for p in self.parameters}
+        expr = ca.SX(law.evaluate(f"the formula of '{name}'", formula, symbol))
+        read = [p for p in self.parameters if ca.depends_on(expr, symbol[p.name])]
+        value = float(ca.Function("value", list(symbol.values()), [expr])(*self.values))
+        values = ", ".join(f"{p.name} = {p.value:g} {p.unit}" for p in read)
+        return Constant(name, value, unit, source or f"{_text(expr)}, {values}")
+
     def with_parameters(self, **values: float) -> "Plant":
         """Return the plant with some parameters' values replaced."""
         for name in values:
@@ -73,6 +93,12 @@ class Plant:
         columns = np.broadcast_arrays(*(np.atleast_1d(values.get(s.name, 0.0)) for s in signals))
         x, u = np.split(np.array(columns, dtype=np.float64), [len(self.states)])
         return dict(zip(signal_names(self.outputs), np.asarray(self.h(x, u, self.values)), strict=True))
+
+
+def _text(expr: ca.SX) -> str:
+    """Return a formula as text; CasADi prints (x/(2.*y)) for x / (2 y)."""
+    text = re.sub(r"(\d)\.(?!\d)", r"\1", str(expr)).replace("*", " ")
+    return re.sub(r"(?<=\S)/(?=\S)", " / ", text[1:-1] if text.startswith("(") else text)
 
 
 @arguments.checked

@@ -10,6 +10,7 @@ shipped law differs from F(12) in two points, which `corrected=False` undoes: it
 currents of the sample before, and it compensates only a part of the guide springs.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import pi, sqrt
@@ -19,7 +20,7 @@ import numpy as np
 
 from models import maglev_stage, pmlsm
 from synth import stage
-from synth.block import Block, Exprs, Step, build, clip
+from synth.block import Block, Constant, Exprs, Step, build, clip
 from synth.blocks import derivative_filter, regulator
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -194,6 +195,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
     values |= {n: part * values[n] for n, part in COMPENSATED.items()} if corrected else {}
     angles = [a.position for a in AXES if a.name in ("phi", "theta")]
     before = [INTERFACE.before(s.name) for s in CURRENTS]
+    numbers = _numbers(plant, COMPENSATED if corrected else {})
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
@@ -202,7 +204,7 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
             squares = [i_q + u[f"i_d{j}_before"] ** 2 for j, i_q in zip(MOTORS, squares, strict=True)]
         w = {a.name: u[a.demand.name] for a in AXES}
         direct = maglev_stage.direct_currents(w, u, squares, motors, values)
-        i_d = {n: clip(i, lifting) for n, i in direct.items()}
+        i_d = {n: clip(i, lifting) for n, i in direct.currents.items()}
         demand = maglev_stage.thrust_currents(w, motors, values)
         pairs = {"u_x": (i_d["i_d2"], i_d["i_d4"]), "u_z": (i_d["i_d1"], i_d["i_d3"])}
         thrust = {n: _limit_thrust(demand[n], *pair) for n, pair in pairs.items()}
@@ -212,11 +214,30 @@ def decoupling(plant: Plant, corrected: bool = True) -> Block:
             pair for j, m, square in zip(MOTORS, motors, squares, strict=True) for pair in _named_forces(j, m, square)
         ]
         named_signals += [(Signal(f"{n}_demand", "A", -1e6, 1e6), demand[n]) for n in thrust]
-        return Step(output, named=named_signals)
+        named_signals += [(Signal(n, "N", -1e6, 1e6), force) for n, force in direct.half_forces.items()]
+        return Step(output, named=named_signals, numbers=numbers)
 
     inputs = [*HELD, *angles, *(a.demand for a in AXES), *before]
     outputs = [*(INTERFACE.computed_output(s.name) for s in CURRENTS), *(a.excess for a in AXES if a.excess)]
     return build("decoupling", TIME, law, inputs=inputs, outputs=outputs, tag="direct and thrust currents, F(8), F(12)")
+
+
+def _numbers(plant: Plant, compensated: Mapping[str, float]) -> list[Constant]:
+    """Return the numbers of the decoupling that the C names; `compensated` are the parts of the springs."""
+    half_forces = {
+        "half_M_y": ("kg", lambda p: p["M_y"] / 2),
+        "half_I_x_over_r": ("kg m/rad", lambda p: p["I_x"] / (2 * p["r"])),
+        "half_I_z_over_r": ("kg m/rad", lambda p: p["I_z"] / (2 * p["r"])),
+    }
+    springs = {f"compensated_{n}": ("1/s^2", lambda p, n=n, part=part: part * p[n]) for n, part in compensated.items()}
+    formulas = half_forces | springs
+    return [
+        *(plant.constant(name) for name in ("M_x", "M_z", "G")),
+        *(plant.constant(name, unit, formula) for name, (unit, formula) in formulas.items()),
+        *pmlsm.numbers(plant),
+        Constant("direct_limit", DIRECT, "A", "largest direct current, rms: a little below the current limit"),
+        Constant("squared_current_limit", CURRENT**2, "A^2", "square of the current limit, 7 A peak"),
+    ]
 
 
 def _named_forces(j: int, m: pmlsm.ForceLaw, square: ca.SX) -> list[tuple[Signal, ca.SX]]:

@@ -81,7 +81,8 @@ def block(axis: str, time: Discrete) -> Block:
         for value in prediction.values():
             in_bounds = ca.logic_and(in_bounds, ca.fabs(value) <= predicted.high)
         next = {n: ca.if_else(in_bounds, value, u[raw.name] if n == "p" else 0) for n, value in prediction.items()}
-        return Step({axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}, next)
+        bound = Constant("largest_prediction", predicted.high, predicted.unit, "beyond it the filter restarts")
+        return Step({axis: ca.if_else(in_bounds, now, u[raw.name]), predicted.name: x["p"]}, next, numbers=[bound])
 
     about = {"p": "predicted position", "s": "predicted velocity times T", "h": "predicted acceleration times T^2/2"}
     states = [State(replace(predicted, name=n, about=what), 0.0) for n, what in about.items()]

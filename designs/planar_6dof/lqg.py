@@ -161,6 +161,10 @@ def regulator(
     demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
+    largest_error = ERROR.get(axis.name)
+    numbers = (
+        [Constant("largest_error", largest_error, q.unit, "a larger error counts as this")] if largest_error else []
+    )
 
     def law(u: Exprs, x: Exprs, c: Exprs) -> Step:
         w, after = estimate(u, x, c)
@@ -171,7 +175,8 @@ def regulator(
             error = ca.if_else(is_small, error, ca.if_else(error < 0, -most, most))
             integral = ca.if_else(is_small, integral, c["integral_decay"] * x["integral"])
         demand = c["error_gain"] * error + (w + x["integral"])
-        return Step({demand_signal.name: demand}, after | {"integral": integral, "achieved": u[achieved.name]})
+        next = after | {"integral": integral, "achieved": u[achieved.name]}
+        return Step({demand_signal.name: demand}, next, numbers=numbers)
 
     all_constants = [
         Constant("error_gain", k, per_position(axis.name), "(49): k1 + k3 T"),
@@ -206,7 +211,7 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
 
 def sensing_blocks(plant: Plant) -> list[Block]:
     """Return the Blocks from Hall voltages and achieved demands to measured positions and their predictions."""
-    return [sensing.sensing(plant, TIME, innovation=True), motion.prediction(plant, TIME)]
+    return [sensing.sensing(plant, TIME, reckoned=True), motion.prediction(plant, TIME)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:

@@ -132,7 +132,7 @@ class Guarded:
 
 
 def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
-    """Return the guarded inputs; NaN is outside every range. It brakes for some samples before the latch."""
+    """Return the guarded inputs; NaN is outside every range. Those that brake know the amplitude of all voltages."""
     with np.errstate(invalid="ignore"):
         read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
         good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
@@ -140,9 +140,10 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
-    flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
+    common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1)) & (braking > 0)
+    flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] & ~common for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
-    word = word + (1 << 29) * (confirmed & suspected["all"])
+    word = word + (1 << 29) * (confirmed & common)
     complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
     before = np.asarray(state["guard_left"])
     all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > braking)

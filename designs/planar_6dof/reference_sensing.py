@@ -35,7 +35,8 @@ DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
 YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
-WEIGHT, REGULAR, LEAST = 0.1, 2.5e-5, 1e-6  # of the third equation; regularisation of the yaw and of a ratio
+WEIGHT, LEAST = 0.1, 1e-6  # of the third equation; regularisation of a ratio
+REGULAR, REGULAR_RECKONED = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
 RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
 INNOVATION, YAW_INNOVATION = 5e-4, 0.08  # m; of A, times the square root of the yaw's information
@@ -122,7 +123,7 @@ def initial_state() -> dict[str, Array]:
         "sensing_contradiction_confirmed",
         *(f"sensing_first_{name}" for name in FIRST),
     ]
-    return {name: np.array(0.0) for name in names} | {"sensing_power": np.array(1.0)}
+    return {name: np.array(0.0) for name in names}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -171,27 +172,28 @@ def sense(
     flags: tuple[Array, Array],
     predicted: Columns,
     k: Constants,
-    innovation: bool = False,
+    reckoned: bool = False,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
-    `flags` say whether every voltage has been good in one sample, and is good in this one. With `innovation` a measured
-    motion that differs from the predicted one is a contradiction, too. Y(1)-(5), Fig. 4.
+    `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
+    predictions a measured motion that differs is a contradiction, too, and the amplitude is estimated. Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
-    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k, state["sensing_power"])
-    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k, state["sensing_power"])
+    scale = state["sensing_power"] if reckoned else np.array(1.0)
+    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k, scale)
+    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k, scale)
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
     h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
     r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
     weight = WEIGHT / A**2
-    information = h1**2 + h2**2 + weight * h3**2 + REGULAR * A**2
+    information = h1**2 + h2**2 + weight * h3**2 + (REGULAR_RECKONED if reckoned else REGULAR) * A**2
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
     counted = {a: count_pitches(p.place, state[f"sensing_offset_{a}"], predicted[a]) for a, p in (("x", x), ("y", y))}
     off = [(p.place + counted[a] - predicted[a]) / INNOVATION for a, p in (("x", x), ("y", y))]
     motion = off[0] ** 2 + off[1] ** 2 + information * (step / (YAW_INNOVATION * A)) ** 2
     squared = (r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2
-    rho = np.sqrt(squared + motion if innovation else squared)
+    rho = np.sqrt(squared + motion if reckoned else squared)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
@@ -205,14 +207,14 @@ def sense(
             contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
         ),
     }
-    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (2 * k.power[0])
-    scale = np.clip(state["sensing_power"] + pace * (x.m + y.m), *SCALE)
-    after["sensing_power"] = np.where(accepted, scale, state["sensing_power"])
+    if reckoned:
+        pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (2 * k.power[0])
+        after["sensing_power"] = np.where(accepted, np.clip(scale + pace * (x.m + y.m), *SCALE), scale)
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
-        offset = state[f"sensing_offset_{axis}"]
-        expected = np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2)
+        offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
+        expected = np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else within
         out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
@@ -228,10 +230,7 @@ def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
 
 
 def suspects(state: Columns, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be wrong, from the values at the first contradiction.
-
-    ``all`` says whether the amplitude of all voltages explains them; then none is wrong by itself.
-    """
+    """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
     m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
@@ -245,12 +244,15 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    common = (
-        np.all(m_exceeds, axis=0)
-        & ~any_r_exceeds
-        & (np.abs(first["m_x"] - first["m_y"]) < ALIKE * np.abs(first["m_x"] + first["m_y"]))
-    )
-    return {name: (flag | is_ambiguous) & ~common for name, flag in wrong.items()} | {"all": common}
+    return {name: flag | is_ambiguous for name, flag in wrong.items()}
+
+
+def is_amplitude(state: Columns, A: float) -> Array:
+    """Return whether the amplitude of all voltages explains the first contradiction; then none is wrong by itself."""
+    m_x, m_y, r_1, r_2 = (np.asarray(state[f"sensing_first_{name}"]) for name in ("m_x", "m_y", "r_1", "r_2"))
+    is_large = np.minimum(np.abs(m_x), np.abs(m_y)) > PART_M * POWER * A**2
+    is_yaw = np.maximum(np.abs(r_1), np.abs(r_2)) > PART_R * RESIDUAL * A
+    return np.asarray(is_large & ~is_yaw & (np.abs(m_x - m_y) < ALIKE * np.abs(m_x + m_y)))
 
 
 def filter_positions(

@@ -70,11 +70,13 @@ REFERENCES["phi"] = replace(REFERENCES["phi"], low=-0.008, high=0.008)
 def vertical_kinematics(plant: Plant, time: Discrete) -> Block:
     """Return the Block from the laser distances to z, theta and psi; tilts count to first order."""
     r = plant.parameter("laser_arm").value
+    inverse = plant.constant("half_over_laser_arm", "1/m", lambda p: 1 / (2 * p["laser_arm"]))
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         left, right, back = (u[s.name] for s in DISTANCES)
         front = (left + right) / 2
-        return Step({"z": (front + back) / 2, "theta": (back - front) / (2 * r), "psi": (left - right) / (2 * r)})
+        tilts = {"theta": (back - front) / (2 * r), "psi": (left - right) / (2 * r)}
+        return Step({"z": (front + back) / 2} | tilts, numbers=[inverse])
 
     outputs = [POSITIONS[axis] for axis in ("z", "theta", "psi")]
     return build("vertical_kinematics", time, law, inputs=DISTANCES, outputs=outputs, tag="z and tilts from distances")

@@ -92,7 +92,7 @@ def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")]
     law = {name: np.array(0.0) for name in names} | motion.initial_state()
-    return shared.initial_state(UPRIGHT, motion.BRAKING) | sensing.initial_state() | law
+    return shared.initial_state(UPRIGHT, motion.BRAKING) | sensing.initial_state() | law | {"sensing_power": np.array(1.0)}
 
 
 def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:

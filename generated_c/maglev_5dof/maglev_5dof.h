@@ -12,6 +12,12 @@
  * m/s (y); in motion the machine reaches 0.44 m/s (y) and 0.59 rad/s (theta) and hits a stop at 0.44 m/s (y)): i_d1,
  * i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
  *
+ * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
+ * again. gains.json and manifest.json say where each number comes from.
+ *
+ * With MAGLEV_5DOF_DIAGNOSTICS defined, for the .c as well, maglev_5dof_step_diagnosed also says which signals it
+ * computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
  */
@@ -25,9 +31,9 @@ extern "C" {
 #endif
 
 typedef struct {
-    float sum;                          /* m: internal model */
-    float p1;                           /* m: internal model */
-    float q1;                           /* m: internal model */
+    float sum;                          /* m, -600 .. 600: internal model */
+    float p1;                           /* m, -3 .. 3: internal model */
+    float q1;                           /* m, -600 .. 600: internal model */
 } maglev_5dof_regulator_state_t;
 
 typedef struct {
@@ -124,6 +130,36 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
+
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. Bits of `saturated`: 0 i_d1_computed, 1 i_d2_computed, 2 i_d3_computed, 3 i_d4_computed, 4 u_x_computed, 5 u_z_computed. */
+typedef struct {
+    float y;                            /* m: gap at the centre */
+    float phi;                          /* rad: rotation about X */
+    float theta;                        /* rad: rotation about Z */
+    float e_y;                          /* m: tracking error */
+    float e_x;                          /* m: tracking error */
+    float e_z;                          /* m: tracking error */
+    float e_phi;                        /* rad: tracking error */
+    float e_theta;                      /* rad: tracking error */
+    float w_y;                          /* m/s^2: demanded acceleration */
+    float w_x;                          /* m/s^2: demanded acceleration */
+    float w_z;                          /* m/s^2: demanded acceleration */
+    float w_phi;                        /* rad/s^2: demanded acceleration */
+    float w_theta;                      /* rad/s^2: demanded acceleration */
+    float excess_x;                     /* A: u_x limited less u_x demanded */
+    float excess_z;                     /* A: u_z limited less u_z demanded */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} maglev_5dof_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
+    maglev_5dof_diagnostics_t *diagnostics);
+#endif
 
 #ifdef __cplusplus
 }

@@ -3,6 +3,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -67,8 +70,27 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
     };
 }
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
 {
+    return maglev_5dof_phase_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
+    maglev_5dof_phase_diagnostics_t *diagnostics)
+#else
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+#endif
+{
+    static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
+    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
+
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u, &faults);
@@ -82,7 +104,13 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float x_held = maglev_5dof_phase_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
     const float z_held = maglev_5dof_phase_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
-    /* advance: positions 1.5 samples later, when the currents act */
+    /* advance: positions 1.5 samples later, when the currents act
+     *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
+     *         z_acting
+     *     lost_x = 0 if |x| <= 0.1, else left_x <= 1; likewise lost_z
+     *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
+     *         else x_held) - 0.001); likewise last_z_next
+     *     left_x_next = 5 if |x| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise left_z_next */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_part = x_held;
     uint32_t advance_left_x_part = 0u;
@@ -118,7 +146,15 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         i_a1_part = 0.0f;
     }
 
-    /* commutation: phase currents, inverse Park */
+    /* commutation: phase currents, inverse Park
+     *     distance_x = limit(x_acting - 0.114288 * (floor(8.74891 * x_acting + 4.5) - 4) - 1.16699e-05 *
+     *         (floor(8.74891 * x_acting + 4.5) - 4), 0.0572643); likewise distance_z
+     *     quarter_sine_x = sin(-13.7428 * distance_x); likewise quarter_sine_z
+     *     transfer_next = max(min(transfer if lost_x and lost_z, else (1 if lost_x is set, else (-1 if lost_z
+     *         is set, else 0)), transfer + 0.04), transfer - 0.04) if lost_x or lost_z or 0 < |transfer|, else
+     *         0
+     *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
+     *         lost_x or lost_z or 0 < |transfer|, else 0 */
     const float distance_x_part = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
     const float distance_x = x_acting - (0.11428833f * distance_x_part) - (1.1669922e-05f * distance_x_part);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
@@ -131,11 +167,11 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
     const float i_a1_part_2 = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
     const float i_a1_part_3 = i_a1_part_2 * (5.656854f - (11.313708f * quarter_sine_z_squared));
-    const float i_a1_part_4 = 1.4142135f - (11.313708f * (i_a1_part_2 * i_a1_part_2));
+    const float i_a1_part_4 = root_2 - (11.313708f * (i_a1_part_2 * i_a1_part_2));
     const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
     const float i_a2_part = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
     const float i_a2_part_2 = i_a2_part * (5.656854f - (11.313708f * quarter_sine_x_squared));
-    const float i_a2_part_3 = 1.4142135f - (11.313708f * (i_a2_part * i_a2_part));
+    const float i_a2_part_3 = root_2 - (11.313708f * (i_a2_part * i_a2_part));
     float i_a1_part_5 = i_d1_held;
     float i_a1_part_6 = i_a1_part_3;
     float i_a1_part_7 = i_a1_part_4;
@@ -179,7 +215,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a1 = i_a1_part_16;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
     out->i_a1 = i_a1;
-    const float i_b1_part = 0.8660254f * ((i_q1_held * i_a1_part_6) + (i_a1_part_5 * i_a1_part_7));
+    const float i_b1_part = half_root_3 * ((i_q1_held * i_a1_part_6) + (i_a1_part_5 * i_a1_part_7));
     const float half_i_a1_part_16 = 0.5f * i_a1_part_16;
     const float i_b1 = i_b1_part - half_i_a1_part_16;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
@@ -191,7 +227,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a2 = i_a2_part_9;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
     out->i_a2 = i_a2;
-    const float i_b2_part = 0.8660254f * ((i_q2_held * i_a2_part_5) + (i_a2_part_4 * i_a2_part_6));
+    const float i_b2_part = half_root_3 * ((i_q2_held * i_a2_part_5) + (i_a2_part_4 * i_a2_part_6));
     const float half_i_a2_part_9 = 0.5f * i_a2_part_9;
     const float i_b2 = i_b2_part - half_i_a2_part_9;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
@@ -203,7 +239,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a3 = i_a3_part_2;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
     out->i_a3 = i_a3;
-    const float i_b3_part = 0.8660254f * ((i_q3_held * i_a1_part_6) + (i_a3_part * i_a1_part_7));
+    const float i_b3_part = half_root_3 * ((i_q3_held * i_a1_part_6) + (i_a3_part * i_a1_part_7));
     const float half_i_a3_part_2 = 0.5f * i_a3_part_2;
     const float i_b3 = i_b3_part - half_i_a3_part_2;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
@@ -215,7 +251,7 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a4 = i_a4_part_2;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
     out->i_a4 = i_a4;
-    const float i_b4_part = 0.8660254f * ((i_q4_held * i_a2_part_5) + (i_a4_part * i_a2_part_6));
+    const float i_b4_part = half_root_3 * ((i_q4_held * i_a2_part_5) + (i_a4_part * i_a2_part_6));
     const float half_i_a4_part_2 = 0.5f * i_a4_part_2;
     const float i_b4 = i_b4_part - half_i_a4_part_2;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
@@ -223,6 +259,19 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_c4 = -(half_i_a4_part_2 + i_b4_part);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
     out->i_c4 = i_c4;
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->x_acting = x_acting;
+        diagnostics->lost_x = lost_x ? 1.0f : 0.0f;
+        diagnostics->z_acting = z_acting;
+        diagnostics->lost_z = lost_z ? 1.0f : 0.0f;
+    }
+#endif
 
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = fault_word;
+    }
+#endif
     return fault_word;
 }

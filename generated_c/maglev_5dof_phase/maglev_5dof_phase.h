@@ -6,6 +6,12 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
+ * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
+ * again. gains.json and manifest.json say where each number comes from.
+ *
+ * With MAGLEV_5DOF_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_phase_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
  */
@@ -95,6 +101,25 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  *   bit 11  z: lost; motors 1 and 3 hand their direct currents over and fade out
  */
 uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out);
+
+#if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. */
+typedef struct {
+    float x_acting;                     /* m: x when the current acts */
+    float lost_x;                       /* 1: x is unknown */
+    float z_acting;                     /* m: z when the current acts */
+    float lost_z;                       /* 1: z is unknown */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} maglev_5dof_phase_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
+    maglev_5dof_phase_diagnostics_t *diagnostics);
+#endif
 
 #ifdef __cplusplus
 }

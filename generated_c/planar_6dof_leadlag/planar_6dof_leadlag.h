@@ -11,6 +11,12 @@
  * in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s (phi); in motion the machine reaches 0.15 m/s
  * (x) and 0.026 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
+ * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
+ * again. gains.json and manifest.json say where each number comes from.
+ *
+ * With PLANAR_6DOF_LEADLAG_DIAGNOSTICS defined, for the .c as well, planar_6dof_leadlag_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
  */
@@ -90,7 +96,6 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
-    float sensing_power;                /* 1, 0.75 .. 1.3: estimated squared amplitude over the nominal one */
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;
     planar_6dof_leadlag_filter_state_t filter_phi;
@@ -115,11 +120,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
 _Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
-_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 224u, "size of planar_6dof_leadlag_state_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 220u, "size of planar_6dof_leadlag_state_t");
 #else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_224[(sizeof(planar_6dof_leadlag_state_t) == 224u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_220[(sizeof(planar_6dof_leadlag_state_t) == 220u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -149,9 +154,60 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
  *   bit 31  latched: safe output until init
- *   bit 29  all Hall voltages have another amplitude than the field
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
+
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. Bits of `saturated`: 0 phi_raw, 1 i_CQ, 2 i_AD, 3 i_BD, 4 i_CD. */
+typedef struct {
+    float suspect_V_ax;                 /* 1: V_ax contradicts the others */
+    float suspect_V_ay;                 /* 1: V_ay contradicts the others */
+    float suspect_V_bx;                 /* 1: V_bx contradicts the others */
+    float suspect_V_by;                 /* 1: V_by contradicts the others */
+    float suspect_V_cx;                 /* 1: V_cx contradicts the others */
+    float suspect_V_cy;                 /* 1: V_cy contradicts the others */
+    float x_raw;                        /* m: from this sample's voltages */
+    float y_raw;                        /* m: from this sample's voltages */
+    float phi_raw;                      /* rad: from this sample's voltages */
+    float within_x;                     /* m: raw position along x, from the middle of its pitch */
+    float within_y;                     /* m: raw position along y, from the middle of its pitch */
+    float m_x;                          /* V^2: squared amplitude of the pair of x, less that of the field */
+    float m_y;                          /* V^2: squared amplitude of the pair of y, less that of the field */
+    float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
+    float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
+    float x;                            /* m: filtered */
+    float y;                            /* m: filtered */
+    float phi;                          /* rad: filtered */
+    float z;                            /* m: height above the nominal gap */
+    float theta;                        /* rad: tilt about X */
+    float psi;                          /* rad: tilt about Y */
+    float d_x;                          /* A: demand of x over its scale */
+    float d_y;                          /* A: demand of y over its scale */
+    float d_phi;                        /* A: demand of phi over its scale */
+    float d_z;                          /* A: demand of z over its scale */
+    float d_theta;                      /* A: demand of theta over its scale */
+    float d_psi;                        /* A: demand of psi over its scale */
+    float i_AQ;                         /* A: quadrature current of motor A, peak of a phase */
+    float i_BQ;                         /* A: quadrature current of motor B, peak of a phase */
+    float i_CQ;                         /* A: quadrature current of motor C, peak of a phase */
+    float i_AD;                         /* A: direct current of motor A, peak of a phase */
+    float i_BD;                         /* A: direct current of motor B, peak of a phase */
+    float i_CD;                         /* A: direct current of motor C, peak of a phase */
+    float achieved_x;                   /* A: demand that the limited currents achieve */
+    float achieved_y;                   /* A: demand that the limited currents achieve */
+    float achieved_phi;                 /* A: demand that the limited currents achieve */
+    float achieved_theta;               /* A: demand that the limited currents achieve */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} planar_6dof_leadlag_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out,
+    planar_6dof_leadlag_diagnostics_t *diagnostics);
+#endif
 
 #ifdef __cplusplus
 }

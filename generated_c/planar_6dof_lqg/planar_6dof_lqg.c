@@ -3,6 +3,9 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+#include <stddef.h>
+#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "-ffast-math and -ffinite-math-only remove the tests for NaN and infinity: compile without them"
 #endif
@@ -62,16 +65,16 @@ PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_hold_within(float value, float high
     return held;
 }
 
-/* f1_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at most
- * 6e-08. */
-static inline float f1_polynomial(float t)
+/* cos_phi_raw_polynomial; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error
+ * at most 6e-08. */
+static inline float cos_phi_raw_polynomial(float t)
 {
     return 1.0f + (t * -0.49997827f);
 }
 
-/* f2_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative error at
- * most 1.2e-07. */
-static inline float f2_polynomial(float t)
+/* sin_phi_raw_polynomial / x; x = clamp(phi_raw, -0.075, 0.075) in -0.0250000004 .. 0.0250000004, t = x^2; relative
+ * error at most 1.2e-07. */
+static inline float sin_phi_raw_polynomial(float t)
 {
     return 1.0f + (t * -0.16666232f);
 }
@@ -113,8 +116,43 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     };
 }
 
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
 {
+    return planar_6dof_lqg_step_diagnosed(state, in, out, NULL);
+}
+
+uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out,
+    planar_6dof_lqg_diagnostics_t *diagnostics)
+#else
+uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
+#endif
+{
+    static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
+    static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
+    static const float significant_r = 0.07043498f;             /* V; 0.024 A */
+    static const float nearly_zero_m = 0.8612997f;              /* V^2; 0.1 A^2 */
+    static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
+    static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
+    static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
+    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
+    static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
+    static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
+    static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
+    static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+    static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
+    static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
+    static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
+    static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
+    static const float lqg_x_largest_error = 0.0015f;           /* m; a larger error counts as this */
+    static const float lqg_y_largest_error = 0.004f;            /* m; a larger error counts as this */
+    static const float quadrature_limit = 1.134f;               /* A; largest quadrature current of a motor */
+    static const float half_quadrature_limit = 0.567f;          /* A; what the yaw leaves to motor C */
+    static const float direct_limit = 0.54913455f;              /* A; largest direct current of a motor */
+    static const float c = 0.025584769f; /* m; not printed: row x of Table 3 makes no torque about z */
+    static const float b = 0.012792384f; /* m; not printed: row z of Table 3 makes no torque about x */
+    static const float half_root_3 = 0.8660254f;                /* 1; sqrt(3) / 2 */
+    static const float slew_i_AA = 0.1575f;                     /* A; 126 A/s times 0.00125 s */
     static const float guard_refused_V_ax = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_ay = 0.0f;               /* V; in place of a refused value */
     static const float guard_refused_V_bx = 0.0f;               /* V; in place of a refused value */
@@ -186,6 +224,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     /* 1 1; (25): 1 - integral_decay; times allocation_half */
     static const float loop_psi_integral_input_x_allocation_half = 0.0062111802f;
 
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->samples += 1u;
+        diagnostics->saturated = 0u;
+    }
+#endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
     const float V_ax_held = planar_6dof_lqg_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
@@ -214,48 +258,48 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float sensing_first_m_x = state->sensing_first_m_x;
     const float sensing_first_m_y = state->sensing_first_m_y;
     const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
-    const bool suspect_V_ax_test = 0.25838992f < sensing_first_m_x_size;
-    const bool suspect_V_ax_test_2 = 0.07043498f < fabsf(sensing_first_r_2);
-    const bool suspect_V_ax_test_3 = 0.07043498f < fabsf(sensing_first_r_1);
-    const bool suspect_V_ax_test_4 = suspect_V_ax_test_2 || suspect_V_ax_test_3;
+    const bool above_significant_m = significant_m < sensing_first_m_x_size;
+    const bool above_significant_r = significant_r < fabsf(sensing_first_r_2);
+    const bool above_significant_r_2 = significant_r < fabsf(sensing_first_r_1);
+    const bool suspect_V_ax_test = above_significant_r || above_significant_r_2;
     const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
-    const bool suspect_V_ax_test_5 = 0.25838992f < sensing_first_m_y_size;
-    const bool suspect_V_ax_test_6 = suspect_V_ax_test && suspect_V_ax_test_5;
-    const bool suspect_V_ax_test_7 = suspect_V_ax_test_6 && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y))) && !suspect_V_ax_test_4;
+    const bool above_significant_m_2 = significant_m < sensing_first_m_y_size;
+    const bool suspect_V_ax_test_2 = above_significant_m && above_significant_m_2;
+    const bool suspect_V_ax_test_3 = suspect_V_ax_test_2 && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y))) && !suspect_V_ax_test;
     bool complete = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (0.033025026f * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool suspect_V_ax_test_8 = 0.12402716f < suspect_V_ax_part;
-        bool suspect_V_ax_test_9;
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const bool above_squared_jump = squared_jump < suspect_V_ax_part;
+        bool suspect_V_ax_test_4;
         bool suspect_V_ay_test;
-        bool suspect_V_bx_test = suspect_V_ax_test;
-        bool suspect_V_by_test = suspect_V_ax_test_4;
-        bool suspect_V_cx_test = suspect_V_ax_test_4;
-        bool suspect_V_cy_test = suspect_V_ax_test_5;
-        if (suspect_V_ax_test_8) {
-            const bool suspect_V_ax_test_10 = sensing_first_m_x_size < 0.8612997f;
+        bool suspect_V_bx_test = above_significant_m;
+        bool suspect_V_by_test = suspect_V_ax_test;
+        bool suspect_V_cx_test = suspect_V_ax_test;
+        bool suspect_V_cy_test = above_significant_m_2;
+        if (above_squared_jump) {
+            const bool below_nearly_zero_m = sensing_first_m_x_size < nearly_zero_m;
             const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test_9 = suspect_V_ax_test_2 && (!suspect_V_ax_test_10 || (suspect_V_ax_part_2 < 2.5838993f));
-            const bool suspect_V_ay_test_2 = sensing_first_m_y_size < 0.8612997f;
+            suspect_V_ax_test_4 = above_significant_r && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
+            const bool below_nearly_zero_m_2 = sensing_first_m_y_size < nearly_zero_m;
             const float suspect_V_ay_part = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = suspect_V_ax_test_3 && (!suspect_V_ay_test_2 || (suspect_V_ay_part < 2.5838993f));
-            suspect_V_bx_test = (suspect_V_ax_part_2 + 0.8612997f) < sensing_first_m_x_size;
-            suspect_V_by_test = suspect_V_ax_test_3 && suspect_V_ay_test_2;
-            suspect_V_cx_test = suspect_V_ax_test_2 && suspect_V_ax_test_10;
-            suspect_V_cy_test = (suspect_V_ay_part + 0.8612997f) < sensing_first_m_y_size;
+            suspect_V_ay_test = above_significant_r_2 && (!below_nearly_zero_m_2 || (suspect_V_ay_part < small_m));
+            suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < sensing_first_m_x_size;
+            suspect_V_by_test = above_significant_r_2 && below_nearly_zero_m_2;
+            suspect_V_cx_test = above_significant_r && below_nearly_zero_m;
+            suspect_V_cy_test = (suspect_V_ay_part + nearly_zero_m) < sensing_first_m_y_size;
         } else {
-            suspect_V_ax_test_9 = suspect_V_ax_test_4 || suspect_V_ax_test;
-            suspect_V_ay_test = suspect_V_ax_test_4 || suspect_V_ax_test_5;
+            suspect_V_ax_test_4 = suspect_V_ax_test || above_significant_m;
+            suspect_V_ay_test = suspect_V_ax_test || above_significant_m_2;
         }
-        const bool suspect_V_ax_test_11 = (0.01f < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_6 && !suspect_V_ax_test_8);
-        const bool suspect_V_ax_test_12 = !suspect_V_ax_test_7;
-        const bool suspect_V_ax = (suspect_V_ax_test_9 || suspect_V_ax_test_11) && suspect_V_ax_test_12;
-        const bool suspect_V_ay = (suspect_V_ay_test || suspect_V_ax_test_11) && suspect_V_ax_test_12;
-        const bool suspect_V_bx = (suspect_V_bx_test || suspect_V_ax_test_11) && suspect_V_ax_test_12;
-        const bool suspect_V_by = (suspect_V_by_test || suspect_V_ax_test_11) && suspect_V_ax_test_12;
-        const bool suspect_V_cx = (suspect_V_cx_test || suspect_V_ax_test_11) && suspect_V_ax_test_12;
-        const bool suspect_V_cy = (suspect_V_cy_test || suspect_V_ax_test_11) && suspect_V_ax_test_12;
+        const bool suspect_V_ax_test_5 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_2 && !above_squared_jump);
+        const bool suspect_V_ax_test_6 = !suspect_V_ax_test_3;
+        const bool suspect_V_ax = (suspect_V_ax_test_4 || suspect_V_ax_test_5) && suspect_V_ax_test_6;
+        const bool suspect_V_ay = (suspect_V_ay_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
+        const bool suspect_V_bx = (suspect_V_bx_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
+        const bool suspect_V_by = (suspect_V_by_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
+        const bool suspect_V_cx = (suspect_V_cx_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
+        const bool suspect_V_cy = (suspect_V_cy_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -274,6 +318,16 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
+            diagnostics->suspect_V_ay = suspect_V_ay ? 1.0f : 0.0f;
+            diagnostics->suspect_V_bx = suspect_V_bx ? 1.0f : 0.0f;
+            diagnostics->suspect_V_by = suspect_V_by ? 1.0f : 0.0f;
+            diagnostics->suspect_V_cx = suspect_V_cx ? 1.0f : 0.0f;
+            diagnostics->suspect_V_cy = suspect_V_cy ? 1.0f : 0.0f;
+        }
+#endif
     } else {
         complete = (faults & 0x0000003fu) == 0u;
     }
@@ -301,30 +355,35 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         braking_share_part = false;
     }
     if (latched != 0u) {
-        state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, 0.1575f);
+        state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
         out->i_AA = state->safe_output_last_i_AA;
-        state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, 0.1575f);
+        state->safe_output_last_i_AB = planar_6dof_lqg_slew(state->safe_output_last_i_AB, 0.0f, slew_i_AA);
         out->i_AB = state->safe_output_last_i_AB;
-        state->safe_output_last_i_AC = planar_6dof_lqg_slew(state->safe_output_last_i_AC, 0.0f, 0.1575f);
+        state->safe_output_last_i_AC = planar_6dof_lqg_slew(state->safe_output_last_i_AC, 0.0f, slew_i_AA);
         out->i_AC = state->safe_output_last_i_AC;
-        state->safe_output_last_i_BA = planar_6dof_lqg_slew(state->safe_output_last_i_BA, 0.0f, 0.1575f);
+        state->safe_output_last_i_BA = planar_6dof_lqg_slew(state->safe_output_last_i_BA, 0.0f, slew_i_AA);
         out->i_BA = state->safe_output_last_i_BA;
-        state->safe_output_last_i_BB = planar_6dof_lqg_slew(state->safe_output_last_i_BB, 0.0f, 0.1575f);
+        state->safe_output_last_i_BB = planar_6dof_lqg_slew(state->safe_output_last_i_BB, 0.0f, slew_i_AA);
         out->i_BB = state->safe_output_last_i_BB;
-        state->safe_output_last_i_BC = planar_6dof_lqg_slew(state->safe_output_last_i_BC, 0.0f, 0.1575f);
+        state->safe_output_last_i_BC = planar_6dof_lqg_slew(state->safe_output_last_i_BC, 0.0f, slew_i_AA);
         out->i_BC = state->safe_output_last_i_BC;
-        state->safe_output_last_i_CA = planar_6dof_lqg_slew(state->safe_output_last_i_CA, 0.0f, 0.1575f);
+        state->safe_output_last_i_CA = planar_6dof_lqg_slew(state->safe_output_last_i_CA, 0.0f, slew_i_AA);
         out->i_CA = state->safe_output_last_i_CA;
-        state->safe_output_last_i_CB = planar_6dof_lqg_slew(state->safe_output_last_i_CB, 0.0f, 0.1575f);
+        state->safe_output_last_i_CB = planar_6dof_lqg_slew(state->safe_output_last_i_CB, 0.0f, slew_i_AA);
         out->i_CB = state->safe_output_last_i_CB;
-        state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, 0.1575f);
+        state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
 
         /* guard: range acceptance, hold, latch */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* reckoning: alpha-beta filter, dead reckoning */
+        /* reckoning: alpha-beta filter, dead reckoning
+         *     x_advance = x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
+         *         x_half_step * x_acting + x_half_step * x_acting; likewise y_advance, phi_advance
+         *     x_position_next = limit(x_position + (x_position_gain if guard_ready is set, else 1) * (x_raw -
+         *         x_position) + x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
+         *         x_half_step * x_acting, 0.2); likewise y_position_next */
         const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
         const float reckoning_y_position = state->reckoning_y_position;
@@ -334,56 +393,56 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float sensing_first_s_x_next = V_ax_held - ratio_x_part;
         const float ratio_x_part_minus_V_bx = ratio_x_part - V_bx_held;
         const float ratio_x_part_2 = sensing_first_s_x_next * ratio_x_part_minus_V_bx;
-        const float ratio_x_part_3 = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float ratio_x_part_4 = ratio_x_part_minus_V_bx * ratio_x_part_minus_V_bx;
-        const float ratio_x = ratio_x_part_2 / (planar_6dof_lqg_max(ratio_x_part_3, ratio_x_part_4) + 8.612998e-06f);
+        const float sensing_first_s_x_squared = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float ratio_x_part_3 = ratio_x_part_minus_V_bx * ratio_x_part_minus_V_bx;
+        const float ratio_x = ratio_x_part_2 / (planar_6dof_lqg_max(sensing_first_s_x_squared, ratio_x_part_3) + least_square);
         /*@ admit -1.0f <= ratio_x <= 1.0f; */
         const float ratio_y_part = reckoning_phi_position * V_ax_held;
         const float sensing_first_s_y_next = V_ay_held + ratio_y_part;
         const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
         const float ratio_y_part_2 = sensing_first_s_y_next * V_cy_plus_ratio_y_part;
-        const float ratio_y_part_3 = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float ratio_y_part_4 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
-        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(ratio_y_part_3, ratio_y_part_4) + 8.612998e-06f));
+        const float sensing_first_s_y_squared = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float ratio_y_part_3 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
+        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(sensing_first_s_y_squared, ratio_y_part_3) + least_square));
         /*@ admit -1.0f <= ratio_y <= 1.0f; */
-        const float r_1_part = ratio_x_part_minus_V_bx + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_4 * (sensing_slope_0 + (ratio_y_part_3 * sensing_slope_1)));
+        const float r_1_part = ratio_x_part_minus_V_bx + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_3 * (sensing_slope_0 + (sensing_first_s_y_squared * sensing_slope_1)));
         const float r_1 = V_by_held - V_ay_held - (r_1_part * reckoning_phi_position);
-        const float r_2_part = (ratio_x_part_minus_V_bx * ratio_x_part_4 * (sensing_slope_0 + (ratio_x_part_3 * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
+        const float r_2_part = (ratio_x_part_minus_V_bx * ratio_x_part_3 * (sensing_slope_0 + (sensing_first_s_x_squared * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
         const float r_2 = V_cx_held - V_ax_held + (r_2_part * reckoning_phi_position);
         const float sensing_power = state->sensing_power;
         const float m_x_part = sensing_power * sensing_power_0;
         const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
-        const float m_x = ratio_x_part_3 + ratio_x_part_4 - (m_x_part + (ratio_x_part_2_squared * (sensing_power_1 + (ratio_x_part_2_squared * sensing_power_2))));
+        const float m_x = sensing_first_s_x_squared + ratio_x_part_3 - (m_x_part + (ratio_x_part_2_squared * (sensing_power_1 + (ratio_x_part_2_squared * sensing_power_2))));
         const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
-        const float m_y = ratio_y_part_3 + ratio_y_part_4 - (m_x_part + (ratio_y_part_2_squared * (sensing_power_1 + (ratio_y_part_2_squared * sensing_power_2))));
+        const float m_y = sensing_first_s_y_squared + ratio_y_part_3 - (m_x_part + (ratio_y_part_2_squared * (sensing_power_1 + (ratio_y_part_2_squared * sensing_power_2))));
         const float ratio_x_squared = ratio_x * ratio_x;
         const float x_raw_part = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
         float x_raw_part_2;
-        if (ratio_x_part_3 <= ratio_x_part_4) {
+        if (sensing_first_s_x_squared <= ratio_x_part_3) {
             if (ratio_x_part_minus_V_bx < 0.0f) {
                 if (0.0f < x_raw_part) {
-                    x_raw_part_2 = x_raw_part - 0.0254f;
+                    x_raw_part_2 = x_raw_part - half_pitch;
                 } else {
-                    x_raw_part_2 = x_raw_part + 0.0254f;
+                    x_raw_part_2 = x_raw_part + half_pitch;
                 }
             } else {
                 x_raw_part_2 = x_raw_part;
             }
         } else {
-            x_raw_part_2 = ((sensing_first_s_x_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part;
+            x_raw_part_2 = ((sensing_first_s_x_next < 0.0f) ? -quarter_pitch : quarter_pitch) - x_raw_part;
         }
         const float sensing_offset_x = state->sensing_offset_x;
         const float x_raw_part_3 = reckoning_x_position - sensing_offset_x;
         const float x_raw_part_4 = x_raw_part_2 - x_raw_part_3;
         float x_raw_part_5 = sensing_offset_x;
-        if (0.0254f < fabsf(x_raw_part_4)) {
+        if (half_pitch < fabsf(x_raw_part_4)) {
             if (0.0f < x_raw_part_4) {
-                if (-0.0508f <= sensing_offset_x) {
-                    x_raw_part_5 = sensing_offset_x - 0.0508f;
+                if (-pitch <= sensing_offset_x) {
+                    x_raw_part_5 = sensing_offset_x - pitch;
                 }
             } else {
-                if (sensing_offset_x <= 0.0508f) {
-                    x_raw_part_5 = sensing_offset_x + 0.0508f;
+                if (sensing_offset_x <= pitch) {
+                    x_raw_part_5 = sensing_offset_x + pitch;
                 }
             }
         }
@@ -391,46 +450,46 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float ratio_y_squared = ratio_y * ratio_y;
         const float x_raw_part_7 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
         float x_raw_part_8;
-        if (ratio_y_part_3 <= ratio_y_part_4) {
+        if (sensing_first_s_y_squared <= ratio_y_part_3) {
             if (-V_cy_plus_ratio_y_part < 0.0f) {
                 if (0.0f < x_raw_part_7) {
-                    x_raw_part_8 = x_raw_part_7 - 0.0254f;
+                    x_raw_part_8 = x_raw_part_7 - half_pitch;
                 } else {
-                    x_raw_part_8 = x_raw_part_7 + 0.0254f;
+                    x_raw_part_8 = x_raw_part_7 + half_pitch;
                 }
             } else {
                 x_raw_part_8 = x_raw_part_7;
             }
         } else {
-            x_raw_part_8 = ((sensing_first_s_y_next < 0.0f) ? -0.0127f : 0.0127f) - x_raw_part_7;
+            x_raw_part_8 = ((sensing_first_s_y_next < 0.0f) ? -quarter_pitch : quarter_pitch) - x_raw_part_7;
         }
         const float sensing_offset_y = state->sensing_offset_y;
         const float x_raw_part_9 = reckoning_y_position - sensing_offset_y;
         const float x_raw_part_10 = x_raw_part_8 - x_raw_part_9;
         float x_raw_part_11 = sensing_offset_y;
-        if (0.0254f < fabsf(x_raw_part_10)) {
+        if (half_pitch < fabsf(x_raw_part_10)) {
             if (0.0f < x_raw_part_10) {
-                if (-0.0508f <= sensing_offset_y) {
-                    x_raw_part_11 = sensing_offset_y - 0.0508f;
+                if (-pitch <= sensing_offset_y) {
+                    x_raw_part_11 = sensing_offset_y - pitch;
                 }
             } else {
-                if (sensing_offset_y <= 0.0508f) {
-                    x_raw_part_11 = sensing_offset_y + 0.0508f;
+                if (sensing_offset_y <= pitch) {
+                    x_raw_part_11 = sensing_offset_y + pitch;
                 }
             }
         }
         const float x_raw_part_12 = x_raw_part_8 + x_raw_part_11;
         const float x_raw_part_13 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
         const float x_raw_part_14 = (r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (x_raw_part_13 * (m_x - m_y)));
-        const float x_raw_part_15 = x_raw_part_14 / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (x_raw_part_13 * x_raw_part_13))) + 0.00021532494f);
+        const float x_raw_part_15 = x_raw_part_14 / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (x_raw_part_13 * x_raw_part_13))) + least_information);
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool x_raw_test = false;
         if ((guard_ready != 0u) && complete) {
             const float x_raw_part_16 = x_raw_part_6 - reckoning_x_position;
             const float x_raw_part_17 = x_raw_part_12 - reckoning_y_position;
-            const float x_raw_part_18 = (r_1 * r_1) + (r_2 * r_2) + (0.033025026f * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((x_raw_part_16 * x_raw_part_16) + (x_raw_part_17 * x_raw_part_17)));
+            const float x_raw_part_18 = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((x_raw_part_16 * x_raw_part_16) + (x_raw_part_17 * x_raw_part_17)));
             const float x_raw_part_19 = x_raw_part_18 + (x_raw_part_15 * x_raw_part_14);
-            x_raw_test = (0.013780796f < x_raw_part_19) && ((sensing_contradiction_left != 0u) || (0.055123184f < x_raw_part_19));
+            x_raw_test = (squared_confirmation < x_raw_part_19) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < x_raw_part_19));
         }
         const bool x_raw_test_2 = !x_raw_test && complete;
         float x_raw = x_raw_part_6;
@@ -445,10 +504,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             x_raw = reckoning_x_position;
             y_raw = reckoning_y_position;
             phi_raw_part = 0.0f;
-            within_x = planar_6dof_lqg_limit(x_raw_part_3, 0.0254f);
-            within_y = planar_6dof_lqg_limit(x_raw_part_9, 0.0254f);
+            within_x = planar_6dof_lqg_limit(x_raw_part_3, half_pitch);
+            within_y = planar_6dof_lqg_limit(x_raw_part_9, half_pitch);
         }
-        const float phi_raw = planar_6dof_lqg_limit(reckoning_phi_position + phi_raw_part, 0.025f);
+        const float phi_raw = planar_6dof_lqg_limit(reckoning_phi_position + phi_raw_part, max_yaw);
         if (x_raw_test) {
             state->sensing_contradiction_left = 4u;
         } else {
@@ -522,56 +581,69 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->reckoning_phi_position = planar_6dof_lqg_limit(reckoning_phi_position + (reckoning_phi_position_part * phi_advance_part) + phi_advance_part_4, 0.05f);
         state->reckoning_phi_rate = planar_6dof_lqg_limit(phi_advance, 0.05f);
 
-        /* vertical_kinematics: z and tilts from distances */
+        /* vertical_kinematics: z and tilts from distances
+         *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
+         *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
         const float z_part = 0.5f * (d1_held + d2_held);
         const float z = 0.5f * (z_part + d3_held);
-        const float theta = 8.333333f * (d3_held - z_part);
-        const float psi = 8.333333f * (d1_held - d2_held);
+        const float theta = half_over_laser_arm * (d3_held - z_part);
+        const float psi = half_over_laser_arm * (d1_held - d2_held);
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_x: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool law_x_test = fabsf(x_ref_minus_x_raw) <= 0.0015f;
+        const bool below_lqg_x_largest_error = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
         const float lqg_x_achieved = state->lqg_x_achieved;
         const float law_x_part_2 = law_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float law_x = (lqg_x_error_gain * ((law_x_test) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -0.0015f : 0.0015f))) + (lqg_x_integral - law_x_part_2);
+        const float law_x = (lqg_x_error_gain * ((below_lqg_x_largest_error) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - law_x_part_2);
         state->lqg_x_x3 = (lqg_x_F * law_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
-        /* lqg_y: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_y: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool law_y_test = fabsf(y_ref_minus_y_raw) <= 0.004f;
+        const bool below_lqg_y_largest_error = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_achieved = state->lqg_y_achieved;
         const float law_y_part_2 = law_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float law_y = (lqg_y_error_gain * ((law_y_test) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -0.004f : 0.004f))) + (lqg_y_integral - law_y_part_2);
+        const float law_y = (lqg_y_error_gain * ((below_lqg_y_largest_error) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - law_y_part_2);
         state->lqg_y_x3 = (lqg_y_F * law_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
+         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
+         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
         const float law_phi_part_2 = law_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
         const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - law_phi_part_2);
         state->lqg_phi_x3 = (lqg_phi_F * law_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
-        /* loop_z: lead-lag, (23) */
+        /* loop_z: lead-lag, (23)
+         *     d_z = gain * (z_ref_held - z) + lead + integral */
         const float z_ref_minus_z = z_ref_held - z;
         const float loop_z_integral = state->loop_z_integral;
         const float d_z = (loop_z_gain * z_ref_minus_z) + state->loop_z_lead + loop_z_integral;
         state->loop_z_lead = loop_z_lead_input * z_ref_minus_z;
 
-        /* loop_theta: lead-lag, (24) */
+        /* loop_theta: lead-lag, (24)
+         *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
         const float theta_ref_minus_theta = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
         const float d_theta = (loop_theta_gain * theta_ref_minus_theta) + state->loop_theta_lead + loop_theta_integral;
         state->loop_theta_lead = loop_theta_lead_input * theta_ref_minus_theta;
 
-        /* loop_psi: lead-lag, (25) */
+        /* loop_psi: lead-lag, (25)
+         *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
         const float psi_ref_minus_psi = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
         const float d_psi = (loop_psi_gain * psi_ref_minus_psi) + state->loop_psi_lead + loop_psi_integral;
         state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
 
-        /* braking: braking before the latch */
+        /* braking: braking before the latch
+         *     d_phi = (1 - share) * law_phi + share * (phi_gain * phi_advance); likewise d_x, d_y */
         const float braking_share = state->braking_share;
         const float d_phi_part = 1.0f - braking_share;
         const float d_phi = (d_phi_part * law_phi) + (braking_share * (braking_phi_gain * phi_advance));
@@ -579,132 +651,189 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float d_y = (d_phi_part * law_y) + (braking_share * (braking_y_gain * y_advance));
         state->braking_share = planar_6dof_lqg_max(braking_share_part ? 1.0f : 0.0f, 0.0f);
 
-        /* allocation: motor currents, Table 3, (17) */
-        const float phi_raw_squared = phi_raw * phi_raw;
-        const float i_CQ_part = f1_polynomial(phi_raw_squared);
-        const float i_CQ_part_2 = phi_raw * f2_polynomial(phi_raw_squared);
-        const float i_CQ = planar_6dof_lqg_limit((i_CQ_part * d_x) + (i_CQ_part_2 * d_y), planar_6dof_lqg_max(1.134f - fabsf(d_phi), 0.567f));
-        const float i_AQ_part = planar_6dof_lqg_limit(d_phi + i_CQ, 1.134f);
-        const float i_AQ_part_2 = planar_6dof_lqg_limit(0.5f * ((i_CQ_part * d_y) - (i_CQ_part_2 * d_x)), 1.134f - fabsf(i_AQ_part));
+        /* allocation: motor currents, Table 3, (17)
+         *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
+         *         i_CQ, quadrature_limit)|) - limit(d_phi + i_CQ, quadrature_limit)
+         *     i_BQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
+         *         i_CQ, quadrature_limit)|) + limit(d_phi + i_CQ, quadrature_limit)
+         *     i_CQ = limit(cos(phi_raw) * d_x + sin(phi_raw) * d_y, max(quadrature_limit - |d_phi|,
+         *         half_quadrature_limit))
+         *     achieved_x = cos(phi_raw) * i_CQ - 2 * (sin(phi_raw) * limit(0.5 * (cos(phi_raw) * d_y -
+         *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
+         *     achieved_y = sin(phi_raw) * i_CQ + 2 * (cos(phi_raw) * limit(0.5 * (cos(phi_raw) * d_y -
+         *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
+         *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
+        const float cos_phi_raw_argument = phi_raw * phi_raw;
+        const float cos_phi_raw = cos_phi_raw_polynomial(cos_phi_raw_argument);
+        const float sin_phi_raw = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
+        const float i_CQ = planar_6dof_lqg_limit((cos_phi_raw * d_x) + (sin_phi_raw * d_y), planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
+        const float i_AQ_part = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
+        const float i_AQ_part_2 = planar_6dof_lqg_limit(0.5f * ((cos_phi_raw * d_y) - (sin_phi_raw * d_x)), quadrature_limit - fabsf(i_AQ_part));
         const float i_AQ = i_AQ_part_2 - i_AQ_part;
         const float i_BQ = i_AQ_part_2 + i_AQ_part;
         const float d_z_minus_d_theta = d_z - d_theta;
-        const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, 0.54913455f);
-        const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, 0.54913455f);
-
-        /* loop_psi: lead-lag, (25) */
-        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
-
-        /* allocation: motor currents, Table 3, (17) */
-        const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), 0.54913455f);
-
-        /* loop_z: lead-lag, (23) */
+        const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, direct_limit);
+        const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, direct_limit);
+        const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
+        const float achieved_x = (cos_phi_raw * i_CQ) - (2.0f * (sin_phi_raw * i_AQ_part_2));
+        const float achieved_y = (sin_phi_raw * i_CQ) + (2.0f * (cos_phi_raw * i_AQ_part_2));
+        const float achieved_phi = i_AQ_part - i_CQ;
         const float i_AD_plus_i_BD = i_AD + i_BD;
-        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
-
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_x = (i_CQ_part * i_CQ) - (2.0f * (i_CQ_part_2 * i_AQ_part_2));
+        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
         state->reckoning_x_acting = achieved_x;
+        state->reckoning_y_acting = achieved_y;
+        state->reckoning_phi_acting = achieved_phi;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (law_x_test) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + law_x_part_2))) : lqg_x_integral_part;
+        state->lqg_x_integral = (below_lqg_x_largest_error) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + law_x_part_2))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
-
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_y = (i_CQ_part_2 * i_CQ) + (2.0f * (i_CQ_part * i_AQ_part_2));
-        state->reckoning_y_acting = achieved_y;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (law_y_test) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + law_y_part_2))) : lqg_y_integral_part;
+        state->lqg_y_integral = (below_lqg_y_largest_error) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + law_y_part_2))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
-
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_phi = i_AQ_part - i_CQ;
-        state->reckoning_phi_acting = achieved_phi;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
         state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + law_phi_part_2));
         state->lqg_phi_achieved = achieved_phi;
 
-        /* allocation: motor currents, Table 3, (17) */
-        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
+        /* loop_z: lead-lag, (23) */
+        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
 
         /* loop_theta: lead-lag, (24) */
         state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
 
-        /* commutation: phase currents, (17) inverted */
-        const float distance_rear = within_x - (0.025584769f * i_CQ_part_2);
+        /* loop_psi: lead-lag, (25) */
+        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
+
+        /* commutation: phase currents, (17) inverted
+         *     distance_rear = within_x - c * sin(phi_raw)
+         *     quarter_sine_rear = sin(30.9212 * distance_rear); likewise quarter_sine_front
+         *     distance_front = within_y - (b * cos(phi_raw) - quarter_pitch)
+         *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
+         *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
+        const float distance_rear = within_x - (c * sin_phi_raw);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((0.012792384f * i_CQ_part) - 0.0127f);
+        const float distance_front = within_y - ((b * cos_phi_raw) - quarter_pitch);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
-        const float i_AA_computed_part = quarter_sine_front * quarter_sine_front;
-        const float i_AA_computed_part_2 = quarter_sine_front * sqrtf(1.0f - i_AA_computed_part);
-        const float i_AA_computed_part_3 = i_AA_computed_part_2 * (4.0f - (8.0f * i_AA_computed_part));
-        const float i_AA_computed_part_4 = f5_polynomial(phi_raw_squared);
-        const float i_AA_computed_part_5 = i_AA_computed_part_3 * i_AA_computed_part_4;
-        const float i_AA_computed_part_6 = 1.0f - (8.0f * (i_AA_computed_part_2 * i_AA_computed_part_2));
-        const float i_AA_computed_part_7 = phi_raw * f6_polynomial(phi_raw_squared);
-        const float i_AA_computed_part_8 = i_AA_computed_part_6 * i_AA_computed_part_7;
-        const float i_AA_computed_part_9 = i_AA_computed_part_5 - i_AA_computed_part_8;
-        const float i_AA_computed_part_10 = i_AA_computed_part_6 * i_AA_computed_part_4;
-        const float i_AA_computed_part_11 = i_AA_computed_part_3 * i_AA_computed_part_7;
-        const float i_AA_computed_part_12 = i_AA_computed_part_10 + i_AA_computed_part_11;
-        const float i_AA_computed = (i_AA_computed_part_9 * i_AQ) + (i_AA_computed_part_12 * i_AD);
+        const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
+        const float i_AA_computed_part = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
+        const float i_AA_computed_part_2 = i_AA_computed_part * (4.0f - (8.0f * quarter_sine_front_squared));
+        const float f5 = f5_polynomial(cos_phi_raw_argument);
+        const float i_AA_computed_part_3 = i_AA_computed_part_2 * f5;
+        const float i_AA_computed_part_4 = 1.0f - (8.0f * (i_AA_computed_part * i_AA_computed_part));
+        const float f6 = phi_raw * f6_polynomial(cos_phi_raw_argument);
+        const float i_AA_computed_part_5 = i_AA_computed_part_4 * f6;
+        const float i_AA_computed_part_6 = i_AA_computed_part_3 - i_AA_computed_part_5;
+        const float i_AA_computed_part_7 = i_AA_computed_part_4 * f5;
+        const float i_AA_computed_part_8 = i_AA_computed_part_2 * f6;
+        const float i_AA_computed_part_9 = i_AA_computed_part_7 + i_AA_computed_part_8;
+        const float i_AA_computed = (i_AA_computed_part_6 * i_AQ) + (i_AA_computed_part_9 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
-        state->safe_output_last_i_AA = i_AA_computed;
         out->i_AA = i_AA_computed;
-        const float i_AB_computed_part = 0.8660254f * ((i_AA_computed_part_9 * i_AD) - (i_AA_computed_part_12 * i_AQ));
+        const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_6 * i_AD) - (i_AA_computed_part_9 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
         const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
-        state->safe_output_last_i_AB = i_AB_computed;
         out->i_AB = i_AB_computed;
         const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
-        state->safe_output_last_i_AC = i_AC_computed;
         out->i_AC = i_AC_computed;
-        const float i_BA_computed_part = i_AA_computed_part_5 + i_AA_computed_part_8;
-        const float i_BA_computed_part_2 = i_AA_computed_part_11 - i_AA_computed_part_10;
+        const float i_BA_computed_part = i_AA_computed_part_3 + i_AA_computed_part_5;
+        const float i_BA_computed_part_2 = i_AA_computed_part_8 - i_AA_computed_part_7;
         const float i_BA_computed = (i_BA_computed_part * i_BQ) - (i_BA_computed_part_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
-        state->safe_output_last_i_BA = i_BA_computed;
         out->i_BA = i_BA_computed;
-        const float i_BB_computed_part = 0.8660254f * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
+        const float i_BB_computed_part = half_root_3 * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
         const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
-        state->safe_output_last_i_BB = i_BB_computed;
         out->i_BB = i_BB_computed;
         const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
-        state->safe_output_last_i_BC = i_BC_computed;
         out->i_BC = i_BC_computed;
-        const float i_CA_computed_part = quarter_sine_rear * quarter_sine_rear;
-        const float i_CA_computed_part_2 = quarter_sine_rear * sqrtf(1.0f - i_CA_computed_part);
-        const float i_CA_computed_part_3 = 1.0f - (8.0f * (i_CA_computed_part_2 * i_CA_computed_part_2));
-        const float i_CA_computed_part_4 = i_CA_computed_part_2 * (4.0f - (8.0f * i_CA_computed_part));
-        const float i_CA_computed = (i_CA_computed_part_3 * i_CQ) - (i_CA_computed_part_4 * i_CD);
+        const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
+        const float i_CA_computed_part = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
+        const float i_CA_computed_part_2 = 1.0f - (8.0f * (i_CA_computed_part * i_CA_computed_part));
+        const float i_CA_computed_part_3 = i_CA_computed_part * (4.0f - (8.0f * quarter_sine_rear_squared));
+        const float i_CA_computed = (i_CA_computed_part_2 * i_CQ) - (i_CA_computed_part_3 * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
-        state->safe_output_last_i_CA = i_CA_computed;
         out->i_CA = i_CA_computed;
-        const float i_CB_computed_part = 0.8660254f * ((i_CA_computed_part_4 * i_CQ) + (i_CA_computed_part_3 * i_CD));
+        const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_3 * i_CQ) + (i_CA_computed_part_2 * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
         const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
-        state->safe_output_last_i_CB = i_CB_computed;
         out->i_CB = i_CB_computed;
         const float i_CC_computed = -(half_i_CA_computed + i_CB_computed_part);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
+        state->safe_output_last_i_AA = i_AA_computed;
+        state->safe_output_last_i_AB = i_AB_computed;
+        state->safe_output_last_i_AC = i_AC_computed;
+        state->safe_output_last_i_BA = i_BA_computed;
+        state->safe_output_last_i_BB = i_BB_computed;
+        state->safe_output_last_i_BC = i_BC_computed;
+        state->safe_output_last_i_CA = i_CA_computed;
+        state->safe_output_last_i_CB = i_CB_computed;
         state->safe_output_last_i_CC = i_CC_computed;
         out->i_CC = i_CC_computed;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->r_1 = r_1;
+            diagnostics->r_2 = r_2;
+            diagnostics->m_x = m_x;
+            diagnostics->m_y = m_y;
+            diagnostics->x_raw = x_raw;
+            diagnostics->y_raw = y_raw;
+            diagnostics->within_x = within_x;
+            diagnostics->within_y = within_y;
+            diagnostics->phi_raw = phi_raw;
+            diagnostics->x_advance = x_advance;
+            diagnostics->y_advance = y_advance;
+            diagnostics->phi_advance = phi_advance;
+            diagnostics->z = z;
+            diagnostics->theta = theta;
+            diagnostics->psi = psi;
+            diagnostics->law_x = law_x;
+            diagnostics->law_y = law_y;
+            diagnostics->law_phi = law_phi;
+            diagnostics->d_z = d_z;
+            diagnostics->d_theta = d_theta;
+            diagnostics->d_psi = d_psi;
+            diagnostics->d_phi = d_phi;
+            diagnostics->d_x = d_x;
+            diagnostics->d_y = d_y;
+            diagnostics->i_CQ = i_CQ;
+            diagnostics->i_AQ = i_AQ;
+            diagnostics->i_BQ = i_BQ;
+            diagnostics->i_AD = i_AD;
+            diagnostics->i_BD = i_BD;
+            diagnostics->i_CD = i_CD;
+            diagnostics->achieved_x = achieved_x;
+            diagnostics->achieved_y = achieved_y;
+            diagnostics->achieved_phi = achieved_phi;
+            diagnostics->achieved_theta = achieved_theta;
+            diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;
+        }
+#endif
     }
     uint32_t value = faults;
-    if (suspect_V_ax_test_7) {
+    if (suspect_V_ax_test_3) {
         value = faults | 0x20000000u;
     }
     const uint32_t fault_word = (sensing_contradiction_confirmed != 0u) ? value : faults;
 
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->faults = fault_word;
+        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = fault_word;
+        }
+    }
+#endif
     return fault_word;
 }

@@ -175,7 +175,9 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
             computed = clip(u[f"{s.name}_computed"], s)
             value[s.name] = ca.if_else(u["latched"], slewed, computed)
         before = {f"{s.name}_before": x[f"last_{s.name}"] for s in outputs}
-        return Step(value | before, {f"last_{n}": v for n, v in value.items()})
+        return Step(
+            value | before, {f"last_{n}": v for n, v in value.items()}, numbers=_slew_numbers(time, outputs, safety)
+        )
 
     block = build(
         SAFE_OUTPUT,
@@ -191,6 +193,19 @@ def safe_output(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> Bl
     )
     values, rates = ({s.name: of[s.name] for s in outputs} for of in (safety.safe_output, safety.slew_per_s))
     return replace(block, safety=replace(safety, safe_output=values, slew_per_s=rates))
+
+
+def _slew_numbers(time: Discrete, outputs: Sequence[Signal], safety: Safety) -> list[Constant]:
+    """Return the safe values and the largest changes in a sample, each once under the name of its first output."""
+    values = {safety.safe_output[s.name]: s for s in reversed(outputs)}
+    rates = {safety.slew_per_s[s.name]: s for s in reversed(outputs)}
+    return [
+        *(Constant(f"safe_{s.name}", v, s.unit, "safe output") for v, s in values.items()),
+        *(
+            Constant(f"slew_{s.name}", rate * time.period_s, s.unit, f"{rate:g} {s.unit}/s times {time.period_s:g} s")
+            for rate, s in rates.items()
+        ),
+    ]
 
 
 @arguments.checked

@@ -62,7 +62,10 @@ LOGICAL = frozenset({"lt", "le", "eq", "ne", "and", "or", "not"})
 
 @dataclass(frozen=True)
 class Node:
-    """One value: an operation on earlier nodes, a literal (`value`), or a load (`name`)."""
+    """One value: an operation on earlier nodes, a literal (`value`), or a load (`name`).
+
+    A constant with a negative `value` is the negative of that constant.
+    """
 
     op: str
     args: tuple[int, ...] = ()
@@ -77,7 +80,8 @@ class Program:
     `marks` holds (signal, node) in the order of the composition; `word` is None for a Block without faults.
     `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
     numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
-    `titles` maps each Block of the composition to its description and the equation that it computes.
+    `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
+    lines of its equations.
     """
 
     nodes: tuple[Node, ...]
@@ -89,6 +93,7 @@ class Program:
     polynomials: Mapping[str, Polynomial] = field(default_factory=dict)
     products: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     titles: Mapping[str, str] = field(default_factory=dict)
+    equations: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     tables: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     calls: Mapping[str, Any] = field(default_factory=dict)
     typed: Mapping[str, str] = field(default_factory=dict)

@@ -11,6 +11,8 @@
     safe, ranges, kinds            the same proof on the result; next states and outputs stay in their declared ranges
     guards.guarded                 the guard of an input becomes one call
     slews.slewed                   a rate limit becomes one call
+    numbers.with_numbers           a literal that a Block declares becomes a constant with a name
+    equations.by_block             equations of the composed expressions, for the comments
     outline.alike, calls.outlined  Blocks that are one program but for names and numbers become calls of one function
 
 Each pass preserves the computed values up to rounding or to a surrogate's certified error.
@@ -26,10 +28,10 @@ import numpy as np
 from synth import cache
 from synth.block import Block, Constant
 from synth.emit import lower
-from synth.emit.c import c_text, header, kinds, layout, printer
+from synth.emit.c import c_text, equations, header, kinds, layout, printer
 from synth.emit.c.layout import Layout
 from synth.emit.lower import Program
-from synth.emit.passes import calls, fold, guards, limits, schedule, slews, surrogates
+from synth.emit.passes import calls, fold, guards, limits, numbers, schedule, slews, surrogates
 from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
@@ -38,11 +40,15 @@ from synth.emit.proof import ranges, safe
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """A program ready for printing: the Block with the constants from folding, the program, and its surrogates."""
+    """A program ready for printing: the Block with the constants from folding, the program, and its surrogates.
+
+    `composed` is the program before surrogates, whose equations the comments show.
+    """
 
     block: Block
     program: Program
     surrogates: tuple[Surrogate, ...]
+    composed: Program
 
 
 def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: float | None = None) -> Reduced:
@@ -53,18 +59,19 @@ def reduce(block: Block, scalar: type[np.floating], libm: bool = False, error: f
     Raises EmitError for an operation without a form in C, for one that is not proved safe, and for a state or an output
     that may leave its declared range.
     """
-    constants, program, polynomials = _run_passes(block, scalar, libm, error)
-    return Reduced(replace(block, constants=constants), program, polynomials)
+    constants, program, polynomials, composed = _run_passes(block, scalar, libm, error)
+    return Reduced(replace(block, constants=constants), program, polynomials, composed)
 
 
 @cache.cached
 def _run_passes(
     block: Block, scalar: type[np.floating], libm: bool, error: float | None
-) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...]]:
-    """Return the constants, program and surrogates of a Reduced: its data, which can be cached."""
+) -> tuple[tuple[Constant, ...], Program, tuple[Surrogate, ...], Program]:
+    """Return the constants, program, surrogates and composed program of a Reduced: its data, which can be cached."""
     bounds = ranges.bounds(block, scalar)
     program = lower.program(block)
     program = fold.folded(program)
+    composed = _without_certificates(limits.without_idle(program, bounds, scalar))
     safe.require_safe(program, ranges.analyse(program, bounds, scalar), block, scalar)
     polynomials: tuple[Surrogate, ...] = ()
     if not libm:
@@ -78,7 +85,7 @@ def _run_passes(
     ranges.require_inductive(program, proved, block, scalar)
     safe.require_output_ranges(program, narrowed, block, scalar)
     kinds.require_whole(program, proved)
-    return block.constants, _without_certificates(program), polynomials
+    return block.constants, _without_certificates(program), polynomials, composed
 
 
 def _without_certificates(program: Program) -> Program:
@@ -86,14 +93,21 @@ def _without_certificates(program: Program) -> Program:
 
 
 def outline(reduced: Reduced, scalar: type[np.floating]) -> tuple[Reduced, Layout]:
-    """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout."""
-    program = slews.slewed(guards.guarded(reduced.program))
+    """Return what is printed, with a call for each Block that is like another where that is shorter, and its layout.
+
+    Each result of a call beyond the first, which passes through a struct in memory, must save a line more.
+    """
+    program, block = numbers.with_numbers(slews.slewed(guards.guarded(reduced.program)), reduced.block, scalar)
+    composed, _ = numbers.with_numbers(reduced.composed, reduced.block, scalar, {c.name for c in block.constants})
+    program = replace(program, equations=equations.by_block(composed))
+    reduced = replace(reduced, block=block)
     groups = alike.alike(program)
     kept = _print(reduced, program, groups, scalar)
     for blocks in dict.fromkeys(tuple(part.block for part, _ in group) for group in groups):
         fewer = [group for group in groups if tuple(part.block for part, _ in group) != blocks]
         flat = _print(reduced, program, fewer, scalar)
-        if flat.lines <= kept.lines:
+        returned = sum(max(len(group[0][1].results) - 1, 0) for group in groups if group not in fewer)
+        if flat.lines <= kept.lines + returned:
             groups, kept = fewer, flat
     return kept.reduced, kept.memory
 

@@ -11,7 +11,7 @@ import numpy as np
 from synth import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import header, layout, manifest
+from synth.emit.c import diagnostics, header, layout, manifest
 from synth.emit.lower import Program
 
 
@@ -51,7 +51,10 @@ def emit(
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
         f"{block.name}.h": header.header(rounded, memory, outlined.program),
     }
-    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source)
+    gains_only = {c.name for c in printed.block.constants}
+    numbers = [c for c in outlined.block.constants if c.name not in gains_only]
+    observed = diagnostics.document(rounded, outlined.program)
+    document = manifest.manifest(rounded, memory, texts, printed.surrogates, source, numbers, observed)
     constants = {"constants": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in rounded.constants}}
     texts["manifest.json"] = manifest.dumps(document)
     texts["gains.json"] = manifest.dumps(constants | dict(gains or {}))

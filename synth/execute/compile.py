@@ -37,6 +37,7 @@ STRICT_FLAGS = (
     "-Wconversion",
     "-Wshadow",
     "-Wdouble-promotion",
+    "-Wfloat-equal",
     "-Wcast-qual",
     "-Wundef",
     "-Wstrict-prototypes",

@@ -201,7 +201,7 @@ def test_a_limit_that_a_certificate_proves_idle_is_not_printed() -> None:
     reduced = reduce(rotation_block(proved))
     assert count(reduced, "within") == 1 and count(reduced, "clamp") == 0
     text = write.emit(rotation_block(proved), F32).files["made.c"]
-    assert "/*@ admit -1.51f <= y <= 1.51f; */" in text and "limit(" not in text
+    assert "/*@ admit -1.51f <= y <= 1.51f; */" in text and "made_limit(" not in text
     assert (
         ranges.analyse(reduced.program, ranges.bounds(reduced.block, F32), F32)[reduced.program.outputs["y"]].high
         < 1.52

@@ -134,7 +134,7 @@ def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("empty_cache")
 def test_emission_grows_linearly_with_the_number_of_axes() -> None:
     ratios = growth()
-    assert all(3.3 < ratio < 4.1 for ratio in ratios.values()), ratios
+    assert all(3.1 < ratio < 4.1 for ratio in ratios.values()), ratios  # lines have a constant part
 
 
 @pytest.mark.slow
@@ -154,7 +154,7 @@ def test_a_search_through_all_nodes_for_each_axis_is_detected(monkeypatch: pytes
 def test_axes_share_their_function_and_their_branch() -> None:
     text = emit(axes(5), np.float32, error=1e-3).files["axes.c"]
     assert text.count("_polynomial(float t)") == 1 and text.count("_polynomial(") == 6
-    assert text.count("if (live != 0.0f)") == 1
+    assert text.count("if (!axes_equal(live, 0.0f))") == 1
 
 
 def test_only_changed_files_are_written(tmp_path: Path) -> None:

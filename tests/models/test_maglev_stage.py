@@ -167,7 +167,7 @@ def inverse_errors(scale: float = 1.0) -> tuple[float, float]:
         u = at | {n: float(i) for n, i in maglev_stage.input_transformation(at).items()}
         w = dict(zip(("y", "x", "z", "phi", "theta"), printed_accelerations(at, u), strict=True))
         squares = [scale * s for s in true_squares(u)]
-        direct = maglev_stage.direct_currents(w, at, squares, motors(at), VALUES)
+        direct = maglev_stage.direct_currents(w, at, squares, motors(at), VALUES).currents
         thrust = maglev_stage.thrust_currents(w, motors(at), VALUES)
         missed = [[abs(float(i) - u[n]) for n, i in currents.items()] for currents in (direct, thrust)]
         worst = np.maximum(worst, [max(m) for m in missed])
@@ -201,7 +201,7 @@ def test_without_the_squares_of_the_direct_currents_it_is_12() -> None:
     rng = np.random.default_rng(5)
     for x, u in random_points(50):
         w = dict(zip(axes, rng.uniform(-10, 10, 3), strict=True))
-        currents = maglev_stage.direct_currents(w, x, true_squares(u, with_direct=False), motors(x), VALUES)
+        currents = maglev_stage.direct_currents(w, x, true_squares(u, with_direct=False), motors(x), VALUES).currents
         point = [*(x[n] for n in model.x), *(u[n] for n in model.u), *w.values()]
         expected = np.asarray(witness(point)).ravel()
         np.testing.assert_allclose([float(i) for i in currents.values()], expected, rtol=0, atol=1e-11)

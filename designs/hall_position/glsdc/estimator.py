@@ -22,7 +22,7 @@ Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using 
 import casadi as ca
 import numpy as np
 
-from designs.hall_position.glsdc import channels, planar_model, tracking
+from designs.hall_position.glsdc import channels, numbers, planar_model, tracking
 from designs.hall_position.glsdc.parameters import Tuning
 from designs.hall_position.glsdc.planar_model import Normal, Problem
 from models import hall_planar
@@ -75,7 +75,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         output |= {"residual": channels.residual(solution.last.squares, freedom), "converged": solution.converged}
         output |= {"damped": integrity.damped, "valid": ca.logic_and(integrity.good, ca.logic_and(known, accepted))}
         output |= {"lock_lost": x["lock_lost"]} | ({"excluded_sensor": x["excluded_sensor"]} if redundant else {})
-        return Step(output, after.next, named)
+        return Step(output, after.next, named, numbers=numbers.numbers(problem))
 
     return build(
         "estimator",

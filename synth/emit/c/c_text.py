@@ -11,12 +11,13 @@ from collections.abc import Sequence
 from textwrap import wrap
 
 from synth.block import Block
-from synth.emit.c import routines
+from synth.emit.c import diagnostics, routines
 from synth.emit.c.expressions import constant, literal
 from synth.emit.c.header import init_head, step_head
 from synth.emit.c.kinds import kinds
 from synth.emit.c.layout import Layout
-from synth.emit.c.printer import Line, guard_function, prose
+from synth.emit.c.lines import Line, prose
+from synth.emit.c.printer import guard_function
 from synth.emit.lower import LIBM, Program
 from synth.emit.passes.surrogates import Surrogate
 
@@ -28,19 +29,24 @@ def source(
     used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"', "#include <float.h>"]
     parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
-    parts += ["#include <stdbool.h>"] if "logical" in kinds(program) else []
-    parts += _refusals()
+    called = routines.functions(block, program, layout)
+    compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
+    parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
+    parts += [*diagnostics.includes(block, program), *_refusals()]
     parts += _helpers(block.name, used, layout)
     if any("_flag(" in line.text for line in body if "/*" not in line.text):
         parts += [f"static inline uint32_t {block.name}_flag(bool holds)", "{", "    uint32_t value = 0u;"]
         parts += ["    if (holds) {", "        value = 1u;", "    }", "    return value;", "}", ""]
+    parts += _equal(block.name, layout) if compares else []
     parts += _inline(block) if program.calls or any(n.op == "guard" for n in program.nodes) else []
     parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    called = routines.functions(block, program, layout)
-    step = [*_init(block, layout), "", step_head(block.name), "{", *_constants(block, program, layout)]
-    return [*map(Line, parts), *called, *map(Line, step), *body, Line("}")]
+    heads = diagnostics.heads(block, step_head(block.name), program)
+    step = [*_init(block, layout), "", *heads, "{", *_constants(block, program, layout)]
+    step += diagnostics.start(block, program)
+    ending = diagnostics.end(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
+    return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, ending), body[-1], Line("}")]
 
 
 def _refusals() -> list[str]:
@@ -71,6 +77,12 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
         parts += [f"    const {t} below = (target < (last + step)) ? target : (last + step);"]
         parts += ["    return (below > (last - step)) ? below : (last - step);", "}", ""]
     return parts
+
+
+def _equal(name: str, layout: Layout) -> list[str]:
+    """Return the function that compares two real numbers; like ==, it is false for NaN."""
+    head = f"static inline bool {name}_equal({layout.ctype} a, {layout.ctype} b)"
+    return [head, "{", "    return (a <= b) && (b <= a);", "}", ""]
 
 
 def _inline(block: Block) -> list[str]:

@@ -14,7 +14,7 @@ INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
 RESERVED |= {"state", "in", "out", "parameters", "bool", "true", "false", "uint32_t"}
-HELPERS = ("min", "max", "limit", "flag", "slew")
+HELPERS = ("min", "max", "limit", "flag", "slew", "equal")
 INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever they are read
 
 
@@ -38,6 +38,11 @@ def constant(name: str) -> str:
     """Return the C name of a constant or a table of a Block; it must not shadow a name that the text uses."""
     bare = name.rstrip("_")
     return f"{name}_" if bare in RESERVED or bare.endswith("_polynomial") else name
+
+
+def signed_constant(node: Node) -> Text:
+    """Return the text of a constant, or of its negative."""
+    return Text(f"-{constant(node.name)}", 6) if node.value < 0 else Text(constant(node.name))
 
 
 def literal(value: float, scalar: type[np.floating]) -> Text:
@@ -83,9 +88,10 @@ class Expressions:
         op, args = node.op, node.args
         if op == "literal":
             return literal(node.value, self.scalar)
-        if op in ("input", "state", "constant"):
-            place = self.p.paths.get(node.name, node.name)
-            return Text({"input": f"in->{node.name}", "state": f"state->{place}"}.get(op, constant(node.name)))
+        if op == "constant":
+            return signed_constant(node)
+        if op in ("input", "state"):
+            return Text(f"in->{node.name}" if op == "input" else f"state->{self.p.paths.get(node.name, node.name)}")
         if op == "argument":
             return Text(node.name)
         if op == "parameter":
@@ -96,6 +102,8 @@ class Expressions:
             sign, strength = INFIX[op]
             terms = [self.condition(a).beside(strength) for a in args]
             return Text(f" {sign} ".join(terms), strength)
+        if op == "choose" and self.kinds[k] == "logical":
+            return self._truth(args)
         if op == "choose":
             then, other = (self.as_kind(a, self.kinds[k]).inside(6) for a in args[1:])
             return Text(f"({self.condition(args[0]).c}) ? {then} : {other}", -1)
@@ -113,6 +121,18 @@ class Expressions:
         sides = [self.integer(a) if whole else self.value(a) for a in args]
         return self._operation(node, sides)
 
+    def _truth(self, args: tuple[int, ...]) -> Text:
+        """Return a choice between truth values: c && b for (c ? b : false), c || b for (c ? true : b)."""
+        condition = self.condition(args[0])
+        then, other = (self.as_kind(a, "logical") for a in args[1:])
+        if (then.c, other.c) == ("true", "false"):
+            return condition
+        if then.c == "true" or other.c == "false":
+            sign, strength = INFIX["or" if then.c == "true" else "and"]
+            sides = [condition, other if then.c == "true" else then]
+            return Text(f" {sign} ".join(side.beside(strength) for side in sides), strength)
+        return Text(f"({condition.c}) ? {then.inside(6)} : {other.inside(6)}", -1)
+
     def _counts(self, node: Node) -> bool:
         """Tell whether to compare as integers; compilers warn about a comparison with 0 or itself as always true."""
         kinds = {self.kinds[a] for a in node.args}
@@ -123,6 +143,8 @@ class Expressions:
 
     def _operation(self, node: Node, sides: list[Text]) -> Text:
         op = node.op
+        if op in ("eq", "ne") and not self._counts(node):
+            return self._equal(sides, op == "eq")
         if op in INFIX:
             sign, strength = INFIX[op]
             return Text(f"{sides[0].beside(strength)} {sign} {sides[1].inside(6)}", strength)
@@ -164,8 +186,14 @@ class Expressions:
         """Return node k as a truth value."""
         if self.kinds[k] == "logical":
             return self.operand(k)
-        zero = "0u" if self.kinds[k] == "integer" else literal(0.0, self.scalar).c
-        return Text(f"{self.operand(k).inside(3)} != {zero}", 2)
+        if self.kinds[k] == "integer":
+            return Text(f"{self.operand(k).inside(3)} != 0u", 2)
+        return self._equal([self.operand(k), literal(0.0, self.scalar)], False)
+
+    def _equal(self, sides: list[Text], holds: bool) -> Text:
+        """Return the comparison of two real numbers by a function: compilers warn about == between them."""
+        call = f"{self.name}_equal({', '.join(s.c for s in sides)})"
+        return Text(call) if holds else Text(f"!{call}", 7)
 
     def operand(self, k: int) -> Text:
         """Return the text of node k as an operand: its local or expression, or the literal or constant itself."""

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from textwrap import wrap
 
 from synth.block import Block, Fault
-from synth.emit.c import routines
+from synth.emit.c import diagnostics, routines
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import prose
+from synth.emit.c.lines import prose
 from synth.emit.lower import Program
 
 WIDTH = 117
@@ -22,7 +22,7 @@ def header(block: Block, layout: Layout, program: Program) -> str:
     structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
     return "\n".join(
         [
-            *_usage(block, layout),
+            *_usage(block, layout, program),
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
             "\n\n".join(structs),
@@ -30,6 +30,7 @@ def header(block: Block, layout: Layout, program: Program) -> str:
             *("/* Put the state to its initial values. The caller owns it. */", f"{init_head(block.name)};", ""),
             *("/* Compute one sample: read `in`, write `out`, advance `state`.", *_faults(block), " */"),
             *(f"{step_head(block.name)};", ""),
+            *diagnostics.declaration(block, layout, program),
             *("#ifdef __cplusplus", "}", "#endif", "", "#endif", ""),
         ]
     )
@@ -45,7 +46,7 @@ def step_head(name: str) -> str:
     return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
-def _usage(block: Block, layout: Layout) -> list[str]:
+def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     texts = [
@@ -54,12 +55,25 @@ def _usage(block: Block, layout: Layout) -> list[str]:
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
+        "The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the "
+        "files again. gains.json and manifest.json say where each number comes from.",
+        *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",
     ]
     rows = [f"/* {name}: one step every {period}, {layout.ctype}. Generated: do not edit."]
     for text in texts:
         rows += [" *", *(f" * {row}" for row in wrap(prose(text), WIDTH, break_on_hyphens=False))]
     return [*rows, " */"]
+
+
+def _observation(block: Block, program: Program) -> list[str]:
+    """Return what the diagnostics are for, of a composition that has them."""
+    if not diagnostics.document(block, program):
+        return []
+    return [
+        f"With {diagnostics.macro(block)} defined, for the .c as well, {block.name}_step_diagnosed also says which "
+        "signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
+    ]
 
 
 def _safe_output(block: Block) -> list[str]:

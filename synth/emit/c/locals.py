@@ -210,12 +210,15 @@ def _replaced_loads(p: Program, stored: dict[int, str], reads: Counter[int]) -> 
     return {a for k, state in stored.items() for a in p.nodes[k].args if loads.get(a) == state}
 
 
+def local_nodes(s: Statement) -> tuple[int, ...]:
+    """Return the nodes whose variables a statement declares."""
+    return (s.node,) if isinstance(s, Let) else tuple(c for c, _ in s.choices) if isinstance(s, Branch) else ()
+
+
 def _definitions(block: Sequence[Statement]) -> Iterator[int]:
     for s in block:
-        if isinstance(s, Let):
-            yield s.node
-        elif isinstance(s, Branch):
-            yield from (c for c, _ in s.choices)
+        yield from local_nodes(s)
+        if isinstance(s, Branch):
             yield from _definitions((*s.then, *s.other))
 
 

@@ -3,13 +3,14 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from synth.block import LATCH_BIT, Block, Fault
+from synth.block import LATCH_BIT, Block, Constant, Fault
 from synth.emit.c.layout import Layout, Struct
-from synth.emit.c.printer import Line
+from synth.emit.c.lines import Line
 from synth.emit.passes.surrogates import Surrogate
 from synth.errors import EmitError
 
@@ -20,11 +21,13 @@ def manifest(
     texts: Mapping[str, str],
     surrogates: Sequence[Surrogate],
     source: Sequence[Line],
+    numbers: Sequence[Constant] = (),
+    diagnostics: Mapping[str, Any] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Return the manifest of the emitted `texts` (file name to text) as a JSON document.
 
     `trace` maps each Block of the composition, with its equation, to the lines of <name>.c that compute it, as ranges
-    [first, last] of line numbers from 1.
+    [first, last] of line numbers from 1. `numbers` are constants of the physics and limits, which no gain document has.
     """
     return {
         "design": block.name,
@@ -34,7 +37,9 @@ def manifest(
         "structs": {s.kind: _struct(s) for s in layout.structs},
         "faults": [_fault(f) for f in block.faults],
         "safety": _safety(block),
+        "numbers": {c.name: {"value": c.value, "unit": c.unit, "from": c.source} for c in numbers},
         "surrogates": [_surrogate(s) for s in surrogates],
+        "diagnostics": dict(diagnostics),
         "trace": _trace(source),
         "sha256": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()},
     }

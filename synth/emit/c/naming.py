@@ -2,6 +2,8 @@
 
 force_x - force_y        force_x_minus_force_y
 y * y                    y_squared
+value of a polynomial, its argument     cos_phi, cos_phi_argument
+comparison with a constant              above_limit, below_limit
 a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
 """
 
@@ -11,7 +13,8 @@ from collections.abc import Mapping
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import LOGICAL, Node, Program
 
-LONGEST = 24
+LONGEST = 28
+_POLYNOMIAL = "_polynomial"
 _BETWEEN = {"add": "plus", "sub": "minus", "mul": "times", "div": "over", "lt": "below", "le": "upto", "and": "and"}
 _BETWEEN |= {"or": "or", "min": "min", "max": "max"}
 _AFTER = {"sq": "squared", "clamp": "limited", "fabs": "size", "sqrt": "root", "neg": "negated", "floor": "whole"}
@@ -25,11 +28,12 @@ class Naming:
         self.p, self.named = p, dict(named)
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
+        self.users = p.users()
 
     def name(self, k: int) -> str:
         """Return a name for node k, which may be in use."""
         node = self.p.nodes[k]
-        made = self._made(node)
+        made = self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
             truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
             made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else "value"
@@ -41,6 +45,22 @@ class Naming:
 
     def _is_truth(self, node: Node) -> bool:
         return node.op == "choose" and any(self.p.nodes[a].op in LOGICAL for a in node.args[1:])
+
+    def _function(self, k: int) -> str:
+        """Return a name for a sine, for a comparison with a constant, for the value of a polynomial or its argument."""
+        node, readers = self.p.nodes[k], [self.p.nodes[u] for u in self.users[k]]
+        operands = [self.p.nodes[a] for a in node.args]
+        odd = [n.name for n in operands if n.op == "polynomial" and self.p.polynomials[n.name].parity == "odd"]
+        if node.op == "polynomial" or (node.op == "mul" and odd):
+            return (odd[0] if odd else node.name).removesuffix(_POLYNOMIAL)
+        if node.op in ("lt", "le") and "constant" in (operands[0].op, operands[1].op):
+            first = operands[0].op == "constant"
+            return f"above_{operands[0].name}" if first else f"below_{operands[1].name}"
+        if node.op in ("sin", "cos") and self._operand(node.args[0]):
+            return f"{node.op}_{self._operand(node.args[0])}"
+        if readers and all(n.op == "polynomial" for n in readers):
+            return f"{readers[0].name.removesuffix(_POLYNOMIAL)}_argument"
+        return ""
 
     def _made(self, node: Node) -> str:
         """Return a name made from an operation and the names of its operands, "" where one of them has none."""

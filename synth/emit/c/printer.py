@@ -5,16 +5,16 @@ Locals are `const` unless an `if` assigns their value.
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from synth.block import Block
+from synth.emit.c import diagnostics, naming
 from synth.emit.c import locals as variables
-from synth.emit.c import naming
-from synth.emit.c.expressions import Expressions, Text, constant, literal, mask
+from synth.emit.c.expressions import Expressions, Text, literal, mask, signed_constant
 from synth.emit.c.kinds import kinds
+from synth.emit.c.lines import Line, opening, prose
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import Node, Program
 from synth.emit.passes import schedule
@@ -22,14 +22,6 @@ from synth.emit.passes.routine import Routine
 from synth.emit.passes.statements import Annotation, Assign, Branch, Let, Statement, Store
 
 _WIDTH = 108
-
-
-@dataclass(frozen=True)
-class Line:
-    """One line of C, tagged with its Block and equation; the tag may be empty."""
-
-    text: str
-    tag: str = ""
 
 
 def body(block: Block, p: Program, statements: Sequence[Statement], scalar: type[np.floating]) -> list[Line]:
@@ -69,8 +61,9 @@ class _Printer:
         self.users = program.users()
         self.naming = naming.Naming(program, self.locals.name)
         self.c = Expressions(program, self.kinds, scalar, block.name)
-        self.name = block.name
         self.returned: dict[str, str] = {}
+        self.block, self.watched = block, diagnostics.NOTHING
+        self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
         self.printed: list[Line] = []
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
@@ -85,11 +78,12 @@ class _Printer:
             self._put(f"return {texts[routine.results[0].name]};", 1)
         elif texts:
             fields = ", ".join(f".{name} = {text}" for name, text in texts.items())
-            self._put(f"return ({self.name}_{routine.name}_t){{{fields}}};", 1)
+            self._put(f"return ({self.block.name}_{routine.name}_t){{{fields}}};", 1)
         return self.printed
 
     def lines(self) -> list[Line]:
         """Return the lines."""
+        self.watched = diagnostics.of_program(self.p)
         self._block(self.statements, 1)
         self.tag = ""
         idle = [p for p in ("in", "state") if not any(f"{p}->" in line.text for line in self.printed)]
@@ -112,6 +106,19 @@ class _Printer:
                 self._store(s, depth)
             else:
                 self._branch(s, depth)
+        self._record(block, depth)
+
+    def _record(self, block: Sequence[Statement], depth: int) -> None:
+        """Record the signals that a block of statements computes, for the diagnostics."""
+        made = [k for s in block for k in variables.local_nodes(s) if k in self.c.text]
+        values = [(self.watched.signals[k], self.c.value(k).c) for k in made if k in self.watched.signals]
+        limits = [(bit, self._at_limit(k)) for bit, k in enumerate(self.watched.limited) if k in made]
+        self.printed += map(Line, diagnostics.records(self.block, values, limits, "    " * depth))
+
+    def _at_limit(self, k: int) -> str:
+        """Return the test whether a limited value is at its limit."""
+        size = "fabsf" if self.c.scalar is np.float32 else "fabs"
+        return f"{size}({self.c.text[k].c}) >= {self.c.value(self.p.nodes[k].args[2]).inside(4)}"
 
     def _assignment(self, s: Assign, variable: str) -> str:
         node = self.p.nodes[s.node]
@@ -121,9 +128,7 @@ class _Printer:
 
     def _annotate(self, s: Annotation) -> None:
         owner = self.p.owner(s.state) if s.mark is None else self.p.marks[s.mark][0].block
-        tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
-        if tag != self.tag:
-            self.tag = tag
+        self.tag = prose(self.p.titles[owner]) if owner in self.p.titles else self.tag or "next states"
 
     def _let(self, k: int, depth: int) -> None:
         """Print node k as a local variable, or keep its text for the expression that reads it."""
@@ -217,7 +222,7 @@ class _Printer:
         kept = f"&state->{self._path(node.name)}" if node.name else self.c.operand(fallback).c
         limits = [self.c.value(b).c for b in bounds]
         passed = [self.c.operand(source).c, *limits, kept, mask(node), f"&{variables.WORD}"]
-        call = f"{self.name}_{guard_function(self.p, node)}({', '.join(passed)});"
+        call = f"{self.block.name}_{guard_function(self.p, node)}({', '.join(passed)});"
         name = self.locals.name.get(k) or self._new_name(source)
         self.c.text[k] = Text(name)
         self._put(f"const {self.c.ctype(k)} {name} = {call}" if self.locals.reads[k] else f"(void){call}", depth)
@@ -232,11 +237,11 @@ class _Printer:
         routine = call.routine
         passed = [f"&state->{call.block}"] if routine.states else []
         if routine.by_value:
-            passed += [constant(n.name) if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
+            passed += [signed_constant(n).c if n.name else literal(n.value, self.c.scalar).c for n in call.numbers]
         elif routine.parameters:
             passed += [f"&{call.parameters}"]
         passed += [self.c.as_kind(a, r.kind).c for a, r in zip(node.args, routine.arguments, strict=False)]
-        text = f"{self.name}_{routine.name}({', '.join(passed)});"
+        text = f"{self.block.name}_{routine.name}({', '.join(passed)});"
         if len(routine.results) == 1:
             result = self.p.nodes.index(
                 Node("result", (self.p.nodes.index(node),), name=f"{node.name}.{routine.results[0].name}")
@@ -246,7 +251,7 @@ class _Printer:
             self.returned[f"{node.name}.{routine.results[0].name}"] = name
         elif routine.results:
             name = self.locals.identifiers.free(node.name)
-            text = f"const {self.name}_{routine.name}_t {name} = {text}"
+            text = f"const {self.block.name}_{routine.name}_t {name} = {text}"
             self.returned |= {f"{node.name}.{r.name}": f"{name}.{r.name}" for r in routine.results}
         self._check_loads(text)
         self.printed.append(Line("    " * depth + text, prose(self.p.titles.get(call.block, self.tag))))
@@ -275,7 +280,8 @@ class _Printer:
                 not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
             )
             self.printed += [] if opened else [Line("")]
-            self.printed.append(Line("    " * depth + f"/* {self.tag} */", self.tag))
+            rows = opening([self.tag], self.equations.pop(self.tag, ()))
+            self.printed += [Line("    " * depth + row, self.tag) for row in rows]
         self.shown = self.tag
         return self.printed
 
@@ -290,8 +296,3 @@ class _Printer:
 def guard_function(p: Program, node: Node) -> str:
     """Return the name of the function of a guard, without the program's prefix."""
     return ("hold" if node.name else "replace") + ("" if len(node.args) == 5 else "_within")
-
-
-def prose(text: str) -> str:
-    """Return a text in which C comment delimiters are broken up."""
-    return text.replace("*/", "* /").replace("/*", "/ *")

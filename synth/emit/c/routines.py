@@ -14,7 +14,7 @@ from synth.block import Block, Constant
 from synth.emit.c import printer
 from synth.emit.c.expressions import literal
 from synth.emit.c.layout import Layout, Member
-from synth.emit.c.printer import Line, prose
+from synth.emit.c.lines import Line, opening, prose
 from synth.emit.lower import Node, Program
 from synth.emit.passes import calls, words
 from synth.emit.passes.routine import Call, Routine
@@ -63,17 +63,24 @@ def state_structs(block: Block, p: Program, layout: Layout) -> list[str]:
     first = {kind: part for part, kind in reversed(types.items())}
     texts = []
     for kind, part in first.items():
-        fields = [f for f in layout.state.fields if f.part == part]
-        rows = [
-            f"    {f.ctype} {f.path.split('.')[1]};".ljust(40) + f"/* {f.unit}: {prose(f.about)} */" for f in fields
-        ]
+        of_type = [f for f in layout.state.fields if types.get(f.part) == kind]
+        rows = [_state_row(f, of_type) for f in of_type if f.part == part]
         texts.append("typedef struct {\n" + "\n".join(rows) + f"\n}} {kind};")
     return texts
+
+
+def _state_row(f: Member, of_type: Sequence[Member]) -> str:
+    """Return a member of a Block's struct, with its range where all Blocks of the type have the same."""
+    name = f.path.split(".")[1]
+    ranges = {(m.low, m.high) for m in of_type if m.path.split(".")[1] == name}
+    about = f.comment if len(ranges) == 1 else f"{f.unit}: {f.about}"
+    return f"    {f.ctype} {name};".ljust(40) + f"/* {prose(about)} */"
 
 
 def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
     """Return the types, the parameters and the functions of all routines."""
     lines: list[Line] = []
+    explained: set[str] = set()
     for routine in {c.routine.name: c.routine for c in p.calls.values()}.values():
         used = [c for c in p.calls.values() if c.routine.name == routine.name]
         constants = {c.name: c for c in block.constants}
@@ -84,7 +91,10 @@ def functions(block: Block, p: Program, layout: Layout) -> list[Line]:
             lines += map(Line, ["typedef struct {", *rows, f"}} {block.name}_{routine.name}_t;", ""])
         titles = [p.titles.get(c.block, c.block) for c in used]
         tags = dict.fromkeys(t.removeprefix(f"{c.block}: ") for t, c in zip(titles, used, strict=True))
-        lines += [Line(row) for row in comment(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"))]
+        about = wrap(prose(f"{', '.join(c.block for c in used)}: {'; '.join(tags)}"), WIDTH - 2)
+        equations = p.equations.get(used[0].block, ()) if used[0].block not in explained else ()
+        explained |= {c.block for c in used}
+        lines += [Line(row) for row in opening(about, equations)]
         lines += [*map(Line, _head(block, routine, used[0].block, p, layout)), Line("{")]
         lines += map(Line, _common_constants(routine, constants, layout))
         lines += [*printer.routine(block, routine, prose(titles[0]), layout.scalar), Line("}"), Line("")]
@@ -122,7 +132,8 @@ def parameters(block: Block, p: Program, layout: Layout) -> list[str]:
 
 
 def _value(node: Node, constants: Mapping[str, Constant], scalar: type[np.floating]) -> str:
-    return literal(constants[node.name].value if node.op == "constant" else node.value, scalar).c
+    sign = -1.0 if node.value < 0 else 1.0
+    return literal(sign * constants[node.name].value if node.op == "constant" else node.value, scalar).c
 
 
 def _head(block: Block, routine: Routine, part: str, p: Program, layout: Layout) -> list[str]:

@@ -4,6 +4,7 @@
     signs           a - (-b),  -(l x) = (-l) x
     choices         not c ? a : b = c ? b : a,  c ? a : (c ? b : d) = c ? a : d,  a gate is a choice with 0
     limits          max(min(x, h), -h)  is a clamp of x to -h .. h, with one comparison while x is inside
+                    max(max(x, l), l) = max(x, l)
     intervals       -h <= x && x <= h  is  |x| <= h, also for NaN
     constants       k1 (k2 x) = (k1 k2) x for named constants, the product rounded to the scalar type once
     divisions       a / d and b / d, or 1/d: one reciprocal, and products
@@ -134,15 +135,20 @@ def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
 def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
     def rule(f: _Folder, a: int, b: int) -> int | None:
         first, second = f.number(a), f.number(b)
-        return None if first is None or second is None else f.literal(_ARITHMETIC[op](first, second))
+        if first is not None and second is not None:
+            return f.literal(_ARITHMETIC[op](first, second))
+        for limited, bound in ((a, b), (b, a)):
+            if f.nodes[limited].op == op and f.nodes[limited].args[1] == bound:
+                return limited
+        return None
 
     return rule
 
 
 def _limit(f: _Folder, a: int, b: int) -> int | None:
     """Recognise max(min(x, h), -h) as a clamp of x to -h .. h."""
-    if (number := _extreme("max")(f, a, b)) is not None:
-        return number
+    if (simpler := _extreme("max")(f, a, b)) is not None:
+        return simpler
     for inner, low in ((f.nodes[a], b), (f.nodes[b], a)):
         if inner.op == "min":
             for x, high in (inner.args, inner.args[::-1]):

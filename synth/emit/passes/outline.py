@@ -186,7 +186,7 @@ def form(p: Program, part: Part, kind: Sequence[str]) -> Form:
         node = p.nodes[k]
         if node.op in ("constant", "literal"):
             numbers.append(k)
-            return (node.op,)
+            return (node.op, node.value if node.op == "constant" else 0.0)
         if node.op == "state" and node.name in part.local:
             return ("state", part.local[node.name])
         arguments.append(k)

@@ -97,7 +97,7 @@ def name(p: Program, k: int) -> str:
 
 
 def _value(node: Node, constants: Mapping[str, float]) -> float:
-    return constants[node.name] if node.op == "constant" else node.value
+    return (-1.0 if node.value < 0 else 1.0) * constants[node.name] if node.op == "constant" else node.value
 
 
 class _Builder:
@@ -174,9 +174,10 @@ class _Builder:
         if k in self.parameters:
             return Node("parameter", name=self.parameters[k])
         if node.op == "constant":
-            local = self.names.free(self._number(self.form.numbers.index(k)) or node.name)
+            local = next((local for local, name in self.constants.items() if name == node.name), "")
+            local = local or self.names.free(self._number(self.form.numbers.index(k)) or node.name)
             self.constants[local] = node.name
-            return Node("constant", name=local)
+            return replace(node, name=local)
         return node
 
     def _argument(self, column: Sequence[int]) -> Argument:

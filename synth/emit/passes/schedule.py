@@ -60,15 +60,17 @@ class _Level:
     def _demands_by_last_signal(self, marked: dict[int, int]) -> dict[int, list[Demand]]:
         """Group the demands by the last marked node, counted in order, for which each of them waits.
 
-        A next state waits for the signals that it needs, and for those of its own Block.
+        A next state waits for the signals that it needs, for those of its own Block, and for the end of the section.
         """
         places = {k: place for place, k in enumerate(marked)}
-        by_block = {self.p.marks[i][0].block: places[k] for k, i in marked.items()}
+        blocks = [self.p.marks[i][0].block for i in marked.values()]
+        by_block = {block: place for place, block in enumerate(blocks)}
         last: dict[int, int] = {}
         waiting: dict[int, list[Demand]] = {}
         for d in self.pending:
-            block_place = by_block.get(self.p.owner(str(d.destination[1])), -1) if d.destination[0] == "state" else -1
-            waiting.setdefault(max(block_place, self._last_signal(d.node, places, last)), []).append(d)
+            owner = self.p.owner(str(d.destination[1])) if d.destination[0] == "state" else ""
+            place = max(by_block.get(owner, -1), self._last_signal(d.node, places, last))
+            waiting.setdefault(_end_of_section(blocks, place) if owner else place, []).append(d)
         return waiting
 
     def _last_signal(self, k: int, places: dict[int, int], known: dict[int, int]) -> int:
@@ -171,3 +173,10 @@ def _store_statement(d: Demand) -> Statement:
         assert isinstance(name, int)
         return Assign(name, d.node)
     return Store(struct, str(name), d.node)
+
+
+def _end_of_section(blocks: Sequence[str], place: int) -> int:
+    """Return the last place of a run of signals of one Block."""
+    while 0 <= place < len(blocks) - 1 and blocks[place + 1] == blocks[place]:
+        place += 1
+    return place

@@ -20,7 +20,7 @@ from synth.emit.approx import surrogate, univariate
 from synth.emit.approx.polynomial import Polynomial
 from synth.emit.approx.univariate import Analytic, Key
 from synth.emit.c import wording
-from synth.emit.lower import Node, Program
+from synth.emit.lower import LIBM, Node, Program
 from synth.emit.proof import ranges
 from synth.errors import EmitError
 
@@ -167,7 +167,8 @@ def _rewrite(
     def place_polynomial(k: int) -> int:
         variable, p = best[k]
         if p not in surrogates:
-            name = _unused_name(names.get(k, f"f{len(surrogates) + 1}"), {s.name for s in surrogates.values()})
+            stem = names.get(k) or _function_name(program, names, k) or f"f{len(surrogates) + 1}"
+            name = _unused_name(stem, {s.name for s in surrogates.values()})
             surrogates[p] = Surrogate(name, names.get(k, name), _describe_variable(program, names, variable), p)
         t = index[variable]
         t = place("sub" if p.centre > 0 else "add", t, place("literal", value=abs(p.centre))) if p.centre else t
@@ -189,6 +190,17 @@ def _rewrite(
     rewritten = program.with_nodes(tuple(nodes), [index[k] for k in range(len(program.nodes))])
     polynomials = {s.name: s.polynomial for s in surrogates.values()}
     return replace(rewritten, polynomials=polynomials), tuple(surrogates.values())
+
+
+def _function_name(program: Program, names: Mapping[int, str], k: int) -> str:
+    """Return a name like cos_phi for a function of a signal, which may be limited before; "" for any other node."""
+    node = program.nodes[k]
+    if node.op not in LIBM or len(node.args) != 1:
+        return ""
+    variable = node.args[0]
+    while variable not in names and program.nodes[variable].op == "clamp":
+        variable = program.nodes[variable].args[0]
+    return f"{node.op}_{names[variable]}" if variable in names else ""
 
 
 def _unused_name(signal: str, used_names: set[str]) -> str:

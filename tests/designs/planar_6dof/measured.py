@@ -107,10 +107,8 @@ def reference_step(
     state: Columns, v: Columns, flags: tuple[Array, Array], predicted: bool
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next states of the reference, with its filters or predicting the sample before."""
-    wrong = reference_sensing.suspects(state, A)
-    suspicion = {f"suspect_{name}": wrong[name] for name in HALL}
+    suspicion = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
     suspicion |= {"suspected": state["sensing_contradiction_confirmed"]}
-    suspicion["other_amplitude"] = (np.asarray(suspicion["suspected"]) > 0) & wrong["all"]
     if predicted:
         out, after = reference_sensing.step(state, v, flags, REFERENCE)
     else:

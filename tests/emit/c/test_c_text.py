@@ -26,6 +26,8 @@ from synth.emit.write import EmittedCode, emit
 from synth.errors import CompileError, EmitError
 from synth.execute import compile as compiler
 from synth.execute import host
+from synth.signals import Signal
+from synth.timing import Discrete
 from tests import tolerances
 from tests.emit import dyadic, one_step
 from tests.emit.dyadic import TIME, Value, choose, combine, signal
@@ -351,3 +353,23 @@ def test_a_polynomial_is_printed_by_horner_without_zero_terms() -> None:
         assert text.count("+") == sum(c != 0 for c in coefficients[:-1])
         for t in (-0.75, 0.0, 0.5):
             assert float(eval(text.replace("f", ""), {"t": t})) == float(p.evaluate(t))
+
+
+@pytest.mark.parametrize("scalar", [F32, F64])
+def test_real_numbers_are_compared_without_the_operator_that_compilers_warn_about(scalar: type[np.floating]) -> None:
+    """The comparisons agree with == and != for NaN, infinities and zeros of both signs; truth values need no choice."""
+    signals = [Signal(n, "1", -9, 9) for n in "ab"]
+    block = build(
+        "comparison",
+        Discrete(1e-3),
+        lambda u, x, k: Step({"same": u["a"] == u["b"], "other": u["a"] != u["b"], "set": ca.if_else(u["a"], 1, 0)}),
+        inputs=signals,
+        outputs=[Signal(n, "1", 0, 1) for n in ("same", "other", "set")],
+    )
+    made = emit(block, scalar)
+    assert "? true" not in made.files["comparison.c"] and "comparison_equal(a, b)" in made.files["comparison.c"]
+    values = np.array([0.0, -0.0, 1.0, np.inf, -np.inf, np.nan, 1e-30], scalar)
+    a, b = (m.ravel() for m in np.meshgrid(values, values))
+    outputs = host.load(made.files, made.manifest).replay({"a": a, "b": b}).outputs
+    for name, expected in {"same": a == b, "other": a != b, "set": a != 0}.items():
+        np.testing.assert_array_equal(outputs[name], expected)

@@ -192,7 +192,9 @@ SCHEMA: dict[str, Any] = {
     "structs": {role: {"type": str, "size": int, "fields": [FIELD]} for role in ("input", "output", "state")},
     "faults": [dict],
     "safety": {"bad_samples": int, "safe_output": dict, "slew_per_s": dict, "reason": str},
+    "numbers": dict,
     "surrogates": [SURROGATE],
+    "diagnostics": dict,
     "trace": dict,
     "sha256": {"stage.c": str, "stage.h": str},
 }

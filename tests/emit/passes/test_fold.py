@@ -175,6 +175,9 @@ def number(value: float) -> Node:
         ([number(2), number(-2), Node("min", (A, 5)), Node("max", (7, 6))], "clamp(a, -2, 2)"),
         ([Node("neg", (B,)), Node("min", (A, B)), Node("max", (6, 5))], "clamp(a, neg(b), b)"),
         ([number(2), number(-3), Node("min", (A, 5)), Node("max", (7, 6))], "max(min(a, 2), -3)"),
+        ([number(0), Node("max", (A, 5)), Node("max", (6, 5))], "max(a, 0)"),
+        ([number(0), Node("min", (A, 5)), Node("min", (5, 6))], "min(a, 0)"),
+        ([number(0), number(1), Node("max", (A, 5)), Node("max", (7, 6))], "max(max(a, 0), 1)"),
         ([number(2), number(-2), Node("le", (6, A)), Node("le", (A, 5)), Node("and", (7, 8))], "le(fabs(a), 2)"),
         (
             [number(2), number(-2), Node("le", (6, A)), Node("le", (B, 5)), Node("and", (7, 8))],

@@ -70,7 +70,7 @@ def test_functions_of_one_variable_are_found_and_replaced() -> None:
     program, surrogates = replace_functions(block)
     assert operations(program) == ["polynomial", "polynomial"]
     assert {(s.tag, s.name, s.variable) for s in surrogates} == {
-        ("f1_polynomial", "f1_polynomial", "a"),
+        ("exp_a_polynomial", "exp_a_polynomial", "a"),
         ("z", "z_polynomial", "b"),
     }
     assert program.polynomials == {s.name: s.polynomial for s in surrogates}

@@ -1,0 +1,159 @@
+"""Equations of a composition in ASCII, printed from its expressions before polynomials replace functions.
+
+    i_d = (w - G) / (a + b)        of a signal, in signals, inputs and states of its Block and in its numbers
+    integral_next = ...            of a next state
+
+Signals whose equations differ in names alone are listed with the first one. A signal whose equation is longer than
+LONGEST has none, nor has one that the code repeats as it is; a section without any other shows its first one.
+"""
+
+import re
+from collections import ChainMap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from textwrap import wrap
+
+from synth.blocks import safety
+from synth.emit.lower import LIBM, LOGICAL, Node, Program
+
+LONGEST = 200  # characters of an equation
+LONGEST_HIDDEN = 440  # of one with functions that polynomials replace
+FEWEST = 4  # operations of an equation that the code hides
+WIDTH = 100
+INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
+INFIX |= {"eq": ("==", 3), "ne": ("!=", 3), "and": ("and", 2), "or": ("or", 1)}
+HIDDEN = LIBM - {"sqrt", "fabs"}  # functions that polynomials replace
+SILENT = (safety.GUARD, safety.SAFE_OUTPUT)  # their functions say what they do
+ATOM = 9
+_LEAVES = ("input", "state", "literal", "constant")
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A signal or next state, what it equals, and whether the code shows this as it is."""
+
+    name: str
+    text: str
+    is_hidden: bool
+
+    @property
+    def form(self) -> str:
+        """The text with its names counted in the order in which they are met."""
+        places: dict[str, str] = {}
+        return re.sub(r"\b[A-Za-z]\w*\b(?!\()", lambda word: places.setdefault(word[0], f"_{len(places)}"), self.text)
+
+
+def by_block(p: Program) -> dict[str, tuple[str, ...]]:
+    """Return the lines of the equations of each Block of the composition that has some."""
+    ends: dict[str, dict[str, int]] = {block: {} for block in p.titles}
+    for named, k in p.marks:
+        ends[named.block][named.signal.name] = k
+    following: dict[str, dict[str, int]] = {block: {} for block in p.titles}
+    latched = next((k for named, k in p.marks if named.signal.name == "latched"), -1)
+    for name in p.next:
+        owner = p.owner(name)
+        following.setdefault(owner, {})[f"{_local(name, owner)}_next"] = _without_latch(p, name, latched)
+    names = {k: named.signal.name for named, k in reversed(p.marks) if p.nodes[k].op not in ("input", "state")}
+    texts = {block: _Text(p, block, following[block], names) for block in p.titles if block not in SILENT}
+    rows = {block: _rows(_equations(text, ends[block], following[block])) for block, text in texts.items()}
+    return {block: lines for block, lines in rows.items() if lines}
+
+
+def _equations(text: "_Text", ends: Mapping[str, int], following: Mapping[str, int]) -> list[Equation]:
+    known = {*ends.values()}
+    all_ends = {**ends, **{name: k for name, k in following.items() if k not in known}}
+    computed = {name: k for name, k in all_ends.items() if text.p.nodes[k].op not in _LEAVES}
+    equations = (text.equation(name, k) for name, k in computed.items())
+    return [e for e in equations if e.text]
+
+
+def _without_latch(p: Program, state: str, latched: int) -> int:
+    """Return the node of the next value of a state, without the choice that keeps the state once latched."""
+    k = p.next[state]
+    node, load = p.nodes[k], Node("state", name=state)
+    kept = node.op == "choose" and node.args[0] == latched and p.nodes[node.args[1]] == load
+    return node.args[2] if kept else k
+
+
+def _local(name: str, block: str) -> str:
+    return name.removeprefix(f"{block}_")
+
+
+def _rows(equations: Sequence[Equation]) -> tuple[str, ...]:
+    """Return the lines of a section's equations, those of one form together."""
+    forms: dict[str, list[Equation]] = {}
+    for e in equations:
+        forms.setdefault(e.form, []).append(e)
+    shown = [group for group in forms.values() if group[0].is_hidden] or list(forms.values())[:1]
+    rows: list[str] = []
+    for first, *others in shown:
+        also = f"; likewise {', '.join(e.name for e in others)}" if others else ""
+        text = f"{first.name} = {first.text}{also}"
+        rows += wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False, break_long_words=False)
+    return tuple(rows)
+
+
+class _Text:
+    """The text of a Block's nodes in terms of signals, with the precedence of the outermost operator."""
+
+    def __init__(self, p: Program, block: str, following: Mapping[str, int], names: Mapping[int, str]) -> None:
+        self.p, self.block = p, block
+        inner = {k: name for name, k in following.items() if p.nodes[k].op not in _LEAVES}
+        self.names: Mapping[int, str] = ChainMap(inner | {k: names[k] for k in inner if k in names}, names)  # type: ignore[arg-type]
+        self.left = self.operations = 0
+
+    def equation(self, name: str, k: int) -> Equation:
+        """Return the equation of node k, with an empty text where it is too long."""
+        self.left, self.operations = LONGEST_HIDDEN, 0
+        text = self._operation(k)[0] if self.names.get(k, name) == name else self.names[k]
+        replaced = any(f"{function}(" in text for function in HIDDEN)
+        fits = self.left > 0 and len(text) <= (LONGEST_HIDDEN if replaced else LONGEST)
+        return Equation(name, text if fits else "", replaced or self.operations >= FEWEST)
+
+    def _node(self, k: int, strength: int) -> str:
+        """Return the text of an operand, in parentheses where its operator binds less."""
+        self.left -= 1
+        if k in self.names:
+            return self.names[k]
+        text, binding = self._operation(k) if self.left > 0 else ("", ATOM)
+        self.left -= len(text) if binding == ATOM else 0
+        return text if binding >= strength else f"({text})"
+
+    def _operation(self, k: int) -> tuple[str, int]:
+        node = self.p.nodes[k]
+        leaf = self._leaf(node)
+        if leaf:
+            return leaf
+        self.operations += 1
+        if node.op in INFIX:
+            sign, strength = INFIX[node.op]
+            first, second = self._node(node.args[0], strength), self._node(node.args[1], strength + (node.op != "add"))
+            return f"{first} {sign} {second}", strength
+        if node.op == "choose":
+            condition, then, other = (self._node(a, 1) for a in node.args)
+            return f"{then} if {condition}{'' if self._is_test(node.args[0]) else ' is set'}, else {other}", 0
+        if node.op == "sq":
+            return f"{self._node(node.args[0], ATOM)}^2", 7
+        if node.op in ("neg", "not", "inv", "fabs"):
+            return self._unary(node)
+        if node.op == "clamp":
+            return f"limit({self._node(node.args[0], 0)}, {self._node(node.args[2], 0)})", ATOM
+        return f"{node.op}({', '.join(self._node(a, 0) for a in node.args)})", ATOM
+
+    def _unary(self, node: Node) -> tuple[str, int]:
+        if node.op == "fabs":
+            return f"|{self._node(node.args[0], 0)}|", ATOM
+        if node.op == "inv":
+            return f"1 / {self._node(node.args[0], 6)}", 5
+        return f"{'-' if node.op == 'neg' else 'not '}{self._node(node.args[0], 6)}", 5
+
+    def _is_test(self, k: int) -> bool:
+        return self.p.nodes[k].op in LOGICAL
+
+    def _leaf(self, node: Node) -> tuple[str, int] | None:
+        if node.op == "literal":
+            return f"{node.value:.6g}", ATOM if node.value >= 0 else 6
+        if node.op in ("input", "state", "constant"):
+            sign = "-" if node.op == "constant" and node.value < 0 else ""
+            return f"{sign}{_local(node.name, self.block)}", 6 if sign else ATOM
+        return None

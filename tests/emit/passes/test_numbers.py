@@ -1,0 +1,122 @@
+"""Named numbers: which literals become constants, under which names, and that the values stay the same."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import Block, Constant, State, Step, build
+from synth.composition import compose
+from synth.emit.write import emit
+from synth.execute import host
+from synth.plant import build as build_plant
+from synth.signals import Parameter, Signal
+from synth.timing import Discrete
+
+TIME = Discrete(1e-3)
+F32 = np.float32
+MASS = Constant("mass", 3.45, "kg", "Table I")
+X, Y = Signal("x", "m", -1, 1), Signal("y", "N", -99, 99)
+
+
+def law(expr: object, *numbers: Constant, name: str = "law", read: Signal = X, written: Signal = Y) -> Block:
+    """Return a Block that computes expr(x), with some numbers."""
+    return build(
+        name,
+        TIME,
+        lambda u, x, k: Step({written.name: expr(u[read.name])}, numbers=numbers),  # type: ignore[operator]
+        inputs=[read],
+        outputs=[written],
+    )
+
+
+def text(block: Block) -> str:
+    return emit(compose("step", [block], inputs=["x"], outputs=["y"]), F32).files["step.c"]
+
+
+def test_a_declared_number_has_its_name_unit_and_source() -> None:
+    made = text(law(lambda x: 3.45 * x, MASS))
+    assert "static const float mass = 3.45f;                            /* kg; Table I */" in made
+    assert "mass * x" in made and made.count("3.45") == 1
+
+
+def test_the_negative_of_a_number_has_its_name() -> None:
+    made = text(law(lambda x: ca.fmax(-3.45 * x, x - 3.45), MASS))
+    assert "static const float mass = 3.45f;" in made and "-mass * " in made and "- mass" in made
+
+
+@pytest.mark.parametrize("value", [3.4501, 6.9, 0.0])
+def test_another_value_keeps_its_literal(value: float) -> None:
+    made = text(law(lambda x: value + 3.0 * x, MASS))
+    assert "mass" not in made
+
+
+def test_a_number_belongs_to_its_block() -> None:
+    first = law(lambda x: 3.45 * x, MASS, name="first", written=Signal("z", "m", -9, 9))
+    second = law(lambda z: 3.45 + z, name="second", read=Signal("z", "m", -9, 9))
+    made = emit(compose("step", [first, second], inputs=["x"], outputs=["y"]), F32).files["step.c"]
+    assert "mass * x" in made and "3.45f + " in made
+
+
+def test_one_name_for_two_values_gets_the_blocks_names() -> None:
+    z = Signal("z", "m", -9, 9)
+    first = law(lambda x: 3.45 * x, MASS, name="first", written=z)
+    second = law(lambda z: 8.6 + z, Constant("mass", 8.6, "kg", "Table II"), name="second", read=z)
+    made = emit(compose("step", [first, second], inputs=["x"], outputs=["y"]), F32).files["step.c"]
+    assert "first_mass = 3.45f" in made and "second_mass = 8.6f" in made
+
+
+def test_equal_numbers_are_one_under_the_words_they_share() -> None:
+    both = [Constant(f"I_{axis}_over_r", 0.66, "kg m", axis) for axis in "xz"]
+    made = text(law(lambda x: 0.66 * x, *both))
+    assert "I_over_r = 0.66f;" in made and "also I_x_over_r, also I_z_over_r" in made
+
+
+def test_geometry_needs_no_declaration() -> None:
+    assert "half_root_3 * x" in text(law(lambda x: np.sqrt(3) / 2 * x))
+
+
+def test_counters_compare_with_whole_numbers() -> None:
+    left = State(Signal("left", "1", 0, 7), 0, True)
+    block = build(
+        "count",
+        TIME,
+        lambda u, x, k: Step(
+            {"y": ca.if_else(x["left"] < 3, 3 * u["x"], 0)},
+            {"left": ca.if_else(x["left"] < 3, x["left"] + 1, 0)},
+            numbers=[Constant("patience", 3.0, "1", "samples")],
+        ),
+        inputs=[X],
+        outputs=[Y],
+        states=[left],
+    )
+    made = text(block)
+    assert "< 3u" in made and "patience * x" in made
+
+
+@pytest.mark.parametrize("scalar", [np.float32, np.float64])
+def test_names_change_no_bit(scalar: type[np.floating]) -> None:
+    def expr(x: ca.SX) -> ca.SX:
+        return ca.if_else(x < 0.25, 3.45 * (x - 0.1), ca.fmin(0.25, x / 3.45) - 0.1 * x**3)
+
+    values = {"mass": 3.45, "low": 0.25, "offset": 0.1, "inverse": 1 / 3.45}
+    numbers = [Constant(name, value, "1", "chosen") for name, value in values.items()]
+    made = [emit(compose("step", [law(expr, *n)], inputs=["x"], outputs=["y"]), scalar) for n in ((), numbers)]
+    assert "offset" in made[1].files["step.c"] and "inverse" in made[1].files["step.c"]
+    x = np.random.default_rng(0).uniform(-1, 1, 500).astype(scalar)
+    plain, named = (host.load(m.files, m.manifest) for m in made)
+    results = [c.replay({"x": x}).outputs["y"] for c in (plain, named)]
+    assert results[0].tobytes() == results[1].tobytes()
+
+
+def test_a_plant_gives_the_numbers_of_its_parameters() -> None:
+    plant = build_plant(
+        "cart",
+        [Signal("v", "m/s", -1, 1)],
+        [Signal("f", "N", -1, 1)],
+        [Signal("v", "m/s", -1, 1)],
+        [Parameter("m", 4.0, "kg", 0.1, "weighed"), Parameter("r", 0.25, "m", 0.1, "drawing")],
+        lambda x, u, p: ({"v": u["f"] / p["m"]}, {"v": x["v"]}),
+    )
+    assert plant.constant("m") == Constant("m", 4.0, "kg", "weighed")
+    ratio = plant.constant("half_m_over_r", "kg/m", lambda p: p["m"] / (2 * p["r"]))
+    assert ratio == Constant("half_m_over_r", 8.0, "kg/m", "m / (2 r), m = 4 kg, r = 0.25 m")
