@@ -124,6 +124,7 @@ SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each ot
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
 AMPLITUDE_FAULTS = (Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),)
+COMMON = Signal("common", "1", 0, 1, "the first contradiction was one of the amplitude of all voltages")
 POWER_STATE = Signal("power", "1", *POWERS, "estimated squared amplitude over the nominal one")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
@@ -178,27 +179,24 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         for axis, at in within.items():
             next[f"offset_{axis}"] = ca.if_else(sure, offset[axis], x[f"offset_{axis}"])
             passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            next[f"within_{axis}"] = ca.if_else(sure, at, passed)
+            output[f"within_{axis}"] = ca.if_else(sure, at, passed)
+            next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
             output[f"{axis}_raw"] = ca.if_else(sure, at + offset[axis], held)
-            output[f"within_{axis}"] = next[f"within_{axis}"]
         next |= {} if predicted else {yaw: output[yaw]}
         if reckoned:
             share = ca.if_else(u["ready"], k["power_gain"], k["first_power_gain"])
-            next["power"] = ca.if_else(sure, x["power"] + share * (X.m + Y.m), x["power"])
-        again = ca.logic_and(doubt, x["contradiction_left"])
-        waited = ca.if_else(
-            ca.logic_and(sure, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
-        )
-        next |= {
-            "contradiction_left": ca.if_else(doubt, MEMORY, waited),
-            "contradiction_confirmed": ca.if_else(again, 1, x["contradiction_confirmed"]),
-        }
-        flags, alike = _suspects(x, A)
-        output |= {SUSPECTED.name: x["contradiction_confirmed"]}
+            next["power"] = ca.if_else(sure, clip(x["power"] + share * (X.m + Y.m), POWER_STATE), x["power"])
+            next["common"] = ca.if_else(first, _is_common(X.m, Y.m, r1, r2, A), x["common"])
+        left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
+        waited = ca.if_else(ca.logic_and(sure, left), left - 1, left)
+        next["contradiction_left"] = ca.if_else(doubt, MEMORY, waited)
+        next["contradiction_confirmed"] = ca.if_else(ca.logic_and(doubt, left), 1, confirmed)
+        flags = _suspects(x, A)
+        output |= {SUSPECTED.name: confirmed}
         if reckoned:
-            flags = {name: ca.logic_and(flag, ca.logic_not(alike)) for name, flag in flags.items()}
-            output[OTHER_AMPLITUDE.name] = ca.logic_and(x["contradiction_confirmed"], alike)
+            flags = {name: ca.logic_and(flag, ca.logic_not(x["common"])) for name, flag in flags.items()}
+            output[OTHER_AMPLITUDE.name] = ca.logic_and(confirmed, x["common"])
         output |= {f"suspect_{name}": one for name, one in flags.items()}
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
@@ -206,14 +204,14 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, *([OTHER_AMPLITUDE] if reckoned else [])]
-    states = [*_states(predicted), *([State(POWER_STATE, 1.0)] if reckoned else [])]
+    states = [*_states(predicted, reckoned), *([State(COMMON, 0, True), State(POWER_STATE, 1.0)] if reckoned else [])]
     constants = [*_constants(cal), *(_power_gains(cal) if reckoned else [])]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS) if reckoned else block
 
 
-def _states(predicted: bool) -> list[State]:
+def _states(predicted: bool, reckoned: bool) -> list[State]:
     doubt = Signal("contradiction_left", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
     named = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
     first = [
@@ -223,7 +221,7 @@ def _states(predicted: bool) -> list[State]:
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
     last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    reals = (*shown, *OFFSETS, *WITHIN, *last)
+    reals = (*shown, *OFFSETS, *(() if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (doubt, named)), *(State(s, 0.0) for s in reals)]
 
 
@@ -320,11 +318,17 @@ def _squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) ->
     return r1**2 + r2**2 + (RESIDUAL / (POWER * A)) ** 2 * (m_x**2 + m_y**2)
 
 
-def _suspects(x: Exprs, A: float) -> tuple[dict[str, ca.SX], ca.SX]:
-    """Return for each voltage whether it is suspected, and whether all of them have another amplitude instead.
+def _is_common(m_x: ca.SX, m_y: ca.SX, r_1: ca.SX, r_2: ca.SX, A: float) -> ca.SX:
+    """Return whether another amplitude of all voltages explains a contradiction."""
+    significant, no_yaw = PART["m"] * POWER * A**2, PART["r"] * RESIDUAL * A
+    large = ca.logic_and(ca.fabs(m_x) > significant, ca.fabs(m_y) > significant)
+    straight = ca.logic_and(ca.fabs(r_1) <= no_yaw, ca.fabs(r_2) <= no_yaw)
+    alike = ca.fabs(m_x - m_y) < ALIKE * ca.fabs(m_x + m_y)
+    return ca.if_else(ca.logic_and(ca.logic_and(large, straight), alike), 1, 0)
 
-    The residuals are those that first showed a contradiction.
-    """
+
+def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
+    """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction."""
     m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
     size = {a: ca.fabs(m[a]) for a in "xy"}
     there = {a: size[a] > PART["m"] * POWER * A**2 for a in "xy"}
@@ -333,10 +337,6 @@ def _suspects(x: Exprs, A: float) -> tuple[dict[str, ca.SX], ca.SX]:
     big = _squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (BIG * RESIDUAL * A) ** 2
     both = ca.logic_and(ca.logic_and(there["x"], there["y"]), ca.logic_not(big))
     lost = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both)
-    alike = ca.logic_and(
-        ca.logic_and(there["x"], there["y"]), ca.fabs(m["x"] - m["y"]) < ALIKE * ca.fabs(m["x"] + m["y"])
-    )
-    alike = ca.logic_and(alike, ca.logic_not(yaw_residual))
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly, mended = size[a] < NEARLY * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
@@ -348,4 +348,4 @@ def _suspects(x: Exprs, A: float) -> tuple[dict[str, ca.SX], ca.SX]:
         }
         crept = {s: ca.logic_or(yaw_residual, there[a]), c: there[a], other: yaw_residual}
         flags |= {name: ca.logic_or(ca.if_else(big, jumped[name], crept[name]), lost) for name in jumped}
-    return flags, alike
+    return flags

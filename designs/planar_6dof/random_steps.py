@@ -27,6 +27,7 @@ SEED = 20_060_711
 INSIDE = sampling.MARGIN
 UNREADY, SUSPECTED, FAILED, COUNTING = 0.02, 0.02, 0.1, 0.02  # shares of samples; the last counts bad samples
 WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it contradicts the others
+AMPLITUDE = 0.15  # standard deviation of the relative error of all voltages
 PART = 0.3  # of the size of demands: standard deviation of each of its terms
 ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages
 RESTING = 0.2  # share of edge steps with a flag that suppresses the control law
@@ -71,7 +72,7 @@ def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tu
     middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
     pose = {a: sampling.limited_to_range(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
     known = {"guard_latched": np.zeros(n), "guard_ready": _random_flags(rng, n, 1 - UNREADY)}
-    known |= {"braking_share": _random_flags(rng, n, SUSPECTED), "guard_left": _samples_left(block, states, rng)}
+    known |= {"braking_active": _random_flags(rng, n, SUSPECTED), "guard_left": _samples_left(block, states, rng)}
     known |= {"sensing_contradiction_confirmed": _random_flags(rng, n, SUSPECTED)} | _sensing_states(
         plant, pose, rng, n
     )
@@ -92,11 +93,12 @@ def _samples_left(block: Block, states: Columns, rng: np.random.Generator) -> ND
 
 
 def _with_wrong_voltage(columns: Columns, rng: np.random.Generator, n: int) -> Columns:
-    """Return sensor values (N,) with one wrong Hall voltage in some samples."""
+    """Return sensor values (N,) with one wrong Hall voltage in some samples, and another amplitude of all in others."""
     wrong, channel = _random_flags(rng, n, FAILED) * rng.normal(0, WRONG, n), rng.integers(0, len(planar_stage.HALL), n)
+    amplitude = 1 + _random_flags(rng, n, FAILED) * rng.normal(0, AMPLITUDE, n)
     off = {name: np.where(channel == i, wrong, 0.0) for i, name in enumerate(planar_stage.HALL)}
     limit = sensing.VOLTAGE * (1 - INSIDE)
-    return columns | {name: np.clip(columns[name] + by, -limit, limit) for name, by in off.items()}
+    return columns | {name: np.clip(amplitude * columns[name] + by, -limit, limit) for name, by in off.items()}
 
 
 def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
@@ -108,7 +110,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
     columns |= {
         f"sensing_within_{a}": np.clip(predicted[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"
     }
-    columns["sensing_power"] = rng.uniform(0.98, 1.02, n)
+    columns |= {"sensing_power": rng.uniform(0.98, 1.02, n), "sensing_common": _random_flags(rng, n, SUSPECTED)}
     for a in allocation.HORIZONTAL:
         columns |= {
             f"filter_{a}_p": predicted[a],

@@ -31,7 +31,7 @@ REMAINING = 0.5  # of the rate, after a braking sample
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"reckoning_{axis}_{part}" for axis in POLE for part in ("position", "rate", "acting")]
-    return {name: np.array(0.0) for name in (*names, "braking_share")}
+    return {name: np.array(0.0) for name in (*names, "braking_active")}
 
 
 def predicted_pose(state: Columns) -> dict[str, Array]:
@@ -68,11 +68,11 @@ def next_rates(state: Columns, measured: Columns, ready: Array, T: float) -> dic
 
 def brake(demands: Columns, rates: Columns, state: Columns, T: float) -> dict[str, Array]:
     """Return the demands in N and N m; while the platen brakes, those that leave a part of the rates."""
-    stops = np.asarray(state["braking_share"])
+    stops = np.asarray(state["braking_active"])
     after: dict[str, Array] = {}
     for axis, d in demands.items():
         braking = (REMAINING - 1) * rates[axis] / T * INERTIAS[axis]
-        after[axis] = (1 - stops) * d + stops * braking
+        after[axis] = np.where(stops > 0, braking, d)
     return after
 
 

@@ -126,6 +126,12 @@ def initial_state() -> dict[str, Array]:
     return {name: np.array(0.0) for name in names}
 
 
+def initial_reckoned_state() -> dict[str, Array]:
+    """Return the state after init where predictions come from the demands."""
+    rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
+    return rest | {"sensing_power": np.array(1.0), "sensing_common": np.array(0.0)}
+
+
 def initial_filter_state() -> dict[str, Array]:
     """Return the state of the filters after init, by name."""
     return {f"filter_{axis}_{part}": np.array(0.0) for axis in DENSITY for part in "psh"}
@@ -177,7 +183,8 @@ def sense(
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
     `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
-    predictions a measured motion that differs is a contradiction, too, and the amplitude is estimated. Y(1)-(5), Fig. 4.
+    predictions a measured motion that differs is a contradiction, too, and the amplitude is estimated.
+    Source: Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
     scale = state["sensing_power"] if reckoned else np.array(1.0)
@@ -208,17 +215,21 @@ def sense(
         ),
     }
     if reckoned:
+        common = np.where(is_amplitude(residuals, A), 1.0, 0.0)
+        after["sensing_common"] = np.where(contradiction & (before == 0), common, state["sensing_common"])
         pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (2 * k.power[0])
         after["sensing_power"] = np.where(accepted, np.clip(scale + pace * (x.m + y.m), *SCALE), scale)
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
-        offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
-        expected = np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else within
+        offset = state[f"sensing_offset_{axis}"]
+        expected = (
+            np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
+        )
         out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
         out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
         after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
-        after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
+        after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}
     return out, after
 
 
@@ -247,9 +258,9 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
     return {name: flag | is_ambiguous for name, flag in wrong.items()}
 
 
-def is_amplitude(state: Columns, A: float) -> Array:
-    """Return whether the amplitude of all voltages explains the first contradiction; then none is wrong by itself."""
-    m_x, m_y, r_1, r_2 = (np.asarray(state[f"sensing_first_{name}"]) for name in ("m_x", "m_y", "r_1", "r_2"))
+def is_amplitude(residuals: Columns, A: float) -> Array:
+    """Return whether the amplitude of all voltages explains a contradiction; then none is wrong by itself."""
+    m_x, m_y, r_1, r_2 = (np.asarray(residuals[name]) for name in ("m_x", "m_y", "r_1", "r_2"))
     is_large = np.minimum(np.abs(m_x), np.abs(m_y)) > PART_M * POWER * A**2
     is_yaw = np.maximum(np.abs(r_1), np.abs(r_2)) > PART_R * RESIDUAL * A
     return np.asarray(is_large & ~is_yaw & (np.abs(m_x - m_y) < ALIKE * np.abs(m_x + m_y)))

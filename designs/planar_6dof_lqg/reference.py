@@ -92,7 +92,7 @@ def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
     names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")]
     law = {name: np.array(0.0) for name in names} | motion.initial_state()
-    return shared.initial_state(UPRIGHT, motion.BRAKING) | sensing.initial_state() | law | {"sensing_power": np.array(1.0)}
+    return shared.initial_state(UPRIGHT, motion.BRAKING) | sensing.initial_reckoned_state() | law
 
 
 def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:
@@ -151,7 +151,7 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    after |= after_sensing | {"braking_share": np.where(guarded.braking, 1.0, 0.0)}
+    after |= after_sensing | {"braking_active": np.where(guarded.braking, 1.0, 0.0)}
     after |= motion.next_state(state, {a: pose[f"{a}_raw"] for a in HORIZONTAL}, ready, achieved, float(PERIOD))
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

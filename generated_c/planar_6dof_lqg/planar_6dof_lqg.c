@@ -34,6 +34,15 @@ static inline float planar_6dof_lqg_slew(float last, float target, float step)
     return (below > (last - step)) ? below : (last - step);
 }
 
+static inline uint32_t planar_6dof_lqg_flag(bool holds)
+{
+    uint32_t value = 0u;
+    if (holds) {
+        value = 1u;
+    }
+    return value;
+}
+
 #if defined(__GNUC__)
 #define PLANAR_6DOF_LQG_INLINE static inline __attribute__((always_inline))
 #else
@@ -257,30 +266,28 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float sensing_first_r_2 = state->sensing_first_r_2;
     const float sensing_first_m_x = state->sensing_first_m_x;
     const float sensing_first_m_y = state->sensing_first_m_y;
-    const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
-    const bool above_significant_m = significant_m < sensing_first_m_x_size;
-    const bool above_significant_r = significant_r < fabsf(sensing_first_r_2);
-    const bool above_significant_r_2 = significant_r < fabsf(sensing_first_r_1);
-    const bool suspect_V_ax_test = above_significant_r || above_significant_r_2;
-    const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
-    const bool above_significant_m_2 = significant_m < sensing_first_m_y_size;
-    const bool suspect_V_ax_test_2 = above_significant_m && above_significant_m_2;
-    const bool suspect_V_ax_test_3 = suspect_V_ax_test_2 && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y))) && !suspect_V_ax_test;
+    const uint32_t sensing_common = state->sensing_common;
     bool complete = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */
         const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
         const bool above_squared_jump = squared_jump < suspect_V_ax_part;
-        bool suspect_V_ax_test_4;
+        const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
+        const bool above_significant_m = significant_m < sensing_first_m_x_size;
+        const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
+        const bool above_significant_m_2 = significant_m < sensing_first_m_y_size;
+        const bool above_significant_r = significant_r < fabsf(sensing_first_r_2);
+        const bool above_significant_r_2 = significant_r < fabsf(sensing_first_r_1);
+        bool suspect_V_ax_test;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = above_significant_m;
-        bool suspect_V_by_test = suspect_V_ax_test;
-        bool suspect_V_cx_test = suspect_V_ax_test;
+        bool suspect_V_by_test;
+        bool suspect_V_cx_test;
         bool suspect_V_cy_test = above_significant_m_2;
         if (above_squared_jump) {
             const bool below_nearly_zero_m = sensing_first_m_x_size < nearly_zero_m;
             const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test_4 = above_significant_r && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
+            suspect_V_ax_test = above_significant_r && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
             const bool below_nearly_zero_m_2 = sensing_first_m_y_size < nearly_zero_m;
             const float suspect_V_ay_part = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
             suspect_V_ay_test = above_significant_r_2 && (!below_nearly_zero_m_2 || (suspect_V_ay_part < small_m));
@@ -289,17 +296,20 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             suspect_V_cx_test = above_significant_r && below_nearly_zero_m;
             suspect_V_cy_test = (suspect_V_ay_part + nearly_zero_m) < sensing_first_m_y_size;
         } else {
-            suspect_V_ax_test_4 = suspect_V_ax_test || above_significant_m;
-            suspect_V_ay_test = suspect_V_ax_test || above_significant_m_2;
+            const bool suspect_V_ax_test_2 = above_significant_r || above_significant_r_2;
+            suspect_V_ax_test = suspect_V_ax_test_2 || above_significant_m;
+            suspect_V_ay_test = suspect_V_ax_test_2 || above_significant_m_2;
+            suspect_V_by_test = suspect_V_ax_test_2;
+            suspect_V_cx_test = suspect_V_ax_test_2;
         }
-        const bool suspect_V_ax_test_5 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (suspect_V_ax_test_2 && !above_squared_jump);
-        const bool suspect_V_ax_test_6 = !suspect_V_ax_test_3;
-        const bool suspect_V_ax = (suspect_V_ax_test_4 || suspect_V_ax_test_5) && suspect_V_ax_test_6;
-        const bool suspect_V_ay = (suspect_V_ay_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
-        const bool suspect_V_bx = (suspect_V_bx_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
-        const bool suspect_V_by = (suspect_V_by_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
-        const bool suspect_V_cx = (suspect_V_cx_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
-        const bool suspect_V_cy = (suspect_V_cy_test || suspect_V_ax_test_5) && suspect_V_ax_test_6;
+        const bool suspect_V_ax_test_3 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (above_significant_m && above_significant_m_2 && !above_squared_jump);
+        const bool suspect_V_ax_test_4 = !(sensing_common != 0u);
+        const bool suspect_V_ax = (suspect_V_ax_test || suspect_V_ax_test_3) && suspect_V_ax_test_4;
+        const bool suspect_V_ay = (suspect_V_ay_test || suspect_V_ax_test_3) && suspect_V_ax_test_4;
+        const bool suspect_V_bx = (suspect_V_bx_test || suspect_V_ax_test_3) && suspect_V_ax_test_4;
+        const bool suspect_V_by = (suspect_V_by_test || suspect_V_ax_test_3) && suspect_V_ax_test_4;
+        const bool suspect_V_cx = (suspect_V_cx_test || suspect_V_ax_test_3) && suspect_V_ax_test_4;
+        const bool suspect_V_cy = (suspect_V_cy_test || suspect_V_ax_test_3) && suspect_V_ax_test_4;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -348,11 +358,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     }
 
     /* safe_output: slew to the safe output once latched */
-    bool braking_share_part = true;
     if (braking) {
         faults |= 0x40000000u;
-    } else {
-        braking_share_part = false;
     }
     if (latched != 0u) {
         state->safe_output_last_i_AA = planar_6dof_lqg_slew(state->safe_output_last_i_AA, 0.0f, slew_i_AA);
@@ -480,7 +487,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const float x_raw_part_12 = x_raw_part_8 + x_raw_part_11;
         const float x_raw_part_13 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part_minus_V_bx));
-        const float x_raw_part_14 = (r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (x_raw_part_13 * (m_x - m_y)));
+        const float m_x_minus_m_y = m_x - m_y;
+        const float x_raw_part_14 = (r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (x_raw_part_13 * m_x_minus_m_y));
         const float x_raw_part_15 = x_raw_part_14 / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (x_raw_part_13 * x_raw_part_13))) + least_information);
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool x_raw_test = false;
@@ -518,6 +526,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (x_raw_test && (sensing_contradiction_left != 0u)) {
             state->sensing_contradiction_confirmed = 1u;
         }
+        const float m_x_plus_m_y = m_x + m_y;
         if (x_raw_test && !(sensing_contradiction_left != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
@@ -526,9 +535,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             state->sensing_first_s_x = sensing_first_s_x_next;
             state->sensing_first_s_y = sensing_first_s_y_next;
             state->sensing_first_phi = reckoning_phi_position;
+            state->sensing_common = planar_6dof_lqg_flag((significant_m < fabsf(m_x)) && (significant_m < fabsf(m_y)) && (fabsf(r_1) <= significant_r) && (fabsf(r_2) <= significant_r) && (fabsf(m_x_minus_m_y) < (0.25f * fabsf(m_x_plus_m_y))));
         }
-        state->sensing_within_x = within_x;
-        state->sensing_within_y = within_y;
         const float x_advance_part = x_raw - reckoning_x_position;
         const float y_advance_part = y_raw - reckoning_y_position;
         const float phi_advance_part = phi_raw - reckoning_phi_position;
@@ -561,8 +569,26 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             reckoning_y_position_part = 1.0f;
             reckoning_phi_position_part = 1.0f;
         }
-        const float sensing_power_next = planar_6dof_lqg_max(planar_6dof_lqg_min((x_raw_test_2) ? (sensing_power + (sensing_power_part * (m_x + m_y))) : sensing_power, 1.3f), 0.75f);
-        state->sensing_power = sensing_power_next;
+        state->sensing_power = (x_raw_test_2) ? planar_6dof_lqg_max(planar_6dof_lqg_min(sensing_power + (sensing_power_part * m_x_plus_m_y), 1.3f), 0.75f) : sensing_power;
+
+        /* lqg_x: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
+        const float lqg_x_achieved = state->lqg_x_achieved;
+        state->lqg_x_x3 = (lqg_x_F * law_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+
+        /* lqg_y: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+        const float lqg_y_achieved = state->lqg_y_achieved;
+        state->lqg_y_x3 = (lqg_y_F * law_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
+         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
+         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
+         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
+        const float lqg_phi_achieved = state->lqg_phi_achieved;
+        state->lqg_phi_x3 = (lqg_phi_F * law_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning */
         const float x_advance_part_3 = reckoning_x_half_step * state->reckoning_x_acting;
@@ -589,38 +615,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float theta = half_over_laser_arm * (d3_held - z_part);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
-        const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool below_lqg_x_largest_error = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
-        const float lqg_x_integral = state->lqg_x_integral;
-        const float lqg_x_achieved = state->lqg_x_achieved;
-        const float law_x_part_2 = law_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float law_x = (lqg_x_error_gain * ((below_lqg_x_largest_error) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - law_x_part_2);
-        state->lqg_x_x3 = (lqg_x_F * law_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
-
-        /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
-        const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool below_lqg_y_largest_error = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
-        const float lqg_y_integral = state->lqg_y_integral;
-        const float lqg_y_achieved = state->lqg_y_achieved;
-        const float law_y_part_2 = law_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float law_y = (lqg_y_error_gain * ((below_lqg_y_largest_error) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - law_y_part_2);
-        state->lqg_y_x3 = (lqg_y_F * law_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
-
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49)
-         *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
-         *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
-         *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
-         *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
-        const float lqg_phi_integral = state->lqg_phi_integral;
-        const float lqg_phi_achieved = state->lqg_phi_achieved;
-        const float law_phi_part_2 = law_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
-        const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - law_phi_part_2);
-        state->lqg_phi_x3 = (lqg_phi_F * law_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
-
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
         const float z_ref_minus_z = z_ref_held - z;
@@ -643,13 +637,46 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
 
         /* braking: braking before the latch
-         *     d_phi = (1 - share) * law_phi + share * (phi_gain * phi_advance); likewise d_x, d_y */
-        const float braking_share = state->braking_share;
-        const float d_phi_part = 1.0f - braking_share;
-        const float d_phi = (d_phi_part * law_phi) + (braking_share * (braking_phi_gain * phi_advance));
-        const float d_x = (d_phi_part * law_x) + (braking_share * (braking_x_gain * x_advance));
-        const float d_y = (d_phi_part * law_y) + (braking_share * (braking_y_gain * y_advance));
-        state->braking_share = planar_6dof_lqg_max(braking_share_part ? 1.0f : 0.0f, 0.0f);
+         *     d_phi = phi_gain * phi_advance if active is set, else law_phi; likewise d_x, d_y */
+        const uint32_t braking_active = state->braking_active;
+        const float x_ref_minus_x_raw = x_ref_held - x_raw;
+        const bool below_lqg_x_largest_error = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
+        const float lqg_x_integral = state->lqg_x_integral;
+        const float law_x_part_2 = law_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float y_ref_minus_y_raw = y_ref_held - y_raw;
+        const bool below_lqg_y_largest_error = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const float lqg_y_integral = state->lqg_y_integral;
+        const float law_y_part_2 = law_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float lqg_phi_integral = state->lqg_phi_integral;
+        const float law_phi_part_2 = law_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        float d_phi;
+        float d_x;
+        float d_y;
+        if (braking_active != 0u) {
+            d_phi = braking_phi_gain * phi_advance;
+            d_x = braking_x_gain * x_advance;
+            d_y = braking_y_gain * y_advance;
+        } else {
+            /* lqg_x: reduced-order LQG, (28)-(35), (49) */
+            const float law_x = (lqg_x_error_gain * ((below_lqg_x_largest_error) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - law_x_part_2);
+            d_x = law_x;
+
+            /* lqg_y: reduced-order LQG, (28)-(35), (49) */
+            const float law_y = (lqg_y_error_gain * ((below_lqg_y_largest_error) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - law_y_part_2);
+            d_y = law_y;
+
+            /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
+            const float law_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - law_phi_part_2);
+            d_phi = law_phi;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->law_x = law_x;
+                diagnostics->law_y = law_y;
+                diagnostics->law_phi = law_phi;
+            }
+#endif
+        }
+        state->braking_active = planar_6dof_lqg_flag(braking);
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
@@ -794,9 +821,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->z = z;
             diagnostics->theta = theta;
             diagnostics->psi = psi;
-            diagnostics->law_x = law_x;
-            diagnostics->law_y = law_y;
-            diagnostics->law_phi = law_phi;
             diagnostics->d_z = d_z;
             diagnostics->d_theta = d_theta;
             diagnostics->d_psi = d_psi;
@@ -822,7 +846,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 #endif
     }
     uint32_t value = faults;
-    if (suspect_V_ax_test_3) {
+    if (sensing_common != 0u) {
         value = faults | 0x20000000u;
     }
     const uint32_t fault_word = (sensing_contradiction_confirmed != 0u) ? value : faults;

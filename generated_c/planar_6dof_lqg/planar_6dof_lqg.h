@@ -84,8 +84,7 @@ typedef struct {
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
-    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
+    uint32_t sensing_common;            /* 1, 0 .. 1: the first contradiction was one of the amplitude of all voltages */
     float sensing_power;                /* 1, 0.75 .. 1.3: estimated squared amplitude over the nominal one */
     float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
     float reckoning_x_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
@@ -111,7 +110,7 @@ typedef struct {
     float loop_theta_lead;              /* A, -4.68479 .. 4.68479: state of the lead filter */
     float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
     float loop_psi_lead;                /* A, -5.15327 .. 5.15327: state of the lead filter */
-    float braking_share;                /* 1, 0 .. 1: 1 from the second braking sample on */
+    uint32_t braking_active;            /* 1, 0 .. 1: 1 from the second braking sample on */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
@@ -127,11 +126,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
 _Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
-_Static_assert(sizeof(planar_6dof_lqg_state_t) == 240u, "size of planar_6dof_lqg_state_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 236u, "size of planar_6dof_lqg_state_t");
 #else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_240[(sizeof(planar_6dof_lqg_state_t) == 240u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_236[(sizeof(planar_6dof_lqg_state_t) == 236u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

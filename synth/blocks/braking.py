@@ -39,11 +39,11 @@ def block(
     advance = {axis.name: axis.advance(time) for axis in axes}
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        output, passing = {}, 1 - x["share"]
+        output = {}
         for axis, rate in advance.items():
             demand, passed = demands[axis]
-            output[passed.name] = passing * u[demand.name] + x["share"] * (k[f"{axis}_gain"] * u[rate.name])
-        return Step(output, {"share": ca.if_else(u[BRAKING.name], 1, 0)})
+            output[passed.name] = ca.if_else(x["active"], k[f"{axis}_gain"] * u[rate.name], u[demand.name])
+        return Step(output, {"active": u[BRAKING.name]})
 
     constants = []
     for axis in axes:
@@ -51,6 +51,6 @@ def block(
         constants.append(Constant(f"{axis.name}_gain", gain, f"({unit})/{axis.measured.unit}", f"{share:g} / (b T^2)"))
     inputs = [*advance.values(), *(demands[axis.name][0] for axis in axes), BRAKING]
     outputs = [demands[axis.name][1] for axis in axes]
-    states = [State(Signal("share", "1", 0, 1, "1 from the second braking sample on"), 0.0)]
+    states = [State(Signal("active", "1", 0, 1, "1 from the second braking sample on"), 0, True)]
     tag = "braking before the latch"
     return build(name, time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
