@@ -379,7 +379,7 @@ def emit_self_limited(width: float) -> EmittedCode:
 def test_an_output_proved_in_range_is_not_limited_again(width: float, limits: int) -> None:
     made = emit_self_limited(width)
     code = made.files["passed.c"]
-    assert code[code.index("passed_step(") :].count("limit(") == limits
+    assert code[code.index("passed_step(") :].count("passed_limit(") == limits
     controller = host.load(made.files, made.manifest)
     wishes = np.repeat([0.018, 0.031, 0.018], 20)
     u = {n: np.full(60, v) for n, v in GOOD.items()} | {
