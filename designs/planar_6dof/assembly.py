@@ -32,8 +32,8 @@ def design(
 ) -> Design:
     """Return the design; `subject` returns its controller and reference, `gains` the contents of gains.json.
 
-    `declared` is the interface of the controller, and `fields` are further ones of the stage. `audit` yields the rows of
-    the paper's audit, computed with the shipped loop.
+    `declared` is the interface of the controller, and `fields` are further ones of the stage. `audit` yields the rows
+    of the paper's audit, computed with the shipped loop.
     """
     replays = {False: QUICK_REPLAY, True: WHOLE_REPLAY}
     return stage.design(

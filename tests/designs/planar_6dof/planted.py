@@ -76,9 +76,11 @@ def mutants(at: WitnessSteps, count: int) -> Iterator[tuple[str, agree.Witness]]
     name = at.subject.block.name
     text = at.emitted.files[f"{name}.c"]
     start = text.index(f"{name}_step(")
-    comments = [m.span() for m in re.finditer(r"/\*.*?\*/", text, re.S)]
-    places = [m.start() + 1 for m in re.finditer(r" [-+] (?![\d.]+e-|0\.86129)", text) if m.start() > start]
-    places = [p for p in places if not any(low <= p < high for low, high in comments)]
+    unused = rf"/\*.*?\*/|#if defined\({name.upper()}_DIAGNOSTICS\).*?#e"  # comments, and what is not compiled
+    spans = [m.span() for m in re.finditer(unused, text, re.S)]
+    left_alone = r" [-+] (?![\d.]+e-|least_|nearly_zero_m)"
+    places = [m.start() + 1 for m in re.finditer(left_alone, text) if m.start() > start]
+    places = [p for p in places if not any(low <= p < high for low, high in spans)]
     for k in np.linspace(0, len(places) - 1, count).round().astype(int):
         at_place = places[k]
         other = text[:at_place] + ("-" if text[at_place] == "+" else "+") + text[at_place + 1 :]
