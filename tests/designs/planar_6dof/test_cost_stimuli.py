@@ -27,9 +27,9 @@ from synth.verify.steps import Steps
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
 # Instructions that gcc's step takes at most. 800 were asked for of the lead-lag controller, which it keeps, and 900 of
-# the LQG one with its dead reckoning. As shipped that takes at most 873 in healthy and in braking steps along the travel,
-# 916 where it first sees a fault and 965 where it names a channel; -Os takes 820, 862 and 920. The costliest of all steps
-# do this with every motor at its limit.
+# the LQG one with its dead reckoning. As shipped that takes at most 873 in healthy and in braking steps of the travel,
+# 916 where it first sees a fault and 965 where it names a channel; -Os takes 820, 862 and 920. The costliest of all
+# steps do this with every motor at its limit.
 CEILINGS = {
     "planar_6dof_leadlag": {"gcc, newlib": 800, "gcc, newlib, small": 730, "gcc, newlib, contracted": 740},
     "planar_6dof_lqg": {"gcc, newlib": 1020, "gcc, newlib, small": 975, "gcc, newlib, contracted": 960},
@@ -195,7 +195,7 @@ def test_a_decision_that_nothing_takes_is_reported() -> None:
     """The planted defect: a branch on a value that no step has."""
     (emitted, _, _), every, build = subject("planar_6dof_lqg"), subject("planar_6dof_lqg").every, BUILDS[FIRST]
     text = emitted.files["planar_6dof_lqg.c"].replace(
-        "    uint32_t faults = 0u;", "    uint32_t faults = 0u;\n    if (in->V_ax == 1.2345678f) { state->guard_ready = 0u; }"
+        "    return fault_word;", "    if (in->V_ax == 1.2345678f) { state->guard_ready = 0u; }\n    return fault_word;"
     )
     candidate = baselines.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
     coverage = meter.coverage(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
