@@ -87,9 +87,7 @@ def test_a_killed_study_goes_on_where_it_was(design: Design, tmp_path: Path) -> 
     assert 0 < len(kept) < len(PLAN.chunks) and not file.exists()
     subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=False)
     assert len(stored_chunks()) == len(PLAN.chunks)
-    assert all(path.stat().st_ino == inode for path, inode in kept.items()), (
-        "a stored chunk was computed again"
-    )
+    assert all(path.stat().st_ino == inode for path, inode in kept.items()), "a stored chunk was computed again"
     with store.fresh_run():
         assert file.read_text() == study.csv_text(whole(design))
 
