@@ -44,7 +44,7 @@ def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple
 
     def at_event(frame: FrameType, event: str, _: object) -> None:
         if event == "return" and _computes(frame):
-            names.update(_named(frame.f_locals))
+            names.update(_computed_scalars(frame.f_locals))
 
     profiler = sys.getprofile()
     sys.setprofile(at_event)
@@ -61,7 +61,7 @@ def _computes(frame: FrameType) -> bool:
     return not frame.f_code.co_name.startswith("<") and module not in CHECKS and module.split(".")[0] not in LIBRARIES
 
 
-def _named(variables: Mapping[str, object]) -> dict[int, tuple[str, ca.SX]]:
+def _computed_scalars(variables: Mapping[str, object]) -> dict[int, tuple[str, ca.SX]]:
     """Return the computed scalars that variables hold by their hash, under the first name of each."""
     kept = {n: v for n, v in variables.items() if n not in SKIPPED and _NAME.fullmatch(n)}
     plain = {n: v for n, v in kept.items() if isinstance(v, ca.SX) and v.is_scalar()}

@@ -31,12 +31,12 @@ class Limits(NamedTuple):
     high: ca.SX
 
 
-def names(law: object) -> dict[str, str]:
+def values_by_name(law: object) -> dict[str, str]:
     _, values = intermediates.record(law)  # type: ignore[arg-type]
     return {name: str(expr) for name, expr in values}
 
 
-def test_a_variable_names_its_value_and_a_caller_names_it_anew() -> None:
+def test_a_variable_names_its_value_and_a_caller_renames_it() -> None:
     def root(u: ca.SX) -> ca.SX:
         inner = u + 1
         doubled = 2 * inner
@@ -46,7 +46,7 @@ def test_a_variable_names_its_value_and_a_caller_names_it_anew() -> None:
         twice = root(x)
         return twice**2
 
-    assert names(law) == {"inner": "(x+1)", "twice": "(2.*(x+1))"}
+    assert values_by_name(law) == {"inner": "(x+1)", "twice": "(2.*(x+1))"}
 
 
 def test_containers_name_their_elements() -> None:
@@ -58,7 +58,7 @@ def test_containers_name_their_elements() -> None:
         assert len(force) + len(pair) + J.numel() + R.numel() + len(bounds) and wave
 
     expected = {"force_x", "force_z", "wave_sine", "wave_cosine", "bounds_low", "bounds_high", "pair_1"}
-    assert names(law).keys() == expected | {"J_1", "J_2", "R_11", "R_21", "R_12"}
+    assert values_by_name(law).keys() == expected | {"J_1", "J_2", "R_11", "R_21", "R_12"}
 
 
 def test_symbols_numbers_and_roles_have_no_name() -> None:
@@ -66,7 +66,7 @@ def test_symbols_numbers_and_roles_have_no_name() -> None:
         symbol, number, output, value = x, ca.SX(2.0), x + 1, x + 2
         assert symbol is x and number.is_constant() and output is not value
 
-    assert names(law) == {}
+    assert values_by_name(law) == {}
 
 
 def test_an_error_leaves_the_profiler_as_it_was() -> None:
