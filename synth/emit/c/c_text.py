@@ -74,8 +74,10 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
     if "slew" in used:
         parts += [f"static inline {t} {name}_slew({t} last, {t} target, {t} step)", "{"]
-        parts += [f"    const {t} below = (target < (last + step)) ? target : (last + step);"]
-        parts += ["    return (below > (last - step)) ? below : (last - step);", "}", ""]
+        # From a comparison an analyser learns about a variable, not about a sum that is computed again.
+        parts += [f"    const {t} highest = last + step;", f"    const {t} lowest = last - step;"]
+        parts += [f"    const {t} below = (target < highest) ? target : highest;"]
+        parts += ["    return (below > lowest) ? below : lowest;", "}", ""]
     return parts
 
 
