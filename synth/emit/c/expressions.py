@@ -21,19 +21,15 @@ INLINE = ("literal", "constant", "argument", "parameter")  # printed wherever th
 
 @dataclass(frozen=True)
 class Text:
-    """An expression and the precedence of its outermost operator.
-
-    It is `composite`, as MISRA C:2012 defines it, if it is arithmetic or a choice of which an arm is.
-    """
+    """An expression and the precedence of its outermost operator."""
 
     c: str
     strength: int = ATOM
-    has_composite_arm: bool = False
 
     @property
     def is_composite(self) -> bool:
         """Whether its value must be assigned before it is cast (MISRA C:2012, rule 10.8)."""
-        return self.strength in ARITHMETIC or self.has_composite_arm
+        return self.strength in ARITHMETIC
 
     def inside(self, strength: int) -> str:
         """Return the text, in parentheses if its precedence is below `strength`."""
@@ -120,10 +116,8 @@ class Expressions:
         if op == "choose" and self.kinds[k] == "logical":
             return self._truth(args)
         if op == "choose":
-            arms = [self.as_kind(a, self.kinds[k]) for a in args[1:]]
-            then, other = (arm.inside(6) for arm in arms)
-            composite = any(arm.is_composite for arm in arms)
-            return Text(f"({self.condition(args[0]).c}) ? {then} : {other}", -1, composite)
+            then, other = (self.as_kind(a, self.kinds[k]).inside(6) for a in args[1:])
+            return Text(f"({self.condition(args[0]).c}) ? {then} : {other}", -1)
         if op == "bit":
             if self.p.nodes[args[0]].op == "literal":
                 return Text(mask(node))
