@@ -21,7 +21,7 @@ INNER = {  # modules whose functions take what others have read
     *("structured_singular_value", "bordered", "cofactors", "doubling", "equation", "exact_riccati", "newton"),
     *("reduced_noise", "reduced_partition", "solvability", "exact_eigenvalues", "trajectory"),
     *("trajectory_fit", "identifiability", "variances", "minimal_polynomial", "weights", "check", "conversions"),
-    *("rational", "crossings", "delayed_crossings", "traced_crossings", "zpk", "perturbation", "nyquist", "assessment"),
+    *("rational", "crossings", "delayed_crossings", "grid_crossings", "zpk", "perturbation", "nyquist", "assessment"),
     *("nearest_root", "peak_gain", "bounded_real", "resolvent", "period_cost", "balance", "copies", "modes"),
     *("modal", "modal_peak", "climb", "isolated_zeros", "refinement", "zeros", "glsdc", "error_map", "phasor"),
     *("axis_blocks", "axis_inverse", "axis_regulator", "equilibrium_equations"),
