@@ -6,8 +6,8 @@
 
 `transfer.trace` supplies L in double precision on a grid so fine that L changes little from node to node. A change of
 sign between two nodes brackets a zero, which Brent's method locates. Two zeros in one interval show as an extremum
-between its nodes, which is searched for. A zero between nodes may still be missed, so the caller must verify the result;
-`crossings` finds all of them for loops of low order.
+between its nodes, which is searched for. A zero between nodes may still be missed, so the caller must verify the
+result; `crossings` finds all zeros for loops of low order.
 
 A flat interval is a run of nodes on which log |L| or sin(arg L) is 0 within rounding: |L| = 1 for an all-pass, L real
 for an undamped loop. Every frequency in it is a crossing, and only the worst ones are returned.
@@ -26,9 +26,7 @@ from synth.errors import ModelError
 from synth.statespace import Array, Complex
 
 FLAT = 1e-10  # a smaller log |L| or sin(arg L) counts as 0 in the search for flat intervals
-MAX_EXTREMUM = (
-    0.3  # of |log |L|| or |sin(arg L)|: they change by half of it from node to node, so a larger one stays off 0
-)
+MAX_EXTREMUM = 0.3  # log |L| and sin(arg L) change by at most 0.15 between nodes: a larger extremum stays off 0
 MAX_IMAGINARY = 1e-6  # |Im L| / |L| of a phase crossing; where it is larger, Im L changes its sign at a pole
 
 
@@ -42,7 +40,7 @@ def of_curve(curve: Curve) -> Crossings:
 
 
 def _unit_gain_frequencies(curve: Curve) -> list[float]:
-    """Return the frequencies with |L| = 1; of a flat interval, those with the least phase and the least delay margin."""
+    """Return the frequencies with |L| = 1; of a flat interval, those with the least phase and delay margin."""
     value, w = refinement.log_magnitude(curve.value), curve.w
     frequencies = [] if len(w) < 3 else _roots(lambda v: refinement.log_magnitude(curve.L(v)), w, value)
     _require_parity(frequencies, value)
