@@ -52,9 +52,8 @@ def test_latches_end_at_rest(controller: host.Controller) -> None:
 
 
 def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(controller: host.Controller) -> None:
-    replay = controller.replay(
-        stimuli.closed_loop(standard_tasks.rig(STAGE, np.float32), stimuli.REPLAY_STEPS).measured
-    )
+    rig = standard_tasks.rig(STAGE, np.float32)
+    replay = controller.replay(stimuli.closed_loop(rig, stimuli.REPLAY_STEPS).measured)
     first = int(np.argmax(replay.faults >> 31))
     assert 9500 <= first <= 9505 and (replay.faults[first:] >> 31).all()
     seen = np.bitwise_or.reduce(replay.faults[:first])
