@@ -19,7 +19,7 @@ The magnet matrix contains a second array, which varies across y. Its field aver
 w is one pitch.
 
 For the fundamental of the field, with the wave number gamma = 2 pi / l, the integrals give the Clarke and Park
-transforms (MATLAB `clarke`, `park`) times a force constant K:
+transforms (Simulink `Clarke Transform`, `Park Transform`) times a force constant K:
 
     [f_y]       [ cos gamma y  sin gamma y]   [2/3   -1/3       -1/3     ]   [i_A]
     [f_z]  = K  [-sin gamma y  cos gamma y]   [ 0   1/sqrt(3)  -1/sqrt(3)]   [i_B]                            (17)
@@ -86,8 +86,8 @@ def thickness(p: Exprs) -> ca.SX:
 def geometric_constant(p: Exprs) -> ca.SX:
     """Return G in m^3. Source: (17)."""
     gamma, Gamma = halbach.wave_number(p), thickness(p)
-    decays = (1 - ca.exp(-gamma * Gamma)) * (1 - ca.exp(-gamma * p["Delta"]))
-    return ca.sqrt(2) * p["w"] * p["l"] ** 2 / pi**2 * decays
+    G_infinite = ca.sqrt(2) * p["w"] * p["l"] ** 2 / pi**2  # of a winding and magnets of infinite height
+    return G_infinite * (1 - ca.exp(-gamma * Gamma)) * (1 - ca.exp(-gamma * p["Delta"]))
 
 
 def force_constant(p: Exprs, variant: Variant = "lorentz") -> ca.SX:
