@@ -112,11 +112,11 @@ MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, u
     const float q_prev = state->q_prev;
     state->q_prev = e;
     const float s = state->s;
-    float s_part = 0.0f;
+    float d = 0.0f;
     if (ready != 0u) {
-        s_part = e - q_prev;
+        d = e - q_prev;
     }
-    const float s_next = (fade * s) + s_part;
+    const float s_next = (fade * s) + d;
     state->s = s_next;
     state->r = (fade * state->r) + s_next + (rho * s);
     return state->r;
@@ -418,12 +418,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_d3 = i_d3_computed;
         const float i_d4_computed = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
         out->i_d4 = i_d4_computed;
-        const float u_x_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed));
-        const float u_x_computed = maglev_5dof_limit(u_x_demand, u_x_computed_part);
+        const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed));
+        const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
-        const float u_z_computed_part = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed));
-        const float u_z_computed = maglev_5dof_limit(u_z_demand, u_z_computed_part);
+        const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed));
+        const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
         const float excess_x = u_x_computed - u_x_demand;
@@ -457,8 +457,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->saturated |= (fabsf(i_d2_computed) >= direct_limit) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_d3_computed) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_d4_computed) >= direct_limit) ? 0x00000008u : 0u;
-            diagnostics->saturated |= (fabsf(u_x_computed) >= u_x_computed_part) ? 0x00000010u : 0u;
-            diagnostics->saturated |= (fabsf(u_z_computed) >= u_z_computed_part) ? 0x00000020u : 0u;
+            diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x_computed) ? 0x00000010u : 0u;
+            diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z_computed) ? 0x00000020u : 0u;
         }
 #endif
     }
