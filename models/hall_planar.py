@@ -44,15 +44,15 @@ POWERS = (1, 3, 5)  # powers of sin p in alpha sin p + beta sin 5p
 class Sensor:
     """A sensor at a pose: its phases along X and Y and its offset o in rad, and its voltages in the field's axes in V.
 
-    `field_coefficients` are c and the coefficients of sin p, sin^3 p and sin^5 p in B; `slope_coefficients` are those
-    of 1, sin^2 p and sin^4 p in g / cos p.
+    `field` holds c and the coefficients of sin p, sin^3 p and sin^5 p in B; `slope` holds those
+    of 1, sin^2 p and sin^4 p in g / cos p. The names of fields and locals of this module are printed into the C.
     """
 
     phases: tuple[Phasor, Phasor]
     offset: Phasor
     volts: Phasor
-    field_coefficients: Sequence[ca.SX]
-    slope_coefficients: Sequence[ca.SX]
+    field: Sequence[ca.SX]
+    slope: Sequence[ca.SX]
 
 
 class Row(NamedTuple):
@@ -80,12 +80,10 @@ def rotation_phasor(yaw: ca.SX, named: NamedExpressions) -> tuple[Phasor, ca.SX]
 
     Appends the sines to the named expressions of the step.
     """
-    sine, root_versine = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
+    sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
     named.append((Signal("yaw_change_sine", "1", -1, 1, "sine of the change of yaw in the sample"), sine))
-    named.append(
-        (Signal("half_yaw_change_sine", "1", -2, 2, "sine of half the change of yaw, times sqrt(2)"), root_versine)
-    )
-    return Phasor(1 - root_versine**2, sine), root_versine**2
+    named.append((Signal("half_yaw_change_sine", "1", -2, 2, "sine of half the change of yaw, times sqrt(2)"), half))
+    return Phasor(1 - half**2, sine), half**2
 
 
 def displace(sensors: Sequence[Sensor], displacement: Vector, named: NamedExpressions) -> list[Sensor]:
@@ -103,12 +101,10 @@ def _displaced(s: Sensor, displacement: Vector, rotation: Phasor, versine: ca.SX
 
 def residual_rows(s: Sensor) -> tuple[Row, Row]:
     """Return the residuals of a sensor along X and Y, each with its row of the Jacobian."""
-    (B_X, g_X), (B_Y, g_Y) = (_field_and_slope(s, p) for p in s.phases)
-    x = Row(s.volts.cosine - B_X, g_X, B_Y - g_X * s.offset.sine)
-    return x, Row(s.volts.sine - B_Y, g_Y, g_Y * s.offset.cosine - B_X)
-
-
-def _field_and_slope(s: Sensor, p: Phasor) -> tuple[ca.SX, ca.SX]:
-    """Return B and its derivative at a phase, by Horner's rule."""
-    q, b, g = p.sine**2, s.field_coefficients, s.slope_coefficients
-    return b[0] + p.sine * (b[1] + q * (b[2] + q * b[3])), p.cosine * (g[0] + q * (g[1] + q * g[2]))
+    B, g = [], []
+    for p in s.phases:
+        q = p.sine**2
+        B.append(s.field[0] + p.sine * (s.field[1] + q * (s.field[2] + q * s.field[3])))
+        g.append(p.cosine * (s.slope[0] + q * (s.slope[1] + q * s.slope[2])))
+    x = Row(s.volts.cosine - B[0], g[0], B[1] - g[0] * s.offset.sine)
+    return x, Row(s.volts.sine - B[1], g[1], g[1] * s.offset.cosine - B[0])
