@@ -43,10 +43,10 @@ def source(
     parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    heads = diagnostics.heads(block, step_head(block.name), program)
-    step = [*_init(block, layout), "", *heads, "{", *_constants(block, program, layout)]
-    step += diagnostics.start(block, program)
-    ending = diagnostics.end(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
+    head = diagnostics.definition_head(block, step_head(block.name), program)
+    step = [*_init(block, layout), "", *head, "{", *_constants(block, program, layout)]
+    step += diagnostics.entry_statements(block, program)
+    ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
     return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, ending), body[-1], Line("}")]
 
 

@@ -68,11 +68,11 @@ def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
 
 def _observation(block: Block, program: Program) -> list[str]:
     """Return what the diagnostics are for, of a composition that has them."""
-    if not diagnostics.document(block, program):
+    if not diagnostics.manifest_entry(block, program):
         return []
     return [
-        f"With {diagnostics.macro(block)} defined, for the .c as well, {block.name}_step_diagnosed also says which "
-        "signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
+        f"With {diagnostics.macro_name(block)} defined, for the .c as well, {block.name}_step_diagnosed also says "
+        "which signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
     ]
 
 
