@@ -450,22 +450,22 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float within_x_2;
+            float sensing_within_x_next;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
                     if (0.0f < f_x_raw) {
-                        within_x_2 = f_x_raw - half_pitch;
+                        sensing_within_x_next = f_x_raw - half_pitch;
                     } else {
-                        within_x_2 = f_x_raw + half_pitch;
+                        sensing_within_x_next = f_x_raw + half_pitch;
                     }
                 } else {
-                    within_x_2 = f_x_raw;
+                    sensing_within_x_next = f_x_raw;
                 }
             } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
             }
             const float sensing_offset_x = state->sensing_offset_x;
-            const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
+            const float off_x_raw = sensing_within_x_next - (filter_x_p - sensing_offset_x);
             float offset_x = sensing_offset_x;
             if (half_pitch < fabsf(off_x_raw)) {
                 if (0.0f < off_x_raw) {
@@ -482,8 +482,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     }
                 }
             }
-            x_raw = within_x_2 + offset_x;
-            within_x = within_x_2;
+            x_raw = sensing_within_x_next + offset_x;
+            within_x = sensing_within_x_next;
             const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
@@ -521,7 +521,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 }
             }
             y_raw = at + offset_y;
-            state->sensing_within_x = within_x_2;
+            state->sensing_within_x = sensing_within_x_next;
             within_y = at;
             state->sensing_within_y = at;
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));

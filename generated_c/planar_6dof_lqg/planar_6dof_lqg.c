@@ -402,21 +402,21 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float within_x_2;
+            float sensing_within_x_next;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
                     if (0.0f < f_x_raw) {
-                        within_x_2 = f_x_raw - half_pitch;
+                        sensing_within_x_next = f_x_raw - half_pitch;
                     } else {
-                        within_x_2 = f_x_raw + half_pitch;
+                        sensing_within_x_next = f_x_raw + half_pitch;
                     }
                 } else {
-                    within_x_2 = f_x_raw;
+                    sensing_within_x_next = f_x_raw;
                 }
             } else {
-                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
             }
-            const float off_x_raw = within_x_2 - sensing_within_x;
+            const float off_x_raw = sensing_within_x_next - sensing_within_x;
             float offset_x = sensing_offset_x;
             if (half_pitch < fabsf(off_x_raw)) {
                 if (0.0f < off_x_raw) {
@@ -433,8 +433,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     }
                 }
             }
-            x_raw = within_x_2 + offset_x;
-            within_x = within_x_2;
+            x_raw = sensing_within_x_next + offset_x;
+            within_x = sensing_within_x_next;
             const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
@@ -471,7 +471,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
             y_raw = at + offset_y;
-            state->sensing_within_x = within_x_2;
+            state->sensing_within_x = sensing_within_x_next;
             within_y = at;
             state->sensing_within_y = at;
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
