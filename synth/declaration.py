@@ -242,6 +242,7 @@ class Stage:
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
     safe_output       what the machine does after the latch as measured, which header and manifest state
+    header_notes      sentences of the C's header: the papers of equation numbers, where the machine is at init
     """
 
     controller: Controller
@@ -267,6 +268,7 @@ class Stage:
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)
     safe_output: SafeOutput | None = None
+    header_notes: Sequence[str] = ()
 
     def sheet(self) -> show.Sheet:
         """Return the controller's interface and the names of the experiments."""

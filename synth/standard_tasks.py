@@ -68,27 +68,29 @@ def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
     error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
     gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
-    files = write.emit(_with_measured_safe_output(stage), scalar, {"design": gains_document}, error=error)
+    block, notes = _with_measured_safe_output(stage), stage.header_notes
+    files = write.emit(block, scalar, {"design": gains_document}, error=error, header_notes=notes)
     controller = host.load(files.files, files.manifest)
     record_inputs = stage.recording or record
     inputs = dict(record_inputs(rigs.of_stage(stage, controller)))
     replay = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, replay)}
     for companion in stage.companions:
-        folders[companion.block.name] = _emit_companion(companion, scalar, error, inputs, replay)
+        folders[companion.block.name] = _emit_companion(companion, stage, scalar, inputs, replay)
     return folders
 
 
 def _emit_companion(
     companion: Companion,
+    stage: Stage,
     scalar: type[np.floating],
-    error: float | None,
     inputs: Mapping[str, NDArray[Any]],
     replay: host.Replay,
 ) -> EmittedCode:
     """Return the files of a companion; its test vectors follow from the inputs and the replay of the controller."""
     document = {"design": companion.gains(scalar)} if companion.gains else None
-    files = write.emit(companion.block, scalar, document, error=error)
+    error, notes = stage.surrogate_error.get(scalar), stage.header_notes
+    files = write.emit(companion.block, scalar, document, error=error, header_notes=notes)
     companion_inputs = companion.select_inputs(inputs, replay.outputs)
     companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
     return _with_vectors(files, companion_inputs, companion_replay)

@@ -7,6 +7,7 @@ from designs.hall_position import config, random_steps, reference_guard, stimuli
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
+from models import papers
 from synth import stage
 from synth.stage import Companion
 from synth.workspace import CostStimuli
@@ -23,6 +24,7 @@ CONTROLLER, THREE = config.controller(), config.block(config.THREE)
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
+    header_notes=[f"(n) is equation (n) of {papers.KAWATO}."],
     reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
     recording=lambda rig: stimuli.recording(config.NAME, rig.controller.scalar),

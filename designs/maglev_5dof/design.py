@@ -5,7 +5,7 @@ from typing import Any
 
 from designs.maglev_5dof import commutation, control, experiments, gains, reference, verification
 from designs.maglev_5dof.paper import rows
-from models import maglev_phases, maglev_stage
+from models import maglev_phases, maglev_stage, papers
 from synth import stage
 from synth.stage import Companion, Drive
 
@@ -32,6 +32,7 @@ DESIGN = stage.design(
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
     faults=experiments.FAULTS,
+    header_notes=[f"F(n) and (n) are equation (n) of {papers.FULFORD}."],
     safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     recording=verification.vectors,
     gains=gains.document,

@@ -7,7 +7,8 @@ from typing import Any
 
 from designs.planar_6dof import artefacts, cost_stimuli, interface, loop, verification
 from designs.planar_6dof.random_steps import Subject
-from models import halbach, planar_stage
+from models import halbach, papers, planar_stage
+from models import hall_sections as sensing
 from synth import stage, standard_tasks
 from synth.report.audit import Row
 from synth.simulate.experiments import Run
@@ -15,6 +16,14 @@ from synth.simulate.rig import Rig
 from synth.timing import Discrete
 from synth.workspace import Design
 
+START = (
+    "At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the "
+    "Hall voltages repeat with each pitch, and the pitches are counted from there."
+)
+CONTRADICTION = (
+    f"Hall voltages that contradict each other in two samples, at most {sensing.MEMORY} apart, count as refused from "
+    "the sample after the second one on, and their fault bits are set from there."
+)
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
 
 
@@ -38,6 +47,7 @@ def design(
         surrogate_error=interface.SURROGATE_ERROR,
         substeps=loop.SUBSTEPS,
         experiments=experiments,
+        header_notes=[f"(n) is equation (n) of {papers.YU}.", START, CONTRADICTION],
         safe_output=stage.read_safe_output(Path(__file__).parents[1] / name / "safe_output.json"),
         limited=tuple(verification.COUNTS),  # their bounds are the last pitch of the travel
         gains=lambda _: gains(),

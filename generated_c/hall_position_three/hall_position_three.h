@@ -9,8 +9,11 @@
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. an estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
- * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * again. gains.json and manifest.json say where each number comes from.
+ * (n) is equation (n) of Y. Kawato, W.-J. Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis
+ * Hall-Effect Sensors".
+ *
+ * The gains were computed for the numbers of the plant in hall_position_three.c: for another mass or geometry, generate
+ * the files again. gains.json and manifest.json say where each number comes from.
  *
  * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
  * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.

@@ -6,8 +6,11 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * again. gains.json and manifest.json say where each number comes from.
+ * F(n) and (n) are equation (n) of C. Fulford, M. Maggiore, J. Apkarian, "Control of a 5DOF Magnetically Levitated
+ * Positioning Stage", IEEE Transactions on Control Systems Technology, 2009.
+ *
+ * The gains were computed for the numbers of the plant in maglev_5dof_phase.c: for another mass or geometry, generate
+ * the files again. gains.json and manifest.json say where each number comes from.
  *
  * With MAGLEV_5DOF_PHASE_DIAGNOSTICS defined, for the .c as well, maglev_5dof_phase_step_diagnosed also says which
  * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.

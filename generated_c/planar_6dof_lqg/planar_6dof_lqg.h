@@ -15,8 +15,17 @@
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
  *
- * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
- * again. gains.json and manifest.json say where each number comes from.
+ * (n) is equation (n) of H. Yu, W.-J. Kim, "Design of Precision Positioner with Hall-effect Sensors and Multivariable
+ * Control Methodology".
+ *
+ * At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the
+ * Hall voltages repeat with each pitch, and the pitches are counted from there.
+ *
+ * Hall voltages that contradict each other in two samples, at most 4 apart, count as refused from the sample after the
+ * second one on, and their fault bits are set from there.
+ *
+ * The gains were computed for the numbers of the plant in planar_6dof_lqg.c: for another mass or geometry, generate the
+ * files again. gains.json and manifest.json say where each number comes from.
  *
  * With PLANAR_6DOF_LQG_DIAGNOSTICS defined, for the .c as well, planar_6dof_lqg_step_diagnosed also says which signals
  * it computed, what is saturated and why it latched. Without it nothing is paid for that.

@@ -1,7 +1,7 @@
 """Code generation as a whole (Embedded Coder): Block in, `{file name: text}` out; only `save` writes to disk."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,12 +30,13 @@ def emit(
     gains: Mapping[str, Any] | None = None,
     libm: bool = False,
     error: float | None = None,
+    header_notes: Sequence[str] = (),
 ) -> EmittedCode:
     """Return <name>.c, <name>.h, manifest.json and gains.json of a Block in a scalar type.
 
     Constants are rounded to the scalar type here, once. `gains` is the document for gains.json. Functions of one
     variable become polynomials with a relative error of at most `error`, by default 2e-7 in float32 and 1e-14 in
-    float64; with `libm` they remain calls of the C library.
+    float64; with `libm` they remain calls of the C library. `header_notes` are further sentences of the header.
 
     For a Block that latches, the manifest documents its safety.
 
@@ -49,7 +50,7 @@ def emit(
     source = pipeline.source(outlined, memory)
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
-        f"{block.name}.h": header.header(rounded, memory, outlined.program),
+        f"{block.name}.h": header.header(rounded, memory, outlined.program, header_notes),
     }
     gains_only = {c.name for c in printed.block.constants}
     numbers = [c for c in outlined.block.constants if c.name not in gains_only]

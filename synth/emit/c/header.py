@@ -1,6 +1,6 @@
 """C header of a lowered Block: how to call it, three structs, `init` and `step`; C++ may include it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from synth.block import Block, Fault
@@ -15,14 +15,14 @@ LATCHED = "latched: safe output until init"
 REFUSED = "-ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type"
 
 
-def header(block: Block, layout: Layout, program: Program) -> str:
-    """Return the text of <name>.h."""
+def header(block: Block, layout: Layout, program: Program, notes: Sequence[str] = ()) -> str:
+    """Return the text of <name>.h, with further sentences on the stage."""
     types = routines.state_types(block, program)
     guard = f"{block.name.upper()}_H"
     structs = [*routines.state_structs(block, program, layout), *(_struct(s, types) for s in layout.structs)]
     return "\n".join(
         [
-            *_usage(block, layout, program),
+            *_usage(block, layout, program, notes),
             *(f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", ""),
             *("#ifdef __cplusplus", 'extern "C" {', "#endif", ""),
             "\n\n".join(structs),
@@ -46,7 +46,7 @@ def step_head(name: str) -> str:
     return f"uint32_t {name}_step({name}_state_t *state, const {name}_input_t *in, {name}_output_t *out)"
 
 
-def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
+def _usage(block: Block, layout: Layout, program: Program, notes: Sequence[str]) -> list[str]:
     """Return the comment on how to call the step."""
     name, period = block.name, f"{block.time.period_s:g} s"
     texts = [
@@ -55,7 +55,8 @@ def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
-        "The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the "
+        *notes,
+        f"The gains were computed for the numbers of the plant in {name}.c: for another mass or geometry, generate the "
         "files again. gains.json and manifest.json say where each number comes from.",
         *_observation(block, program),
         f"Compile with {FLAGS}. With -ffp-contract=fast results differ by rounding. {REFUSED} are refused by #error.",

@@ -24,6 +24,11 @@ def committed(name: str) -> dict[str, str]:
     return {path.name: path.read_text() for path in (GENERATED / name).glob("*.[ch]")}
 
 
+def test_the_header_states_the_notes_of_a_stage() -> None:
+    text = emit(stage(), F32, header_notes=["(n) is equation (n) of a paper."]).files["stage.h"]
+    assert " *\n * (n) is equation (n) of a paper.\n" in text and "(n)" not in emit(stage(), F32).files["stage.h"]
+
+
 def test_the_header_states_what_a_caller_must_keep() -> None:
     text = emit(stage(), F32).files["stage.h"].replace("\n * ", " ")
     assert "Call stage_init once, then stage_step once every 0.00125 s" in text
