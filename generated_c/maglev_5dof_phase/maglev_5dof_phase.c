@@ -101,16 +101,17 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u, &faults);
     const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u, &faults);
     const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u, &faults);
-    const float x_held = maglev_5dof_phase_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
-    const float z_held = maglev_5dof_phase_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
+    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
+    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
     /* advance: positions 1.5 samples later, when the currents act
      *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
      *         z_acting
-     *     lost_x = 0 if |x| <= 0.1, else left_x <= 1; likewise lost_z
+     *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
      *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
      *         else x_held) - 0.001); likewise last_z_next
-     *     left_x_next = 5 if |x| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise left_z_next */
+     *     left_x_next = 5 if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise
+     *         left_z_next */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_part = x_held;
     uint32_t advance_left_x_part = 0u;

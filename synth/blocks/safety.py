@@ -29,11 +29,12 @@ from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = [
-    *("GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
+    *("GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
     *("GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
+REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
 
@@ -57,6 +58,7 @@ def guard(
     bad_samples: int,
     suspected: Sequence[str] = (),
     reason: str = NO_SAFE_OUTPUT,
+    redundant: bool = False,
 ) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -66,7 +68,9 @@ def guard(
     ``suspect_<name>``, and an output ``fault_suspect_<name>`` for each: ``suspected`` and ``suspect_<name>`` are both
     set. ``complete`` then depends on these measurements alone, so they are compared even while others are refused.
 
-    `reason` explains why there is no safe output, for a guard that is composed with none.
+    `reason` explains why there is no safe output, for a guard that is composed with none. Behind a `redundant` guard a
+    Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
+    ``landed`` causes the latch at once. A suspect is then no reason to latch.
 
     The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, and LATCH_BIT.
 
@@ -89,13 +93,15 @@ def guard(
             complete, final = ca.SX(1), x["left"] <= 1
             for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
-            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects else complete
+            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects and not redundant else complete
             others = ca.SX(1)
             for n in (n for n in measured if suspects and n not in suspected):
                 others = ca.if_else(good[n], others, 0)
             every = ca.logic_and(complete, others) if suspects else complete
-            latched = ca.if_else(every, x["latched"], ca.if_else(final, 1, x["latched"]))
-            next["left"] = ca.if_else(every, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
+            enough = ca.if_else(x["ready"], u["sufficient"], every) if redundant else every
+            latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
+            latched = ca.if_else(u["landed"], 1, latched) if redundant else latched
+            next["left"] = ca.if_else(enough, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
@@ -115,6 +121,7 @@ def guard(
         inputs=[
             *(g.signal for g in inputs),
             *([_flag(SUSPECTED, "there are suspects"), *suspects] if suspects else []),
+            *([_flag("sufficient", "it can be controlled"), _flag("landed", "landing is over")] if redundant else []),
         ],
         outputs=outputs,
         states=states,
@@ -210,7 +217,7 @@ def frozen(block: Block) -> Block:
 
 @arguments.checked
 def without_latch(block: Block) -> Block:
-    """Return a guarded composition that never latches: the last good values serve for every number of bad samples.
+    """Return a guarded composition that never latches, excludes no sensor and does not land.
 
     It is the negative control of a fault campaign. Raises SignalError for a Block that does not latch.
     """
@@ -218,7 +225,11 @@ def without_latch(block: Block) -> Block:
     left, latched = f"{GUARD}_left", f"{GUARD}_latched"
     if left not in states or latched not in states:
         raise SignalError(f"block '{block.name}' has no latch: compose it with a guard of measurements")
-    return replace(block, next={**block.next, left: ca.SX(states[left].signal.high), latched: ca.SX(0)})
+    detecting = tuple(f"{REDUNDANCY}_{of}_" for of in ("still", "excluded", "contradictions"))
+    off = [latched, *(n for n in states if n.startswith(detecting))]
+    waiting = [n for n in (left, f"{LANDING}_left") if n in states]
+    never = dict.fromkeys(off, ca.SX(0)) | {n: ca.SX(states[n].signal.high) for n in waiting}
+    return replace(block, next={**block.next, **never})
 
 
 def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str]) -> None:
