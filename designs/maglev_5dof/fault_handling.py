@@ -1,6 +1,6 @@
 """Fault handling of the maglev controller: readings replaced by parity and prediction, frozen encoders, landing.
 
-    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> decoupling -> safe output
+    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> probe -> decoupling -> safe output
                  ^ expected gaps, x, z                |-> pose, demands -> observers -> estimates -> landing
 
 One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
@@ -30,7 +30,7 @@ from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import landing, predictor, redundancy
+from synth.blocks import landing, predictor, probe, redundancy
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 
@@ -40,7 +40,11 @@ RATES = {"y": 1.0, "x": 2.0, "z": 2.0, "phi": 2.0, "theta": 2.0}  # m/s or rad/s
 DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
 THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
 TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
-DECISION = redundancy.Decision(gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)))
+PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
+LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not probed
+DECISION = redundancy.Decision(
+    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.counted
+)
 STOP = control.GAP[1]
 COURSES: dict[str, landing.Course] = {
     "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0),
@@ -83,6 +87,11 @@ def acceleration(axis: Axis) -> Signal:
     return Signal(f"a_{axis.name}", "m/s^2", -1e3, 1e3, about) if axis.excess else axis.demand
 
 
+def _unlimited(w: Signal) -> Signal:
+    """Return an acceleration with a range that no demand leaves, so that none is limited."""
+    return replace(w, low=-1e6, high=1e6)
+
+
 def accelerations(plant: Plant) -> Block:
     """Return the Block from the limited thrust currents and the gaps to the accelerations of x and z, F(6)."""
     values, currents = maglev_stage.nominal(plant), [INTERFACE.computed_output(f"u_{n}") for n in "xz"]
@@ -98,7 +107,7 @@ def accelerations(plant: Plant) -> Block:
 
 def observer(axis: Axis) -> Block:
     """Return the observer of an axis; x and z learn the gain of their thrust."""
-    before = replace(acceleration(axis), name=f"{acceleration(axis).name}_before")
+    before = _unlimited(replace(acceleration(axis), name=f"{acceleration(axis).name}_before"))
     return predictor.block(
         axis.name,
         TIME,
@@ -113,15 +122,17 @@ def observer(axis: Axis) -> Block:
 
 
 def sufficiency() -> Block:
-    """Return the Block that lets the platen land with two gap encoders, and x or z measured."""
-    gaps, *trusted = (Signal(n, "1", 0, 1) for n in ("gaps_sufficient", "x_trusted", "z_trusted"))
+    """Return the Block that lets the platen land with two gap encoders, and x or z measured; lifted, it is probed."""
+    flags = [Signal(n, "1", 0, 1) for n in ("gaps_sufficient", "x_trusted", "z_trusted", "regular")]
+    height = replace(AXES[0].position, name="y_expected")
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        one = ca.logic_or(*(u[s.name] for s in trusted))
-        return Step({"sufficient": ca.logic_and(u[gaps.name], one)})
+        one = ca.logic_or(u["x_trusted"], u["z_trusted"])
+        free = ca.logic_and(u["regular"], u[height.name] < LIFTED)
+        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free})
 
-    outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled")]
-    return build("sufficiency", TIME, law, inputs=[gaps, *trusted], outputs=outputs, tag="it can land")
+    outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled"), Signal("free", "1", 0, 1, "no stop holds it")]
+    return build("sufficiency", TIME, law, inputs=[*flags, height], outputs=outputs, tag="it can land, is probed")
 
 
 def positions_to_commutate() -> Block:
@@ -153,9 +164,10 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
         *(b.renamed(changed.get(b.name, {})) for b in law),
         handover.block(),
         accelerations(plant),
-        predictor.delay("delay", TIME, [acceleration(a) for a in AXES]),
+        predictor.delay("delay", TIME, [_unlimited(acceleration(a)) for a in AXES]),
         *(observer(a) for a in AXES),
-        descent,
+        descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
+        *(probe.block(TIME, a.name, a.error, a.demand, PROBE) for a in AXES if a.excess),
         positions_to_commutate(),
     ]
 

@@ -79,7 +79,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     T, moving = time.period_s, [c for c in courses if not isinstance(c, Levelling)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
-        waiting = ca.logic_and(u["regular"] == 0, u["ready"])
+        waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
         left = ca.if_else(waiting, ca.if_else(x["left"] <= 1, 1, x["left"] - 1), patience)
         due = ca.logic_and(waiting, x["left"] <= 1)
         landing = ca.if_else(due, 1, x["landing"])
@@ -94,7 +94,8 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
                 step = ca.fmax(ca.fmin(change, T * c.acceleration), -T * c.acceleration)
                 ddr = step / T
                 ahead = {f"r_{c.coordinate}": r + T * dr + T / 2 * step, f"dr_{c.coordinate}": dr + step}
-                next |= {n: ca.if_else(landing, value, x[n]) for n, value in ahead.items()}
+                bounds = {state.signal.name: state.signal for state in _states(c)}
+                next |= {n: ca.if_else(landing, clip(value, bounds[n]), x[n]) for n, value in ahead.items()}
             demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
             output[w.name] = ca.if_else(landing, clip(demand, w), u[f"{w.name}_tracking"])
             if isinstance(c, Descent):

@@ -11,7 +11,7 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
     contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `isolation` which one; where
                     that is not clear, all of the group are suspects after `undecided` samples, and all stay in use.
     frozen          of a sensor without a group: its code does not change for FRESH samples or more while its
-                    prediction moves by more than `gate`; or for `at_rest` samples, in which `probe` has moved it.
+                    prediction moves by more than `gate`; or a `probe` says that its code did not answer.
 
 A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
 code stood still, and whose code then moves, makes the group undecided: the choice was wrong.
@@ -45,8 +45,8 @@ __all__ = ["Decision", "block"]
 class Decision:
     """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
 
-    `gate` is in the unit of each sensor without a group, by name; `at_rest` counts samples, 0 for no such test. Such a
-    sensor is free to move while its reading is inside `travel`; at an end, a stop may hold it.
+    `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
+    and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its reading is inside `travel`; at an end, a stop may hold it.
     """
 
     gate: Mapping[str, float]
@@ -61,9 +61,10 @@ class Decision:
 def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> Block:
     """Return the Block between the guard and the laws.
 
-    For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``.
-    Its outputs are ``<s>_held``, ``<s>_trusted``, ``suspect_<s>``, ``suspected``, ``<s>_unchanged`` of each sensor with
-    a gate, ``regular`` and ``sufficient``.
+    For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
+    and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted``
+    and ``<s>_unchanged``, and ``regular`` and ``sufficient``. While all readings are good and agree and no sensor was
+    ever a suspect, they pass, and nothing else is computed.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, or numbers of samples below 1.
@@ -80,6 +81,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         value: dict[str, ca.SX] = {}
         suspects: dict[str, ca.SX] = {}
         regular, sufficient = ca.SX(1), ca.SX(1)
+        calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
         for i, relation in enumerate(relations):
             vote = _vote(i, relation, by_name, u, x, next, usable, same, decision)
             value |= vote.value
@@ -87,22 +89,36 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             next |= vote.next
             regular = ca.if_else(vote.regular, regular, 0)
             sufficient = ca.if_else(vote.sufficient, sufficient, 0)
+            calm = ca.logic_and(calm, vote.agreement)
         for n in singles:
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             next[f"before_{n}"] = before = ca.if_else(u["ready"], before, y[n])
-            frozen = ca.logic_and(_is_frozen(decision, n, y[n], still, expected - before), u["ready"])
-            next[f"excluded_{n}"] = suspects[n] = ca.if_else(ca.logic_and(frozen, usable[n]), 1, x[f"excluded_{n}"])
+            moves = ca.fabs(expected - before) > decision.gate[n]
+            suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
+            frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
+            calm = ca.logic_and(calm, ca.logic_not(frozen))
+            frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
+            next[f"excluded_{n}"] = suspects[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
             usable[n] = ca.logic_and(usable[n], ca.logic_not(suspects[n]))
             value[n] = ca.if_else(usable[n], y[n], clip(expected, by_name[n]))
             regular = ca.if_else(usable[n], regular, 0)
-        output = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
+        degraded = x["degraded"]
+        for flag in (*suspects.values(), *(next[f"excluded_{n}"] for n in names)):
+            degraded = ca.if_else(flag, 1, degraded)
+        unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
+        unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
+        unusual |= {"regular": regular, "sufficient": sufficient}
+        usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
+        output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
-        output |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
-        return Step(output | {safety.SUSPECTED: ca.SX(1), "regular": regular, "sufficient": sufficient}, next)
+        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_"))}
+        zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
+        next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
+        return Step(output, next)
 
     return build(
-        safety.REDUNDANCY, time, law, inputs=_inputs(sensors), outputs=_outputs(sensors, singles),
+        safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []), outputs=_outputs(sensors, singles),
         states=_states(sensors, relations, singles, decision), tag="parity, innovations, frozen codes",
     )  # fmt: skip
 
@@ -114,6 +130,7 @@ class _Vote:
     next: dict[str, ca.SX]
     regular: ca.SX
     sufficient: ca.SX
+    agreement: ca.SX
 
 
 def _vote(
@@ -137,7 +154,8 @@ def _vote(
     whole = ca.SX(1)
     for n in names:
         whole = ca.logic_and(whole, usable[n])
-    calm = ca.logic_and(whole, ca.logic_or(ca.fabs(r) <= relation.threshold, ca.logic_not(u["ready"])))
+    agreement = ca.fabs(r) <= relation.threshold
+    calm = ca.logic_and(whole, ca.logic_or(agreement, ca.logic_not(u["ready"])))
     missing = ca.if_else(whole, 0, sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0)))
     undecided = x[f"undecided_{i}"]
     E = {n: ca.if_else(r > 0, w, -w) * (y[n] - u[f"{n}_expected"]) for n, w in weights.items()}
@@ -155,7 +173,7 @@ def _vote(
     undecided = next[f"undecided_{i}"]
     suspects = {n: ca.if_else(ca.logic_or(named[n], undecided), 1, x[f"excluded_{n}"]) for n in names}
     regular = ca.logic_and(missing <= 1, ca.logic_not(undecided))
-    return _Vote(value, suspects, next, regular, missing <= decision.tolerated)
+    return _Vote(value, suspects, next, regular, missing <= decision.tolerated, agreement)
 
 
 def _decide(
@@ -184,11 +202,9 @@ def _decide(
     return next | {f"stuck_{i}": stuck, f"undecided_{i}": ca.if_else(undecided, 1, x[f"undecided_{i}"])}
 
 
-def _is_frozen(decision: Decision, name: str, y: ca.SX, still: ca.SX, movement: ca.SX) -> ca.SX:
+def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:
     """Return whether the code of a sensor without a group stands still although it ought to move."""
-    low, high = decision.travel[name]
-    moving = ca.fabs(movement) > decision.gate[name]
-    suspicious = ca.logic_or(moving, still >= decision.at_rest) if decision.at_rest else moving
+    low, high = travel
     return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
 
 
@@ -225,11 +241,13 @@ def _flag(name: str, about: str) -> Signal:
     return Signal(name, "1", 0, 1, about)
 
 
-def _inputs(sensors: Sequence[Signal]) -> list[Signal]:
+def _inputs(sensors: Sequence[Signal], probed: Sequence[str]) -> list[Signal]:
     accepted = [replace(s, name=f"{s.name}_accepted") for s in sensors]
     faults = [_flag(f"fault_{s.name}", "refused this sample") for s in sensors]
     expected = [replace(s, name=f"{s.name}_expected", about="prediction") for s in sensors]
-    return [*accepted, *faults, *expected, _flag("ready", "every measurement was good at once")]
+    answers = [_flag(f"{n}_unanswered", "no pair of the probe was answered") for n in probed]
+    ready = [_flag("ready", "every measurement was good at once"), _flag("complete", "all are good")]
+    return [*accepted, *faults, *expected, *answers, *ready]
 
 
 def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
@@ -238,7 +256,7 @@ def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
     unchanged = [Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code") for n in singles]
     held = [replace(s, name=f"{s.name}_held", about=s.about) for s in sensors]
     return [
-        *held, *flags, *unchanged, _flag("suspected", "there are suspects"),
+        *held, *flags, *unchanged,
         _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
     ]  # fmt: skip
 
@@ -260,4 +278,4 @@ def _states(
         states.append(State(count, 0, True))
         states.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
         states.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
-    return states
+    return [*states, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]

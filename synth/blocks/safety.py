@@ -66,7 +66,8 @@ def guard(
     (every measurement is accepted and none is suspected), ``ready`` (an earlier sample was complete) and ``latched``
     (this sample included). For measurements that may be `suspected` it has the additional inputs ``suspected`` and
     ``suspect_<name>``, and an output ``fault_suspect_<name>`` for each: ``suspected`` and ``suspect_<name>`` are both
-    set. ``complete`` then depends on these measurements alone, so they are compared even while others are refused.
+    set; a `redundant` guard has no ``suspected``. ``complete`` then depends on these measurements alone, so they are
+    compared even while others are refused.
 
     `reason` explains why there is no safe output, for a guard that is composed with none. Behind a `redundant` guard a
     Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
@@ -88,7 +89,9 @@ def guard(
         held = {n: ca.if_else(good[n], u[n], last[n] if n in last else k[f"refused_{n}"]) for n in good}
         next = {f"last_{n}": held[n] for n in last}
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
-        output |= {f"fault_{s.name}": ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects}
+        output |= {
+            f"fault_{s.name}": u[s.name] if redundant else ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects
+        }
         if measured:
             complete, final = ca.SX(1), x["left"] <= 1
             for n in suspected or measured:
@@ -97,7 +100,7 @@ def guard(
             others = ca.SX(1)
             for n in (n for n in measured if suspects and n not in suspected):
                 others = ca.if_else(good[n], others, 0)
-            every = ca.logic_and(complete, others) if suspects else complete
+            every = ca.logic_and(complete, others) if suspects and not others.is_constant() else complete
             enough = ca.if_else(x["ready"], u["sufficient"], every) if redundant else every
             latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u["landed"], 1, latched) if redundant else latched
@@ -120,7 +123,8 @@ def guard(
         law,
         inputs=[
             *(g.signal for g in inputs),
-            *([_flag(SUSPECTED, "there are suspects"), *suspects] if suspects else []),
+            *([_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []),
+            *suspects,
             *([_flag("sufficient", "it can be controlled"), _flag("landed", "landing is over")] if redundant else []),
         ],
         outputs=outputs,
