@@ -111,7 +111,7 @@ def halbach_array(m: ca.SX | float) -> Cell:
     return array([m * a for a in CYCLE[:, 0]], [m * u for u in CYCLE[:, 1]])
 
 
-def across(cell: Cell) -> Cell:
+def mirrored(cell: Cell) -> Cell:
     """Return a cell mirrored in X = Y, with every magnetisation along: an array along X becomes one along Y."""
     return Cell(cell.y.T, cell.x.T, cell.z.T)
 
@@ -136,7 +136,7 @@ def superpose(a: Cell, b: Cell) -> Cell:
 def ideal_matrix(strong: ca.SX | float) -> Cell:
     """Return the matrix of two ideal arrays whose strong blocks have the remanence `strong` in T."""
     along_x = halbach_array(strong / 2)
-    return superpose(along_x, across(along_x))
+    return superpose(along_x, mirrored(along_x))
 
 
 def fabricated_matrix(strong: ca.SX | float, weak: ca.SX | float) -> Cell:

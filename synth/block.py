@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from synth import arguments, show
+from synth import arguments, intermediates, show
 from synth import law as laws
 from synth.errors import SignalError, TimingError
 from synth.fault import LATCH_BIT, Fault, Safety
@@ -91,7 +91,8 @@ class Block:
     """One discrete step, symbolic. `symbol` holds a scalar SX symbol for each input, state and constant.
 
     `computed_signals` are pairs of each internal signal or output and its expression. `safety` describes the step after
-    a latch. `numbers` are those in the expressions of a Block of the composition, by its name, that C names.
+    a latch. `numbers` are those in the expressions of a Block of the composition, by its name, that C names, and
+    `intermediates` the values that its law's variables hold, by their names.
     """
 
     name: str
@@ -108,6 +109,7 @@ class Block:
     faults: tuple[Fault, ...] = field(default=())
     safety: Safety | None = None
     numbers: tuple[tuple[str, Constant], ...] = ()
+    intermediates: tuple[tuple[str, ca.SX], ...] = ()
 
     def __post_init__(self) -> None:
         identifier("block", self.name)
@@ -214,7 +216,7 @@ def build(
         _pick(name, "states", symbol, states),
         _pick(name, "constants", symbol, constants),
     )
-    step = laws.evaluate(f"the law of block '{name}'", law, u, x, k)
+    step, values = intermediates.record(laws.evaluate, f"the law of block '{name}'", law, u, x, k)
     if not isinstance(step, Step):
         raise SignalError(f"the law of block '{name}' returns {arguments.describe(step)}: return a Step")
     laws.require_names(f"block '{name}': outputs", [s.name for s in outputs], step.output)
@@ -229,7 +231,10 @@ def build(
     _check_symbols(name, [*next.values(), *(e for _, e in computed)], symbol)
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
     numbers = tuple((name, n) for n in step.numbers)
-    return Block(name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=numbers)
+    values = tuple((n, e) for n, e in values if not _foreign_symbols(e, symbol))
+    return Block(
+        name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=numbers, intermediates=values
+    )
 
 
 @arguments.checked
@@ -291,9 +296,11 @@ def _pick(name: str, kind: str, symbol: Exprs, signals: Sequence[Signal | State 
 
 
 def _check_symbols(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
+    for v in _foreign_symbols(ca.vcat(exprs), symbol) if exprs else []:
+        raise SignalError(f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it")
+
+
+def _foreign_symbols(expr: ca.SX, symbol: Exprs) -> list[ca.SX]:
+    """Return the symbols in `expr` that are none of the Block's."""
     known = {s.element_hash() for s in symbol.values()}
-    for v in ca.symvar(ca.vcat(exprs)) if exprs else []:
-        if v.element_hash() not in known:
-            raise SignalError(
-                f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it"
-            )
+    return [v for v in ca.symvar(expr) if v.element_hash() not in known]

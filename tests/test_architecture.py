@@ -31,6 +31,7 @@ VOCABULARY = (
     "signals",
     "timing",
     "law",
+    "intermediates",
     "plant",
     "resolvent",
     "conversions",

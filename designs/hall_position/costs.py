@@ -39,7 +39,7 @@ COSTLY = (
     "random states and inputs",
     "rare among states resampled",
 )  # of stimuli: the costliest
-EACH, SIX = 100, 120  # steps of each of these, and of each kind in six degrees of freedom
+COSTLY_STEPS, SPATIAL_STEPS = 100, 120  # steps of each of COSTLY, and of each kind in six degrees of freedom
 TRAVEL, YAW, TILT, GAP = 0.3, 0.09, 8e-3, 4e-4  # m, rad, rad, m, of a motion in six degrees of freedom
 FALSE_VOLTAGES = slice(40, 60)  # samples whose voltages belong to no pose
 TITLE = "Cost of three sensors and of six degrees of freedom"
@@ -102,7 +102,7 @@ def row(subject: Subject, build: Build) -> Row:
 def of_three(emitted: EmittedCode) -> Subject:
     """Return the emitted C of three sensors, with steps that include the costliest ones."""
     sequences = stimuli.sequences(host.load(emitted.files, emitted.manifest), lambda _: None)
-    costly = steps.concatenate("costly", [steps.thinned(s, EACH) for s in sequences if s.name in COSTLY])
+    costly = steps.concatenate("costly", [steps.thinned(s, COSTLY_STEPS) for s in sequences if s.name in COSTLY])
     casadi = baselines.casadi(config.block(config.THREE), shimmed=True)
     return Subject("three sensors", baselines.emitted_c(emitted), casadi, costly)
 
@@ -118,12 +118,16 @@ def of_six(array: SpatialArray) -> Subject:
 
 def six_steps(array: SpatialArray, controller: host.Controller) -> Steps:
     """Return steps of a motion that loses position lock for a while, and steps from random states."""
-    volts, _ = hall_array.spatial(*hall_two_waves.model(array)).function().map(SIX)(motion(array, SIX).T)
+    volts, _ = (
+        hall_array.spatial(*hall_two_waves.model(array)).function().map(SPATIAL_STEPS)(motion(array, SPATIAL_STEPS).T)
+    )
     V = np.asarray(volts.full().T)
     V += array.deviation * np.random.default_rng(SEED).standard_normal(V.shape)
     V[FALSE_VOLTAGES] *= -1
     inputs = dict(zip((s.name for s in channels.voltages(len(array.positions))), V.T, strict=True))
-    return steps.concatenate("all", [steps.record(controller, "motion", inputs), steps.random_steps(controller, SIX)])
+    return steps.concatenate(
+        "all", [steps.record(controller, "motion", inputs), steps.random_steps(controller, SPATIAL_STEPS)]
+    )
 
 
 def motion(array: SpatialArray, n: int) -> Numbers:

@@ -39,7 +39,7 @@ def report(
     blocks = captions.with_captions(_blocks(stage, data, runs), data["blocks"])
     equations = {f"equations.{e['name']}": page.Equations(tuple(map(tuple, e["rows"]))) for e in data["equations"]}
     parts = [
-        experiments.section(runs, data["beside"]),
+        experiments.section(runs, data["published"]),
         loops.section() if runs else page.Section(standard.LOOPS, (experiments.ABSENT,)),
         six.section(stage),
         standard.audit(rows, ()),

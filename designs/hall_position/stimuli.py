@@ -28,8 +28,8 @@ FLOOR = 1.0  # m, rad, V: differences of smaller outputs are absolute
 REPLAY_STEPS, MOTION_STEPS = 10_000, 6_000  # steps of the replay, and of each motion
 SLOW_MOTION = 0.2, 0.04, 0.0  # m, rad, rad/s: travel, yaw and turn of a motion
 MOTIONS = {"motions": SLOW_MOTION, "turns": (0.3, 0.5, 13.0), "yaws left": (0.2, 0.4, 0.0)}
-EACH, RANDOM, RARE = 1500, 4000, 1500  # steps of each kind
-EACH_END, NEAR = 40, 1e-5  # steps for each end of a range; relative distance that counts as near
+MOTION_STEPS_KEPT, RANDOM_STEPS, RAREST_STEPS = 1500, 4000, 1500  # of each kind
+STEPS_PER_RANGE_END, RANGE_END_DISTANCE = 40, 1e-5  # the distance is relative to the range
 PERTURBED = 10, 1e-3  # repetitions, and largest change relative to the range
 SEED = 1204
 VECTORS, AT_REST, VECTORS_SEED = 1000, 200, 2009  # samples of the test vectors, and those of them at rest
@@ -82,16 +82,16 @@ def sequences(controller: host.Controller, progress: Callable[[str], None]) -> l
         _random_steps(controller, name),
         steps.resampled(controller, pool, "states resampled"),
     ]
-    near = steps.at_range_ends(controller, steps.concatenate("wrong", wrong), EACH_END, NEAR)
+    near = steps.at_range_ends(controller, steps.concatenate("wrong", wrong), STEPS_PER_RANGE_END, RANGE_END_DISTANCE)
     perturbed = steps.perturbed(controller, near, "perturbed", *PERTURBED)
     return [
-        *(steps.thinned(each, EACH) for each in recorded),
-        *(steps.thinned(each, RANDOM) for each in wrong),
+        *(steps.thinned(each, MOTION_STEPS_KEPT) for each in recorded),
+        *(steps.thinned(each, RANDOM_STEPS) for each in wrong),
         steps.fault_steps(controller, {name: float(v[0]) for name, v in motions.by_input(volts["motions"]).items()}),
         steps.edge_steps(controller, loops[0]),
-        steps.random_steps(controller, RANDOM),
-        *(steps.rarest(controller, each, RARE) for each in (pool, *wrong)),
-        steps.thinned(steps.at_range_ends(controller, perturbed, EACH_END), EACH),
+        steps.random_steps(controller, RANDOM_STEPS),
+        *(steps.rarest(controller, each, RAREST_STEPS) for each in (pool, *wrong)),
+        steps.thinned(steps.at_range_ends(controller, perturbed, STEPS_PER_RANGE_END), MOTION_STEPS_KEPT),
     ]
 
 
@@ -128,6 +128,6 @@ def _shifted_states(controller: host.Controller, pool: Steps) -> Steps:
 
 def _random_steps(controller: host.Controller, name: str) -> Steps:
     """Return the random steps of verification."""
-    states, inputs = random_steps.in_operation(random_steps.subject(name), RANDOM)
-    records = host.records(controller.manifest, controller.state, states, RANDOM)
-    return Steps("random", records, controller.records(inputs, RANDOM))
+    states, inputs = random_steps.in_operation(random_steps.subject(name), RANDOM_STEPS)
+    records = host.records(controller.manifest, controller.state, states, RANDOM_STEPS)
+    return Steps("random", records, controller.records(inputs, RANDOM_STEPS))

@@ -15,7 +15,7 @@ from synth.simulate.experiment import Experiment
 from synth.verify import standard as verification
 
 LONGEST, WINDOW = 30.0, (0.0, 5.0)  # s: longer runs are drawn over the window
-BESIDE = {  # rows of the audit with the paper's statements on an experiment
+PUBLISHED = {  # rows of the audit with the paper's statements on an experiment
     **dict.fromkeys(("y_22_29", "y_29_22", "y_20_27", "y_27_20", "paper_y_22_29", "paper_y_29_22"), (("F-11", ""),)),
     **dict.fromkeys(("theta_10", "paper_theta_10"), (("F-12", ""),)),
     **dict.fromkeys(("x_30", "z_30"), (("F-13", ""),)),
@@ -28,7 +28,7 @@ def report(stage: Stage, files: Any, evidence: Any, runs: Any, rows: Any, cost: 
     """Return the report as one HTML document; arguments as `template.report`."""
     paths = {run.name: (_path(run),) for run in runs if run.name == "ellipse"}
     style = standard.Shown(
-        experiments.UNITS, experiments.COUNTS, presentation.beside(BESIDE, rows), paths, LONGEST, WINDOW
+        experiments.UNITS, experiments.COUNTS, presentation.published_figures(PUBLISHED, rows), paths, LONGEST, WINDOW
     )
     loop_part = standard.loops(robustness.open_loops(verification.loops(stage)))
     values = _values(stage.plant) | commutation_tables.values(stage, files, runs, cost is not None)

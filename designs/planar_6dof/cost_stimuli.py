@@ -33,7 +33,7 @@ GROUPS = (
     *(tuple(n for n in HALL if n[3] == axis) for axis in "xy"),
     HALL,
 )
-BOUND = sensing.RESIDUAL * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
+BOUND = sensing.RESIDUAL_BOUND * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
 
 
 def stimuli(controller: host.Controller) -> list[Steps]:

@@ -89,7 +89,10 @@ def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place 
 def residuals(loop: Rig, run: Trajectory) -> Array:
     """Return rho (N,) of `hall_sections`, 0 once the fault word names a channel."""
     measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
-    bounds = {s.name: sensing.POWER * A**2 if s.unit == "V^2" else sensing.RESIDUAL * A for s in sensing.RESIDUALS}
+    bounds = {
+        s.name: sensing.EXCESS_BOUND * A**2 if s.unit == "V^2" else sensing.RESIDUAL_BOUND * A
+        for s in sensing.RESIDUALS
+    }
     rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
     bits = failure.bits(loop)
     return np.where(run.faults & np.bitwise_or.reduce([bits[name] for name in HALL]), 0.0, rho)

@@ -27,7 +27,7 @@ from synth.report.captions import Content
 from synth.report.figures import SYMBOLS
 from synth.report.notation import readable
 from synth.report.page import Section
-from synth.report.presentation import Beside, Shown, beside, window
+from synth.report.presentation import PublishedFigures, Shown, published_figures, window
 from synth.report.prose import Value
 from synth.simulate.experiment import Experiment
 from synth.simulate.scenario import Trajectory
@@ -58,8 +58,8 @@ WINDOW_S = (1.0, 3.0)  # s of the standstill that are drawn
 class Contents:
     """Contents that a design adds to its report: controller, a line on its law, printed equations, and loops.
 
-    `whole` are sections on multivariable loops. `beside` maps experiments to rows of the audit. `filters_positions` is
-    whether the law filters the positions, `spectrum` whether the paper shows a spectrum. `values` are those named in
+    `whole` are sections on multivariable loops. `published` maps experiments to rows of the audit. `filters_positions`
+    is whether the law filters the positions, `spectrum` whether the paper shows a spectrum. `values` are those named in
     its report.md; `cost` returns tables that follow the cost.
     """
 
@@ -67,7 +67,7 @@ class Contents:
     line: str
     equations: Sequence[tuple[str, str]]
     loops: Sequence[loops.OpenLoop]
-    beside: Beside
+    published: PublishedFigures
     whole: Sequence[Section] = ()
     filters_positions: bool = True
     spectrum: bool = False
@@ -185,11 +185,11 @@ def experiments(
     design: Contents, runs: Sequence[Experiment], rows: Sequence[Row], values: Mapping[str, Value]
 ) -> Section:
     """Return the section of all runs with the paper's statements; runs over the finite matrix get the same ones."""
-    quoted = beside(design.beside, rows)
+    quoted = published_figures(design.published, rows)
     texts = {e.name: readable(quoted.get(e.name.removesuffix(FINITE), "")) for e in runs}
     blocks = {name.removeprefix(OF_RUN): each for name, each in values.items() if name.startswith(OF_RUN)}
     figures = {name: (each,) for name, each in blocks.items() if isinstance(each, page.Figure)}
-    return standard.experiments([_readable(e) for e in runs], replace(SHOWN, beside=texts, blocks=figures))
+    return standard.experiments([_readable(e) for e in runs], replace(SHOWN, published=texts, blocks=figures))
 
 
 def _readable(e: Experiment) -> Experiment:

@@ -33,12 +33,16 @@ SENSITIVITY = 0.4 * 21  # V/T, section 3.1
 DEVIATION = 5e-5  # m, after (9)
 DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
-YAW = 0.025  # rad
+MAX_RAW_YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
-WEIGHT, REGULAR, LEAST = 0.1, 0.01, 1e-6  # of the third equation; regularisation of the yaw and of a ratio
-RESIDUAL, POWER, NEARLY, SMALL = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
-PART_M, PART_R, BIG, KNOWN = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
-AGAIN = 0.5  # of rho
+EXCESS_WEIGHT, REGULARISATION, SQUARE_FLOOR = (
+    0.1,
+    0.01,
+    1e-6,
+)  # of the third equation; regularisation of the yaw and of a ratio
+RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
+SIGNIFICANT_M, SIGNIFICANT_R, JUMP, MAX_KNOWN_YAW = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
+CONFIRMATION = 0.5  # of rho
 MEMORY = 4.0  # samples
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
@@ -150,7 +154,7 @@ class Pair:
     def place(self) -> Array:
         """The position within the pitch, m."""
         near = np.abs(self.s) <= np.abs(self.c)
-        r = self.s * self.c / (np.maximum(self.s**2, self.c**2) + LEAST * self.k.amplitude**2)
+        r = self.s * self.c / (np.maximum(self.s**2, self.c**2) + SQUARE_FLOOR * self.k.amplitude**2)
         f = sum((a * r ** (2 * n + 1) for n, a in enumerate(self.k.position)), start=np.zeros_like(r))
         back = np.where(f > 0, f - PITCH / 2, f + PITCH / 2)
         return np.where(near, np.where(self.c < 0, back, f), np.where(self.s < 0, -PITCH / 4, PITCH / 4) - f)
@@ -174,15 +178,15 @@ def sense(
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
     h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
     r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
-    weight = WEIGHT / A**2
-    information = h1**2 + h2**2 + weight * h3**2 + REGULAR * A**2
+    weight = EXCESS_WEIGHT / A**2
+    information = h1**2 + h2**2 + weight * h3**2 + REGULARISATION * A**2
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
-    rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL * A) ** 2 + (x.m**2 + y.m**2) / (POWER * A**2) ** 2)
+    rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL_BOUND * A) ** 2 + (x.m**2 + y.m**2) / (EXCESS_BOUND * A**2) ** 2)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_contradiction_left"])
-    contradiction = (ready > 0) & complete & (rho > np.where(before > 0, AGAIN, 1))
+    contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -YAW, YAW)}
+    out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
             contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
@@ -208,11 +212,16 @@ def sense(
 def suspects(state: Columns, A: float) -> dict[str, Array]:
     """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
-    least_r, least_m, nearly, small = PART_R * RESIDUAL * A, PART_M * POWER * A**2, NEARLY * A**2, SMALL * A**2
+    least_r, least_m, nearly, small = (
+        SIGNIFICANT_R * RESIDUAL_BOUND * A,
+        SIGNIFICANT_M * EXCESS_BOUND * A**2,
+        NEARLY_ZERO * A**2,
+        SMALL_CHANGE * A**2,
+    )
     m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
     m_exceeds, r_exceeds = m > least_m, np.abs(r) > least_r
-    is_jump = np.sqrt(np.sum((r / (RESIDUAL * A)) ** 2 + (m / (POWER * A**2)) ** 2, axis=0)) > BIG
-    is_ambiguous = (np.abs(first["phi"]) > KNOWN) | (~is_jump & np.all(m_exceeds, axis=0))
+    is_jump = np.sqrt(np.sum((r / (RESIDUAL_BOUND * A)) ** 2 + (m / (EXCESS_BOUND * A**2)) ** 2, axis=0)) > JUMP
+    is_ambiguous = (np.abs(first["phi"]) > MAX_KNOWN_YAW) | (~is_jump & np.all(m_exceeds, axis=0))
     any_r_exceeds, wrong = np.any(r_exceeds, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
         before = first["s_x" if i == 0 else "s_y"]

@@ -24,7 +24,7 @@ EQUATIONS = (
     ("Y(22)", "K_φ = 35 k_φ (1 + 0.12 s) / (1 + 0.00088 s) (1 + 0.1 s) / s"),
 )
 _STEP = (("Y-9", "Fig. 8"), ("Y-9b", "Fig. 8"))
-BESIDE = {
+PUBLISHED = {
     **dict.fromkeys(("step_x", "step_y"), _STEP),
     "step_phi": (*_STEP, ("Y-33", "Fig. 8(c)")),
     "circle": (("Y-27", "Fig. 9"), ("Y-16", "Fig. 9")),
@@ -36,7 +36,7 @@ def contents(plant: Plant) -> page.Contents:
     """Return the contents of this design; report.md names the printed crossovers, in Hz."""
     printed = {f"crossover_{row}": rows.published_rows()[row]["crossover"].text for row in ("Y-7", "Y-8")}
     block, open_loops = control.controller(plant), all_loops(plant)
-    return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, values=printed)
+    return page.Contents(block, LINE, EQUATIONS, open_loops, PUBLISHED, values=printed)
 
 
 def all_loops(plant: Plant) -> list[OpenLoop]:

@@ -19,7 +19,7 @@ from synth.report.prose import Value
 from synth.statespace import StateSpace
 
 LINE = "reduced-order LQG in x, y and φ, (26)-(49), on positions as measured; lead-lag in z, θ and ψ, (23)-(25)"
-BESIDE = dict.fromkeys(("step_x", "step_y", "standstill"), (("Y-40", "section 5.3"),))
+PUBLISHED = dict.fromkeys(("step_x", "step_y", "standstill"), (("Y-40", "section 5.3"),))
 EQUATIONS = (
     ("Y(31)", "x'' = b i_C,  y'' = b (i_A + i_B),  φ'' = c (i_B - i_A),  z_1' = x,  z_2' = y,  z_3' = φ"),
     ("Y(43)", "min ∫ (x' Q x + u' u) dt,  u held over T,  u = K x"),
@@ -31,7 +31,7 @@ def contents(plant: Plant) -> page.Contents:
     """Return the contents of this design."""
     block, open_loops, whole = lqg.controller(plant), loops.all_loops(plant), (_horizontal_loop(plant),)
     values, cost = _values(plant), core.cost_table
-    return page.Contents(block, LINE, EQUATIONS, open_loops, BESIDE, whole, False, True, values, cost)
+    return page.Contents(block, LINE, EQUATIONS, open_loops, PUBLISHED, whole, False, True, values, cost)
 
 
 def _values(plant: Plant) -> dict[str, Value]:

@@ -99,16 +99,17 @@ typedef struct {
     uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
     uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
     float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
-    uint32_t redundancy_still_x;        /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_still_x;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
     float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
     float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
-    uint32_t redundancy_still_z;        /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
     float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
     uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
+    uint32_t redundancy_degraded;       /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
     maglev_5dof_filter_state_t filter_y;
     maglev_5dof_regulator_state_t regulator_y;
     maglev_5dof_filter_state_t filter_x;
@@ -120,11 +121,11 @@ typedef struct {
     maglev_5dof_filter_state_t filter_theta;
     maglev_5dof_regulator_state_t regulator_theta;
     float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
-    float delay_w_y_last;               /* m/s^2, -10000 .. 10000: w_y one sample ago */
-    float delay_a_x_last;               /* m/s^2, -1000 .. 1000: a_x one sample ago */
-    float delay_a_z_last;               /* m/s^2, -1000 .. 1000: a_z one sample ago */
-    float delay_w_phi_last;             /* rad/s^2, -10000 .. 10000: w_phi one sample ago */
-    float delay_w_theta_last;           /* rad/s^2, -10000 .. 10000: w_theta one sample ago */
+    float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
+    float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
+    float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */
+    float delay_w_phi_last;             /* rad/s^2, -1e+06 .. 1e+06: w_phi one sample ago */
+    float delay_w_theta_last;           /* rad/s^2, -1e+06 .. 1e+06: w_theta one sample ago */
     float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
     float observer_y_v;                 /* m/s, -1 .. 1: predicted rate */
     float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
@@ -150,6 +151,12 @@ typedef struct {
     float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
     float landing_r_z;                  /* m, -10 .. 10: set-point of the landing */
     float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
+    uint32_t probe_x_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
+    uint32_t probe_x_attempt;           /* 1, 0 .. 5: pairs without an answer */
+    float probe_x_towards;              /* m/s^2, -0.466667 .. 0.466667: acceleration of the first pair, towards the set-point */
+    uint32_t probe_z_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
+    uint32_t probe_z_attempt;           /* 1, 0 .. 5: pairs without an answer */
+    float probe_z_towards;              /* m/s^2, -0.466667 .. 0.466667: acceleration of the first pair, towards the set-point */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
@@ -162,11 +169,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 416u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 444u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_416[(sizeof(maglev_5dof_state_t) == 416u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_444[(sizeof(maglev_5dof_state_t) == 444u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -199,10 +206,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 /* Signals of the last step that was not latched, and what happened. Set it
  * to zero when you call init. Bits of `saturated`: 0 i_d1_balanced, 1 i_d2_balanced, 2 i_d3_balanced, 3 i_d4_balanced, 4 u_x_computed, 5 u_z_computed. */
 typedef struct {
+    float x_unanswered;                 /* 1: no pair of the probe was answered */
     float y1_expected;                  /* m: gap of motor 1 */
     float y2_expected;                  /* m: gap of motor 2 */
     float y3_expected;                  /* m: gap of motor 3 */
     float y4_expected;                  /* m: gap of motor 4 */
+    float z_unanswered;                 /* 1: no pair of the probe was answered */
     float suspect_y1;                   /* 1: contradicts the other measurements */
     float suspect_y2;                   /* 1: contradicts the other measurements */
     float suspect_y3;                   /* 1: contradicts the other measurements */
@@ -221,6 +230,7 @@ typedef struct {
     float x_unchanged;                  /* 1: samples without a change of the code */
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */
+    float free;                         /* 1: no stop holds it */
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */
     float theta;                        /* rad: rotation about Z */
@@ -253,10 +263,12 @@ typedef struct {
     float x_disturbance;                /* m/s^2: acceleration that the demand lacks */
     float x_estimate;                   /* m: x after the correction */
     float x_rate;                       /* m/s: rate of x after the correction */
+    float w_x_unprobed;                 /* m/s^2: demanded acceleration */
     float w_x;                          /* m/s^2: demanded acceleration */
     float z_disturbance;                /* m/s^2: acceleration that the demand lacks */
     float z_estimate;                   /* m: z after the correction */
     float z_rate;                       /* m/s: rate of z after the correction */
+    float w_z_unprobed;                 /* m/s^2: demanded acceleration */
     float w_z;                          /* m/s^2: demanded acceleration */
     float excess_x;                     /* A: u_x limited less u_x demanded */
     float excess_z;                     /* A: u_z limited less u_z demanded */

@@ -121,23 +121,23 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     }
     const float advance_last_x_next = maglev_5dof_phase_slew(advance_last_x_part, x_held, 0.001f);
     const float x_acting = advance_last_x_next + (1.5f * (advance_last_x_next - advance_last_x_part));
-    const bool lost_x_test = (faults & 0x00000100u) == 0u;
-    const bool lost_x = (lost_x_test) ? false : (advance_left_x <= 1u);
+    const bool good_x = (faults & 0x00000100u) == 0u;
+    const bool lost_x = (good_x) ? false : (advance_left_x <= 1u);
     const uint32_t advance_left_z = state->advance_left_z;
-    float advance_last_z_part = z_held;
+    float last = z_held;
     uint32_t advance_left_z_part = 0u;
     if (1u <= advance_left_z) {
-        advance_last_z_part = state->advance_last_z;
+        last = state->advance_last_z;
         advance_left_z_part = advance_left_z - 1u;
     }
-    const float advance_last_z_next = maglev_5dof_phase_slew(advance_last_z_part, z_held, 0.001f);
-    const float z_acting = advance_last_z_next + (1.5f * (advance_last_z_next - advance_last_z_part));
-    const bool lost_z_test = (faults & 0x00000200u) == 0u;
-    const bool lost_z = (lost_z_test) ? false : (advance_left_z <= 1u);
+    const float advance_last_z_next = maglev_5dof_phase_slew(last, z_held, 0.001f);
+    const float z_acting = advance_last_z_next + (1.5f * (advance_last_z_next - last));
+    const bool good_z = (faults & 0x00000200u) == 0u;
+    const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
     state->advance_last_z = advance_last_z_next;
-    state->advance_left_x = (lost_x_test) ? 5u : advance_left_x_part;
-    state->advance_left_z = (lost_z_test) ? 5u : advance_left_z_part;
+    state->advance_left_x = (good_x) ? 5u : advance_left_x_part;
+    state->advance_left_z = (good_z) ? 5u : advance_left_z_part;
     const uint32_t value = (lost_x) ? (faults | 0x00000400u) : faults;
     float i_a1_part = -1.0f;
     uint32_t fault_word = value;
@@ -156,108 +156,108 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *         0
      *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
      *         lost_x or lost_z or 0 < |transfer|, else 0 */
-    const float distance_x_part = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
-    const float distance_x = x_acting - (0.11428833f * distance_x_part) - (1.1669922e-05f * distance_x_part);
+    const float n_distance_x = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
+    const float distance_x = x_acting - (0.11428833f * n_distance_x) - (1.1669922e-05f * n_distance_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
-    const float distance_z_part = (float)(uint32_t)((8.748906f * z_acting) + 4.5f) - 4.0f;
-    const float distance_z = z_acting - (0.11428833f * distance_z_part) - (1.1669922e-05f * distance_z_part);
+    const float n_distance_z = (float)(uint32_t)((8.748906f * z_acting) + 4.5f) - 4.0f;
+    const float distance_z = z_acting - (0.11428833f * n_distance_z) - (1.1669922e-05f * n_distance_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);
     const float commutation_transfer = state->commutation_transfer;
     const float quarter_sine_z_squared = quarter_sine_z * quarter_sine_z;
-    const float i_a1_part_2 = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
-    const float i_a1_part_3 = i_a1_part_2 * (5.656854f - (11.313708f * quarter_sine_z_squared));
-    const float i_a1_part_4 = root_2 - (11.313708f * (i_a1_part_2 * i_a1_part_2));
+    const float h_i_a1 = quarter_sine_z * sqrtf(1.0f - quarter_sine_z_squared);
+    const float turned_sine = h_i_a1 * (5.656854f - (11.313708f * quarter_sine_z_squared));
+    const float turned_cosine = root_2 - (11.313708f * (h_i_a1 * h_i_a1));
     const float quarter_sine_x_squared = quarter_sine_x * quarter_sine_x;
-    const float i_a2_part = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
-    const float i_a2_part_2 = i_a2_part * (5.656854f - (11.313708f * quarter_sine_x_squared));
-    const float i_a2_part_3 = root_2 - (11.313708f * (i_a2_part * i_a2_part));
-    float i_a1_part_5 = i_d1_held;
-    float i_a1_part_6 = i_a1_part_3;
-    float i_a1_part_7 = i_a1_part_4;
-    float i_a2_part_4 = i_d2_held;
-    float i_a2_part_5 = i_a2_part_2;
-    float i_a2_part_6 = i_a2_part_3;
-    float i_a3_part = i_d3_held;
-    float i_a4_part = i_d4_held;
+    const float h_i_a2 = quarter_sine_x * sqrtf(1.0f - quarter_sine_x_squared);
+    const float waves_x_cosine_i_a2 = h_i_a2 * (5.656854f - (11.313708f * quarter_sine_x_squared));
+    const float waves_x_sine_i_a2 = root_2 - (11.313708f * (h_i_a2 * h_i_a2));
+    float cosine_i_a1 = i_d1_held;
+    float waves_z_cosine = turned_sine;
+    float waves_z_sine = turned_cosine;
+    float cosine_i_a2 = i_d2_held;
+    float waves_x_cosine_i_a2_2 = waves_x_cosine_i_a2;
+    float waves_x_sine_i_a2_2 = waves_x_sine_i_a2;
+    float cosine_i_a3 = i_d3_held;
+    float cosine_i_a4 = i_d4_held;
     if (lost_x || lost_z || (0.0f < fabsf(commutation_transfer))) {
-        float i_a1_part_8 = commutation_transfer;
-        uint32_t i_a1_part_9 = 0u;
+        float target = commutation_transfer;
+        uint32_t unknown = 0u;
         if (lost_x && lost_z) {
             const uint32_t commutation_unknown = state->commutation_unknown;
-            i_a1_part_9 = (105u <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
+            unknown = (105u <= commutation_unknown) ? commutation_unknown : (commutation_unknown + 1u);
         } else {
-            i_a1_part_8 = (lost_x) ? 1.0f : i_a1_part;
+            target = (lost_x) ? 1.0f : i_a1_part;
         }
-        const float i_a1_part_10 = maglev_5dof_phase_slew(commutation_transfer, i_a1_part_8, 0.04f);
-        const float i_a1_part_11 = maglev_5dof_phase_max(i_a1_part_10, 0.0f);
-        const float i_a1_part_12 = 0.5f * (i_a1_part_11 * (i_d2_held + i_d4_held));
-        i_a1_part_5 = maglev_5dof_phase_limit(i_d1_held + i_a1_part_12, 4.9497476f - fabsf(i_q1_held));
-        const float i_a1_part_13 = maglev_5dof_phase_min(0.04f * (105.0f - (float)i_a1_part_9), 1.0f);
-        const float i_a1_part_14 = maglev_5dof_phase_max(-i_a1_part_10, 0.0f);
-        const float i_a1_part_15 = i_a1_part_13 * (1.0f - i_a1_part_14);
-        i_a1_part_6 = i_a1_part_15 * i_a1_part_3;
-        i_a1_part_7 = i_a1_part_15 * i_a1_part_4;
-        const float i_a2_part_7 = 0.5f * (i_a1_part_14 * (i_d1_held + i_d3_held));
-        i_a2_part_4 = maglev_5dof_phase_limit(i_d2_held + i_a2_part_7, 4.9497476f - fabsf(i_q2_held));
-        const float i_a2_part_8 = i_a1_part_13 * (1.0f - i_a1_part_11);
-        i_a2_part_5 = i_a2_part_8 * i_a2_part_2;
-        i_a2_part_6 = i_a2_part_8 * i_a2_part_3;
-        i_a3_part = maglev_5dof_phase_limit(i_d3_held + i_a1_part_12, 4.9497476f - fabsf(i_q3_held));
-        i_a4_part = maglev_5dof_phase_limit(i_d4_held + i_a2_part_7, 4.9497476f - fabsf(i_q4_held));
-        state->commutation_transfer = i_a1_part_10;
-        state->commutation_unknown = i_a1_part_9;
+        const float transfer = maglev_5dof_phase_slew(commutation_transfer, target, 0.04f);
+        const float part_x = maglev_5dof_phase_max(transfer, 0.0f);
+        const float handed = 0.5f * (part_x * (i_d2_held + i_d4_held));
+        cosine_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed, 4.9497476f - fabsf(i_q1_held));
+        const float whole = maglev_5dof_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
+        const float part_z = maglev_5dof_phase_max(-transfer, 0.0f);
+        const float share = whole * (1.0f - part_z);
+        waves_z_cosine = share * turned_sine;
+        waves_z_sine = share * turned_cosine;
+        const float i_a2_part = 0.5f * (part_z * (i_d1_held + i_d3_held));
+        cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held + i_a2_part, 4.9497476f - fabsf(i_q2_held));
+        const float i_a2_part_2 = whole * (1.0f - part_x);
+        waves_x_cosine_i_a2_2 = i_a2_part_2 * waves_x_cosine_i_a2;
+        waves_x_sine_i_a2_2 = i_a2_part_2 * waves_x_sine_i_a2;
+        cosine_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed, 4.9497476f - fabsf(i_q3_held));
+        cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held + i_a2_part, 4.9497476f - fabsf(i_q4_held));
+        state->commutation_transfer = transfer;
+        state->commutation_unknown = unknown;
     } else {
         state->commutation_transfer = 0.0f;
         state->commutation_unknown = 0u;
     }
-    const float i_a1_part_16 = (i_a1_part_5 * i_a1_part_6) - (i_q1_held * i_a1_part_7);
-    const float i_a1 = i_a1_part_16;
+    const float cosine_i_a1_2 = (cosine_i_a1 * waves_z_cosine) - (i_q1_held * waves_z_sine);
+    const float i_a1 = cosine_i_a1_2;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
     out->i_a1 = i_a1;
-    const float i_b1_part = half_root_3 * ((i_q1_held * i_a1_part_6) + (i_a1_part_5 * i_a1_part_7));
-    const float half_i_a1_part_16 = 0.5f * i_a1_part_16;
-    const float i_b1 = i_b1_part - half_i_a1_part_16;
+    const float i_b1_part = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_i_a1 * waves_z_sine));
+    const float half_cosine_i_a1_2 = 0.5f * cosine_i_a1_2;
+    const float i_b1 = i_b1_part - half_cosine_i_a1_2;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
     out->i_b1 = i_b1;
-    const float i_c1 = -(half_i_a1_part_16 + i_b1_part);
+    const float i_c1 = -(half_cosine_i_a1_2 + i_b1_part);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
     out->i_c1 = i_c1;
-    const float i_a2_part_9 = (i_a2_part_4 * i_a2_part_5) - (i_q2_held * i_a2_part_6);
-    const float i_a2 = i_a2_part_9;
+    const float cosine_i_a2_2 = (cosine_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
+    const float i_a2 = cosine_i_a2_2;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
     out->i_a2 = i_a2;
-    const float i_b2_part = half_root_3 * ((i_q2_held * i_a2_part_5) + (i_a2_part_4 * i_a2_part_6));
-    const float half_i_a2_part_9 = 0.5f * i_a2_part_9;
-    const float i_b2 = i_b2_part - half_i_a2_part_9;
+    const float i_b2_part = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_i_a2 * waves_x_sine_i_a2_2));
+    const float half_cosine_i_a2_2 = 0.5f * cosine_i_a2_2;
+    const float i_b2 = i_b2_part - half_cosine_i_a2_2;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
     out->i_b2 = i_b2;
-    const float i_c2 = -(half_i_a2_part_9 + i_b2_part);
+    const float i_c2 = -(half_cosine_i_a2_2 + i_b2_part);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
     out->i_c2 = i_c2;
-    const float i_a3_part_2 = (i_a3_part * i_a1_part_6) - (i_q3_held * i_a1_part_7);
-    const float i_a3 = i_a3_part_2;
+    const float cosine_i_a3_2 = (cosine_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
+    const float i_a3 = cosine_i_a3_2;
     /*@ admit -9.900485f <= i_a3 <= 9.900485f; */
     out->i_a3 = i_a3;
-    const float i_b3_part = half_root_3 * ((i_q3_held * i_a1_part_6) + (i_a3_part * i_a1_part_7));
-    const float half_i_a3_part_2 = 0.5f * i_a3_part_2;
-    const float i_b3 = i_b3_part - half_i_a3_part_2;
+    const float i_b3_part = half_root_3 * ((i_q3_held * waves_z_cosine) + (cosine_i_a3 * waves_z_sine));
+    const float half_cosine_i_a3_2 = 0.5f * cosine_i_a3_2;
+    const float i_b3 = i_b3_part - half_cosine_i_a3_2;
     /*@ admit -9.900485f <= i_b3 <= 9.900485f; */
     out->i_b3 = i_b3;
-    const float i_c3 = -(half_i_a3_part_2 + i_b3_part);
+    const float i_c3 = -(half_cosine_i_a3_2 + i_b3_part);
     /*@ admit -9.900485f <= i_c3 <= 9.900485f; */
     out->i_c3 = i_c3;
-    const float i_a4_part_2 = (i_a4_part * i_a2_part_5) - (i_q4_held * i_a2_part_6);
-    const float i_a4 = i_a4_part_2;
+    const float current_cosine = (cosine_i_a4 * waves_x_cosine_i_a2_2) - (i_q4_held * waves_x_sine_i_a2_2);
+    const float i_a4 = current_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
     out->i_a4 = i_a4;
-    const float i_b4_part = half_root_3 * ((i_q4_held * i_a2_part_5) + (i_a4_part * i_a2_part_6));
-    const float half_i_a4_part_2 = 0.5f * i_a4_part_2;
-    const float i_b4 = i_b4_part - half_i_a4_part_2;
+    const float other = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_i_a4 * waves_x_sine_i_a2_2));
+    const float half = 0.5f * current_cosine;
+    const float i_b4 = other - half;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
     out->i_b4 = i_b4;
-    const float i_c4 = -(half_i_a4_part_2 + i_b4_part);
+    const float i_c4 = -(half + other);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
     out->i_c4 = i_c4;
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)

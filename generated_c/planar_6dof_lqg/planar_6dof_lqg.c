@@ -246,44 +246,44 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
         const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
-        const bool above_squared_jump = squared_jump < suspect_V_ax_part;
-        const float sensing_first_m_x_size = fabsf(sensing_first_m_x);
-        const bool above_significant_m = significant_m < sensing_first_m_x_size;
-        const float sensing_first_m_y_size = fabsf(sensing_first_m_y);
-        const bool above_significant_m_2 = significant_m < sensing_first_m_y_size;
-        const bool above_significant_r = significant_r < fabsf(sensing_first_r_2);
-        const bool above_significant_r_2 = significant_r < fabsf(sensing_first_r_1);
+        const bool is_jump = squared_jump < suspect_V_ax_part;
+        const float size_x = fabsf(sensing_first_m_x);
+        const bool m_exceeds_x = significant_m < size_x;
+        const float size_y = fabsf(sensing_first_m_y);
+        const bool m_exceeds_y = significant_m < size_y;
+        const bool r_exceeds_x = significant_r < fabsf(sensing_first_r_2);
+        const bool r_exceeds_y = significant_r < fabsf(sensing_first_r_1);
         bool suspect_V_ax_test;
         bool suspect_V_ay_test;
-        bool suspect_V_bx_test = above_significant_m;
+        bool suspect_V_bx_test = m_exceeds_x;
         bool suspect_V_by_test;
         bool suspect_V_cx_test;
-        bool suspect_V_cy_test = above_significant_m_2;
-        if (above_squared_jump) {
-            const bool below_nearly_zero_m = sensing_first_m_x_size < nearly_zero_m;
+        bool suspect_V_cy_test = m_exceeds_y;
+        if (is_jump) {
+            const bool below_nearly_zero_m = size_x < nearly_zero_m;
             const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test = above_significant_r && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
-            const bool below_nearly_zero_m_2 = sensing_first_m_y_size < nearly_zero_m;
-            const float suspect_V_ay_part = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = above_significant_r_2 && (!below_nearly_zero_m_2 || (suspect_V_ay_part < small_m));
-            suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < sensing_first_m_x_size;
-            suspect_V_by_test = above_significant_r_2 && below_nearly_zero_m_2;
-            suspect_V_cx_test = above_significant_r && below_nearly_zero_m;
-            suspect_V_cy_test = (suspect_V_ay_part + nearly_zero_m) < sensing_first_m_y_size;
+            suspect_V_ax_test = r_exceeds_x && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
+            const bool nearly_zero = size_y < nearly_zero_m;
+            const float change = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
+            suspect_V_ay_test = r_exceeds_y && (!nearly_zero || (change < small_m));
+            suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < size_x;
+            suspect_V_by_test = r_exceeds_y && nearly_zero;
+            suspect_V_cx_test = r_exceeds_x && below_nearly_zero_m;
+            suspect_V_cy_test = (change + nearly_zero_m) < size_y;
         } else {
-            const bool suspect_V_ax_test_2 = above_significant_r || above_significant_r_2;
-            suspect_V_ax_test = suspect_V_ax_test_2 || above_significant_m;
-            suspect_V_ay_test = suspect_V_ax_test_2 || above_significant_m_2;
-            suspect_V_by_test = suspect_V_ax_test_2;
-            suspect_V_cx_test = suspect_V_ax_test_2;
+            const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
+            suspect_V_ax_test = any_r_exceeds || m_exceeds_x;
+            suspect_V_ay_test = any_r_exceeds || m_exceeds_y;
+            suspect_V_by_test = any_r_exceeds;
+            suspect_V_cx_test = any_r_exceeds;
         }
-        const bool suspect_V_ax_test_3 = (max_known_yaw < fabsf(state->sensing_first_phi)) || (above_significant_m && above_significant_m_2 && !above_squared_jump);
-        const bool suspect_V_ax = suspect_V_ax_test || suspect_V_ax_test_3;
-        const bool suspect_V_ay = suspect_V_ay_test || suspect_V_ax_test_3;
-        const bool suspect_V_bx = suspect_V_bx_test || suspect_V_ax_test_3;
-        const bool suspect_V_by = suspect_V_by_test || suspect_V_ax_test_3;
-        const bool suspect_V_cx = suspect_V_cx_test || suspect_V_ax_test_3;
-        const bool suspect_V_cy = suspect_V_cy_test || suspect_V_ax_test_3;
+        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y && !is_jump);
+        const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
+        const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
+        const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
+        const bool suspect_V_by = suspect_V_by_test || is_ambiguous;
+        const bool suspect_V_cx = suspect_V_cx_test || is_ambiguous;
+        const bool suspect_V_cy = suspect_V_cy_test || is_ambiguous;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -358,32 +358,32 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* sensing: position and yaw, (1)-(5) */
         const float sensing_phi_raw = state->sensing_phi_raw;
         const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
-        const float ratio_x_part = sensing_phi_raw_times_V_ay - V_bx_held;
+        const float X_c = sensing_phi_raw_times_V_ay - V_bx_held;
         const float sensing_first_s_x_next = V_ax_held - sensing_phi_raw_times_V_ay;
         const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
         const float ratio_y_part = V_cy_held + sensing_phi_raw_times_V_ax;
         const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
         const float sensing_first_s_y_next = V_ay_held + sensing_phi_raw_times_V_ax;
         const float sensing_first_s_y_squared = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float r_1_part = ratio_x_part + sensing_first_s_x_next - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (sensing_first_s_y_squared * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (r_1_part * sensing_phi_raw);
-        const float ratio_x_part_squared = ratio_x_part * ratio_x_part;
+        const float h1 = X_c + sensing_first_s_x_next - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (sensing_first_s_y_squared * sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (h1 * sensing_phi_raw);
+        const float X_c_squared = X_c * X_c;
         const float sensing_first_s_x_squared = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float r_2_part = (ratio_x_part * ratio_x_part_squared * (sensing_slope_0 + (sensing_first_s_x_squared * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part);
-        const float r_2 = V_cx_held - V_ax_held + (r_2_part * sensing_phi_raw);
-        const float ratio_x_part_2 = sensing_first_s_x_next * ratio_x_part;
-        const float ratio_x_part_2_squared = ratio_x_part_2 * ratio_x_part_2;
-        const float m_x = sensing_first_s_x_squared + ratio_x_part_squared - (sensing_power_0 + (ratio_x_part_2_squared * (sensing_power_1 + (ratio_x_part_2_squared * sensing_power_2))));
+        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (sensing_first_s_x_squared * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part);
+        const float r_2 = V_cx_held - V_ax_held + (h2 * sensing_phi_raw);
+        const float sensing_first_s_x_times_X_c = sensing_first_s_x_next * X_c;
+        const float product_m_x = sensing_first_s_x_times_X_c * sensing_first_s_x_times_X_c;
+        const float m_x = sensing_first_s_x_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
         const float ratio_y_part_2 = sensing_first_s_y_next * ratio_y_part;
-        const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
-        const float m_y = sensing_first_s_y_squared + ratio_y_part_squared - (sensing_power_0 + (ratio_y_part_2_squared * (sensing_power_1 + (ratio_y_part_2_squared * sensing_power_2))));
+        const float product_m_y = ratio_y_part_2 * ratio_y_part_2;
+        const float m_y = sensing_first_s_y_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        bool x_raw_test = false;
+        bool contradicts = false;
         if ((guard_ready != 0u) && complete) {
-            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
-            x_raw_test = (squared_confirmation < x_raw_part) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < x_raw_part));
+            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
+            contradicts = (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
         }
-        const bool x_raw_test_2 = !x_raw_test && complete;
+        const bool accept = !contradicts && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_within_y = state->sensing_within_y;
         const float sensing_offset_x = state->sensing_offset_x;
@@ -393,102 +393,102 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float phi_raw_part = 0.0f;
         float within_x = sensing_within_x;
         float within_y = sensing_within_y;
-        if (x_raw_test_2) {
-            const float ratio_x = ratio_x_part_2 / (planar_6dof_lqg_max(sensing_first_s_x_squared, ratio_x_part_squared) + least_square);
+        if (accept) {
+            const float ratio_x = sensing_first_s_x_times_X_c / (planar_6dof_lqg_max(sensing_first_s_x_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
-            const float x_raw_part_2 = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float sensing_within_x_next;
-            if (sensing_first_s_x_squared <= ratio_x_part_squared) {
-                if (ratio_x_part < 0.0f) {
-                    if (0.0f < x_raw_part_2) {
-                        sensing_within_x_next = x_raw_part_2 - half_pitch;
+            if (sensing_first_s_x_squared <= X_c_squared) {
+                if (X_c < 0.0f) {
+                    if (0.0f < f_x_raw) {
+                        sensing_within_x_next = f_x_raw - half_pitch;
                     } else {
-                        sensing_within_x_next = x_raw_part_2 + half_pitch;
+                        sensing_within_x_next = f_x_raw + half_pitch;
                     }
                 } else {
-                    sensing_within_x_next = x_raw_part_2;
+                    sensing_within_x_next = f_x_raw;
                 }
             } else {
-                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -quarter_pitch : quarter_pitch) - x_raw_part_2;
+                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
             }
-            const float x_raw_part_3 = sensing_within_x_next - sensing_within_x;
-            float x_raw_part_4 = sensing_offset_x;
-            if (half_pitch < fabsf(x_raw_part_3)) {
-                if (0.0f < x_raw_part_3) {
+            const float off_x_raw = sensing_within_x_next - sensing_within_x;
+            float offset_x = sensing_offset_x;
+            if (half_pitch < fabsf(off_x_raw)) {
+                if (0.0f < off_x_raw) {
                     if (-pitch <= sensing_offset_x) {
                         const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                        x_raw_part_4 = sensing_offset_x_minus_pitch;
+                        offset_x = sensing_offset_x_minus_pitch;
                         state->sensing_offset_x = sensing_offset_x_minus_pitch;
                     }
                 } else {
                     if (sensing_offset_x <= pitch) {
                         const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                        x_raw_part_4 = sensing_offset_x_plus_pitch;
+                        offset_x = sensing_offset_x_plus_pitch;
                         state->sensing_offset_x = sensing_offset_x_plus_pitch;
                     }
                 }
             }
-            x_raw = sensing_within_x_next + x_raw_part_4;
+            x_raw = sensing_within_x_next + offset_x;
             within_x = sensing_within_x_next;
             const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(sensing_first_s_y_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float y_raw_part = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float sensing_within_y_next;
             if (sensing_first_s_y_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
-                    if (0.0f < y_raw_part) {
-                        sensing_within_y_next = y_raw_part - half_pitch;
+                    if (0.0f < f_y_raw) {
+                        sensing_within_y_next = f_y_raw - half_pitch;
                     } else {
-                        sensing_within_y_next = y_raw_part + half_pitch;
+                        sensing_within_y_next = f_y_raw + half_pitch;
                     }
                 } else {
-                    sensing_within_y_next = y_raw_part;
+                    sensing_within_y_next = f_y_raw;
                 }
             } else {
-                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -quarter_pitch : quarter_pitch) - y_raw_part;
+                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
             }
-            const float y_raw_part_2 = sensing_within_y_next - sensing_within_y;
-            float y_raw_part_3 = sensing_offset_y;
-            if (half_pitch < fabsf(y_raw_part_2)) {
-                if (0.0f < y_raw_part_2) {
+            const float off_y_raw = sensing_within_y_next - sensing_within_y;
+            float offset_y = sensing_offset_y;
+            if (half_pitch < fabsf(off_y_raw)) {
+                if (0.0f < off_y_raw) {
                     if (-pitch <= sensing_offset_y) {
                         const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                        y_raw_part_3 = sensing_offset_y_minus_pitch;
+                        offset_y = sensing_offset_y_minus_pitch;
                         state->sensing_offset_y = sensing_offset_y_minus_pitch;
                     }
                 } else {
                     if (sensing_offset_y <= pitch) {
                         const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                        y_raw_part_3 = sensing_offset_y_plus_pitch;
+                        offset_y = sensing_offset_y_plus_pitch;
                         state->sensing_offset_y = sensing_offset_y_plus_pitch;
                     }
                 }
             }
-            y_raw = sensing_within_y_next + y_raw_part_3;
+            y_raw = sensing_within_y_next + offset_y;
             state->sensing_within_x = sensing_within_x_next;
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
-            const float phi_raw_part_2 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - ratio_x_part));
-            const float phi_raw_part_3 = ((r_1_part * r_1) - (r_2_part * r_2) + (sensing_amplitude_weight * (phi_raw_part_2 * (m_x - m_y)))) / ((r_1_part * r_1_part) + (r_2_part * r_2_part) + (2.0f * (sensing_amplitude_weight * (phi_raw_part_2 * phi_raw_part_2))) + least_information);
-            phi_raw_part = phi_raw_part_3;
+            const float h3 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - X_c));
+            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+            phi_raw_part = phi_raw_part_2;
         } else {
             x_raw = sensing_within_x + sensing_offset_x;
             y_raw = sensing_within_y + sensing_offset_y;
         }
         const float phi_raw = planar_6dof_lqg_limit(sensing_phi_raw + phi_raw_part, max_yaw);
-        if (x_raw_test) {
+        if (contradicts) {
             state->sensing_contradiction_left = 4u;
         } else {
-            if (x_raw_test_2 && (sensing_contradiction_left != 0u)) {
+            if (accept && (sensing_contradiction_left != 0u)) {
                 state->sensing_contradiction_left = sensing_contradiction_left - 1u;
             }
         }
-        if (x_raw_test && (sensing_contradiction_left != 0u)) {
+        if (contradicts && (sensing_contradiction_left != 0u)) {
             state->sensing_contradiction_confirmed = 1u;
         }
-        if (x_raw_test && !(sensing_contradiction_left != 0u)) {
+        if (contradicts && !(sensing_contradiction_left != 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;
@@ -502,45 +502,45 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
          *     theta = half_over_laser_arm * (d3_held - 0.5 * (d1_held + d2_held)) */
-        const float z_part = 0.5f * (d1_held + d2_held);
-        const float z = 0.5f * (z_part + d3_held);
-        const float theta = half_over_laser_arm * (d3_held - z_part);
+        const float front_z = 0.5f * (d1_held + d2_held);
+        const float z = 0.5f * (front_z + d3_held);
+        const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
-        const bool below_lqg_x_largest_error = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
+        const bool is_small_d_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float lqg_x_L_times_x_raw = lqg_x_L * x_raw;
-        const float lqg_y_L_times_y_raw = lqg_y_L * y_raw;
-        const float lqg_phi_L_times_phi_raw = lqg_phi_L * phi_raw;
-        float d_x_part;
-        float d_y_part;
-        float d_phi_part;
+        const float seen_d_x = lqg_x_L * x_raw;
+        const float seen_d_y = lqg_y_L * y_raw;
+        const float seen_d_phi = lqg_phi_L * phi_raw;
+        float now_d_x;
+        float now_d_y;
+        float now_d_phi;
         if (guard_ready != 0u) {
-            d_x_part = state->lqg_x_x3;
-            d_y_part = state->lqg_y_x3;
-            d_phi_part = state->lqg_phi_x3;
+            now_d_x = state->lqg_x_x3;
+            now_d_y = state->lqg_y_x3;
+            now_d_phi = state->lqg_phi_x3;
         } else {
-            d_x_part = -lqg_x_L_times_x_raw;
-            d_y_part = -lqg_y_L_times_y_raw;
-            d_phi_part = -lqg_phi_L_times_phi_raw;
+            now_d_x = -seen_d_x;
+            now_d_y = -seen_d_y;
+            now_d_phi = -seen_d_phi;
         }
         const float lqg_x_achieved = state->lqg_x_achieved;
-        const float d_x_part_2 = d_x_part + lqg_x_L_times_x_raw + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float d_x = (lqg_x_error_gain * ((below_lqg_x_largest_error) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part_2);
-        state->lqg_x_x3 = (lqg_x_F * d_x_part) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+        const float d_x_part = now_d_x + seen_d_x + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float d_x = (lqg_x_error_gain * ((is_small_d_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part);
+        state->lqg_x_x3 = (lqg_x_F * now_d_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
-        const bool below_lqg_y_largest_error = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
+        const bool is_small_d_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_achieved = state->lqg_y_achieved;
-        const float d_y_part_2 = d_y_part + lqg_y_L_times_y_raw + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float d_y = (lqg_y_error_gain * ((below_lqg_y_largest_error) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part_2);
-        state->lqg_y_x3 = (lqg_y_F * d_y_part) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+        const float d_y_part = now_d_y + seen_d_y + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float d_y = (lqg_y_error_gain * ((is_small_d_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part);
+        state->lqg_y_x3 = (lqg_y_F * now_d_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     d_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
@@ -550,30 +550,30 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float lqg_phi_integral = state->lqg_phi_integral;
         const float lqg_phi_achieved = state->lqg_phi_achieved;
-        const float d_phi_part_2 = d_phi_part + lqg_phi_L_times_phi_raw + (lqg_phi_achieved_gain * lqg_phi_achieved);
-        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - d_phi_part_2);
-        state->lqg_phi_x3 = (lqg_phi_F * d_phi_part) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+        const float d_phi_part = now_d_phi + seen_d_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float d_phi = (lqg_phi_error_gain * (phi_ref_held - phi_raw)) + (lqg_phi_integral - d_phi_part);
+        state->lqg_phi_x3 = (lqg_phi_F * now_d_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
-        const float z_ref_minus_z = z_ref_held - z;
+        const float error_d_z = z_ref_held - z;
         const float loop_z_integral = state->loop_z_integral;
-        const float d_z = (loop_z_gain * z_ref_minus_z) + state->loop_z_lead + loop_z_integral;
-        state->loop_z_lead = loop_z_lead_input * z_ref_minus_z;
+        const float d_z = (loop_z_gain * error_d_z) + state->loop_z_lead + loop_z_integral;
+        state->loop_z_lead = loop_z_lead_input * error_d_z;
 
         /* loop_theta: lead-lag, (24)
          *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
-        const float theta_ref_minus_theta = theta_ref_held - theta;
+        const float error_d_theta = theta_ref_held - theta;
         const float loop_theta_integral = state->loop_theta_integral;
-        const float d_theta = (loop_theta_gain * theta_ref_minus_theta) + state->loop_theta_lead + loop_theta_integral;
-        state->loop_theta_lead = loop_theta_lead_input * theta_ref_minus_theta;
+        const float d_theta = (loop_theta_gain * error_d_theta) + state->loop_theta_lead + loop_theta_integral;
+        state->loop_theta_lead = loop_theta_lead_input * error_d_theta;
 
         /* loop_psi: lead-lag, (25)
          *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
-        const float psi_ref_minus_psi = psi_ref_held - psi;
+        const float error_d_psi = psi_ref_held - psi;
         const float loop_psi_integral = state->loop_psi_integral;
-        const float d_psi = (loop_psi_gain * psi_ref_minus_psi) + state->loop_psi_lead + loop_psi_integral;
-        state->loop_psi_lead = loop_psi_lead_input * psi_ref_minus_psi;
+        const float d_psi = (loop_psi_gain * error_d_psi) + state->loop_psi_lead + loop_psi_integral;
+        state->loop_psi_lead = loop_psi_lead_input * error_d_psi;
 
         /* allocation: motor currents, Table 3, (17)
          *     i_AQ = limit(0.5 * (cos(phi_raw) * d_y - sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi +
@@ -588,39 +588,39 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *         sin(phi_raw) * d_x), quadrature_limit - |limit(d_phi + i_CQ, quadrature_limit)|))
          *     achieved_theta = rear_share * i_CD - front_share * (i_AD + i_BD) */
         const float cos_phi_raw_argument = phi_raw * phi_raw;
-        const float cos_phi_raw = cos_phi_raw_polynomial(cos_phi_raw_argument);
-        const float sin_phi_raw = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
-        const float i_CQ = planar_6dof_lqg_limit((cos_phi_raw * d_x) + (sin_phi_raw * d_y), planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
-        const float i_AQ_part = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
-        const float i_AQ_part_2 = planar_6dof_lqg_limit(0.5f * ((cos_phi_raw * d_y) - (sin_phi_raw * d_x)), quadrature_limit - fabsf(i_AQ_part));
-        const float i_AQ = i_AQ_part_2 - i_AQ_part;
-        const float i_BQ = i_AQ_part_2 + i_AQ_part;
-        const float d_z_minus_d_theta = d_z - d_theta;
-        const float i_AD = planar_6dof_lqg_limit(d_z_minus_d_theta + d_psi, direct_limit);
-        const float i_BD = planar_6dof_lqg_limit(d_z_minus_d_theta - d_psi, direct_limit);
+        const float cos_i_CQ = cos_phi_raw_polynomial(cos_phi_raw_argument);
+        const float sin_i_CQ = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
+        const float i_CQ = planar_6dof_lqg_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y), planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
+        const float yaw = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
+        const float half = planar_6dof_lqg_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit - fabsf(yaw));
+        const float i_AQ = half - yaw;
+        const float i_BQ = half + yaw;
+        const float front_i_AD = d_z - d_theta;
+        const float i_AD = planar_6dof_lqg_limit(front_i_AD + d_psi, direct_limit);
+        const float i_BD = planar_6dof_lqg_limit(front_i_AD - d_psi, direct_limit);
         const float i_CD = planar_6dof_lqg_limit(d_z + (2.0f * d_theta), direct_limit);
-        const float achieved_x = (cos_phi_raw * i_CQ) - (2.0f * (sin_phi_raw * i_AQ_part_2));
-        const float achieved_y = (sin_phi_raw * i_CQ) + (2.0f * (cos_phi_raw * i_AQ_part_2));
-        const float achieved_phi = i_AQ_part - i_CQ;
-        const float i_AD_plus_i_BD = i_AD + i_BD;
-        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * i_AD_plus_i_BD);
+        const float achieved_x = (cos_i_CQ * i_CQ) - (2.0f * (sin_i_CQ * half));
+        const float achieved_y = (sin_i_CQ * i_CQ) + (2.0f * (cos_i_CQ * half));
+        const float achieved_phi = yaw - i_CQ;
+        const float lifts = i_AD + i_BD;
+        const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (below_lqg_x_largest_error) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + d_x_part_2))) : lqg_x_integral_part;
+        state->lqg_x_integral = (is_small_d_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + d_x_part))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (below_lqg_y_largest_error) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + d_y_part_2))) : lqg_y_integral_part;
+        state->lqg_y_integral = (is_small_d_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + d_y_part))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
-        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + d_phi_part_2));
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + d_phi_part));
         state->lqg_phi_achieved = achieved_phi;
 
         /* loop_z: lead-lag, (23) */
-        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (i_AD_plus_i_BD + i_CD));
+        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (lifts + i_CD));
 
         /* loop_theta: lead-lag, (24) */
         state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
@@ -634,26 +634,26 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
          *     distance_front = within_y - (b * cos(phi_raw) - quarter_pitch)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-        const float distance_rear = within_x - (c * sin_phi_raw);
+        const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((b * cos_phi_raw) - quarter_pitch);
+        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
-        const float i_AA_computed_part = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
-        const float i_AA_computed_part_2 = i_AA_computed_part * (4.0f - (8.0f * quarter_sine_front_squared));
-        const float f5 = f5_polynomial(cos_phi_raw_argument);
-        const float i_AA_computed_part_3 = i_AA_computed_part_2 * f5;
-        const float i_AA_computed_part_4 = 1.0f - (8.0f * (i_AA_computed_part * i_AA_computed_part));
-        const float f6 = phi_raw * f6_polynomial(cos_phi_raw_argument);
-        const float i_AA_computed_part_5 = i_AA_computed_part_4 * f6;
-        const float i_AA_computed_part_6 = i_AA_computed_part_3 - i_AA_computed_part_5;
-        const float i_AA_computed_part_7 = i_AA_computed_part_4 * f5;
-        const float i_AA_computed_part_8 = i_AA_computed_part_2 * f6;
-        const float i_AA_computed_part_9 = i_AA_computed_part_7 + i_AA_computed_part_8;
-        const float i_AA_computed = (i_AA_computed_part_6 * i_AQ) + (i_AA_computed_part_9 * i_AD);
+        const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
+        const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
+        const float cy = f5_polynomial(cos_phi_raw_argument);
+        const float cc = front_1 * cy;
+        const float i_AA_computed_part = 1.0f - (8.0f * (h_i_AA_computed * h_i_AA_computed));
+        const float sy = phi_raw * f6_polynomial(cos_phi_raw_argument);
+        const float i_AA_computed_part_times_sy = i_AA_computed_part * sy;
+        const float angles_A_1 = cc - i_AA_computed_part_times_sy;
+        const float i_AA_computed_part_times_cy = i_AA_computed_part * cy;
+        const float cs = front_1 * sy;
+        const float i_AA_computed_part_2 = i_AA_computed_part_times_cy + cs;
+        const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         out->i_AA = i_AA_computed;
-        const float i_AB_computed_part = half_root_3 * ((i_AA_computed_part_6 * i_AD) - (i_AA_computed_part_9 * i_AQ));
+        const float i_AB_computed_part = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
         const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
@@ -661,12 +661,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         out->i_AC = i_AC_computed;
-        const float i_BA_computed_part = i_AA_computed_part_3 + i_AA_computed_part_5;
-        const float i_BA_computed_part_2 = i_AA_computed_part_8 - i_AA_computed_part_7;
-        const float i_BA_computed = (i_BA_computed_part * i_BQ) - (i_BA_computed_part_2 * i_BD);
+        const float angles_B_1 = cc + i_AA_computed_part_times_sy;
+        const float angles_B_2 = cs - i_AA_computed_part_times_cy;
+        const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         out->i_BA = i_BA_computed;
-        const float i_BB_computed_part = half_root_3 * ((i_BA_computed_part_2 * i_BQ) + (i_BA_computed_part * i_BD));
+        const float i_BB_computed_part = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
         const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
@@ -675,18 +675,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
-        const float i_CA_computed_part = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
-        const float i_CA_computed_part_2 = 1.0f - (8.0f * (i_CA_computed_part * i_CA_computed_part));
-        const float i_CA_computed_part_3 = i_CA_computed_part * (4.0f - (8.0f * quarter_sine_rear_squared));
-        const float i_CA_computed = (i_CA_computed_part_2 * i_CQ) - (i_CA_computed_part_3 * i_CD);
+        const float h_i_CA_computed = quarter_sine_rear * sqrtf(1.0f - quarter_sine_rear_squared);
+        const float cos_i_CA_computed = 1.0f - (8.0f * (h_i_CA_computed * h_i_CA_computed));
+        const float sin_i_CA_computed = h_i_CA_computed * (4.0f - (8.0f * quarter_sine_rear_squared));
+        const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         out->i_CA = i_CA_computed;
-        const float i_CB_computed_part = half_root_3 * ((i_CA_computed_part_3 * i_CQ) + (i_CA_computed_part_2 * i_CD));
+        const float beta = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
-        const float i_CB_computed = i_CB_computed_part - half_i_CA_computed;
+        const float i_CB_computed = beta - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(half_i_CA_computed + i_CB_computed_part);
+        const float i_CC_computed = -(half_i_CA_computed + beta);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;

@@ -81,7 +81,7 @@ class Program:
     `polynomials` maps the name of a "polynomial" node to its polynomial, and `tables` that of a "table" node to its
     numbers. `products` maps the name of a constant that folding introduced to the two constants that it multiplies.
     `titles` maps each Block of the composition to its description and the number of its equation, `equations` to the
-    lines of its equations.
+    lines of its equations. `labels` are names of nodes from the variables of the laws, for the locals of the C.
     """
 
     nodes: tuple[Node, ...]
@@ -100,13 +100,17 @@ class Program:
     returns: Mapping[str, int] = field(default_factory=dict)
     paths: Mapping[str, str] = field(default_factory=dict)
     by_value: bool = False
+    labels: Mapping[int, str] = field(default_factory=dict)
 
     def with_nodes(self, nodes: tuple[Node, ...], index: Sequence[int]) -> "Program":
         """Return the program with new nodes, where the old node k becomes node index[k], without dead nodes."""
         outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (self.outputs, self.next))
         marks = tuple((named, index[k]) for named, k in self.marks)
         word = None if self.word is None else index[self.word]
-        return _without_dead_nodes(replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word))
+        labels = {index[k]: name for k, name in self.labels.items()}
+        return _without_dead_nodes(
+            replace(self, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)
+        )
 
     def substituted(self, equal: Mapping[int, int]) -> "Program":
         """Return the program in which `equal` maps nodes to the earlier nodes that replace them."""
@@ -160,9 +164,27 @@ def program(block: Block) -> Program:
     outputs = {s.name: outputs[s.name] for s in block.outputs}
     titles = {n.block: f"{n.block}: {n.tag}" if n.tag else n.block for n, _ in block.computed_signals}
     integers = frozenset([s.name for s in block.states if s.integer])
+    labels = _labels(block, loads, nodes)
     return _without_dead_nodes(
-        Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables)
+        Program(tuple(nodes), marks, outputs, next, integers, word, titles=titles, tables=tables, labels=labels)
     )
+
+
+def _labels(block: Block, loads: Sequence[tuple[str, str]], nodes: Sequence[Node]) -> dict[int, str]:
+    """Return the nodes that compute an intermediate value of a law, with its name; other values are not computed."""
+    if not block.intermediates:
+        return {}
+    f = ca.Function(
+        "values", [ca.vcat([block.symbol[n] for _, n in loads])], [ca.vcat([e for _, e in block.intermediates])]
+    )
+    values, results = walk(f, loads, {})
+    known = {node: k for k, node in reversed([*enumerate(nodes)])}
+    index: list[int | None] = []
+    for node in values:
+        args = [index[a] for a in node.args]
+        index.append(None if None in args else known.get(replace(node, args=tuple(a for a in args if a is not None))))
+    pairs = zip(results, (name for name, _ in block.intermediates), strict=True)
+    return {k: name for value, name in pairs if (k := index[value]) is not None}
 
 
 def _fault_word(nodes: list[Node], faults: Sequence[tuple[int, int]]) -> int | None:
@@ -272,4 +294,5 @@ def _without_dead_nodes(p: Program) -> Program:
     outputs, next = ({name: index[k] for name, k in ends.items()} for ends in (p.outputs, p.next))
     marks = tuple((named, index[k]) for named, k in p.marks if k in index)
     word = None if p.word is None else index[p.word]
-    return replace(p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word)
+    labels = {index[k]: name for k, name in p.labels.items() if k in index}
+    return replace(p, nodes=nodes, marks=marks, outputs=outputs, next=next, word=word, labels=labels)

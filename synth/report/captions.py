@@ -2,7 +2,7 @@
 
 [blocks."accuracy.places"]         a drawing of this name is a figure, rows of this name are a table
 caption = "Sensors, in pitches of {{ pitch_mm:.1f }} mm."      placeholders as in report.md
-beside = "Fig. 3: ..."             of a figure: content of the corresponding figure in the source
+published = "Fig. 3: ..."          of a figure: content of the corresponding figure in the source
 columns = ["layout", "X, µm"]      of a table; `digits` gives the significant digits, default 4
 """
 
@@ -35,5 +35,5 @@ def _block(name: str, each: Content, described: Mapping[str, Any], values: Mappi
     words = described[name]
     caption = prose.fill_placeholders(words["caption"], values)
     if isinstance(each, Figure):
-        return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("beside", ""))
+        return page.Figure(figures.svg(each, name.replace(".", "-")), caption, words.get("published", ""))
     return page.Table(caption, tuple(words["columns"]), tuple(map(tuple, each)), words.get("digits", 4))

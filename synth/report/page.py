@@ -47,22 +47,22 @@ class Equations:
 class Formula:
     """A derived equation as MathML, its unit and range.
 
-    For equations of equal form, `likewise` is markup that states which names replace which.
+    For equations of equal form, `replaced_names` is markup that states which names replace which.
     """
 
     math: Markup
     unit: str = ""
     range: str = ""
-    likewise: str = ""
+    replaced_names: str = ""
 
 
 @dataclass(frozen=True)
 class Formulas:
-    """Derived equations under a title; `also` lists groups of equal form with their replaced names."""
+    """Derived equations under a title; `equal_forms` lists groups of equal form with their replaced names."""
 
     title: str
     rows: tuple[Formula, ...]
-    also: tuple[tuple[str, Markup], ...] = ()
+    equal_forms: tuple[tuple[str, Markup], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,11 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing as one <svg> element; `beside` describes the corresponding figure of the source, if any."""
+    """A drawing as one <svg> element; `published` describes the corresponding figure of the source, if any."""
 
     svg: str
     caption: str
-    beside: str = ""
+    published: str = ""
 
 
 @dataclass(frozen=True)

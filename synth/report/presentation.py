@@ -13,7 +13,9 @@ from synth.report.notation import readable
 from synth.simulate.experiment import Experiment
 
 HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
-Beside = Mapping[str, Sequence[tuple[str, str]]]  # by experiment: rows of the audit, and figures of the source
+PublishedFigures = Mapping[
+    str, Sequence[tuple[str, str]]
+]  # by experiment: rows of the audit, and figures of the source
 MICRO_UNITS = {unit: shown for unit, (shown, _) in figures.MICRO_UNITS.items()}
 
 
@@ -21,15 +23,15 @@ MICRO_UNITS = {unit: shown for unit, (shown, _) in figures.MICRO_UNITS.items()}
 class Shown:
     """Presentation of experiments: units of signals by name, levels in the plots of their errors, and further blocks.
 
-    By name of the experiment, `beside` describes the corresponding figure of the source, and `blocks` adds blocks. Runs
-    longer than `longest` s are plotted over `window`. With `latch` = (before, after) in s, a run that latches is
+    By name of the experiment, `published` describes the corresponding figure of the source, and `blocks` adds blocks.
+    Runs longer than `longest` s are plotted over `window`. With `latch` = (before, after) in s, a run that latches is
     plotted around the latch. A signal in m or rad that stays below `fine` is shown in um or urad. Values that are
     measured for each of `channels`, such as "noise, V_ax", form a table with one row per channel.
     """
 
     units: Mapping[str, str]
     levels: Mapping[str, float] = field(default_factory=dict)
-    beside: Mapping[str, str] = field(default_factory=dict)
+    published: Mapping[str, str] = field(default_factory=dict)
     blocks: Mapping[str, Sequence[page.Block]] = field(default_factory=dict)
     longest: float = math.inf
     window: figures.Window = (0.0, 5.0)
@@ -38,7 +40,7 @@ class Shown:
     channels: Sequence[str] = ()
 
 
-def beside(figures: Beside, rows: Sequence[Row]) -> dict[str, str]:
+def published_figures(figures: PublishedFigures, rows: Sequence[Row]) -> dict[str, str]:
     """Return the published text of rows of the audit by experiment; a row that is not in `rows` is left out.
 
     A figure without a name, "", is named by the place where its row is printed.

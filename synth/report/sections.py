@@ -46,11 +46,11 @@ def experiment(
     units: Mapping[str, str],
     levels: Mapping[str, float] | None = None,
     window: figures.Window | None = None,
-    beside: str = "",
+    published: str = "",
 ) -> Section:
     """Return one run: its plot, its measured values and its checks; the arguments are those of figures.response.
 
-    `beside` describes the corresponding figure of the paper.
+    `published` describes the corresponding figure of the paper.
 
     Raises SignalError when a unit is missing.
     """
@@ -60,7 +60,7 @@ def experiment(
         caption += f" On the left {window[0]:g} to {window[1]:g} s."
     measured = (Table("Measured", ("figure", "value", "unit"), _measured_rows(run)),) if run.figures else ()
     checks = (Checks("Checks", run.checks),) if run.checks else ()
-    return Section(run.title, (Figure(plot, caption, beside), *measured, *checks))
+    return Section(run.title, (Figure(plot, caption, published), *measured, *checks))
 
 
 def loop(title: str, name: str, curves: Sequence[bode.LoopCurve]) -> Section:

@@ -146,7 +146,7 @@ def _experiment(run: Experiment, shown: Shown) -> Section:
     measured = {} if table else with_units(run.figures, shown.units)
     fine, fine_shown = in_fine_units(replace(run, figures=measured), shown)
     section = sections.experiment(
-        fine, fine_shown.units, fine_shown.levels, time_window, shown.beside.get(run.name, "")
+        fine, fine_shown.units, fine_shown.levels, time_window, shown.published.get(run.name, "")
     )
     return Section(section.title, (*section.blocks, *table, *extra_blocks), section.sections)
 

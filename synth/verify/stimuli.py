@@ -26,11 +26,12 @@ from synth.verify import steps
 from synth.verify.steps import Steps
 
 REPLAY, VECTORS = 10_000, 1000  # steps
-EACH = 1000  # steps of each closed loop
+LOOP_STEPS = 1000  # steps of each closed loop
 SWING = 0.2  # of the range of a set-point, to both sides of rest
 TURNS = 3.0  # periods of the first set-point in a recording; the others have more
 JUMP = 20  # samples before the latch at which the set-points jump, to move the actuators away from their safe values
-RANDOM, DRAWN, RARE, EACH_END = 2000, 20_000, 1000, 40
+RANDOM_STEPS, POOL_STEPS, RAREST_STEPS = 2000, 20_000, 1000  # recorded; drawn, to choose from; of the rarest branches
+STEPS_PER_RANGE_END = 40
 LEADS = (3, 40, 333)  # samples of random inputs before the loss of measurement
 LONGEST = 20_000  # samples of a slew
 BEYOND = 0.5  # of a range: distance of the bad samples of test vectors from its end; JSON cannot hold NaN
@@ -85,7 +86,10 @@ def sequences(
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
     loops = [steps.record(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
-    return [*(steps.thinned(loop, EACH) for loop in loops), *excursions(controller, rig.at_rest(), loops, design_steps)]
+    return [
+        *(steps.thinned(loop, LOOP_STEPS) for loop in loops),
+        *excursions(controller, rig.at_rest(), loops, design_steps),
+    ]
 
 
 def excursions(
@@ -99,21 +103,21 @@ def excursions(
     States of recorded `loops` and of `design_steps` are resampled.
     """
     pools = [*([steps.concatenate("", loops)] if loops else []), *design_steps]
-    random_steps = steps.random_steps(controller, DRAWN)
+    random_steps = steps.random_steps(controller, POOL_STEPS)
     resampled = [
-        steps.resampled(controller, steps.thinned(p, DRAWN), f"{p.name} states resampled".lstrip()) for p in pools
+        steps.resampled(controller, steps.thinned(p, POOL_STEPS), f"{p.name} states resampled".lstrip()) for p in pools
     ]
     return [
-        *(steps.thinned(each, RANDOM) for each in design_steps),
+        *(steps.thinned(each, RANDOM_STEPS) for each in design_steps),
         *latches(controller, SEED),
         steps.fault_steps(controller, at_rest),
-        steps.edge_steps(controller, steps.thinned(pools[0], DRAWN)),
-        steps.in_range(controller, RANDOM),
+        steps.edge_steps(controller, steps.thinned(pools[0], POOL_STEPS)),
+        steps.in_range(controller, RANDOM_STEPS),
         random_steps,
         *resampled,
-        *(steps.rarest(controller, each, RARE) for each in (*design_steps, *resampled)),
+        *(steps.rarest(controller, each, RAREST_STEPS) for each in (*design_steps, *resampled)),
         steps.at_range_ends(
-            controller, steps.concatenate("random", [random_steps, *resampled, *design_steps]), EACH_END
+            controller, steps.concatenate("random", [random_steps, *resampled, *design_steps]), STEPS_PER_RANGE_END
         ),
     ]
 

@@ -93,7 +93,7 @@ def test_most_of_what_the_fitted_model_leaves_are_cross_terms(pitch: tuple[np.nd
 
 def test_the_matrix_is_two_arrays_superposed() -> None:
     one, points = cf.halbach_array(P["strong"] / 2), middle()
-    parts = [evaluate(cf.waves(each, cf.orders_on_axes((1, 5, 9)), P), points) for each in (one, cf.across(one))]
+    parts = [evaluate(cf.waves(each, cf.orders_on_axes((1, 5, 9)), P), points) for each in (one, cf.mirrored(one))]
     both = evaluate(cf.waves(IDEAL, cf.orders_on_axes((1, 5, 9)), P), points)
     np.testing.assert_allclose(both, parts[0] + parts[1], rtol=0, atol=1e-15)
     np.testing.assert_array_equal(parts[0][:, 1], 0.0)

@@ -8,7 +8,7 @@ from synth.report import captions, page
 
 DESCRIBED = {
     "a.rows": {"caption": "Of {{ a.n }} in {{ a.x:.2f }}-100 %", "columns": ["name", "value"], "digits": 2},
-    "a.drawn": {"caption": "Drawn.", "beside": "Fig. 1"},
+    "a.drawn": {"caption": "Drawn.", "published": "Fig. 1"},
 }
 
 
@@ -18,7 +18,7 @@ def test_rows_become_a_table_and_a_drawing_a_figure() -> None:
     values = captions.with_captions(made, DESCRIBED)
     assert values["a.rows"] == page.Table("Of 3 in −0.50-100 %", ("name", "value"), (("one", 1.0),), 2)
     drawn = values["a.drawn"]
-    assert isinstance(drawn, page.Figure) and drawn.svg.startswith("<svg") and drawn.beside == "Fig. 1"
+    assert isinstance(drawn, page.Figure) and drawn.svg.startswith("<svg") and drawn.published == "Fig. 1"
     assert values["a.table"] is table and values["a.n"] == 3
 
 

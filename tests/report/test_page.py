@@ -190,9 +190,9 @@ def test_equations_are_lowered_raised_and_escaped() -> None:
 
 
 def test_an_experiment_becomes_a_section(run: Callable[..., Experiment]) -> None:
-    section = sections.experiment(run((GOOD, BAD)), {"y": "m", "theta": "rad"}, window=(0.0, 8.0), beside="Fig. 7")
+    section = sections.experiment(run((GOOD, BAD)), {"y": "m", "theta": "rad"}, window=(0.0, 8.0), published="Fig. 7")
     figure, measured, checks = section.blocks
-    assert isinstance(figure, Figure) and figure.beside == "Fig. 7" and "0 to 8 s" in figure.caption
+    assert isinstance(figure, Figure) and figure.published == "Fig. 7" and "0 to 8 s" in figure.caption
     assert isinstance(measured, Table) and measured.rows == (("mean |e_y|", 1.25, "µm"), ("overshoot", 0.118, ""))
     assert isinstance(checks, Checks) and tuple(section.checks()) == (GOOD, BAD)
     html = page.render(Report("r", "", (section,)))

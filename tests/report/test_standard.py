@@ -64,7 +64,7 @@ def test_experiments_show_the_headroom_of_states(run: Callable[..., Experiment])
     section = standard.experiments([bounded], shown)
     table = section.blocks[0]
     assert isinstance(table, page.Table) and table.rows == (("Tracking", "axis_sum", 0.41),)
-    assert section.sections[0].blocks[-1] == page.Text("more") and "Fig. 7" in section.sections[0].blocks[0].beside  # type: ignore[union-attr]
+    assert section.sections[0].blocks[-1] == page.Text("more") and "Fig. 7" in section.sections[0].blocks[0].published  # type: ignore[union-attr]
 
 
 def test_checks_that_are_shown_elsewhere_are_shown_once() -> None:

@@ -64,4 +64,4 @@ def test_every_sequence_is_there_and_closed_loops_come_first(controller: host.Co
     sequences = stimuli.sequences(rig, [e.run(rig) for e in STAGE.experiments], lambda _: None)
     assert [s.name for s in sequences if s.closed_loop] == ["step_z", "step_x", "faults in motion"]
     assert all(s.closed_loop for s in sequences[:3]) and {"latches", "faults", "edges"} <= {s.name for s in sequences}
-    assert all(len(s) <= stimuli.EACH for s in sequences[:3])
+    assert all(len(s) <= stimuli.LOOP_STEPS for s in sequences[:3])

@@ -40,7 +40,7 @@ HORIZONTAL = closed_loop.HORIZONTAL
 ACCURACY, OVERSHOOT = 1.4e-3, 0.3e-3  # m: Fig. 10; overshoot of the platen in Fig. 11
 CALIBRATED, IMPROVEMENT = 6e-5, 5.0  # m: 1.5 times the map's largest error between its lines
 STEP, SETTLE, AFTER = 4e-3, 0.5, 2.0  # m, s
-FINE, EACH, COUNT, STEADY = 1e-5, 0.6, 8, 0.35  # m, s, steps, s at the end of each
+SMALL_STEP, STEP_DURATION, STEP_COUNT, AVERAGED = 1e-5, 0.6, 8, 0.35  # m, s, steps, s at the end of each
 RESOLUTION, STEP_TOLERANCE = 1e-5, 2e-6  # m
 WIDE, LEG, LEGS, LEAD = 0.02, 2.0, 8, 1.5  # m to either side, s for a leg of the zigzag, legs, s before the first
 MAX_DISTURBANCE = 1e-5  # m
@@ -90,7 +90,7 @@ def standstill(loop: Loop) -> Experiment:
     run = loop.run(sources.REST, {})
     figures, bar = sources.noise(run, 1.0), "a step that Fig. 12 shows"
     noise = {axis: figures[f"{axis} as estimated, um rms"] / 1e6 for axis in "xy"}
-    checks = [Check(f"noise of {axis} as estimated", rms, FINE, "m", bar) for axis, rms in noise.items()]
+    checks = [Check(f"noise of {axis} as estimated", rms, SMALL_STEP, "m", bar) for axis, rms in noise.items()]
     about = f"{sources.REST:g} s, {sources.ABOUT}"
     return Experiment("rest", "At rest", about, run, HORIZONTAL, {}, figures, (*checks, *common_checks(run)))
 
@@ -181,22 +181,22 @@ def _position_errors(run: Trajectory, window: Mask) -> dict[str, float]:
 
 def staircase(loop: Loop) -> Experiment:
     """Return the staircase of Fig. 12: steps of 10 um."""
-    time = sample_times(EACH * (COUNT + 1), TIME.period_s)
-    set_point = FINE * np.minimum(np.floor(time / EACH + 1e-9), COUNT)
+    time = sample_times(STEP_DURATION * (STEP_COUNT + 1), TIME.period_s)
+    set_point = SMALL_STEP * np.minimum(np.floor(time / STEP_DURATION + 1e-9), STEP_COUNT)
     run = loop.run(float(time[-1]) + TIME.period_s, {"x": set_point})
-    ends = [round(EACH * (k + 1) / TIME.period_s) for k in range(COUNT + 1)]
-    spans = [slice(end - round(STEADY / TIME.period_s), end) for end in ends]
+    ends = [round(STEP_DURATION * (k + 1) / TIME.period_s) for k in range(STEP_COUNT + 1)]
+    spans = [slice(end - round(AVERAGED / TIME.period_s), end) for end in ends]
     figures, checks = {}, []
     for what, name in (("as estimated", "x_raw"), ("truly", "x")):
         heights = np.diff([run[name][span].mean() for span in spans])
-        worst = float(np.abs(heights - FINE).max())
+        worst = float(np.abs(heights - SMALL_STEP).max())
         figures[f"mean step {what}, um"] = 1e6 * float(heights.mean())
         figures[f"largest difference from 10 um {what}, um"] = 1e6 * worst
         checks.append(Check(f"a step {what}", worst, STEP_TOLERANCE, "m", "from 10 um, of means"))
     spread = max(float(np.std(run["x_raw"][span])) for span in spans)
     figures["noise of the estimate on a step, um rms"] = 1e6 * spread
     checks.append(Check("noise of the estimate", spread, RESOLUTION, "m", "below 10 um, Fig. 12"))
-    about, shown, title = f"{COUNT} steps, {sources.ABOUT}", ("x_raw", "x"), "x by 10 um, Fig. 12"
+    about, shown, title = f"{STEP_COUNT} steps, {sources.ABOUT}", ("x_raw", "x"), "x by 10 um, Fig. 12"
     return Experiment("staircase", title, about, run, shown, {"x": set_point}, figures, (*checks, *common_checks(run)))
 
 

@@ -36,11 +36,11 @@ def blocks(error_map: ErrorMap | None, runs: Sequence[Experiment]) -> dict[str, 
     }
 
 
-def section(runs: Sequence[Experiment], beside: Mapping[str, str]) -> page.Section:
+def section(runs: Sequence[Experiment], published: Mapping[str, str]) -> page.Section:
     """Return every experiment, with the text of `beside` on the paper's figure, by name."""
     tables = {e.name: (comparison_table(e.figures),) for e in runs if e.name == SOURCES}
     return standard.experiments(
-        [with_readable_names(e) for e in runs], Shown(UNITS, beside=beside, blocks=tables, fine=SMALL)
+        [with_readable_names(e) for e in runs], Shown(UNITS, published=published, blocks=tables, fine=SMALL)
     )
 
 

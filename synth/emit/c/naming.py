@@ -4,10 +4,12 @@ force_x - force_y        force_x_minus_force_y
 y * y                    y_squared
 value of a polynomial, its argument     cos_phi, cos_phi_argument
 comparison with a constant              above_limit, below_limit
+value of a variable of the law          its name; with the signal that it serves where several values have this name
 a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping
 
 from synth.emit.c.locals import LOADS
@@ -28,16 +30,22 @@ class Naming:
         self.p, self.named = p, dict(named)
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
+        self.labels = Counter(p.labels.values())
         self.users = p.users()
 
     def name(self, k: int) -> str:
         """Return a name for node k, which may be in use."""
         node = self.p.nodes[k]
-        made = self._function(k) or self._made(node)
+        made = self._label(k) or self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
             truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
             made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else "value"
         return made
+
+    def _label(self, k: int) -> str:
+        label = self.p.labels.get(k, "")
+        several = self.labels[label] > 1 and self.served[k] and not label.startswith(self.served[k])
+        return f"{label}_{self.served[k]}" if label and several else label
 
     def width(self, text: str) -> int:
         """Return the length of a text in which each name made here counts as two letters: it decides nothing."""

@@ -68,6 +68,7 @@ class _Rewriter:
         marks = tuple(
             (n, self.place(k)) for n, k in p.marks if k not in self.within or k in self.index or self.is_result(k)
         )
+        labels = {self.index[k]: name for k, name in p.labels.items() if k in self.index}
         typed = {f"{key}.{r.name}": r.kind for key, call in self.calls.items() for r in call.routine.results}
         p = replace(
             p,
@@ -78,6 +79,7 @@ class _Rewriter:
             word=word,
             calls=self.calls,
             typed=typed,
+            labels=labels,
         )
         return p.with_nodes(p.nodes, range(len(p.nodes)))
 

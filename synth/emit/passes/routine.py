@@ -148,6 +148,7 @@ class _Builder:
             polynomials=p.polynomials,
             by_value=len(self.parameters) <= BY_VALUE,
             typed={a.name: a.kind for a in self.arguments.values()},
+            labels={self.index[k]: name for k, name in p.labels.items() if k in part.region and k in self.index},
         )
 
     def _columns(self, field: str) -> list[tuple[int, tuple[int, ...]]]:

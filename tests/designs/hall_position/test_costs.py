@@ -84,7 +84,7 @@ def test_every_estimator_is_measured_by_every_build(monkeypatch: pytest.MonkeyPa
     rows = costs.measure(three(), posed.FOUR)
     names = "three sensors", "six degrees of freedom, 4 sensors"
     assert [(r.estimator, r.build) for r in rows] == [(name, b.name) for name in names for b in BUILDS]
-    assert [r.steps for r in rows[::2]] == [len(subject().steps), 2 * costs.SIX]
+    assert [r.steps for r in rows[::2]] == [len(subject().steps), 2 * costs.SPATIAL_STEPS]
     assert {b.flags for b in BUILDS} == {(), cross.CONTRACTED} and "-O2" in cross.FLAGS
 
 
@@ -96,11 +96,11 @@ def test_without_the_compiler_it_is_said(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
-    poses = costs.motion(posed.FOUR, costs.SIX)
-    seen = costs.six_steps(posed.FOUR, host.load(six().files, six().manifest)).inputs[: costs.SIX]
+    poses = costs.motion(posed.FOUR, costs.SPATIAL_STEPS)
+    seen = costs.six_steps(posed.FOUR, host.load(six().files, six().manifest)).inputs[: costs.SPATIAL_STEPS]
     read = np.array([seen[name] for name in seen.dtype.names or ()]).T
     read[costs.FALSE_VOLTAGES] *= -1
-    off = read - posed.volts(posed.FOUR, poses).reshape(costs.SIX, -1)
+    off = read - posed.volts(posed.FOUR, poses).reshape(costs.SPATIAL_STEPS, -1)
     assert np.std(off) == pytest.approx(posed.FOUR.deviation, rel=0.1)
     assert (np.ptp(poses, axis=0) > np.array([1e-3, 1e-3, 5e-6, 1e-4, 1e-4, 1e-3])).all()
     assert (np.abs(poses[:, 2] - posed.FOUR.height) < posed.USUAL.gap).all()
@@ -110,8 +110,8 @@ def test_the_motion_in_six_degrees_of_freedom_is_seen_as_it_is() -> None:
 def test_it_finds_its_way_and_loses_it() -> None:
     controller = host.load(six().files, six().manifest)
     sequence = costs.six_steps(posed.FOUR, controller)
-    assert len(sequence) == 2 * costs.SIX
-    valid = steps.evaluate(controller, sequence).outputs["valid"][: costs.SIX] > 0
+    assert len(sequence) == 2 * costs.SPATIAL_STEPS
+    valid = steps.evaluate(controller, sequence).outputs["valid"][: costs.SPATIAL_STEPS] > 0
     assert (
         valid[: costs.FALSE_VOLTAGES.start].any()
         and valid[costs.FALSE_VOLTAGES.stop :].any()

@@ -57,15 +57,15 @@ def test_sources_are_compared_in_columns() -> None:
 def test_every_experiment_is_on_the_page_with_the_papers_figure() -> None:
     x = np.linspace(0, 4e-3, 400)
     columns = {"x": x, "y": x, "x_raw": x, "y_raw": x}
-    shown = tomllib.loads(Path(page.__file__).with_name("report.toml").read_text(encoding="utf-8"))["beside"]
+    shown = tomllib.loads(Path(page.__file__).with_name("report.toml").read_text(encoding="utf-8"))["published"]
     runs = [run(columns, name) for name in shown]
     section, blocks = experiments.section(runs, shown), experiments.blocks(None, runs)
     assert len(section.sections) == len(runs)
     drawings = [blocks[f"experiments.{name}"] for name in ("steps", "zigzags")]
     assert [len(each.axes) for each in drawings if isinstance(each, Drawing)] == [2, 3]
-    for part, beside in zip(section.sections, shown.values(), strict=True):
+    for part, published in zip(section.sections, shown.values(), strict=True):
         (figure,) = (b for b in part.blocks if isinstance(b, Figure))
-        assert figure.beside == beside and "±5 V" in figure.caption and part.title == "x by 10 µm"
+        assert figure.published == published and "±5 V" in figure.caption and part.title == "x by 10 µm"
 
 
 def test_the_error_map_is_drawn_as_it_is() -> None:

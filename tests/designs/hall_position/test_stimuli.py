@@ -33,7 +33,7 @@ SHIPPED = {b.name: b for b in meter.builds() if b.compiler == "gcc"}
 # has one, where only rounding comes beyond it. Without copies each decision of the text is there once.
 ONCE = Build("gcc, no copies", "gcc", ("-Os", "-fno-thread-jumps"))
 THIN = {config.NAME: 400, config.THREE: 250}  # steps of a sequence in which decisions are looked for
-EACH = 200  # steps of each sequence that is costly
+COSTLY_STEPS = 200  # steps of each sequence that is costly
 LATCH = 1 << safety.LATCH_BIT
 
 
@@ -103,7 +103,9 @@ def test_a_decision_that_nothing_takes_is_detected() -> None:
 @GCC
 @pytest.mark.parametrize(("name", "build"), [(name, build) for name, some in CEILINGS.items() for build in some])
 def test_the_costliest_step_keeps_below_its_ceiling(name: str, build: str) -> None:
-    costly = steps.concatenate("costly", [steps.thinned(subject(name).sequences[s], EACH) for s in costs.COSTLY])
+    costly = steps.concatenate(
+        "costly", [steps.thinned(subject(name).sequences[s], COSTLY_STEPS) for s in costs.COSTLY]
+    )
     most = meter.run(baselines.emitted_c(subject(name).emitted), costly, SHIPPED[build]).cost.instructions.max()
     ceiling = CEILINGS[name][build]
     assert 0.93 * ceiling < most <= ceiling
@@ -127,7 +129,7 @@ def test_another_design_is_refused() -> None:
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), stimuli.RANDOM)
+    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), stimuli.RANDOM_STEPS)
     sequence = subject(config.NAME).sequences["random"]
-    assert len(sequence) == stimuli.RANDOM
+    assert len(sequence) == stimuli.RANDOM_STEPS
     np.testing.assert_array_equal(sequence.states["estimator_yaw"], states["estimator_yaw"].astype(np.float32))

@@ -49,7 +49,7 @@ def test_the_replay_has_faults_and_latches_at_its_end(controller: host.Controlle
 
 def test_the_sequences_reach_what_they_are_there_for(controller: host.Controller, sequences: dict[str, Steps]) -> None:
     loops = [s for s in sequences.values() if s.closed_loop]
-    assert len(loops) >= 30 and all(len(s) <= stimuli.EACH for s in loops)
+    assert len(loops) >= 30 and all(len(s) <= stimuli.LOOP_STEPS for s in loops)
     assert {"tracking", "windup_with", "set_down_18.1", "faults", "latches"} <= set(sequences)
     taken = {name: steps.evaluate(controller, s) for name, s in sequences.items()}
     windup = taken["windup_with"].outputs

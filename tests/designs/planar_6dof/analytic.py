@@ -56,10 +56,10 @@ def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
     slope, level = sum(n * a for n, a in A.items()), sum(A.values())
     if axis != "phi":
-        r = slope * level / (level**2 + sensing.LEAST * cal.amplitude**2)
+        r = slope * level / (level**2 + sensing.SQUARE_FLOOR * cal.amplitude**2)
         return cal.position[0] * 2 * np.pi / cal.pitch * r, 0.0
     h, true = cal.slope[0] * level**3 + level, 1.5 * np.pi * slope + level
-    information = 2 * h**2 + sensing.REGULAR * cal.amplitude**2
+    information = 2 * h**2 + sensing.REGULARISATION * cal.amplitude**2
     return 2 * h * true / information, 1 - 2 * h**2 / information
 
 

@@ -36,7 +36,9 @@ from tests.designs.planar_6dof.measured import (
     start,
 )
 
-BOUNDS = {name: (sensing.POWER * A if name.startswith("m_") else sensing.RESIDUAL) * A for name in RESIDUALS}
+BOUNDS = {
+    name: (sensing.EXCESS_BOUND * A if name.startswith("m_") else sensing.RESIDUAL_BOUND) * A for name in RESIDUALS
+}
 
 
 def rho(out: Mapping[str, Array]) -> Array:
@@ -119,12 +121,12 @@ def test_a_sensor_that_fails_in_motion_is_named_at_once(predicted: bool) -> None
 
 
 def test_a_sensor_that_is_not_checked_goes_unnoticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reference_sensing, "POWER", 10.0)
+    monkeypatch.setattr(reference_sensing, "EXCESS_BOUND", 10.0)
     monkeypatch.setitem(BOUNDS, "m_x", np.inf)
     monkeypatch.setitem(BOUNDS, "m_y", np.inf)
     by_channel = outcomes(10, True)
     assert by_channel["V_bx", False].noticed < 0.5 and by_channel["V_cx", False].noticed > 0.95
-    monkeypatch.setattr(reference_sensing, "RESIDUAL", 10.0)
+    monkeypatch.setattr(reference_sensing, "RESIDUAL_BOUND", 10.0)
     monkeypatch.setitem(BOUNDS, "r_1", np.inf)
     monkeypatch.setitem(BOUNDS, "r_2", np.inf)
     assert max(f.noticed for f in outcomes(10, True).values()) == 0

@@ -28,8 +28,8 @@ def runs(lead: Rig) -> list[Experiment]:
 
 
 def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensors(runs: list[Experiment]) -> None:
-    beside = {"step_x": (("Y-9", "Fig. 8"), ("Y-1", "Table 1"))}
-    contents = planar.Contents(leadlag.controller(PLANT), "", (), (), beside)
+    published = {"step_x": (("Y-9", "Fig. 8"), ("Y-1", "Table 1"))}
+    contents = planar.Contents(leadlag.controller(PLANT), "", (), (), published)
     section = planar.experiments(contents, runs, short_runs.ROWS, {})
     titles = [s.title for s in section.sections]
     assert titles[0] == "x by 20 µm" and len(titles) == len(runs)
@@ -39,7 +39,7 @@ def test_runs_are_shown_by_the_units_of_the_stage_and_the_channels_of_its_sensor
     (table,) = [b for b in latched.blocks if isinstance(b, page.Table)]
     assert [row[0] for row in table.rows] == list(planar_stage.HALL)
     assert sum(len(row) - 1 for row in table.rows) == len(runs[-1].figures)
-    texts = [b.beside for s in section.sections[:2] for b in s.blocks if isinstance(b, page.Figure)]
+    texts = [b.published for s in section.sections[:2] for b in s.blocks if isinstance(b, page.Figure)]
     assert texts == ["Fig. 8: steps rise in less than 25 ms"] * 2  # beside the finite one, too
 
 

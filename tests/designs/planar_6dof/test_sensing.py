@@ -248,7 +248,7 @@ def test_the_count_stays_within_its_bounds(ready: float, predicted: bool) -> Non
     rng = np.random.default_rng(0)
     inputs = {f"{name}_held": rng.uniform(-5, 5, 3000) for name in HALL} | {"ready": ready, "complete": 1.0}
     run = compile_estimation(np.float64, predicted).replay(inputs).outputs
-    bounds = {"x_raw": 2.5 * L, "y_raw": 2.5 * L, "within_x": L / 2, "within_y": L / 2, "phi_raw": sensing.YAW}
+    bounds = {"x_raw": 2.5 * L, "y_raw": 2.5 * L, "within_x": L / 2, "within_y": L / 2, "phi_raw": sensing.MAX_RAW_YAW}
     bounds |= {"x": 0.2, "y": 0.2, "phi": 0.05} if predicted else {}
     largest = {name: np.abs(run[name]).max() / bound for name, bound in bounds.items()}
     assert max(largest.values()) <= 1 + EXACT

@@ -77,11 +77,24 @@ def test_block_and_c_agree_with_the_reference_over_1e5_samples(predicted: bool) 
 
 
 @pytest.mark.parametrize(
-    "name", ["NEARLY", "SMALL", "PART_M", "PART_R", "BIG", "KNOWN", "AGAIN", "MEMORY", "WEIGHT", "POWER", "RESIDUAL"]
+    "name",
+    [
+        "NEARLY_ZERO",
+        "SMALL_CHANGE",
+        "SIGNIFICANT_M",
+        "SIGNIFICANT_R",
+        "JUMP",
+        "MAX_KNOWN_YAW",
+        "CONFIRMATION",
+        "MEMORY",
+        "EXCESS_WEIGHT",
+        "EXCESS_BOUND",
+        "RESIDUAL_BOUND",
+    ],
 )
 def test_another_reference_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        reference_sensing, name, (2.0 if name.startswith("PART") else 1.1) * getattr(reference_sensing, name)
+        reference_sensing, name, (2.0 if name.startswith("SIGNIFICANT") else 1.1) * getattr(reference_sensing, name)
     )
     assert disagreement(100, 200) > 1e-6
 

@@ -55,10 +55,10 @@ def test_a_wrong_sign_in_the_c_is_reported(at: WitnessSteps) -> None:
         (reference_control, "BAD_SAMPLES", 4),
         (reference_control, "SLEW", 125.0),
         (reference_sensing, "PITCH", reference_sensing.PITCH * (1 + 1e-9)),
-        (reference_sensing, "POWER", 0.149),
-        (reference_sensing, "RESIDUAL", 0.081),
+        (reference_sensing, "EXCESS_BOUND", 0.149),
+        (reference_sensing, "RESIDUAL_BOUND", 0.081),
         (reference_sensing, "MEMORY", 2.0),
-        (reference_sensing, "YAW", 0.0249),
+        (reference_sensing, "MAX_RAW_YAW", 0.0249),
         (reference_sensing, "COUNT", 3),
     ],
 )

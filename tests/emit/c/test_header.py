@@ -86,3 +86,10 @@ def test_committed_c_has_no_unnamed_local_and_no_long_comment(name: str) -> None
     assert names and not [n for n in names if re.fullmatch(r"t\d+", n)]
     assert not [line for line in text.splitlines() if line.lstrip().startswith(("/*", "*")) and len(line) > 120]
     assert "(1.0f != 0.0f)" not in text
+
+
+def test_at_most_a_quarter_of_the_locals_is_named_after_the_signal_that_it_serves() -> None:
+    """Others have the name of a signal, of a variable of the law, or one made from their operation."""
+    names = [n for design in NAMES for n in LOCAL.findall(committed(design)[f"{design}.c"])]
+    unnamed = [n for n in names if re.search(r"_(part|test)(_\d+)?$|^value(_\d+)?$", n)]
+    assert 0 < len(unnamed) <= len(names) / 4

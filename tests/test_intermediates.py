@@ -1,0 +1,116 @@
+"""Intermediate values of a law get the names of the Python variables that hold them."""
+
+import sys
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth import intermediates
+from synth.block import Exprs, Step, build
+from synth.composition import compose
+from synth.emit import pipeline
+from synth.signals import Signal
+from synth.timing import Discrete
+
+T = Discrete(1e-3)
+X, Y = Signal("x", "m", -1.0, 1.0), Signal("y", "m", -4.0, 4.0)
+x = ca.SX.sym("x")
+
+
+@dataclass(frozen=True, eq=False)
+class Wave:
+    sine: ca.SX
+    cosine: ca.SX
+
+
+class Limits(NamedTuple):
+    low: ca.SX
+    high: ca.SX
+
+
+def values_by_name(law: object) -> dict[str, str]:
+    _, values = intermediates.record(law)  # type: ignore[arg-type]
+    return {name: str(expr) for name, expr in values}
+
+
+def test_a_variable_names_its_value_and_a_caller_renames_it() -> None:
+    def root(u: ca.SX) -> ca.SX:
+        inner = u + 1
+        doubled = 2 * inner
+        return doubled if inner.n_dep() else inner
+
+    def law() -> ca.SX:
+        twice = root(x)
+        return twice**2
+
+    assert values_by_name(law) == {"inner": "(x+1)", "twice": "(2.*(x+1))"}
+
+
+def test_containers_name_their_elements() -> None:
+    def law() -> None:
+        force = {"x": x + 1, "z": x + 2}
+        wave, bounds, pair = Wave(x + 3, x + 4), Limits(x + 5, x + 6), (x + 7, x)
+        J = ca.vertcat(x + 8, x + 9)
+        R = ca.blockcat([[x + 10, x + 11], [x + 12, 0]])
+        assert len(force) + len(pair) + J.numel() + R.numel() + len(bounds) and wave
+
+    expected = {"force_x", "force_z", "wave_sine", "wave_cosine", "bounds_low", "bounds_high", "pair_1"}
+    assert values_by_name(law).keys() == expected | {"J_1", "J_2", "R_11", "R_21", "R_12"}
+
+
+def test_symbols_numbers_and_roles_have_no_name() -> None:
+    def law() -> None:
+        symbol, number, output, value = x, ca.SX(2.0), x + 1, x + 2
+        assert symbol is x and number.is_constant() and output is not value
+
+    assert values_by_name(law) == {}
+
+
+def test_an_error_leaves_the_profiler_as_it_was() -> None:
+    def law() -> None:
+        raise ValueError("wrong")
+
+    def profiler(*_: object) -> None:
+        return None
+
+    before = sys.getprofile()
+    try:
+        sys.setprofile(profiler)
+        with pytest.raises(ValueError, match="wrong"):
+            intermediates.record(law)
+        assert sys.getprofile() is profiler
+    finally:
+        sys.setprofile(before)
+
+
+def test_values_with_symbols_of_another_block_are_left_out() -> None:
+    other = ca.SX.sym("other")
+
+    def law(u: Exprs, state: Exprs, k: Exprs) -> Step:
+        foreign, square = other + 1, u["x"] ** 2
+        assert foreign.n_dep()
+        return Step({"y": square + u["x"]})
+
+    block = build("square", T, law, inputs=[X], outputs=[Y])
+    assert [name for name, _ in block.intermediates] == ["square"]
+
+
+def _quartic(name: str, source: Signal, target: Signal) -> object:
+    def law(u: Exprs, state: Exprs, k: Exprs) -> Step:
+        square = u[source.name] ** 2
+        unused = square + 3
+        assert unused.n_dep()
+        return Step({target.name: square + square**2})
+
+    return build(name, T, law, inputs=[source], outputs=[target])
+
+
+def test_a_composition_keeps_the_names_and_emission_drops_those_of_values_that_nothing_needs() -> None:
+    z = Signal("z", "m", -25.0, 25.0)
+    loop = compose("loop", [_quartic("first", X, Y), _quartic("second", Y, z)], inputs=["x"], outputs=["z"])  # type: ignore[list-item]
+    assert [name for name, _ in loop.intermediates] == ["square", "unused"] * 2
+    program = pipeline.reduce(loop, np.float32).program
+    assert sorted(program.labels.values()) == ["square", "square"]
