@@ -76,7 +76,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
     q, w = Signal("position", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
     descent = landing.Descent("q", 0.5, 0.08, 5e-3, 1e-3, 2.0, 1e-3, 60.0)
     decision = {"gate": {"q": 1e-3}, "travel": {"q": (-0.9, 0.9)}}
-    tried = probe.Probe(100, 4, 1e-5)
+    tried, e = probe.Probe(100, 4, 1e-5, 3), Signal("e", "m", -1.0, 1.0)
     return {
         "parity.Tolerance": {"resolution": 1e-5, "offset": 0.0},
         "parity.Relation": {"weights": {"a": 1.0, "b": -1.0}, "threshold": 1e-5},
@@ -107,6 +107,6 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
         "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0},
         "landing.Levelling": {"coordinate": "q", "pole": 30.0},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
-        "probe.Probe": {"quiet": 100, "quarter": 4, "displacement": 1e-5},
-        "probe.block": {"time": time, "sensor": "q", "demand": w, "probe": tried},
+        "probe.Probe": {"quiet": 100, "quarter": 4, "step": 1e-5, "attempts": 3},
+        "probe.block": {"time": time, "sensor": "q", "error": e, "demand": w, "probe": tried},
     }

@@ -6,6 +6,7 @@
                  q + alpha nu, v + beta nu, d + gamma nu; triple pole p = exp(-w T), alpha = 1 - p^3,
                  beta = 3/2 (1 - p)^2 (1 + p) / T, gamma = (1 - p)^3 / T^2
     isolation    of a gap encoder for |y1 - y2 + y3 - y4| > 48 um, by codes that stand still and by innovations
+    probe        pairs of doublets of a (k + 1), k = 0 .. 4, at a code of x or z that stands still
     landing      w = p^2 (r - q) + 2 p (r' - v) + r'' - d along ramps r, down to the stop at 31 mm
 
 `step` is that of the shipped controller, columns (n,) by name as in `reference`.
@@ -32,6 +33,8 @@ THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encod
 FRESH, STILL, PERSISTENT, UNDECIDED = 3, 8, 3, 10  # samples
 CANDIDATE, CLEAR = 0.4, 0.5  # of |r|
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
+QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
+PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (1.0, 2.0, 2.0, 2.0, 2.0), (50.0, 20.0, 20.0, 200.0, 200.0)
@@ -40,6 +43,7 @@ POLES = np.array([60.0, 30.0, 30.0, 40.0, 40.0])  # rad/s, of the landing
 END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, 2.0, 4.0
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
 WIDE = 10.0
+MEMORY_OF_PROBE = ("sample", "attempt", "towards")
 
 
 def by_row(values: Any, like: Array) -> Array:
@@ -58,7 +62,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     expected = np.array([q[0] - r * q[3], q[0] + r * q[4], q[0] + r * q[3], q[0] - r * q[4], q[1], q[2]])
     same = y == reference.rows(state, [f"redundancy_code_{n}" for n in NAMES])
     excluded = flags(state, [f"redundancy_excluded_{n}" for n in NAMES])
-    usable, longest = good & ~excluded, STILL
+    usable, longest = good & ~excluded, by_row([STILL] * 4 + [QUIET] * 2, y)
     count = reference.rows(state, [f"redundancy_still_{n}" for n in NAMES])
     still = np.where(same, np.minimum(count + 1, longest), 0.0)
     value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
@@ -68,9 +72,10 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
     before = np.where(same[4:], reference.rows(state, ["redundancy_before_x", "redundancy_before_z"]), expected[4:])
     before = np.where(ready, before, y[4:])
-    free = ready & (np.abs(y[4:]) < TRAVEL)
-    moving = (still[4:] >= FRESH) & (np.abs(expected[4:] - before) > GATE)
-    frozen = (free & moving & usable[4:]) | excluded[4:]
+    unanswered = reference.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= ATTEMPTS
+    suspicious = (np.abs(expected[4:] - before) > GATE) | unanswered
+    stands = (still[4:] >= FRESH) & (np.abs(y[4:]) < TRAVEL) & suspicious
+    frozen = (ready & stands & usable[4:]) | excluded[4:]
     trusted = usable[4:] & ~frozen
     value = np.concatenate([gaps, np.where(trusted, y[4:], expected[4:])])
     low, high = by_row(LOW[:SENSORS], y), by_row(HIGH[:SENSORS], y)
@@ -78,14 +83,19 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     next: dict[str, Any] = {f"redundancy_code_{n}": v for n, v in zip(NAMES, y, strict=True)}
     next |= {f"redundancy_still_{n}": v for n, v in zip(NAMES, still, strict=True)}
     leave_out = np.concatenate([excluded[:4] | after["excluded"], frozen])
-    next |= {f"redundancy_excluded_{n}": v for n, v in zip(NAMES, leave_out, strict=True)}
     next |= {"redundancy_before_x": before[0], "redundancy_before_z": before[1]}
-    next |= {"redundancy_contradictions_0": after["count"], "redundancy_stuck_0": after["stuck"]}
-    next |= {"redundancy_undecided_0": undecided}
+    degraded = np.asarray(state["redundancy_degraded"]) > 0
+    calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
+    calm &= np.abs(np.sum(by_row(SIGN, y) * y[:4], axis=0)) <= THRESHOLD
+    decisions = {f"redundancy_excluded_{n}": v for n, v in zip(NAMES, leave_out, strict=True)}
+    decisions |= {"redundancy_stuck_0": after["stuck"], "redundancy_undecided_0": undecided}
+    decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0)
+    next |= {n: np.where(calm, np.asarray(state[n]) > 0, v) for n, v in decisions.items()}
+    next["redundancy_contradictions_0"] = np.where(calm, 0, after["count"])
     missing = np.sum(~usable[:4], axis=0)
     regular = (missing <= 1) & ~undecided & trusted.all(axis=0)
-    next |= {"regular": regular, "sufficient": missing <= 2, "trusted": trusted}
-    return np.clip(value, low, high), suspects, next
+    next |= {"regular": calm | regular, "sufficient": calm | (missing <= 2), "trusted": calm | trusted}
+    return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, next
 
 
 def _group(
@@ -165,6 +175,27 @@ def land(
     return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
 
 
+def probe(w: Array, e: Array, state: Columns, still: Array, free: Flags) -> tuple[Array, dict[str, Array]]:
+    """Return the demands of x and z (2, n) with the pairs of the probe, and its next states."""
+    sample, attempt, towards = (reference.rows(state, [f"probe_{s}_{n}" for s in "xz"]) for n in MEMORY_OF_PROBE)
+    runs, waits = sample > 0, still >= QUIET
+    ends, failures = sample >= PAIR, np.minimum(attempt + 1, ATTEMPTS)
+    starts = waits & free & (attempt < ATTEMPTS)
+    after = np.where(ends, np.where(still >= PAIR, failures, 0), attempt)
+    new = (
+        np.where(runs, np.where(ends, 0, sample + 1), starts),
+        np.where(runs, after, attempt),
+        np.where(runs, towards, np.where(e > 0, -PUSH, PUSH)),
+    )
+    idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), {}
+    for n, value, other in zip(MEMORY_OF_PROBE, new, idle, strict=True):
+        rows = np.where(runs | waits, value, other)
+        next |= {f"probe_{s}_{n}": row for s, row in zip("xz", rows, strict=True)}
+    push, inner = towards * (attempt + 1), (sample > QUARTER) & (sample <= 3 * QUARTER)
+    pulse = np.where(sample <= 4 * QUARTER, np.where(inner, -push, push), 0.0)
+    return np.where(runs, np.clip(w + pulse, -1e4, 1e4), w), next
+
+
 def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[Array, Array]:
     """Return the next transfer and the currents (6, n), as the commutation hands over direct currents."""
     i_d, (u_x, u_z), lost = computed[:4], computed[4:], ~trusted
@@ -196,6 +227,8 @@ def step(
     e = pose - values[SENSORS:]
     rate, filtered = reference.rate(e, filters, ready, k)
     w, after_landing = land(state, reference.demand(e, rate, eta, k), (q, v, d), flag["regular"])
+    still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
+    w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))
     computed, excess = reference.currents(w, pose, used[:4], last, k)
     transfer, computed = without_positions(state, computed, flag["trusted"])
     enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), good.all(axis=0))
@@ -208,7 +241,11 @@ def step(
     demands = {n: np.clip(w[i], -1e4, 1e4) for n, i in (("w_y", 0), ("w_phi", 3), ("w_theta", 4))}
     demands |= {"a_x": np.clip(a_x, -1e3, 1e3), "a_z": np.clip(a_z, -1e3, 1e3)}
     next: dict[str, Any] = (
-        after_readings | after_observers | after_landing | {f"delay_{n}_last": x for n, x in demands.items()}
+        after_readings
+        | after_observers
+        | after_landing
+        | after_probe
+        | {f"delay_{n}_last": x for n, x in demands.items()}
     )
     next["handover_transfer"] = transfer
     next_memory = np.array([*filtered, *reference.model_step(e, excess, eta, k)])

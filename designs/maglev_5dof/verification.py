@@ -146,6 +146,8 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Column
         states[f"redundancy_excluded_{name}"] = (rng.uniform(size=n) < RARE).astype(float)
     for name in "xz":
         states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
+        states[f"probe_{name}_sample"] = np.where(rng.uniform(size=n) < 0.5, 0, rng.integers(0, 16, n))
+    states["redundancy_degraded"] = (rng.uniform(size=n) < RARE).astype(float)
     states["redundancy_undecided_0"] = states["redundancy_stuck_0"] = np.zeros(n)
     states["handover_transfer"] = np.where(rng.uniform(size=n) < RARE, rng.uniform(-1, 1, n), 0.0)
     states["landing_landing"] = (rng.uniform(size=n) < RARE).astype(float)

@@ -58,7 +58,8 @@ class Probe:
 def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Probe) -> Block:
     """Return the Block from ``<w>_unprobed``, ``<sensor>_unchanged`` and ``free`` to the demand w.
 
-    Its output ``<sensor>_unanswered`` says that no pair of the `attempts` was answered. `error` is the tracking error of the sensor's coordinate.
+    Its output ``<sensor>_unanswered`` says that none of the `attempts` was answered. `error` is the tracking error of
+    the sensor's coordinate.
 
     Raises SignalError for samples or attempts below 1, or a step that is not positive.
     """

@@ -46,7 +46,8 @@ class Decision:
     """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
 
     `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
-    and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its reading is inside `travel`; at an end, a stop may hold it.
+    and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
+    reading is inside `travel`; at an end, a stop may hold it.
     """
 
     gate: Mapping[str, float]
@@ -62,9 +63,10 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
     """Return the Block between the guard and the laws.
 
     For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
-    and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted``
-    and ``<s>_unchanged``, and ``regular`` and ``sufficient``. While all readings are good and agree and no sensor was
-    ever a suspect, they pass, and nothing else is computed.
+    and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
+    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular`` and
+    ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they pass, and nothing else
+    is computed.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, or numbers of samples below 1.
@@ -118,7 +120,8 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         return Step(output, next)
 
     return build(
-        safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []), outputs=_outputs(sensors, singles),
+        safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
+        outputs=_outputs(sensors, singles),
         states=_states(sensors, relations, singles, decision), tag="parity, innovations, frozen codes",
     )  # fmt: skip
 

@@ -36,7 +36,9 @@ class Runner:
 
 def sample(readings: Mapping[str, float], expected: Mapping[str, float] | None = None, **more: Any) -> dict[str, float]:
     inputs = {f"{n}_accepted": v for n, v in readings.items()} | {f"fault_{n}": 0.0 for n in readings}
-    return inputs | {f"{n}_expected": v for n, v in (expected or readings).items()} | {"ready": 1.0} | more
+    inputs |= {f"{n}_expected": v for n, v in (expected or readings).items()}
+    inputs |= {"ready": 1.0, "complete": 0.0 if any(n.startswith("fault_") for n in more) else 1.0, "x_unanswered": 0.0}
+    return inputs | more
 
 
 def moving(k: int) -> dict[str, float]:
@@ -91,12 +93,12 @@ def test_a_code_that_stands_still_while_its_prediction_moves_is_frozen_but_not_a
         assert out["suspect_x"] == frozen and out["x_trusted"] == 1 - frozen
 
 
-def test_a_sensor_at_rest_is_frozen_only_after_the_probe() -> None:
-    runner, rest = Runner(BLOCK), {"a": 0.0, "b": 0.0, "c": 0.0, "x": 0.0}
-    named = [runner(**sample(rest))["suspect_x"] for _ in range(60)]
-    assert named.index(1) == DECISION.at_rest - 1
-    runner = Runner(BLOCK)
-    assert not any(runner(**sample(rest | {"x": 1e-5 * (k // 40)}))["suspect_x"] for k in range(200))
+def test_a_sensor_at_rest_is_frozen_only_if_the_probe_was_not_answered() -> None:
+    rest = {"a": 0.0, "b": 0.0, "c": 0.0, "x": 0.0}
+    for unanswered in (0.0, 1.0):
+        runner = Runner(BLOCK)
+        named = [runner(**sample(rest, x_unanswered=unanswered))["suspect_x"] for _ in range(60)]
+        assert named == [0.0] * 60 if not unanswered else named[4:] == [1.0] * 56
 
 
 def test_wrong_declarations_are_refused() -> None:
@@ -106,20 +108,45 @@ def test_wrong_declarations_are_refused() -> None:
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({}, {}))
     with pytest.raises(SignalError, match="undecided"):
         redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({"x": 1.0}, {"x": (-1, 1)}, 3, 2))
-    with pytest.raises(SignalError, match="positive displacement"):
-        probe.block(TIME, "x", Signal("w", "m/s^2", -9, 9), probe.Probe(10, 4, 0.0))
+    with pytest.raises(SignalError, match="positive step"):
+        probe.block(TIME, "x", ERROR, W, probe.Probe(10, 4, 0.0, 3))
     with pytest.raises(SignalError, match="one descent"):
         landing.block(TIME, [landing.Braking("x", 1.0, 9.0)], [Signal("w", "m/s^2", -9, 9)], 5)
 
 
-def test_the_probe_moves_a_body_there_and_back_by_its_displacement() -> None:
-    asked = probe.Probe(10, 4, 16e-6)
-    runner = Runner(probe.block(TIME, "x", Signal("w", "m/s^2", -9.0, 9.0), asked))
-    a = np.array([runner(w_unprobed=0.0, x_unchanged=float(k))["w"] for k in range(40)])
-    v = np.cumsum(a) * T
-    x = np.cumsum(v) * T
-    assert x.max() == pytest.approx(asked.displacement, rel=0.3) and abs(v[-1]) < 1e-12 and abs(x[-1]) < 1e-12
-    assert not a[: asked.quiet].any() and not a[asked.samples :].any()
+W, ERROR = Signal("w", "m/s^2", -9.0, 9.0), Signal("e", "m", -1.0, 1.0)
+PROBE = probe.Probe(10, 3, 4e-6, 4)
+
+
+def probe_a_body(offset: float, factor: float = 1.0, frozen: bool = False, free: float = 1.0) -> tuple[Any, Any, bool]:
+    """Return positions, and speeds between the pairs, of a body whose encoder counts 10 um, and whether the probe was unanswered."""
+    runner, x, v, still, code = Runner(probe.block(TIME, "x", ERROR, W, PROBE)), offset, 0.0, 0.0, 0.0
+    xs, vs, unanswered = [], [], False
+    for _ in range(150):
+        now = code if frozen else round(x / 1e-5)
+        still, code = (still + 1 if now == code else 0.0), now
+        out = runner(w_unprobed=0.0, x_unchanged=min(still, PROBE.counted), e=1e-5 * code, free=free)
+        x, v = x + T * v + T * T / 2 * factor * out["w"], v + T * factor * out["w"]
+        xs.append(x)
+        vs.append(v if runner.state[0] == 0 else 0.0)
+        unanswered |= out["x_unanswered"] > 0
+    return np.array(xs), np.array(vs), unanswered
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+@pytest.mark.parametrize("offset", [-4.9e-6, -1e-6, 0.0, 2e-6, 4.9e-6])
+def test_the_probe_changes_the_code_of_a_body_by_one_count_and_leaves_no_speed(offset: float, factor: float) -> None:
+    x, v, unanswered = probe_a_body(offset, factor)
+    assert not unanswered and 0 < np.abs(np.round(x / 1e-5)).max() == 1
+    assert np.abs(x).max() < 5e-6 + 1.1 * PROBE.step and np.abs(v).max() < 1e-9
+
+
+def test_a_frozen_sensor_does_not_answer_and_a_body_on_a_stop_is_not_probed() -> None:
+    x, v, unanswered = probe_a_body(1e-6, frozen=True)
+    assert unanswered and x.max() == pytest.approx(1e-6 + 4 * PROBE.step, rel=0.3) and np.abs(v).max() < 1e-9
+    assert abs(x[-1] - 1e-6) < 1e-9 and PROBE.samples < 100
+    x, v, unanswered = probe_a_body(1e-6, free=0.0)
+    assert not unanswered and not v.any()
 
 
 def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measurement() -> None:
