@@ -30,8 +30,10 @@ static inline float maglev_5dof_limit(float x, float high)
 
 static inline float maglev_5dof_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 static inline uint32_t maglev_5dof_flag(bool holds)

@@ -30,8 +30,10 @@ static inline float maglev_5dof_phase_limit(float x, float high)
 
 static inline float maglev_5dof_phase_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 #if defined(__GNUC__)
@@ -156,11 +158,13 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *         0
      *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
      *         lost_x or lost_z or 0 < |transfer|, else 0 */
-    const float n_distance_x = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
+    const float distance_x_part = (8.748906f * x_acting) + 4.5f;
+    const float n_distance_x = (float)(uint32_t)distance_x_part - 4.0f;
     const float distance_x = x_acting - (0.11428833f * n_distance_x) - (1.1669922e-05f * n_distance_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
-    const float n_distance_z = (float)(uint32_t)((8.748906f * z_acting) + 4.5f) - 4.0f;
+    const float distance_z_part = (8.748906f * z_acting) + 4.5f;
+    const float n_distance_z = (float)(uint32_t)distance_z_part - 4.0f;
     const float distance_z = z_acting - (0.11428833f * n_distance_z) - (1.1669922e-05f * n_distance_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);

@@ -25,8 +25,10 @@ static inline float planar_6dof_leadlag_limit(float x, float high)
 
 static inline float planar_6dof_leadlag_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 #if defined(__GNUC__)

@@ -28,7 +28,8 @@ def source(
     """Return the lines of <name>.c around the `body` of its step."""
     used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
     parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"', "#include <float.h>"]
-    parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
+    symmetric = any(n.op == "guard" and guard_function(program, n).endswith("_within") for n in program.nodes)
+    parts += ["#include <math.h>"] if symmetric or used & (LIBM | {"clamp"}) else []
     called = routines.functions(block, program, layout)
     compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
     parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
@@ -74,8 +75,10 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
     if "slew" in used:
         parts += [f"static inline {t} {name}_slew({t} last, {t} target, {t} step)", "{"]
-        parts += [f"    const {t} below = (target < (last + step)) ? target : (last + step);"]
-        parts += ["    return (below > (last - step)) ? below : (last - step);", "}", ""]
+        # From a comparison an analyser learns about a variable, not about a sum that is computed again.
+        parts += [f"    const {t} highest = last + step;", f"    const {t} lowest = last - step;"]
+        parts += [f"    const {t} below = (target < highest) ? target : highest;"]
+        parts += ["    return (below > lowest) ? below : lowest;", "}", ""]
     return parts
 
 
