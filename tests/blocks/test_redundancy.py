@@ -119,7 +119,7 @@ PROBE = probe.Probe(10, 3, 4e-6, 4)
 
 
 def probe_a_body(offset: float, factor: float = 1.0, frozen: bool = False, free: float = 1.0) -> tuple[Any, Any, bool]:
-    """Return positions, and speeds between the pairs, of a body whose encoder counts 10 um, and whether the probe was unanswered."""
+    """Return positions, speeds between the pairs and whether no pair was answered, of a body with counts of 10 um."""
     runner, x, v, still, code = Runner(probe.block(TIME, "x", ERROR, W, PROBE)), offset, 0.0, 0.0, 0.0
     xs, vs, unanswered = [], [], False
     for _ in range(150):

@@ -9,16 +9,20 @@ import pytest
 
 from designs.maglev_5dof import control
 from designs.maglev_5dof.design import DESIGN
+from models import maglev_stage
 from synth import standard_tasks
 from synth.progress import silent
 from synth.simulate import campaign, injections
 from synth.simulate.campaign import FaultRun
 from synth.simulate.injections import Injection
+from synth.simulate.rig import Rig
+from synth.simulate.scenario import Trajectory
 from synth.simulate.sensors import Override
 
 pytestmark = pytest.mark.slow
 
-PLANTS = 4
+PLANTS, ONSET = 4, 1000
+MEASURED = [s.name for s in control.INTERFACE.sensors]
 
 
 def runs(target: str, kind: str, condition: str) -> list[FaultRun]:
@@ -36,6 +40,48 @@ def test_an_encoder_of_x_that_freezes_in_motion_is_named_within_20_ms_and_the_pl
     assert all(run.named and not run.wrong_names and run.notice_s <= 0.02 for run in frozen)
     assert all(run.impacts["x"] == 0 and 0 < run.impacts["y"] < 0.02 for run in frozen)  # m/s
     assert all(math.isfinite(run.latch_s) for run in frozen)
+
+
+def at_rest(rig: Rig, plant: int, gap: float, frozen: str = "", friction: bool = False) -> Trajectory:
+    """Return 2 s at rest off the middle of the counts of x and z; an encoder freezes after 1 s."""
+    true = campaign.plant_number(rig.plant, plant)
+    guides = maglev_stage.guide_disturbance(true, {"x": 1.8, "z": 1.3}, 3) if friction else None
+    n = round(2.0 / rig.period_s)
+    lags = {frozen: np.clip(np.arange(n) - ONSET + 1, 0, None)} if frozen else {}
+    rig = replace(rig, plant=true, disturbance=guides)
+    return rig.run(2.0, {"y": gap, "x": 0.010002, "z": 0.006996}, {"x_ref": np.full(n, 0.01)}, lags=lags)
+
+
+@pytest.mark.parametrize("sensor", ["x", "z"])
+@pytest.mark.parametrize("gap", [0.0195, 0.025, 0.030])
+def test_an_encoder_that_freezes_at_rest_does_not_answer_the_probe_and_the_platen_lands(
+    sensor: str, gap: float
+) -> None:
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    for i, friction in ((0, False), (0, True), (4, False), (12, False)):
+        run = at_rest(rig, i, gap, sensor, friction)
+        bits = np.flatnonzero(run.faults)
+        assert 0 <= bits[0] - ONSET < 200 and run.faults[bits[0]] == 1 << 11 + MEASURED.index(sensor)
+        assert np.abs(run[sensor] - run[sensor][ONSET]).max() < 10e-3 and run.impacts[sensor] == 0
+        assert run.impacts["y"] < 0.02 and run["y"][-1] == pytest.approx(control.GAP[1])
+
+
+def test_without_the_probe_an_encoder_that_freezes_at_rest_ends_at_a_stop() -> None:
+    """The negative control: the exclusion is switched off, so x leaves its unstable rest."""
+    rig = campaign.with_stops(standard_tasks.rig_without_latch(DESIGN.stage, DESIGN.scalar))
+    run = at_rest(rig, 0, 0.0195, "x")
+    assert not run.faults.any() and run.impacts["x"] > 0.3
+
+
+@pytest.mark.parametrize("friction", [False, True])
+@pytest.mark.parametrize("gap", [0.0185, 0.025, 0.030])
+def test_at_rest_the_probe_has_no_false_alarm_and_keeps_the_platen_within_one_count(friction: bool, gap: float) -> None:
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    for i in (0, 5, 12):
+        run = at_rest(rig, i, gap, friction=friction)
+        assert not run.faults.any()
+        if not friction:
+            assert np.abs(run.measured["x"][ONSET:].astype(float) - 0.01).max() <= 10e-6 * (1 + 1e-4)
 
 
 @pytest.mark.parametrize("kind", ["not finite", "frozen"])
