@@ -187,7 +187,7 @@ def probe(w: Array, e: Array, state: Columns, still: Array, free: Flags) -> tupl
         np.where(runs, after, attempt),
         np.where(runs, towards, np.where(e > 0, -PUSH, PUSH)),
     )
-    idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), {}
+    idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), dict[str, Array]()
     for n, value, other in zip(MEMORY_OF_PROBE, new, idle, strict=True):
         rows = np.where(runs | waits, value, other)
         next |= {f"probe_{s}_{n}": row for s, row in zip("xz", rows, strict=True)}

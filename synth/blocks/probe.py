@@ -85,8 +85,9 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
             demand.name: ca.if_else(active, ca.if_else(runs, clip(w + pulse, demand), w), w),
             f"{sensor}_unanswered": x["attempt"] >= probe.attempts,
         }
-        next = {"sample": (sample, 0), "attempt": (attempt, 0), "towards": (towards, x["towards"])}
-        return Step(output, {name: ca.if_else(active, *values) for name, values in next.items()})
+        next = {"sample": sample, "attempt": attempt, "towards": towards}
+        idle = {"sample": ca.SX(0), "attempt": ca.SX(0), "towards": x["towards"]}
+        return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()})
 
     unchanged = Signal(f"{sensor}_unchanged", "1", 0, 1e6, "samples without a change of the code")
     plain = Signal(f"{demand.name}_unprobed", demand.unit, demand.low, demand.high, demand.about)
