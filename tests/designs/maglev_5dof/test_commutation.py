@@ -131,9 +131,10 @@ def test_in_motion_no_lost_position_pulls_the_platen_up(onset: float) -> None:
 
 
 def test_with_both_positions_lost_the_currents_end() -> None:
+    """The latch comes within a pair of the probe here, which leaves a speed of 0.3 mm/s."""
     run = lose(rig(), ("x", "z"))
     assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and rise(run, 0.3) < 0.1e-3
-    assert max(np.abs(run["x"]).max(), np.abs(run["z"]).max()) < 0.2e-3
+    assert max(np.abs(run["x"]).max(), np.abs(run["z"]).max()) < 0.5e-3
     assert max(abs(float(run.driven[s.name][-1])) for s in PHASES.outputs) == 0.0
 
 
