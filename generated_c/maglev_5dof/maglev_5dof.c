@@ -23,6 +23,7 @@ static inline float maglev_5dof_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float maglev_5dof_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -55,7 +56,7 @@ static inline bool maglev_5dof_equal(float a, float b)
 #else
 #define MAGLEV_5DOF_INLINE static inline
 #endif
-/* Return a value in low .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in low .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_INLINE float maglev_5dof_hold(float value, float low, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {
@@ -69,7 +70,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_hold(float value, float low, float high, fl
     return held;
 }
 
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_INLINE float maglev_5dof_hold_within(float value, float high, float *last, uint32_t bit, uint32_t *faults)
 {
     float held = value;
@@ -145,7 +146,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, u
 
 typedef struct {
     float k_e;                          /* 1/s^2; F(14)-(16): gain on e */
-    float k_de_x_filter_h;              /* 1/s 1/s; F(14)-(16): gain on de; times filter_y_h */
+    float k_de_times_filter_h;          /* 1/s^2; F(14)-(16): gain on de; times filter_y_h */
     float k_sum;                        /* 1/s^2; F(14)-(16): gain on sum */
     float k_p1;                         /* 1/s^2; F(14)-(16): gain on p1 */
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
@@ -176,7 +177,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_x_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
+    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
     return w_tracking_part + (parameters->k_q1 * q1);
 }
 
@@ -190,12 +191,12 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulato
     float filter_r_next)
 {
     static const float k_e = -525.33453f;                       /* 1/s^2; F(14)-(17): gain on e */
-    static const float k_de_x_filter_h = -13345.273f;           /* 1/s 1/s; F(14)-(17): gain on de; times filter_x_h */
+    static const float k_de_times_filter_h = -13345.273f;       /* 1/s^2; F(14)-(17): gain on de; times filter_x_h */
     static const float k_sum = -0.9552653f;                     /* 1/s^2; F(14)-(17): gain on sum */
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    return (k_e * e) + (k_de_x_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 * state->q1);
+    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 * state->q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */
@@ -420,10 +421,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         suspect_y1_part_3 = state->redundancy_before_z;
     }
-    const float redundancy_before_z_next = (guard_ready != 0u) ? suspect_y1_part_3 : z_accepted;
+    const float before = (guard_ready != 0u) ? suspect_y1_part_3 : z_accepted;
     bool suspect_y1_test_2 = false;
     if (3u <= z_unchanged) {
-        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && ((4e-05f < fabsf(observer_z_q - redundancy_before_z_next)) || z_unanswered);
+        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && ((4e-05f < fabsf(observer_z_q - before)) || z_unanswered);
     }
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -434,28 +435,28 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
-    uint32_t redundancy_still_y4_next = 0u;
+    uint32_t still_still_y4 = 0u;
     if (same_y4) {
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        redundancy_still_y4_next = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+        still_still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
-    uint32_t redundancy_still_y3_next = 0u;
+    uint32_t still_still_y3 = 0u;
     if (same_y3) {
         const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        redundancy_still_y3_next = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+        still_still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
     const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
-    uint32_t redundancy_still_y2_next = 0u;
+    uint32_t still_still_y2 = 0u;
     if (same_y2) {
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        redundancy_still_y2_next = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+        still_still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
-    uint32_t redundancy_still_y1_next = 0u;
+    uint32_t still_still_y1 = 0u;
     if (same_y1) {
         const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        redundancy_still_y1_next = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+        still_still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     uint32_t suspect_y1 = 0u;
     uint32_t suspect_y2 = 0u;
@@ -502,10 +503,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool usable_y4 = good_y4 && !(redundancy_excluded_y4 != 0u);
         const bool whole = usable_y1 && usable_y2 && usable_y3 && usable_y4;
         const bool calm_suspect_y1 = whole && (agreement || !(guard_ready != 0u));
-        const bool suspect_y1_test_3 = 3u <= redundancy_still_y4_next;
-        const bool suspect_y1_test_4 = 3u <= redundancy_still_y3_next;
-        const bool suspect_y1_test_5 = 3u <= redundancy_still_y2_next;
-        const bool suspect_y1_test_6 = 3u <= redundancy_still_y1_next;
+        const bool suspect_y1_test_3 = 3u <= still_still_y4;
+        const bool suspect_y1_test_4 = 3u <= still_still_y3;
+        const bool suspect_y1_test_5 = 3u <= still_still_y2;
+        const bool suspect_y1_test_6 = 3u <= still_still_y1;
         const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
         float missing = 0.0f;
         uint32_t after_contradictions_0 = 0u;
@@ -534,12 +535,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float E_y1 = suspect_y1_part_6 * (y1_accepted - y1_expected);
             const bool candidate_y1 = suspect_y1_test_6 && (suspect_y1_part_4 < E_y1);
             const bool any_candidate = candidate_y4 || candidate_y3 || candidate_y2 || candidate_y1;
-            const float suspect_y1_part_7 = ((redundancy_still_y1_next < 3u) ? 1.0f : 0.0f) + ((redundancy_still_y2_next < 3u) ? 1.0f : 0.0f) + ((redundancy_still_y3_next < 3u) ? 1.0f : 0.0f);
-            const bool suspect_y1_test_9 = maglev_5dof_equal(suspect_y1_part_7 + ((redundancy_still_y4_next < 3u) ? 1.0f : 0.0f), 3.0f);
-            const bool alone_y4 = (8u <= redundancy_still_y4_next) && suspect_y1_test_9;
-            const bool alone_y1 = (8u <= redundancy_still_y1_next) && suspect_y1_test_9;
-            const bool alone_y2 = (8u <= redundancy_still_y2_next) && suspect_y1_test_9;
-            const bool alone_y3 = (8u <= redundancy_still_y3_next) && suspect_y1_test_9;
+            const float suspect_y1_part_7 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
+            const bool suspect_y1_test_9 = maglev_5dof_equal(suspect_y1_part_7 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f);
+            const bool alone_y4 = (8u <= still_still_y4) && suspect_y1_test_9;
+            const bool alone_y1 = (8u <= still_still_y1) && suspect_y1_test_9;
+            const bool alone_y2 = (8u <= still_still_y2) && suspect_y1_test_9;
+            const bool alone_y3 = (8u <= still_still_y3) && suspect_y1_test_9;
             bool only = true;
             if (!alone_y4) {
                 only = alone_y3 || alone_y2 || alone_y1;
@@ -649,13 +650,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool excluded = suspect_y4_test && final_redundancy_excluded_y1;
         const uint32_t decisions_excluded_y4 = (calm_suspect_y1) ? redundancy_excluded_y4 : ((excluded) ? 1u : redundancy_excluded_y4);
         redundancy_excluded_y4_part = decisions_excluded_y4;
-        uint32_t redundancy_stuck_0_next = 1u;
+        uint32_t after_stuck_0 = 1u;
         if (!(excluded && suspect_y1_test_3)) {
             if (!(redundancy_excluded_y3_test && suspect_y1_test_4)) {
-                redundancy_stuck_0_next = (redundancy_excluded_y2_test && suspect_y1_test_5) ? 1u : ((redundancy_excluded_y1_test && suspect_y1_test_6) ? 1u : redundancy_stuck_0);
+                after_stuck_0 = (redundancy_excluded_y2_test && suspect_y1_test_5) ? 1u : ((redundancy_excluded_y1_test && suspect_y1_test_6) ? 1u : redundancy_stuck_0);
             }
         }
-        redundancy_stuck_0_part = (calm_suspect_y1) ? redundancy_stuck_0 : redundancy_stuck_0_next;
+        redundancy_stuck_0_part = (calm_suspect_y1) ? redundancy_stuck_0 : after_stuck_0;
         redundancy_undecided_0_part = decisions_undecided_0;
         uint32_t redundancy_degraded_part_2 = 1u;
         if (!(unusual_suspect_x != 0u)) {
@@ -1180,16 +1181,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* redundancy: parity, innovations, frozen codes */
         state->redundancy_code_y1 = y1_accepted;
-        state->redundancy_still_y1 = redundancy_still_y1_next;
+        state->redundancy_still_y1 = still_still_y1;
         state->redundancy_excluded_y1 = redundancy_excluded_y1_part;
         state->redundancy_code_y2 = y2_accepted;
-        state->redundancy_still_y2 = redundancy_still_y2_next;
+        state->redundancy_still_y2 = still_still_y2;
         state->redundancy_excluded_y2 = redundancy_excluded_y2_part;
         state->redundancy_code_y3 = y3_accepted;
-        state->redundancy_still_y3 = redundancy_still_y3_next;
+        state->redundancy_still_y3 = still_still_y3;
         state->redundancy_excluded_y3 = redundancy_excluded_y3_part;
         state->redundancy_code_y4 = y4_accepted;
-        state->redundancy_still_y4 = redundancy_still_y4_next;
+        state->redundancy_still_y4 = still_still_y4;
         state->redundancy_excluded_y4 = redundancy_excluded_y4_part;
         state->redundancy_code_x = x_accepted;
         state->redundancy_still_x = x_unchanged;
@@ -1198,7 +1199,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_code_z = z_accepted;
         state->redundancy_still_z = z_unchanged;
         state->redundancy_excluded_z = redundancy_excluded_z_part;
-        state->redundancy_before_z = redundancy_before_z_next;
+        state->redundancy_before_z = before;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_part;
         state->redundancy_undecided_0 = redundancy_undecided_0_part;

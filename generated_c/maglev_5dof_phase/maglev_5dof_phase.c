@@ -1,4 +1,5 @@
 /* maglev_5dof_phase. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_phase.h"
 #include <float.h>
 #include <math.h>
@@ -23,6 +24,7 @@ static inline float maglev_5dof_phase_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float maglev_5dof_phase_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -41,7 +43,7 @@ static inline float maglev_5dof_phase_slew(float last, float target, float step)
 #else
 #define MAGLEV_5DOF_PHASE_INLINE static inline
 #endif
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_PHASE_INLINE float maglev_5dof_phase_hold_within(float value, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {
@@ -132,12 +134,12 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         last = state->advance_last_z;
         advance_left_z_part = advance_left_z - 1u;
     }
-    const float advance_last_z_next = maglev_5dof_phase_slew(last, z_held, 0.001f);
-    const float z_acting = advance_last_z_next + (1.5f * (advance_last_z_next - last));
+    const float position = maglev_5dof_phase_slew(last, z_held, 0.001f);
+    const float z_acting = position + (1.5f * (position - last));
     const bool good_z = (faults & 0x00000200u) == 0u;
     const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
-    state->advance_last_z = advance_last_z_next;
+    state->advance_last_z = position;
     state->advance_left_x = (good_x) ? 5u : advance_left_x_part;
     state->advance_left_z = (good_z) ? 5u : advance_left_z_part;
     const uint32_t value = (lost_x) ? (faults | 0x00000400u) : faults;

@@ -62,7 +62,7 @@ class _Printer:
         self.naming = naming.Naming(program, self.locals.name)
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
-        self.block, self.watched = block, diagnostics.NOTHING
+        self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
         self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
         self.printed: list[Line] = []
         self.tag = self.shown = ""
@@ -113,7 +113,7 @@ class _Printer:
         made = [k for s in block for k in variables.local_nodes(s) if k in self.c.text]
         values = [(self.watched.signals[k], self.c.value(k).c) for k in made if k in self.watched.signals]
         limits = [(bit, self._at_limit(k)) for bit, k in enumerate(self.watched.limited) if k in made]
-        self.printed += map(Line, diagnostics.records(self.block, values, limits, "    " * depth))
+        self.printed += map(Line, diagnostics.record_statements(self.block, values, limits, "    " * depth))
 
     def _at_limit(self, k: int) -> str:
         """Return the test whether a limited value is at its limit."""
