@@ -819,6 +819,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
+    const float w_phi_part = 80.0f * phi_rate_part;
+    const float w_theta_part = 80.0f * theta_rate_part;
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -876,8 +878,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_x_unprobed;
         float w_z_unprobed;
         if (landing != 0u) {
-            w_phi = -((1600.0f * phi_estimate) + ((guard_ready != 0u) ? (80.0f * phi_rate_part) : 0.0f) + phi_disturbance);
-            w_theta = -((1600.0f * theta_estimate) + ((guard_ready != 0u) ? (80.0f * theta_rate_part) : 0.0f) + theta_disturbance);
+            w_phi = -((1600.0f * phi_estimate) + ((guard_ready != 0u) ? w_phi_part : 0.0f) + phi_disturbance);
+            w_theta = -((1600.0f * theta_estimate) + ((guard_ready != 0u) ? w_theta_part : 0.0f) + theta_disturbance);
             float r_w_y = landing_r_y;
             float w_y_part = y_rate;
             float w_x_unprobed_part = x_estimate;

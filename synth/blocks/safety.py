@@ -25,6 +25,7 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
 from synth.errors import SignalError
+from synth.fault import Judgement
 from synth.signals import Signal
 from synth.timing import Discrete
 
@@ -35,6 +36,7 @@ __all__ = [
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
 REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
+SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
 
@@ -71,7 +73,7 @@ def guard(
 
     `reason` explains why there is no safe output, for a guard that is composed with none. Behind a `redundant` guard a
     Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
-    ``landed`` causes the latch at once. A suspect is then no reason to latch.
+    ``landed`` causes the latch at once. A suspect is then no reason to latch. The `fault.Judgement` declares this.
 
     The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, and LATCH_BIT.
 
@@ -101,9 +103,9 @@ def guard(
             for n in (n for n in measured if suspects and n not in suspected):
                 others = ca.if_else(good[n], others, 0)
             every = ca.logic_and(complete, others) if suspects and not others.is_constant() else complete
-            enough = ca.if_else(x["ready"], u["sufficient"], every) if redundant else every
+            enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
-            latched = ca.if_else(u["landed"], 1, latched) if redundant else latched
+            latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
             next["left"] = ca.if_else(enough, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
@@ -125,7 +127,7 @@ def guard(
             *(g.signal for g in inputs),
             *([_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []),
             *suspects,
-            *([_flag("sufficient", "it can be controlled"), _flag("landed", "landing is over")] if redundant else []),
+            *([_flag(SUFFICIENT, "it can be controlled"), _flag(LANDED, "landing is over")] if redundant else []),
         ],
         outputs=outputs,
         states=states,
@@ -135,7 +137,9 @@ def guard(
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
-    return replace(block, faults=tuple(faults), safety=Safety(bad_samples, {}, {}, reason) if measured else None)
+    judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
+    declared = Safety(bad_samples, {}, {}, reason, judgement) if measured else None
+    return replace(block, faults=tuple(faults), safety=declared)
 
 
 @arguments.checked
