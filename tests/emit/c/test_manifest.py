@@ -299,7 +299,7 @@ def test_a_guard_behind_which_a_law_decides_declares_the_flags_that_latch() -> N
         TIME, [GuardedInput(GAP, 0.02, True), GuardedInput(Signal("wish", "m", 0, 1), 0, False)], 5, redundant=True
     )
     block = compose(
-        "judged",
+        "decided",
         [judging.renamed({"gap": "lift"})],
         inputs=["lift", "wish", "sufficient", "landed"],
         outputs=["gap_held"],
