@@ -43,7 +43,7 @@ TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
 PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
 LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not probed
 DECISION = redundancy.Decision(
-    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.counted
+    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
 )
 STOP = control.GAP[1]
 COURSES: dict[str, landing.Course] = {
@@ -87,7 +87,7 @@ def acceleration(axis: Axis) -> Signal:
     return Signal(f"a_{axis.name}", "m/s^2", -1e3, 1e3, about) if axis.excess else axis.demand
 
 
-def _unlimited(w: Signal) -> Signal:
+def _with_free_range(w: Signal) -> Signal:
     """Return an acceleration with a range that no demand leaves, so that none is limited."""
     return replace(w, low=-1e6, high=1e6)
 
@@ -107,7 +107,7 @@ def accelerations(plant: Plant) -> Block:
 
 def observer(axis: Axis) -> Block:
     """Return the observer of an axis; x and z learn the gain of their thrust."""
-    before = _unlimited(replace(acceleration(axis), name=f"{acceleration(axis).name}_before"))
+    before = _with_free_range(replace(acceleration(axis), name=f"{acceleration(axis).name}_before"))
     return predictor.block(
         axis.name,
         TIME,
@@ -164,7 +164,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
         *(b.renamed(changed.get(b.name, {})) for b in law),
         handover.block(),
         accelerations(plant),
-        predictor.delay("delay", TIME, [_unlimited(acceleration(a)) for a in AXES]),
+        predictor.delay("delay", TIME, [_with_free_range(acceleration(a)) for a in AXES]),
         *(observer(a) for a in AXES),
         descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
         *(probe.block(TIME, a.name, a.error, a.demand, PROBE) for a in AXES if a.excess),

@@ -41,6 +41,7 @@ RATES, DISTURBANCES = (1.0, 2.0, 2.0, 2.0, 2.0), (50.0, 20.0, 20.0, 200.0, 200.0
 LEARNING, GAINS = 30.0, (0.8, 1.2)
 POLES = np.array([60.0, 30.0, 30.0, 40.0, 40.0])  # rad/s, of the landing
 END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, 2.0, 4.0
+DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
 WIDE = 10.0
 MEMORY_OF_PROBE = ("sample", "attempt", "towards")
@@ -238,14 +239,13 @@ def step(
     h = reference.motor(used[:4], k.parameters).h
     p = k.parameters
     a_x, a_z = -computed[4] * (h[1] + h[3]) / p.M_x, -computed[5] * (h[0] + h[2]) / p.M_z
-    demands = {n: np.clip(w[i], -1e4, 1e4) for n, i in (("w_y", 0), ("w_phi", 3), ("w_theta", 4))}
-    demands |= {"a_x": np.clip(a_x, -1e3, 1e3), "a_z": np.clip(a_z, -1e3, 1e3)}
+    demands = {"w_y": w[0], "a_x": a_x, "a_z": a_z, "w_phi": w[3], "w_theta": w[4]}
     next: dict[str, Any] = (
         after_readings
         | after_observers
         | after_landing
         | after_probe
-        | {f"delay_{n}_last": x for n, x in demands.items()}
+        | {f"delay_{n}_last": np.clip(x, -DELAYED, DELAYED) for n, x in demands.items()}
     )
     next["handover_transfer"] = transfer
     next_memory = np.array([*filtered, *reference.model_step(e, excess, eta, k)])

@@ -49,8 +49,8 @@ class Probe:
         return self.quiet + self.attempts * (self.pair + 1) + 1
 
     @property
-    def counted(self) -> int:
-        """Samples without a change that are to be counted."""
+    def count_limit(self) -> int:
+        """Largest count of samples without a change that the probe asks for."""
         return max(self.quiet, self.pair)
 
 

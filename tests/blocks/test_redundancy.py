@@ -125,7 +125,7 @@ def probe_a_body(offset: float, factor: float = 1.0, frozen: bool = False, free:
     for _ in range(150):
         now = code if frozen else round(x / 1e-5)
         still, code = (still + 1 if now == code else 0.0), now
-        out = runner(w_unprobed=0.0, x_unchanged=min(still, PROBE.counted), e=1e-5 * code, free=free)
+        out = runner(w_unprobed=0.0, x_unchanged=min(still, PROBE.count_limit), e=1e-5 * code, free=free)
         x, v = x + T * v + T * T / 2 * factor * out["w"], v + T * factor * out["w"]
         xs.append(x)
         vs.append(v if runner.state[0] == 0 else 0.0)
