@@ -521,8 +521,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_y = sensing_within_y_next;
             state->sensing_within_y = sensing_within_y_next;
             const float h3 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - X_c));
-            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-            phi_raw_part = phi_raw_part_2;
+            const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+            phi_raw_part = yaw_correction;
         } else {
             within_x = state->sensing_within_x;
             within_y = state->sensing_within_y;

@@ -80,7 +80,8 @@ def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
-    bad = f"After {safety.bad_samples} samples in a row with a refused measurement"
+    bad = f"After {safety.bad_samples - safety.braking} samples in a row with a refused measurement"
+    bad += f" and {safety.braking} more in which it brakes" if safety.braking else ""
     if not safety.safe_output:
         return [f"{bad} the latch bit is set until init. {safety.reason}."]
     units = {s.name: s.unit for s in block.outputs}
