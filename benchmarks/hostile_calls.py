@@ -200,7 +200,12 @@ def examples() -> Mapping[str, Call]:
         "kalman.steady": {"noisy": noise.white(held, 1e-4 * np.eye(2), [[1e-6]])},
         "lookup_table.square": {"half_width": 1.0, "spacing": 0.5},
         "lead_lag.Compensator": {"gain": 1.0, "zeros": (-1.0,), "poles": (-10.0,), "time": Continuous()},
-        "lead_lag.from_constants": {"gain": 1.0, "numerator_s": [0.1], "denominator_s": [0.01], "integrators": 0},
+        "lead_lag.from_time_constants": {
+            "gain": 1.0,
+            "numerator_constants_s": [0.1],
+            "denominator_constants_s": [0.01],
+            "integrators": 0,
+        },
         "least_squares.solve": {
             "Phi": [[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]],
             "y": [1.0, 2.0, 3.1],

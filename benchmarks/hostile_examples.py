@@ -181,4 +181,4 @@ def usual() -> Call:
 
 
 def example_lead() -> lead_lag.Compensator:
-    return lead_lag.from_constants(10.0, [0.1], [0.01])
+    return lead_lag.from_time_constants(10.0, [0.1], [0.01])

@@ -31,12 +31,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.halbach import Field, wave_number
+from synth.block import Exprs
 from synth.errors import ModelError
 from synth.signals import Parameter
 from synth.statespace import readonly
 
 Array = NDArray[np.float64]
-Values = Mapping[str, ca.SX]
 Order = tuple[int, int]
 
 SECTION = "Kawato, Kim, section 2"
@@ -157,7 +157,7 @@ def orders_up_to(highest: int) -> tuple[Order, ...]:
     return tuple((p, q) for p in range(highest + 1) for q in side if (p, q) > (0, 0))
 
 
-def waves(cell: Cell, orders: Iterable[Order], p: Values) -> tuple[Wave, ...]:
+def waves(cell: Cell, orders: Iterable[Order], p: Exprs) -> tuple[Wave, ...]:
     """Return the waves of a matrix, without those that vanish for blocks of these sides.
 
     `p` holds the pitch l and the blocks' height Delta in m.
@@ -187,9 +187,7 @@ def _numbers(order: Order, w: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     return p * w, q * w, sqrt(p**2 + q**2) * w
 
 
-def waves_from_amplitudes(
-    amplitudes: Mapping[int, ca.SX | float], height: ca.SX | float, p: Values
-) -> tuple[Wave, ...]:
+def waves_from_amplitudes(amplitudes: Mapping[int, ca.SX | float], height: ca.SX | float, p: Exprs) -> tuple[Wave, ...]:
     """Return the waves of B_X = sum_n A_n sin(n w X), B_Y likewise in Y, with A_n in T at a height in m: model (2)."""
     model_waves = []
     for order in _check_distinct(orders_on_axes(amplitudes)):

@@ -34,7 +34,7 @@ Order = Literal["value", "lift", "yaw"]
 Moment = Callable[[int, int], Complex]
 Force = tuple[Complex, Complex, Complex]
 
-PHASES = tuple(lorentz_motor.OFFSETS)
+PHASES = tuple(lorentz_motor.PHASE_OFFSETS)
 COMPONENTS = ("f_x", "f_y", "f_z", "m_x", "m_y", "m_z")  # N/A and N m/A, y along the motion
 ORDERS: tuple[Order, ...] = ("value", "lift", "yaw")
 BAND = VALUES["l"] / 6  # m, the width of a band
@@ -67,7 +67,8 @@ def winding_profile(phase: str) -> tuple[Cell, ...]:
     """Return t(y) in m of a phase, from one end of the window to the other."""
     l, half, bands = VALUES["l"], VALUES["Nm"] * VALUES["l"] / 2, []
     for n in range(-round(VALUES["Nm"]) - 1, round(VALUES["Nm"]) + 2):
-        for sign, pitches in ((-1, n + lorentz_motor.OFFSETS[phase]), (1, n + lorentz_motor.OFFSETS[phase] + 0.5)):
+        forward = n + lorentz_motor.PHASE_OFFSETS[phase]
+        for sign, pitches in ((-1, forward), (1, forward + 0.5)):
             low, high = max(pitches * l - BAND / 2, -half), min(pitches * l + BAND / 2, half)
             if high - low > 1e-9 * l:
                 bands.append((low, high, sign))

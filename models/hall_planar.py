@@ -1,14 +1,23 @@
-"""Measurement model and Jacobian over (X, Y, yaw) of two-axis Hall sensors in the body's plane, with phasors.
+"""Measurement model of two-axis Hall sensors in the plane, and its Jacobian over (X, Y, yaw), evaluated with phasors.
 
-The residual V - R(yaw)' B(P) of a sensor at P is taken in the field's axes, R(yaw) V - B(P): it has the same length
-there, and its Jacobian over (X, Y, yaw) is sparse up to the sign,
+A sensor at the phases P = (P_X, P_Y) measures V = R(yaw)' B(P) with, by axis, B_X = c + alpha sin P_X + beta sin 5 P_X
+and B_Y likewise (`models.hall_two_waves`). All lengths are phases in rad, that is, lengths times the wave number
+w = 2 pi / pitch. The residual is expressed in the field's axes,
 
-    X:  [g_X, 0, h_X],  g_X = B_X'(P_X),  h_X = B_Y - g_X o_Y
-    Y:  [0, g_Y, h_Y],  g_Y = B_Y'(P_Y),  h_Y = g_Y o_X - B_X
+    e = R(yaw) V - B(P),
 
-Lengths are phases in rad, with the wave number w = 2 pi / pitch; B' is the derivative by the phase; o = w R(yaw) r is
-the sensor's offset from the centre. Phasors of a displaced pose are the predicted ones rotated by a small angle, and
-sin(5 p) = sin(p) (5 - 20 sin(p)^2 + 16 sin(p)^4).
+where it has the same norm as V - R(yaw)' B(P). For a displacement (U, V, T) of X, Y and yaw the linearised condition of
+zero residual is sparse, because B_X does not depend on P_Y nor B_Y on P_X:
+
+    e_X = g_X U + h_X T,    g_X = dB_X / dP_X,    h_X = B_Y - g_X o_Y
+    e_Y = g_Y V + h_Y T,    g_Y = dB_Y / dP_Y,    h_Y = g_Y o_X - B_X
+
+where o = R(yaw) r is the sensor's offset from the centre of the sensors, r at yaw 0. In h the field itself stems from
+the rotation of the voltages, and the term with o from the displacement of the sensor by the rotation.
+
+Sine and cosine of every phase are a phasor. For a displaced pose the phasors of the predicted pose are rotated by small
+angles, which needs no sine of a large angle; and sin 5 p = sin p (5 - 20 sin^2 p + 16 sin^4 p), so B is a polynomial in
+sin p.
 
 Source: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis Hall-Effect Sensors", section
 3.B.
@@ -28,14 +37,15 @@ from synth.blocks.glsdc import NamedExpressions, Vector
 from synth.blocks.phasor import Phasor
 from synth.signals import Signal
 
-POWERS = (1, 3, 5)  # of the sine, in alpha sin p + beta sin 5p
+POWERS = (1, 3, 5)  # powers of sin p in alpha sin p + beta sin 5p
 
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """A sensor at a pose: its phases along X and Y and offset from the centre, rad, and its voltages in field axes, V.
+    """A sensor at a pose: its phases along X and Y and its offset o in rad, and its voltages in the field's axes in V.
 
-    `field` are the constant and the coefficients of sin, sin^3 and sin^5; `slope` are those of the derivative.
+    `field` holds c and the coefficients of sin p, sin^3 p and sin^5 p in B; `slope` holds those
+    of 1, sin^2 p and sin^4 p in g / cos p. The names of fields and locals of this module are printed into the C.
     """
 
     phases: tuple[Phasor, Phasor]
@@ -46,31 +56,30 @@ class Sensor:
 
 
 class Row(NamedTuple):
-    """The residual e of a voltage in field axes, and g and h of its Jacobian: e = g U + h T to first order."""
+    """The residual e of a voltage in the field's axes, and the entries g and h of its row of the Jacobian."""
 
     e: ca.SX
     g: ca.SX
     h: ca.SX
 
 
-def constants(array: PlanarArray) -> list[Constant]:
-    """Return the coefficients of the field by powers of the sine, and of its derivative by the phase."""
-    values = dict(zip(POWERS, (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta), strict=True))
-    about = "coefficient of the field alpha sin p + beta sin 5p, by powers of sin p"
-    field = [Constant(f"field_{n}", v, "V", about) for n, v in values.items()]
+def field_constants(array: PlanarArray) -> list[Constant]:
+    """Return the coefficients of B and of its derivative, by powers of the sine, as constants of a Block; c is none."""
+    coefficients = (array.alpha + 5 * array.beta, -20 * array.beta, 16 * array.beta)
+    values = dict(zip(POWERS, coefficients, strict=True))
+    field = "coefficient of the field alpha sin p + beta sin 5p, by powers of sin p"
+    slope = "coefficient of the field's derivative by the phase p, by powers of sin p"
     return [
-        *field,
-        *(
-            Constant(
-                f"slope_{n - 1}", n * v, "V", "coefficient of the field's derivative by the phase p, by powers of sin p"
-            )
-            for n, v in values.items()
-        ),
+        *(Constant(f"field_{n}", v, "V", field) for n, v in values.items()),
+        *(Constant(f"slope_{n - 1}", n * v, "V", slope) for n, v in values.items()),
     ]
 
 
 def rotation_phasor(yaw: ca.SX, named: NamedExpressions) -> tuple[Phasor, ca.SX]:
-    """Return the phasor of a small yaw, and its versine 1 - cos = 2 sin^2(yaw / 2)."""
+    """Return the phasor of a small yaw, and its versine 1 - cos yaw = 2 sin^2(yaw / 2).
+
+    Appends the sines to the named expressions of the step.
+    """
     sine, half = ca.sin(yaw), sqrt(2) * ca.sin(yaw / 2)
     named.append((Signal("yaw_change_sine", "1", -1, 1, "sine of the change of yaw in the sample"), sine))
     named.append((Signal("half_yaw_change_sine", "1", -2, 2, "sine of half the change of yaw, times sqrt(2)"), half))
@@ -78,7 +87,7 @@ def rotation_phasor(yaw: ca.SX, named: NamedExpressions) -> tuple[Phasor, ca.SX]
 
 
 def displace(sensors: Sequence[Sensor], displacement: Vector, named: NamedExpressions) -> list[Sensor]:
-    """Return the sensors of a body displaced by (U, V, T), rad."""
+    """Return the sensors of a body displaced by (U, V, T), rad; the sines go to the named expressions of the step."""
     rotation, versine = rotation_phasor(displacement[2], named)
     return [_displaced(s, displacement, rotation, versine) for s in sensors]
 
@@ -90,8 +99,8 @@ def _displaced(s: Sensor, displacement: Vector, rotation: Phasor, versine: ca.SX
     return replace(s, phases=phases, offset=Phasor(x + dx, y + dy), volts=s.volts.times(rotation))
 
 
-def rows(s: Sensor) -> tuple[Row, Row]:
-    """Return the voltages of a sensor along X and Y."""
+def residual_rows(s: Sensor) -> tuple[Row, Row]:
+    """Return the residuals of a sensor along X and Y, each with its row of the Jacobian."""
     B, g = [], []
     for p in s.phases:
         q = p.sine**2

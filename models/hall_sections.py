@@ -133,7 +133,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         r1, r2 = by - ay - h1 * phi, cx - ax + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         within = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
-        offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
+        offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
         yaw_correction = numerator / information
         known, squared = ca.logic_and(u["ready"], u["complete"]), contradictions.squared_residual(r1, r2, X.m, Y.m, A)
@@ -154,13 +154,13 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
             next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
-        for axis, at in within.items():
+        for axis, position in within.items():
             next[f"offset_{axis}"] = ca.if_else(accept, offset[axis], x[f"offset_{axis}"])
             passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            output[f"within_{axis}"] = ca.if_else(accept, at, passed)
+            output[f"within_{axis}"] = ca.if_else(accept, position, passed)
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
-            output[f"{axis}_raw"] = ca.if_else(accept, at + offset[axis], held)
+            output[f"{axis}_raw"] = ca.if_else(accept, position + offset[axis], held)
         next |= {} if predicted else {yaw: output[yaw]}
         if reckoned:
             share = ca.if_else(u["ready"], k["power_gain"], k["first_power_gain"])

@@ -43,7 +43,7 @@ def lorentz_force(p: Parameters, y: float) -> tuple[float, float]:
     total = np.zeros(2)
     for phase, i in currents(l, y).items():
         for sign, shift in ((1, 0.0), (-1, 0.5)):
-            at = 2 * pi / l * (y + (lorentz_motor.OFFSETS[phase] + shift) * l + along)
+            at = 2 * pi / l * (y + (lorentz_motor.PHASE_OFFSETS[phase] + shift) * l + along)
             total += sign * i * l / 12 * np.array([weights @ np.cos(at), -weights @ np.sin(at)])
     sheet = high / 2 * (weights @ A) * p["Nm"] * p["w"] * float(lorentz_motor.turn_density(known))
     return float(sheet * total[0]), float(sheet * total[1])
@@ -63,7 +63,7 @@ def currents(l: float, y: float) -> dict[str, float]:
 
 def band_spacing() -> float:
     """Return the angle in degrees from band to band."""
-    places = np.sort([(c + half) % 1 for c in lorentz_motor.OFFSETS.values() for half in (0, 0.5)])
+    places = np.sort([(c + half) % 1 for c in lorentz_motor.PHASE_OFFSETS.values() for half in (0, 0.5)])
     return 360 * float(np.diff(places).max())
 
 

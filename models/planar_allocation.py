@@ -178,7 +178,7 @@ def commutation(plant: Plant, time: Discrete, phi: Signal = YAW) -> Block:
             alpha, beta = clip(cos * i_q - sin * i_d, PHASES[0]), sqrt(3) / 2 * (sin * i_q + cos * i_d)
             middle = -alpha / 2
             phases = (alpha, clip(middle + beta, PHASES[0]), clip(middle - beta, PHASES[0]))
-            output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.OFFSETS, phases, strict=True)}
+            output |= {f"i_{motor}{p}_computed": i for p, i in zip(lorentz_motor.PHASE_OFFSETS, phases, strict=True)}
         certified = dict.fromkeys(output, _phase_bound)
         return Step(output, named=[*named, *named_front], certified=certified, numbers=numbers)
 

@@ -74,7 +74,7 @@ MOTORS = ("A", "B", "C")
 INPUTS = tuple(
     Signal(f"i_{motor}{phase}", "A", -LIMIT, LIMIT, f"phase {phase} of motor {motor}")
     for motor in MOTORS
-    for phase in lorentz_motor.OFFSETS
+    for phase in lorentz_motor.PHASE_OFFSETS
 )
 HALL = tuple(f"V_{sensor}{axis}" for sensor in "abc" for axis in "xy")
 LASERS = ("d1", "d2", "d3")
@@ -120,7 +120,7 @@ def motor_forces(x: Exprs, u: Exprs, p: Exprs, harmonics: Sequence[int] = (1,)) 
     """Return each motor's force in N along its motion and up, from the phase currents `u` in A."""
     forces: dict[str, lorentz_motor.MotorForces] = {}
     for motor, at in centres(x, p).items():
-        currents = {phase: u[f"i_{motor}{phase}"] for phase in lorentz_motor.OFFSETS}
+        currents = {phase: u[f"i_{motor}{phase}"] for phase in lorentz_motor.PHASE_OFFSETS}
         along = at.X if motor == "C" else at.Y
         forces[motor] = lorentz_motor.forces(along, at.lift, currents, p, harmonics)
     return forces

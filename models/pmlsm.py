@@ -21,18 +21,16 @@ choice.
 Source: Fulford, Maggiore, Apkarian, "Control of a 5DOF Magnetically Levitated Positioning Stage", (1)-(4), Table I.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import nan, pi, sqrt
 from typing import Literal
 
 import casadi as ca
 
-from synth.block import Constant
+from synth.block import Constant, Exprs
 from synth.plant import Plant
 from synth.signals import Parameter
-
-Values = Mapping[str, ca.SX]
 
 
 @dataclass(frozen=True)
@@ -103,7 +101,7 @@ class ForceLaw:
     ratio: ca.SX
 
 
-def winding_factor(p: Values) -> ca.SX:
+def winding_factor(p: Exprs) -> ca.SX:
     """Return k_w1: pitch factor sin(pi w_c / (2 tau)) times the distribution factor of q = z1/(3 p) slots.
 
     Both factors are 1 for full pitch and one slot per pole and phase, as here.
@@ -112,19 +110,19 @@ def winding_factor(p: Values) -> ca.SX:
     return ca.sin(ca.pi * p["w_c"] / (2 * p["tau"])) * ca.sin(ca.pi / 6) / (q * ca.sin(ca.pi / (6 * q)))
 
 
-def carter_coefficient(g: ca.SX, p: Values) -> ca.SX:
+def carter_coefficient(g: ca.SX, p: Exprs) -> ca.SX:
     """Return K_c = t1 / (t1 - g gamma_1(g)), the factor by which slots lengthen the gap `g` in m. Source: (4)."""
     half = p["b0"] / (2 * g)
     gamma_1 = 4 / ca.pi * (half * ca.atan(half) - ca.log(ca.sqrt(1 + half**2)))
     return p["t1"] / (p["t1"] - g * gamma_1)
 
 
-def permeance_factor(g: ca.SX, p: Values) -> ca.SX:
+def permeance_factor(g: ca.SX, p: Exprs) -> ca.SX:
     """Return lambda = 1 - b0^2 / (4 t1 (g + b0/2 + h_m/mu_rec)), the pull that slot openings lose. Source: (4)."""
     return 1 - p["b0"] ** 2 / (4 * p["t1"] * (g + p["b0"] / 2 + p["h_m"] / p["mu_rec"]))
 
 
-def magnet_field(g: ca.SX, p: Values) -> ca.SX:
+def magnet_field(g: ca.SX, p: Exprs) -> ca.SX:
     """Return B_pmy1, the amplitude in T of the magnets' fundamental at the stator.
 
     B_pmy1 = (4/pi) mu0 sigma_m sin(pi tau_p / (2 tau)) sinh(k h_m) / sinh(k (h_m + g)), sigma_m = H_c: charge sheets on
@@ -135,7 +133,7 @@ def magnet_field(g: ca.SX, p: Values) -> ca.SX:
     return sheet * ca.sinh(k * p["h_m"]) / ca.sinh(k * (p["h_m"] + g))
 
 
-def constants(p: Values, variant: Variant = STRESS) -> Constants:
+def constants(p: Exprs, variant: Variant = STRESS) -> Constants:
     """Return K_h, K_v1, K_v2, K_v3. Source: (3), (4), with p and its power in K_v2 as `variant` says."""
     k, k_w1 = ca.pi / p["tau"], winding_factor(p)
     poles = p["p"] if variant.p_counts == "poles" else p["p"] / 2
@@ -149,7 +147,7 @@ def constants(p: Values, variant: Variant = STRESS) -> Constants:
     )
 
 
-def coefficients(g: ca.SX, p: Values, variant: Variant = STRESS) -> Coefficients:
+def coefficients(g: ca.SX, p: Exprs, variant: Variant = STRESS) -> Coefficients:
     """Return L_h, L_v1, L_v2, L_v3 at the gap `g` in m. Source: (3), (4), with the factor in L_v3 as `variant` says."""
     height = ca.pi / p["tau"] * (p["h_m"] + g)
     lambda_, K_c, B = permeance_factor(g, p), carter_coefficient(g, p), magnet_field(g, p)
@@ -162,12 +160,12 @@ def coefficients(g: ca.SX, p: Values, variant: Variant = STRESS) -> Coefficients
     )
 
 
-def thrust(g: ca.SX, i_q: ca.SX, p: Values, variant: Variant = STRESS) -> ca.SX:
+def thrust(g: ca.SX, i_q: ca.SX, p: Exprs, variant: Variant = STRESS) -> ca.SX:
     """Return F_H = -K_h L_h(g) i_q in N, for a gap in m and an rms current in A. Source: (1)."""
     return -constants(p, variant).K_h * coefficients(g, p, variant).L_h * i_q
 
 
-def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Values, variant: Variant = STRESS) -> ca.SX:
+def normal_force(g: ca.SX, i_d: ca.SX, i_q: ca.SX, p: Exprs, variant: Variant = STRESS) -> ca.SX:
     """Return F_V = -K_v1 L_v1 + K_v2 L_v2 i_d - K_v3 L_v3 (i_d^2 + i_q^2) in N, positive when it opens the gap.
 
     `g` is the gap in m, `i_d` and `i_q` are rms currents in A. Source: (2).
@@ -196,7 +194,7 @@ class Balance:
         return -2 * self.free / (self.linear + sqrt(D)) if D >= 0 else nan
 
 
-def balance(load: ca.SX, p: Values, variant: Variant = STRESS) -> Callable[[float], Balance]:
+def balance(load: ca.SX, p: Exprs, variant: Variant = STRESS) -> Callable[[float], Balance]:
     """Return the balance of a `load` in N, downwards, by the gap in m; parameters are numbers. Source: (2)."""
     g = ca.SX.sym("g")
     K, L = constants(p, variant), coefficients(g, p, variant)
@@ -204,7 +202,7 @@ def balance(load: ca.SX, p: Values, variant: Variant = STRESS) -> Callable[[floa
     return lambda gap: Balance(*map(float, terms(gap)))
 
 
-def force_law(g: ca.SX, p: Values) -> ForceLaw:
+def force_law(g: ca.SX, p: Exprs) -> ForceLaw:
     """Return (1) and (2) at the gap `g` in m, for the variant STRESS, all four coefficients from the thrust constant h.
 
     With S = B_pmy1 sinh(k (h_m + g)), which does not depend on the gap, K_v2 S = K_h and K_v2^2 = 4 K_v1 K_v3, so that
@@ -235,15 +233,15 @@ def numbers(plant: Plant) -> list[Constant]:
     ]
 
 
-def _half_c_over_h2(p: Values) -> ca.SX:
+def _half_c_over_h2(p: Exprs) -> ca.SX:
     K = constants(p)
     return K.K_v3 / (2 * K.K_h**2)
 
 
-def _slot_length(p: Values) -> ca.SX:
+def _slot_length(p: Exprs) -> ca.SX:
     """Return beta of `force_law` in m."""
     return p["b0"] ** 2 / (4 * p["t1"])
 
 
-def _gap_offset(p: Values) -> ca.SX:
+def _gap_offset(p: Exprs) -> ca.SX:
     return p["b0"] / 2 + p["h_m"] / p["mu_rec"] - _slot_length(p)

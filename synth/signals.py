@@ -75,6 +75,22 @@ def per_second(unit: str) -> str:
 
 
 @arguments.checked
+def product_unit(first: str, second: str) -> str:
+    """Return the unit of a product, with each factor once: "1/s^2" for "1/s" and "1/s", "m/A" for "m/A" and "1"."""
+    exponents: dict[str, int] = {}
+    for unit in (first, second):
+        dimension(unit)
+        for match in _FACTOR.finditer(unit):
+            power = int(match["power"] or 1) * (-1 if match["op"] == "/" else 1)
+            exponents[match["name"]] = exponents.get(match["name"], 0) + power
+    above, below = (
+        [name if abs(n) == 1 else f"{name}^{abs(n)}" for name, n in exponents.items() if sign * n > 0 and name != "1"]
+        for sign in (1, -1)
+    )
+    return "".join([" ".join(above) or "1", *(f"/{factor}" for factor in below)])
+
+
+@arguments.checked
 def identifier(kind: str, name: str) -> None:
     """Raise SignalError when `name` is not an identifier of C for a `kind`."""
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or _KEYWORD.fullmatch(name):

@@ -1,13 +1,18 @@
-"""Standard tasks of a declared stage, which the command line runs unless the design replaces them.
+"""Standard tasks of a stage, which the command line runs for a design that does not define its own.
 
-emit       C, manifest, gains and test vectors        verify        evidence of all witnesses
-simulate   the experiments, with the emitted C        cost_stimuli  stimuli of the machine code
-report     the standard report
+emit           C, manifest, gains and test vectors of the controller and of its companions
+simulate       the experiments of the stage, in closed loop with the emitted C
+cost_stimuli   inputs and states for the measurement of the machine code's cost
+report         the standard report as HTML
+no_audit       the audit of a stage without a publication
+
+The task `verify` is in `synth.verify.standard`. A companion is a Block that is emitted beside the controller, such as
+the commutation of a motor (`synth.companion`).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +20,7 @@ from numpy.typing import NDArray
 
 from synth.block import Block
 from synth.blocks import safety
+from synth.companion import Companion
 from synth.declaration import Stage
 from synth.emit import write
 from synth.emit.c import vectors
@@ -40,8 +46,8 @@ def compiled_controller(stage: Stage, scalar: type[np.floating]) -> host.Control
 
 @lru_cache(maxsize=8)
 def _compile(stage: Stage, scalar: str) -> host.Controller:
-    kind = np.float32 if scalar == "float32" else np.float64
-    return build.compile_block(stage.controller.block, kind, error=stage.surrogate_error.get(kind))
+    scalar_type = np.float32 if scalar == "float32" else np.float64
+    return build.compile_block(stage.controller.block, scalar_type, error=stage.surrogate_error.get(scalar_type))
 
 
 def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
@@ -50,30 +56,46 @@ def rig(stage: Stage, scalar: type[np.floating]) -> Rig:
 
 
 def rig_without_latch(stage: Stage, scalar: type[np.floating]) -> Rig:
-    """Return the stage's plant under a controller that never latches, the negative control of a fault campaign."""
+    """Return the stage's plant under a controller that never latches.
+
+    A fault campaign with it must fail; otherwise the campaign could not detect a latch that is missing.
+    """
     block = safety.without_latch(stage.controller.block)
     return rigs.of_stage(stage, build.compile_block(block, scalar, error=stage.surrogate_error.get(scalar)))
 
 
 def emit(stage: Stage, scalar: type[np.floating]) -> dict[str, EmittedCode]:
     """Return the files of the controller and its companions by folder, with test vectors of a closed loop."""
-    error, block = stage.surrogate_error.get(scalar), _with_measured_safe_output(stage)
-    files = write.emit(block, scalar, {"design": (stage.gains or partial(gains, stage))(scalar)}, error=error)
+    error = stage.surrogate_error.get(scalar)  # allowed relative error of the approximations of functions
+    gains_document = stage.gains(scalar) if stage.gains else gains(stage, scalar)
+    files = write.emit(_with_measured_safe_output(stage), scalar, {"design": gains_document}, error=error)
     controller = host.load(files.files, files.manifest)
-    inputs = dict((stage.recording or record)(rigs.of_stage(stage, controller)))
+    record_inputs = stage.recording or record
+    inputs = dict(record_inputs(rigs.of_stage(stage, controller)))
     replay = controller.replay(inputs)
     folders = {stage.name: _with_vectors(files, inputs, replay)}
     for companion in stage.companions:
-        document = {"design": companion.gains(scalar)} if companion.gains else None
-        companion_files = write.emit(companion.block, scalar, document, error=error)
-        recorded = companion.select_inputs(inputs, replay.outputs)
-        companion_outputs = host.load(companion_files.files, companion_files.manifest).replay(recorded)
-        folders[companion.block.name] = _with_vectors(companion_files, recorded, companion_outputs)
+        folders[companion.block.name] = _emit_companion(companion, scalar, error, inputs, replay)
     return folders
 
 
+def _emit_companion(
+    companion: Companion,
+    scalar: type[np.floating],
+    error: float | None,
+    inputs: Mapping[str, NDArray[Any]],
+    replay: host.Replay,
+) -> EmittedCode:
+    """Return the files of a companion; its test vectors follow from the inputs and the replay of the controller."""
+    document = {"design": companion.gains(scalar)} if companion.gains else None
+    files = write.emit(companion.block, scalar, document, error=error)
+    companion_inputs = companion.select_inputs(inputs, replay.outputs)
+    companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)
+    return _with_vectors(files, companion_inputs, companion_replay)
+
+
 def _with_measured_safe_output(stage: Stage) -> Block:
-    """Return the controller's Block; its reason for the safe output goes on with what was measured."""
+    """Return the controller's Block, with the measured effect of the safe output appended to the reason for it."""
     block = stage.controller.block
     if stage.safe_output is None or block.safety is None:
         return block
@@ -87,8 +109,8 @@ def _with_vectors(files: EmittedCode, inputs: Mapping[str, NDArray[Any]], replay
 
 
 def record(rig: Rig) -> Mapping[str, NDArray[Any]]:
-    """Return the inputs (1000,) of a closed loop with bad samples, up to the latch."""
-    return stimuli.closed_loop(rig, stimuli.VECTORS, stimuli.BEYOND).measured
+    """Return the measured inputs (VECTOR_STEPS,) of a closed loop with bad samples, of which the last ones latch."""
+    return stimuli.closed_loop(rig, stimuli.VECTOR_STEPS, stimuli.BAD_SAMPLE_EXCESS).measured
 
 
 def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
@@ -99,14 +121,18 @@ def gains(stage: Stage, scalar: type[np.floating]) -> dict[str, Any]:
 
 
 def simulate(stage: Stage, progress: Progress) -> list[Experiment]:
-    """Run the experiments with the emitted C; a check of each fails where a state of the laws reached its bound."""
-    single, double = rig(stage, stage.scalar), compiled_controller(stage, np.float64)
-    runs = experiments.run(single, stage.experiments, progress)
+    """Run the experiments with the emitted C.
+
+    A check of each experiment fails if a state of the control laws has reached its bound, unless the stage lists the
+    state as one that is limited on purpose.
+    """
+    runs = experiments.run(rig(stage, stage.scalar), stage.experiments, progress)
+    double = compiled_controller(stage, np.float64)
     return [headroom.with_headroom(run, double, stage.limited) for run in runs]
 
 
 def no_audit(stage: Stage) -> Iterator[Row]:
-    """Yield nothing: only a published stage has published values."""
+    """Yield no rows: a stage without a publication has no published values to compare with."""
     return iter(())
 
 
@@ -117,10 +143,14 @@ def _no_steps(controller: host.Controller) -> Sequence[Steps]:
 def cost_stimuli(
     stage: Stage, further_steps: Callable[[host.Controller], Sequence[Steps]] = _no_steps, floor: agree.Floor = None
 ) -> CostStimuli:
-    """Return the stimuli of the machine code; `further_steps` returns steps that are special to this stage."""
+    """Return the stimuli with which the cost of the machine code is measured.
+
+    `further_steps` returns steps that only this stage needs. `floor` is the least magnitude to which a difference
+    between the outputs of the machine code and of the host is related (`agree.floors`).
+    """
 
     def replay(controller: host.Controller) -> Mapping[str, NDArray[Any]]:
-        return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY).measured
+        return stimuli.closed_loop(rigs.of_stage(stage, controller), stimuli.REPLAY_STEPS).measured
 
     def sequences(controller: host.Controller, progress: Progress) -> Sequence[Steps]:
         loop = rigs.of_stage(stage, controller)

@@ -101,10 +101,10 @@ def undetected_defects(stage: Stage) -> list[str]:
 def _steps(stage: Stage) -> tuple[sampling.Columns, sampling.Columns]:
     """Return random and edge steps, and those of a closed loop up to the latch and of latches from the limits."""
     rig, block = standard_tasks.rig(stage, np.float64), stage.controller.block
-    loop = steps.record(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTORS).measured)
+    loop = steps.record(rig.controller, "", stimuli.closed_loop(rig, stimuli.VECTOR_STEPS).measured)
     recorded = steps.concatenate("", [loop, *stimuli.latches(rig.controller, stimuli.SEED)])
     rng = np.random.default_rng(standard.SEED)
-    random_steps = [sampling.in_operation(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
+    random_steps = [sampling.operating_steps(block, rng, STEPS, loop), sampling.edge_steps(block, rng, STEPS)]
     x = {s.name: recorded.states[s.name].astype(np.float64) for s in block.states}
     u = {s.name: recorded.inputs[s.name].astype(np.float64) for s in block.inputs}
     parts = [*random_steps, (x, u)]

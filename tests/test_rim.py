@@ -57,12 +57,12 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "`gain` .* a Gain",
     ),
     "predictor": (lambda: lqg.predictor(np.eye(2), np.eye(2)), SignalError, "`gain` .* give a Gain"),
-    "from_constants": (
-        lambda: lead_lag.from_constants(1.0, 0.1, 0.01),
+    "from_time_constants": (
+        lambda: lead_lag.from_time_constants(1.0, 0.1, 0.01),
         SignalError,
-        "`numerator_s` .* is 0.1",
+        "`numerator_constants_s` .* is 0.1",
     ),
-    "integrators": (lambda: lead_lag.from_constants(1.0, [], [], -1), SignalError, "-1 integrators"),
+    "integrators": (lambda: lead_lag.from_time_constants(1.0, [], [], -1), SignalError, "-1 integrators"),
     "certify": (lambda: riccati.certify(TWO, np.eye(2), [[1.0]], 1e300 * np.eye(2)), SignalError, r"reach 1e\+300"),
     "inverse_lqr": (lambda: inverse_lqr.gain_weights(TWO, [[1e200, 1.0]]), SignalError, r"entries of K reach 1e\+200"),
     "poles": (lambda: inverse_lqr.diagonal_weights(TWO, [-1e200, -1.0]), SignalError, "`poles` of"),

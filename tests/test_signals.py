@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from synth.errors import SignalError
-from synth.signals import Parameter, Signal, dimension, identifier, signal_names
+from synth.signals import Parameter, Signal, dimension, identifier, product_unit, signal_names
 
 BASE = ("A", "K", "kg", "m", "rad", "s")
 
@@ -78,3 +78,11 @@ def test_names_stand_once_and_in_order() -> None:
     assert signal_names([b, a]) == ("b", "a")
     with pytest.raises(SignalError, match="'a' is declared 2 times"):
         signal_names([a, b, a])
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "product"),
+    [("1/s", "1/s", "1/s^2"), ("1", "1", "1"), ("m/A", "1", "m/A"), ("kg m/s^2", "m", "kg m^2/s^2"), ("m/s", "s", "m")],
+)
+def test_the_unit_of_a_product_has_each_factor_once(first: str, second: str, product: str) -> None:
+    assert product_unit(first, second) == product

@@ -90,7 +90,7 @@ def phase_estimator(
         channels=volts,
         unknowns=unknowns,
         phases=_phases(array, half, turn),
-        constants=[c for c in hall_planar.constants(array) if c.name.startswith("field")],
+        constants=[c for c in hall_planar.field_constants(array) if c.name.startswith("field")],
         iteration=iteration,
         integrity=integrity,
     )

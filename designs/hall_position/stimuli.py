@@ -128,6 +128,6 @@ def _shifted_states(controller: host.Controller, pool: Steps) -> Steps:
 
 def _random_steps(controller: host.Controller, name: str) -> Steps:
     """Return the random steps of verification."""
-    states, inputs = random_steps.in_operation(random_steps.subject(name), RANDOM_STEPS)
+    states, inputs = random_steps.operating_steps(random_steps.subject(name), RANDOM_STEPS)
     records = host.records(controller.manifest, controller.state, states, RANDOM_STEPS)
     return Steps("random", records, controller.records(inputs, RANDOM_STEPS))

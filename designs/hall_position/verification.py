@@ -92,11 +92,11 @@ def compare_witnesses(
     subject: Subject, witness_set: Witnesses, sizes: Mapping[str, int], progress: Progress
 ) -> Iterator[Comparison]:
     """Yield the comparisons of an estimator."""
-    inputs = random_steps.along_motions(subject, sizes["motions"])
+    inputs = random_steps.motion_inputs(subject, sizes["motions"])
     kinds = {
         "motions": partial(steps_along, subject, witness_set.c64, inputs),
-        "random": partial(random_steps.in_operation, subject, sizes["random"]),
-        "edge": partial(random_steps.at_the_edges, subject, sizes["edge"]),
+        "random": partial(random_steps.operating_steps, subject, sizes["random"]),
+        "edge": partial(random_steps.edge_steps, subject, sizes["edge"]),
     }
     for kind, draw in kinds.items():
         progress(f"{subject.name}: {kind} steps")

@@ -61,7 +61,7 @@ class Subject:
     at_rest: Callable[[Mapping[str, NDArray[Any]]], Columns] = lambda pose: {}
 
 
-def in_operation(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
+def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) with the platen anywhere.
 
     Raises SignalError when the controller has sensing or filter states that are unknown here.
@@ -123,7 +123,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
     return columns
 
 
-def at_the_edges(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
+def edge_steps(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:
     """Draw n independent (states, inputs) anywhere in the declared bounds, with inputs at range ends or not finite.
 
     Samples in which all voltages of an axis are tiny but not 0 are left out: the comparison of two squares that

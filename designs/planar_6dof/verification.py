@@ -52,7 +52,7 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
     """Compare all witnesses; they replay `replay_s` seconds of the tour."""
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
     progress("random steps")
-    samples = random_steps.in_operation(subject, planar_stage.plant(), RANDOM_STEPS)
+    samples = random_steps.operating_steps(subject, planar_stage.plant(), RANDOM_STEPS)
     random = {name: witness(*samples) for name, witness in by.by_name.items()}
     single, decision_checks = standard.compare_precisions(by, *samples, FLOOR, COUNTS)
     pairs = [
@@ -60,7 +60,7 @@ def verify(subject: Subject, progress: Callable[[str], None], replay_s: float) -
         (single, [*decision_checks, *share_checks(samples[0], random["c64"])]),
     ]
     progress("edge steps")
-    edges = random_steps.at_the_edges(subject.block, EDGE_STEPS)
+    edges = random_steps.edge_steps(subject.block, EDGE_STEPS)
     pairs += compare_witnesses("edge steps", subject, {name: witness(*edges) for name, witness in by.by_name.items()})
     progress("replays of closed loops")
     loop = loops.of(subject.block, by.c64)

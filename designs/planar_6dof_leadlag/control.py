@@ -32,7 +32,7 @@ def compensator(axis: str, variant: Variant = "shipped") -> lead_lag.Compensator
     """Return the continuous compensator of x, y or phi, from m to N or rad to N m. Source: (21), (22)."""
     gain, lead = PUBLISHED[axis]
     gain *= GAIN_SHARE[axis] if variant == "shipped" else 1
-    return lead_lag.from_constants(gain, (lead, RESET), (LAG,), 1)
+    return lead_lag.from_time_constants(gain, (lead, RESET), (LAG,), 1)
 
 
 def loops(variant: Variant = "shipped") -> dict[str, lead_lag.LeadLag]:

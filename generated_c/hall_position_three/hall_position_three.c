@@ -20,6 +20,7 @@ static inline float hall_position_three_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float hall_position_three_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -39,7 +40,7 @@ static inline uint32_t hall_position_three_flag(bool holds)
 #else
 #define HALL_POSITION_THREE_INLINE static inline
 #endif
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 HALL_POSITION_THREE_INLINE float hall_position_three_hold_within(float value, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {

@@ -1,13 +1,13 @@
 /* hall_position_three: one step every 0.00125 s, float. Generated: do not edit.
  *
  * Call hall_position_three_init once, then hall_position_three_step once every 0.00125 s with the inputs of that
- * sample, and write its outputs to the hardware. Only these two functions may change the state.
+ * sample, and write its outputs to the hardware. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * After 5 samples in a row with a refused measurement the latch bit is set until init. an estimator moves nothing: once
- * latched it continues, and the fault word shows the latch.
+ * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. an estimator
+ * moves nothing: once latched it continues, and the fault word shows the latch.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
  * again. gains.json and manifest.json say where each number comes from.

@@ -18,6 +18,7 @@ static inline float maglev_5dof_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float maglev_5dof_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -25,8 +26,10 @@ static inline float maglev_5dof_limit(float x, float high)
 
 static inline float maglev_5dof_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 #if defined(__GNUC__)
@@ -34,7 +37,7 @@ static inline float maglev_5dof_slew(float last, float target, float step)
 #else
 #define MAGLEV_5DOF_INLINE static inline
 #endif
-/* Return a value in low .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in low .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_INLINE float maglev_5dof_hold(float value, float low, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {
@@ -48,7 +51,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_hold(float value, float low, float high, fl
     return held;
 }
 
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_INLINE float maglev_5dof_hold_within(float value, float high, float *last, uint32_t bit, uint32_t *faults)
 {
     float held = value;
@@ -124,7 +127,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_filter(maglev_5dof_filter_state_t *state, u
 
 typedef struct {
     float k_e;                          /* 1/s^2; F(14)-(16): gain on e */
-    float k_de_x_filter_h;              /* 1/s 1/s; F(14)-(16): gain on de; times filter_y_h */
+    float k_de_times_filter_h;          /* 1/s^2; F(14)-(16): gain on de; times filter_y_h */
     float k_sum;                        /* 1/s^2; F(14)-(16): gain on sum */
     float k_p1;                         /* 1/s^2; F(14)-(16): gain on p1 */
     float k_q1;                         /* 1/s^2; F(14)-(16): gain on q1 */
@@ -155,7 +158,7 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_part = (parameters->k_e * e) + (parameters->k_de_x_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
+    const float w_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
     return w_part + (parameters->k_q1 * q1);
 }
 
@@ -169,12 +172,12 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulato
     float filter_r_next)
 {
     static const float k_e = -525.33453f;                       /* 1/s^2; F(14)-(17): gain on e */
-    static const float k_de_x_filter_h = -13345.273f;           /* 1/s 1/s; F(14)-(17): gain on de; times filter_x_h */
+    static const float k_de_times_filter_h = -13345.273f;       /* 1/s^2; F(14)-(17): gain on de; times filter_x_h */
     static const float k_sum = -0.9552653f;                     /* 1/s^2; F(14)-(17): gain on sum */
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    return (k_e * e) + (k_de_x_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 * state->q1);
+    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 * state->q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */

@@ -1,16 +1,19 @@
 /* maglev_5dof: one step every 0.001 s, float. Generated: do not edit.
  *
  * Call maglev_5dof_init once, then maglev_5dof_step once every 0.001 s with the inputs of that sample, and write its
- * outputs to the hardware. Only these two functions may change the state.
+ * outputs to the hardware. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * After 5 samples in a row with a refused measurement the step latches until init: the outputs move to the safe output
- * (zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants,
- * each sensor lost in turn: at rest the machine reaches 0.43 m/s (y) and 0.017 rad/s (theta) and hits a stop at 0.43
- * m/s (y); in motion the machine reaches 0.44 m/s (y) and 0.59 rad/s (theta) and hits a stop at 0.44 m/s (y)): i_d1,
- * i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init: the outputs
+ * move to the safe output (zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above;
+ * measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.43 m/s (y) and 0.017 rad/s (theta) and
+ * hits a stop at 0.43 m/s (y); in motion the machine reaches 0.44 m/s (y) and 0.59 rad/s (theta) and hits a stop at
+ * 0.44 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ *
+ * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
+ * machine at rest: the outputs of the first step after it are not slewed.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
  * again. gains.json and manifest.json say where each number comes from.

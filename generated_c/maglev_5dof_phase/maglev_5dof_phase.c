@@ -1,4 +1,5 @@
 /* maglev_5dof_phase. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "maglev_5dof_phase.h"
 #include <float.h>
 #include <math.h>
@@ -23,6 +24,7 @@ static inline float maglev_5dof_phase_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float maglev_5dof_phase_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -30,8 +32,10 @@ static inline float maglev_5dof_phase_limit(float x, float high)
 
 static inline float maglev_5dof_phase_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 #if defined(__GNUC__)
@@ -39,7 +43,7 @@ static inline float maglev_5dof_phase_slew(float last, float target, float step)
 #else
 #define MAGLEV_5DOF_PHASE_INLINE static inline
 #endif
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 MAGLEV_5DOF_PHASE_INLINE float maglev_5dof_phase_hold_within(float value, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {
@@ -129,12 +133,12 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         last = state->advance_last_z;
         advance_left_z_part = advance_left_z - 1u;
     }
-    const float advance_last_z_next = maglev_5dof_phase_slew(last, z_held, 0.001f);
-    const float z_acting = advance_last_z_next + (1.5f * (advance_last_z_next - last));
+    const float position = maglev_5dof_phase_slew(last, z_held, 0.001f);
+    const float z_acting = position + (1.5f * (position - last));
     const bool good_z = (faults & 0x00000200u) == 0u;
     const bool lost_z = (good_z) ? false : (advance_left_z <= 1u);
     state->advance_last_x = advance_last_x_next;
-    state->advance_last_z = advance_last_z_next;
+    state->advance_last_z = position;
     state->advance_left_x = (good_x) ? 5u : advance_left_x_part;
     state->advance_left_z = (good_z) ? 5u : advance_left_z_part;
     const uint32_t value = (lost_x) ? (faults | 0x00000400u) : faults;
@@ -155,11 +159,13 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
      *         0
      *     unknown_next = ((unknown if 105 <= unknown, else unknown + 1) if lost_x and lost_z, else 0) if
      *         lost_x or lost_z or 0 < |transfer|, else 0 */
-    const float n_distance_x = (float)(uint32_t)((8.748906f * x_acting) + 4.5f) - 4.0f;
+    const float distance_x_part = (8.748906f * x_acting) + 4.5f;
+    const float n_distance_x = (float)(uint32_t)distance_x_part - 4.0f;
     const float distance_x = x_acting - (0.11428833f * n_distance_x) - (1.1669922e-05f * n_distance_x);
     /*@ admit -0.0572643f <= distance_x <= 0.0572643f; */
     const float quarter_sine_x = distance_x * quarter_sine_x_polynomial(distance_x * distance_x);
-    const float n_distance_z = (float)(uint32_t)((8.748906f * z_acting) + 4.5f) - 4.0f;
+    const float distance_z_part = (8.748906f * z_acting) + 4.5f;
+    const float n_distance_z = (float)(uint32_t)distance_z_part - 4.0f;
     const float distance_z = z_acting - (0.11428833f * n_distance_z) - (1.1669922e-05f * n_distance_z);
     /*@ admit -0.0572643f <= distance_z <= 0.0572643f; */
     const float quarter_sine_z = distance_z * quarter_sine_x_polynomial(distance_z * distance_z);

@@ -1,7 +1,7 @@
 /* maglev_5dof_phase: one step every 0.001 s, float. Generated: do not edit.
  *
  * Call maglev_5dof_phase_init once, then maglev_5dof_phase_step once every 0.001 s with the inputs of that sample, and
- * write its outputs to the hardware. Only these two functions may change the state.
+ * write its outputs to the hardware. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.

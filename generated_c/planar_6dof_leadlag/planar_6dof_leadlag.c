@@ -1,4 +1,5 @@
 /* planar_6dof_leadlag. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "planar_6dof_leadlag.h"
 #include <float.h>
 #include <math.h>
@@ -18,6 +19,7 @@ static inline float planar_6dof_leadlag_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float planar_6dof_leadlag_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -25,8 +27,10 @@ static inline float planar_6dof_leadlag_limit(float x, float high)
 
 static inline float planar_6dof_leadlag_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 #if defined(__GNUC__)
@@ -34,7 +38,7 @@ static inline float planar_6dof_leadlag_slew(float last, float target, float ste
 #else
 #define PLANAR_6DOF_LEADLAG_INLINE static inline
 #endif
-/* Return a value in -high .. high; for any other, set its fault bit and return refused. */
+/* Return a value in -high .. high; for another one or NaN, set its fault bit and return refused. */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_replace_within(float value, float high, float refused,
     uint32_t bit, uint32_t *faults)
 {
@@ -46,7 +50,7 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_replace_within(float value,
     return held;
 }
 
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_hold_within(float value, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {
@@ -239,10 +243,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float loop_psi_integral_decay = 0.9900498f;    /* 1; (25): zero of the integral action in z */
     static const float allocation_rear_share = 0.33333334f;     /* 1; Table 3: c/(2 (b + c)) */
     static const float allocation_front_share = 0.16666667f;    /* 1; Table 3: b/(2 (b + c)) */
-    /* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
-    static const float loop_z_integral_input_x_allocation_rear_share = 0.0033167496f;
-    /* 1 1; (25): 1 - integral_decay; times allocation_half */
-    static const float loop_psi_integral_input_x_allocation_half = 0.0049751243f;
+    /* 1; (23): 1 - integral_decay; times allocation_rear_share */
+    static const float loop_z_integral_input_times_allocation_rear_share = 0.0033167496f;
+    /* 1; (25): 1 - integral_decay; times allocation_half */
+    static const float loop_psi_integral_input_times_allocation_half = 0.0049751243f;
     static const planar_6dof_leadlag_filter_parameters_t filter_phi_filter = {0.30911008f, 0.05698819f, 0.0026284785f,
         0.05f};
     static const planar_6dof_leadlag_filter_parameters_t filter_x_filter = {0.110377386f, 0.006452916f, 9.431981e-05f,
@@ -410,24 +414,24 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* sensing: position and yaw, (1)-(5) */
         const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
         const float X_c = filter_phi_p_times_V_ay - V_bx_held;
-        const float sensing_first_s_x_next = V_ax_held - filter_phi_p_times_V_ay;
+        const float X_s = V_ax_held - filter_phi_p_times_V_ay;
         const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
         const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
         const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-        const float sensing_first_s_y_next = V_ay_held + filter_phi_p_times_V_ax;
-        const float sensing_first_s_y_squared = sensing_first_s_y_next * sensing_first_s_y_next;
-        const float h1 = X_c + sensing_first_s_x_next - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (sensing_first_s_y_squared * sensing_slope_1)));
+        const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
+        const float Y_s_squared = Y_s * Y_s;
+        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
         const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
         const float X_c_squared = X_c * X_c;
-        const float sensing_first_s_x_squared = sensing_first_s_x_next * sensing_first_s_x_next;
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (sensing_first_s_x_squared * sensing_slope_1))) + (sensing_first_s_y_next - ratio_y_part);
+        const float X_s_squared = X_s * X_s;
+        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
         const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
-        const float sensing_first_s_x_times_X_c = sensing_first_s_x_next * X_c;
-        const float product_m_x = sensing_first_s_x_times_X_c * sensing_first_s_x_times_X_c;
-        const float m_x = sensing_first_s_x_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-        const float ratio_y_part_2 = sensing_first_s_y_next * ratio_y_part;
-        const float product_m_y = ratio_y_part_2 * ratio_y_part_2;
-        const float m_y = sensing_first_s_y_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+        const float X_s_times_X_c = X_s * X_c;
+        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+        const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+        const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
+        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
         bool contradicts = false;
         if ((guard_ready != 0u) && complete) {
@@ -442,12 +446,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float within_x;
         float within_y;
         if (accept) {
-            const float ratio_x = sensing_first_s_x_times_X_c / (planar_6dof_leadlag_max(sensing_first_s_x_squared, X_c_squared) + least_square);
+            const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float sensing_within_x_next;
-            if (sensing_first_s_x_squared <= X_c_squared) {
+            if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
                     if (0.0f < f_x_raw) {
                         sensing_within_x_next = f_x_raw - half_pitch;
@@ -458,7 +462,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     sensing_within_x_next = f_x_raw;
                 }
             } else {
-                sensing_within_x_next = ((sensing_first_s_x_next < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
             }
             const float sensing_offset_x = state->sensing_offset_x;
             const float off_x_raw = sensing_within_x_next - (filter_x_p - sensing_offset_x);
@@ -480,26 +484,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             }
             x_raw = sensing_within_x_next + offset_x;
             within_x = sensing_within_x_next;
-            const float ratio_y = -(ratio_y_part_2 / (planar_6dof_leadlag_max(sensing_first_s_y_squared, ratio_y_part_squared) + least_square));
+            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float sensing_within_y_next;
-            if (sensing_first_s_y_squared <= ratio_y_part_squared) {
+            float position;
+            if (Y_s_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
                     if (0.0f < f_y_raw) {
-                        sensing_within_y_next = f_y_raw - half_pitch;
+                        position = f_y_raw - half_pitch;
                     } else {
-                        sensing_within_y_next = f_y_raw + half_pitch;
+                        position = f_y_raw + half_pitch;
                     }
                 } else {
-                    sensing_within_y_next = f_y_raw;
+                    position = f_y_raw;
                 }
             } else {
-                sensing_within_y_next = ((sensing_first_s_y_next < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
             }
             const float sensing_offset_y = state->sensing_offset_y;
-            const float off_y_raw = sensing_within_y_next - (filter_y_p - sensing_offset_y);
+            const float off_y_raw = position - (filter_y_p - sensing_offset_y);
             float offset_y = sensing_offset_y;
             if (half_pitch < fabsf(off_y_raw)) {
                 if (0.0f < off_y_raw) {
@@ -516,11 +520,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                     }
                 }
             }
-            y_raw = sensing_within_y_next + offset_y;
+            y_raw = position + offset_y;
             state->sensing_within_x = sensing_within_x_next;
-            within_y = sensing_within_y_next;
-            state->sensing_within_y = sensing_within_y_next;
-            const float h3 = (sensing_first_s_x_next * (sensing_first_s_y_next + ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - X_c));
+            within_y = position;
+            state->sensing_within_y = position;
+            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
             const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
             phi_raw_part = yaw_correction;
         } else {
@@ -543,8 +547,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;
             state->sensing_first_r_2 = r_2;
-            state->sensing_first_s_x = sensing_first_s_x_next;
-            state->sensing_first_s_y = sensing_first_s_y_next;
+            state->sensing_first_s_x = X_s;
+            state->sensing_first_s_y = Y_s;
             state->sensing_first_phi = filter_phi_p;
         }
         const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
@@ -611,15 +615,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
         /* loop_z: lead-lag, (23) */
-        const float loop_z_integral_next = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_x_allocation_rear_share * (lifts + i_CD));
-        state->loop_z.integral = loop_z_integral_next;
+        const float integral = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        state->loop_z.integral = integral;
 
         /* loop_theta: lead-lag, (24) */
         state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) + (loop_theta_integral_input * achieved_theta);
 
         /* loop_psi: lead-lag, (25) */
-        const float loop_psi_integral_next = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
-        state->loop_psi.integral = loop_psi_integral_next;
+        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        state->loop_psi.integral = integral_3;
 
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi)

@@ -1,4 +1,5 @@
 /* planar_6dof_lqg. Generated: do not edit. */
+/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */
 #include "planar_6dof_lqg.h"
 #include <float.h>
 #include <math.h>
@@ -23,6 +24,7 @@ static inline float planar_6dof_lqg_max(float a, float b)
     return (a > b) ? a : b;
 }
 
+/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float planar_6dof_lqg_limit(float x, float high)
 {
     return (fabsf(x) <= high) ? x : ((x < 0.0f) ? -high : fabsf(high));
@@ -30,8 +32,10 @@ static inline float planar_6dof_lqg_limit(float x, float high)
 
 static inline float planar_6dof_lqg_slew(float last, float target, float step)
 {
-    const float below = (target < (last + step)) ? target : (last + step);
-    return (below > (last - step)) ? below : (last - step);
+    const float highest = last + step;
+    const float lowest = last - step;
+    const float below = (target < highest) ? target : highest;
+    return (below > lowest) ? below : lowest;
 }
 
 static inline uint32_t planar_6dof_lqg_flag(bool holds)
@@ -48,7 +52,7 @@ static inline uint32_t planar_6dof_lqg_flag(bool holds)
 #else
 #define PLANAR_6DOF_LQG_INLINE static inline
 #endif
-/* Return a value in -high .. high; for any other, set its fault bit and return refused. */
+/* Return a value in -high .. high; for another one or NaN, set its fault bit and return refused. */
 PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_replace_within(float value, float high, float refused, uint32_t bit,
     uint32_t *faults)
 {
@@ -60,7 +64,7 @@ PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_replace_within(float value, float h
     return held;
 }
 
-/* Return a value in -high .. high, which `last` becomes; for any other, set its fault bit and return *last. */
+/* Return a value in -high .. high, which `last` becomes; for another one or NaN, set its fault bit and return *last. */
 PLANAR_6DOF_LQG_INLINE float planar_6dof_lqg_hold_within(float value, float high, float *last, uint32_t bit,
     uint32_t *faults)
 {
@@ -228,10 +232,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float braking_x_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
     static const float braking_y_gain = -25336.316f;            /* (A)/m; 0.5 / (b T^2) */
     static const float braking_phi_gain = -1433.3131f;          /* (A)/rad; 0.5 / (b T^2) */
-    /* 1 1; (23): 1 - integral_decay; times allocation_rear_share */
-    static const float loop_z_integral_input_x_allocation_rear_share = 0.004140787f;
-    /* 1 1; (25): 1 - integral_decay; times allocation_half */
-    static const float loop_psi_integral_input_x_allocation_half = 0.0062111802f;
+    /* 1; (23): 1 - integral_decay; times allocation_rear_share */
+    static const float loop_z_integral_input_times_allocation_rear_share = 0.004140787f;
+    /* 1; (25): 1 - integral_decay; times allocation_half */
+    static const float loop_psi_integral_input_times_allocation_half = 0.0062111802f;
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
@@ -397,35 +401,35 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
         /* sensing: position and yaw, (1)-(5) */
         const float ratio_x_part = reckoning_phi_position * V_ay_held;
-        const float sensing_first_s_x_next = V_ax_held - ratio_x_part;
+        const float X_s = V_ax_held - ratio_x_part;
         const float X_c = ratio_x_part - V_bx_held;
-        const float sensing_first_s_x_times_X_c = sensing_first_s_x_next * X_c;
-        const float sensing_first_s_x_squared = sensing_first_s_x_next * sensing_first_s_x_next;
+        const float X_s_times_X_c = X_s * X_c;
+        const float X_s_squared = X_s * X_s;
         const float X_c_squared = X_c * X_c;
-        const float ratio_x = sensing_first_s_x_times_X_c / (planar_6dof_lqg_max(sensing_first_s_x_squared, X_c_squared) + least_square);
+        const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
         /*@ admit -1.0f <= ratio_x <= 1.0f; */
         const float ratio_y_part = reckoning_phi_position * V_ax_held;
-        const float sensing_first_s_y_next = V_ay_held + ratio_y_part;
+        const float Y_s = V_ay_held + ratio_y_part;
         const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
-        const float ratio_y_part_2 = sensing_first_s_y_next * V_cy_plus_ratio_y_part;
-        const float sensing_first_s_y_squared = sensing_first_s_y_next * sensing_first_s_y_next;
+        const float ratio_y_part_2 = Y_s * V_cy_plus_ratio_y_part;
+        const float Y_s_squared = Y_s * Y_s;
         const float ratio_y_part_3 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
-        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(sensing_first_s_y_squared, ratio_y_part_3) + least_square));
+        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_3) + least_square));
         /*@ admit -1.0f <= ratio_y <= 1.0f; */
-        const float h1 = X_c + sensing_first_s_x_next - (V_cy_plus_ratio_y_part * ratio_y_part_3 * (sensing_slope_0 + (sensing_first_s_y_squared * sensing_slope_1)));
+        const float h1 = X_c + X_s - (V_cy_plus_ratio_y_part * ratio_y_part_3 * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
         const float r_1 = V_by_held - V_ay_held - (h1 * reckoning_phi_position);
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (sensing_first_s_x_squared * sensing_slope_1))) + (sensing_first_s_y_next - V_cy_plus_ratio_y_part);
+        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - V_cy_plus_ratio_y_part);
         const float r_2 = V_cx_held - V_ax_held + (h2 * reckoning_phi_position);
         const float sensing_power = state->sensing_power;
         const float power = sensing_power * sensing_power_0;
-        const float product_m_x = sensing_first_s_x_times_X_c * sensing_first_s_x_times_X_c;
-        const float m_x = sensing_first_s_x_squared + X_c_squared - (power + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+        const float m_x = X_s_squared + X_c_squared - (power + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
         const float product_m_y = ratio_y_part_2 * ratio_y_part_2;
-        const float m_y = sensing_first_s_y_squared + ratio_y_part_3 - (power + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+        const float m_y = Y_s_squared + ratio_y_part_3 - (power + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
         const float ratio_x_squared = ratio_x * ratio_x;
         const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
         float within_x_2;
-        if (sensing_first_s_x_squared <= X_c_squared) {
+        if (X_s_squared <= X_c_squared) {
             if (X_c < 0.0f) {
                 if (0.0f < f_x_raw) {
                     within_x_2 = f_x_raw - half_pitch;
@@ -436,7 +440,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 within_x_2 = f_x_raw;
             }
         } else {
-            within_x_2 = ((sensing_first_s_x_next < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+            within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
         }
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
@@ -456,23 +460,23 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float within_x_2_plus_offset_x = within_x_2 + offset_x;
         const float ratio_y_squared = ratio_y * ratio_y;
         const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-        float at;
-        if (sensing_first_s_y_squared <= ratio_y_part_3) {
+        float position;
+        if (Y_s_squared <= ratio_y_part_3) {
             if (-V_cy_plus_ratio_y_part < 0.0f) {
                 if (0.0f < f_x_raw_2) {
-                    at = f_x_raw_2 - half_pitch;
+                    position = f_x_raw_2 - half_pitch;
                 } else {
-                    at = f_x_raw_2 + half_pitch;
+                    position = f_x_raw_2 + half_pitch;
                 }
             } else {
-                at = f_x_raw_2;
+                position = f_x_raw_2;
             }
         } else {
-            at = ((sensing_first_s_y_next < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
+            position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
         }
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
-        const float off_x_raw_2 = at - expected_y;
+        const float off_x_raw_2 = position - expected_y;
         float offset_y = sensing_offset_y;
         if (half_pitch < fabsf(off_x_raw_2)) {
             if (0.0f < off_x_raw_2) {
@@ -485,8 +489,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
             }
         }
-        const float at_plus_offset_y = at + offset_y;
-        const float h3 = (sensing_first_s_x_next * (sensing_first_s_y_next + V_cy_plus_ratio_y_part)) + (sensing_first_s_y_next * (sensing_first_s_x_next - X_c));
+        const float position_plus_offset_y = position + offset_y;
+        const float h3 = (X_s * (Y_s + V_cy_plus_ratio_y_part)) + (Y_s * (X_s - X_c));
         const float m_x_minus_m_y = m_x - m_y;
         const float numerator = (h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * m_x_minus_m_y));
         const float yaw_correction = numerator / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
@@ -494,17 +498,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         bool contradicts = false;
         if ((guard_ready != 0u) && complete) {
             const float innovation_x = within_x_2_plus_offset_x - reckoning_x_position;
-            const float innovation_y = at_plus_offset_y - reckoning_y_position;
+            const float innovation_y = position_plus_offset_y - reckoning_y_position;
             const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
             const float squared = x_raw_part + (yaw_correction * numerator);
             contradicts = (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
         }
         const bool accept = !contradicts && complete;
         float x_raw = within_x_2_plus_offset_x;
-        float y_raw = at_plus_offset_y;
+        float y_raw = position_plus_offset_y;
         float phi_raw_part = yaw_correction;
         float within_x = within_x_2;
-        float within_y = at;
+        float within_y = position;
         if (accept) {
             state->sensing_offset_x = offset_x;
             state->sensing_offset_y = offset_y;
@@ -532,8 +536,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;
             state->sensing_first_r_2 = r_2;
-            state->sensing_first_s_x = sensing_first_s_x_next;
-            state->sensing_first_s_y = sensing_first_s_y_next;
+            state->sensing_first_s_x = X_s;
+            state->sensing_first_s_y = Y_s;
             state->sensing_first_phi = reckoning_phi_position;
             state->sensing_common = planar_6dof_lqg_flag((significant_m < fabsf(m_x)) && (significant_m < fabsf(m_y)) && (fabsf(r_1) <= significant_r) && (fabsf(r_2) <= significant_r) && (fabsf(m_x_minus_m_y) < (0.25f * fabsf(m_x_plus_m_y))));
         }
@@ -726,13 +730,15 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->lqg_phi_achieved = achieved_phi;
 
         /* loop_z: lead-lag, (23) */
-        state->loop_z_integral = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_x_allocation_rear_share * (lifts + i_CD));
+        const float integral_4 = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        state->loop_z_integral = integral_4;
 
         /* loop_theta: lead-lag, (24) */
         state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
 
         /* loop_psi: lead-lag, (25) */
-        state->loop_psi_integral = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_x_allocation_half * (i_AD - i_BD));
+        const float integral_6 = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        state->loop_psi_integral = integral_6;
 
         /* commutation: phase currents, (17) inverted
          *     distance_rear = within_x - c * sin(phi_raw)

@@ -1,16 +1,19 @@
 /* planar_6dof_lqg: one step every 0.00125 s, float. Generated: do not edit.
  *
  * Call planar_6dof_lqg_init once, then planar_6dof_lqg_step once every 0.00125 s with the inputs of that sample, and
- * write its outputs to the hardware. Only these two functions may change the state.
+ * write its outputs to the hardware. Nothing else may change the state.
  *
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * After 5 samples in a row with a refused measurement and 24 more in which it brakes the step latches until init: the
- * outputs move to the safe output (the air bearings carry the platen, and without current no force acts on it; measured
- * on 17 plants, each sensor lost in turn: at rest the machine reaches 0.0028 m/s (x) and 0.11 rad/s (phi); in motion
- * the machine reaches 0.25 m/s (x) and 0.67 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A
- * at 126 A/s.
+ * When a measurement is refused in 5 samples in a row, and after 24 more in which it brakes, the step latches in the
+ * last of them until init: the outputs move to the safe output (the air bearings carry the platen, and without current
+ * no force acts on it; measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.0028 m/s (x) and
+ * 0.11 rad/s (phi); in motion the machine reaches 0.25 m/s (x) and 0.67 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB,
+ * i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
+ *
+ * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
+ * machine at rest: the outputs of the first step after it are not slewed.
  *
  * The gains were computed for the numbers of the plant beside them: for another mass or geometry, generate the files
  * again. gains.json and manifest.json say where each number comes from.

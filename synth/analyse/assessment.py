@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from synth.analyse import crossings, delayed_crossings, nyquist, perturbation, rational, traced_crossings, transfer
+from synth.analyse import crossings, delayed_crossings, grid_crossings, nyquist, perturbation, rational, transfer
 from synth.analyse.crossings import Crossings
 from synth.analyse.perturbation import Perturbation
 from synth.analyse.transfer import Delayed
@@ -82,7 +82,7 @@ def of_many_states(loop: StateSpace | Delayed, low: float | None, high: float | 
         return int(transfer.not_decaying(transfer.closed_loop_poles(loop, factor), loop.time).sum())
 
     return Assessment(
-        traced_crossings.of_curve(transfer.trace(loop, low, high)),
+        grid_crossings.of_curve(transfer.trace(loop, low, high)),
         count_unstable(1.0) == 0,
         low is None and (high is None or not isinstance(model.time, Continuous)),
         count_unstable,

@@ -14,7 +14,7 @@ exact delay and hold (`transfer.delayed`). L is real at w = 0 and at pi/T or inf
 there. A continuous loop with |L| >= 1 at infinity tolerates no delay: its delay margin is 0.
 
 Method. Up to EXACT_STATES states, a loop is an exact ratio of two polynomials, and `crossings` isolates every crossing.
-With a delay, `delayed_crossings` encloses L between frequencies. Above EXACT_STATES, `traced_crossings` traces L on a
+With a delay, `delayed_crossings` encloses L between frequencies. Above EXACT_STATES, `grid_crossings` traces L on a
 refined grid in double precision. Each margin is then verified independently: the closed loop must have the same number
 of unstable poles at 99 % of the margin, in log gain or in angle, as without it. An unverified margin raises an error,
 and so does a margin that rounding of the loop's coefficients changes by more than MAX_UNCERTAINTY.

@@ -36,6 +36,7 @@ from synth.emit.passes import outline as alike
 from synth.emit.passes.routine import Group
 from synth.emit.passes.surrogates import Surrogate
 from synth.emit.proof import ranges, safe
+from synth.signals import product_unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +142,6 @@ def _products(block: Block, program: Program, scalar: type[np.floating]) -> list
     by_name = {c.name: c for c in block.constants}
     pairs = {name: (by_name[first], by_name[second]) for name, (first, second) in program.products.items()}
     return [
-        Constant(name, float(scalar(a.value * b.value)), f"{a.unit} {b.unit}", f"{a.source}; times {b.name}")
+        Constant(name, float(scalar(a.value * b.value)), product_unit(a.unit, b.unit), f"{a.source}; times {b.name}")
         for name, (a, b) in pairs.items()
     ]

@@ -7,6 +7,9 @@ with inputs of every bit pattern: raw bits, values in range, bounds and the next
     the latch is never reset, and from init it is set only after the declared number of consecutive samples with a
     bad input, or with an input that the step marks as a suspect.
 
+Bits of suspects and bits with a meaning of their own follow from states: the step decides them, where the manifest
+declares them. Every other bit must be 0.
+
 A campaign finds defects but proves nothing. It runs machine code, while `eva` analyses the C.
 """
 
@@ -153,7 +156,7 @@ def _last_count(pattern: str, log: str) -> int:
 def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
     structs, functions = manifest["structs"], manifest["functions"]
     inputs = contract.members(manifest, "input")
-    latch, suspects = (sum(1 << f["bit"] for f in manifest["faults"] if f.get(k)) for k in ("latched", "suspect"))
+    latch, suspects, others = (_bits(manifest, key) for key in ("latched", "suspect", "about"))
     bad_samples = (manifest.get("safety") or {}).get("bad_samples", 0)
     return "\n".join(
         [
@@ -162,6 +165,7 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
             *(_table(f"{role.upper()}S", structs[role]["type"], contract.members(manifest, role)) for role in structs),
             f"static const fault_t FAULTS[] = {{{', '.join(_faults(manifest, inputs))}}};",
             f"#define SUSPECTS {suspects:#x}u",
+            f"#define DECIDED {suspects | others:#x}u",
             f"#define LATCH {latch:#x}u",
             f"#define BAD_SAMPLES {bad_samples}u",
             f"#define INIT {functions['init']}",
@@ -177,6 +181,11 @@ def _table(name: str, struct: str, members: tuple[Member, ...]) -> str:
         for m in members
     )
     return f"static const member_t {name}[] = {{\n{rows}}};"
+
+
+def _bits(manifest: Mapping[str, Any], key: str) -> int:
+    """Return the mask of the fault bits with this key; the bit of an input follows from the input alone."""
+    return sum(1 << f["bit"] for f in manifest["faults"] if f.get(key) and "input" not in f)
 
 
 def _faults(manifest: Mapping[str, Any], inputs: tuple[Member, ...]) -> list[str]:

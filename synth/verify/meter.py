@@ -150,8 +150,8 @@ def step_cost(candidate: Candidate, sequence: Steps, build: Build, controller: h
         code=size.code,
         constants=size.constants + size.literals,
         data=size.data,
-        state=candidate.state,
-        signals=candidate.signals,
+        state=candidate.state_bytes,
+        signals=candidate.signal_bytes,
         stack=machine_cost.stack_bytes,
     )
     return StepCost(

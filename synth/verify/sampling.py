@@ -73,7 +73,7 @@ def edge_steps(block: Block, rng: np.random.Generator, n: int) -> tuple[Columns,
     return states, inputs | {s.name: at_edges(s, rng, n, inputs[s.name]) for s in block.inputs}
 
 
-def in_operation(block: Block, rng: np.random.Generator, n: int, recorded: Steps) -> tuple[Columns, Columns]:
+def operating_steps(block: Block, rng: np.random.Generator, n: int, recorded: Steps) -> tuple[Columns, Columns]:
     """Draw n of the `recorded` steps; perturb real states and inputs by up to a few percent of their ranges.
 
     Integer states are as recorded; all values stay inside their ranges.

@@ -102,7 +102,7 @@ def compare_samples(witness_set: Witnesses, runs: Mapping[str, agree.Columns]) -
     pool = steps.concatenate(
         "closed loops", [steps.record(witness_set.c64, name, inputs) for name, inputs in runs.items()]
     )
-    random = sampling.in_operation(witness_set.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
+    random = sampling.operating_steps(witness_set.block, np.random.default_rng(SEED), RANDOM_STEPS, pool)
     edge = sampling.edge_steps(witness_set.block, np.random.default_rng(SEED + 1), EDGE_STEPS)
     agreements: list[Agreement] = []
     for what, stimulus in (("random steps", random), ("edge steps", edge)):

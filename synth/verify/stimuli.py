@@ -25,7 +25,7 @@ from synth.simulate.sensors import Override
 from synth.verify import steps
 from synth.verify.steps import Steps
 
-REPLAY, VECTORS = 10_000, 1000  # steps
+REPLAY_STEPS, VECTOR_STEPS = 10_000, 1000  # steps of a replay, and of committed test vectors
 LOOP_STEPS = 1000  # steps of each closed loop
 SWING = 0.2  # of the range of a set-point, to both sides of rest
 TURNS = 3.0  # periods of the first set-point in a recording; the others have more
@@ -34,7 +34,7 @@ RANDOM_STEPS, POOL_STEPS, RAREST_STEPS = 2000, 20_000, 1000  # recorded; drawn, 
 STEPS_PER_RANGE_END = 40
 LEADS = (3, 40, 333)  # samples of random inputs before the loss of measurement
 LONGEST = 20_000  # samples of a slew
-BEYOND = 0.5  # of a range: distance of the bad samples of test vectors from its end; JSON cannot hold NaN
+BAD_SAMPLE_EXCESS = 0.5  # of a range: distance of bad samples in test vectors beyond its end; JSON cannot hold NaN
 SEED = 2026
 
 
@@ -84,7 +84,7 @@ def sequences(
     """
     progress("sequences")
     controller = rig.controller
-    runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY)}
+    runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY_STEPS)}
     loops = [steps.record(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
     return [
         *(steps.thinned(loop, LOOP_STEPS) for loop in loops),

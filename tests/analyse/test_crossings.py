@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from synth.analyse import stability_margins, traced_crossings
+from synth.analyse import grid_crossings, stability_margins
 from synth.errors import ModelError
 from synth.statespace import StateSpace, from_control, of
 from tests.analyse.scalar_loops import EXACT, decays, gain, loop, off_boundary
@@ -63,7 +63,7 @@ def test_a_pair_of_crossings_closer_than_the_grid_is_found(above: float, monkeyp
     assert stability_margins.of_loop(gain(L, (1 - above) / (1 + above))).gain_crossings == ()
     monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
     assert [c.frequency for c in stability_margins.of_loop(L).gain_crossings] == pytest.approx(frequencies, rel=1e-8)
-    monkeypatch.setattr(traced_crossings, "_with_extrema", lambda f, w, value: (w, value))
+    monkeypatch.setattr(grid_crossings, "_with_extrema_between_nodes", lambda f, w, value: (w, value))
     assert above > 1e-4 or len(stability_margins.of_loop(L).gain_crossings) == 0
 
 
@@ -126,12 +126,12 @@ def test_an_omitted_traced_crossing_fails_the_verification(monkeypatch: pytest.M
     L = loop([4.0], [1, 3, 3, 1])
     monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
     assert stability_margins.of_loop(L).gain_margin == pytest.approx(2, rel=EXACT)
-    monkeypatch.setattr(traced_crossings, "_real_axis_frequencies", lambda curve, unit: [])
+    monkeypatch.setattr(grid_crossings, "_real_frequencies", lambda curve, unit: [])
     with pytest.raises(ModelError, match="the gain margin fails its verification: the closed loop has 0 unstable"):
         stability_margins.of_loop(L)
     monkeypatch.undo()
     monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
-    monkeypatch.setattr(traced_crossings, "_unit_gain_frequencies", lambda curve: [])
+    monkeypatch.setattr(grid_crossings, "_unit_gain_frequencies", lambda curve: [])
     with pytest.raises(ModelError, match="the phase margin fails its verification"):
         stability_margins.of_loop(gain(L, 1.9))
 
@@ -153,7 +153,7 @@ def modal_rates(w: np.ndarray, zeta: float) -> StateSpace:
 def test_a_single_omitted_traced_crossing_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stability_margins, "EXACT_STATES", 0)
     L = loop([4.0], [1, 3, 3, 1])
-    roots = traced_crossings._roots
-    monkeypatch.setattr(traced_crossings, "_roots", lambda f, w, value: roots(f, w, value)[1:])
+    roots = grid_crossings._roots
+    monkeypatch.setattr(grid_crossings, "_roots", lambda f, w, value: roots(f, w, value)[1:])
     with pytest.raises(ModelError, match=r"0 crossings of \|L\| = 1 were found, but .L. goes from 4 to"):
         stability_margins.of_loop(L)

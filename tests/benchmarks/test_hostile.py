@@ -21,7 +21,7 @@ INNER = {  # modules whose functions take what others have read
     *("structured_singular_value", "bordered", "cofactors", "doubling", "equation", "exact_riccati", "newton"),
     *("reduced_noise", "reduced_partition", "solvability", "exact_eigenvalues", "trajectory"),
     *("trajectory_fit", "identifiability", "variances", "minimal_polynomial", "weights", "check", "conversions"),
-    *("rational", "crossings", "delayed_crossings", "traced_crossings", "zpk", "perturbation", "nyquist", "assessment"),
+    *("rational", "crossings", "delayed_crossings", "grid_crossings", "zpk", "perturbation", "nyquist", "assessment"),
     *("nearest_root", "peak_gain", "bounded_real", "resolvent", "period_cost", "balance", "copies", "modes"),
     *("modal", "modal_peak", "climb", "isolated_zeros", "refinement", "zeros", "glsdc", "error_map", "phasor"),
     *("axis_blocks", "axis_inverse", "axis_regulator", "equilibrium_equations"),
@@ -92,11 +92,11 @@ def test_another_answer_to_the_same_value_is_a_defect() -> None:
 
 def test_a_function_of_the_library_without_its_guard_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     lead_lag = importlib.import_module("synth.synthesise.classical.lead_lag")
-    guarded = lead_lag.from_constants
-    assert not any(outcome.is_defect for _, outcome in hostile.search(60, 0, "lead_lag.from_constants"))
-    monkeypatch.setattr(lead_lag, "from_constants", guarded.__wrapped__)
+    guarded = lead_lag.from_time_constants
+    assert not any(outcome.is_defect for _, outcome in hostile.search(60, 0, "lead_lag.from_time_constants"))
+    monkeypatch.setattr(lead_lag, "from_time_constants", guarded.__wrapped__)
     monkeypatch.setattr(hostile, "is_checked", lambda target: target is guarded.__wrapped__)
-    assert any(outcome.is_defect for _, outcome in hostile.search(60, 0, "lead_lag.from_constants"))
+    assert any(outcome.is_defect for _, outcome in hostile.search(60, 0, "lead_lag.from_time_constants"))
 
 
 def is_rim(function: Callable[..., Any]) -> bool:

@@ -161,7 +161,7 @@ def test_long_mixtures_equal_the_recursion(guarded: host.Controller) -> None:
         ("guard_left - 1u", "guard_left - 2u"),
         ("latched = guard_latched", "latched = 0u"),
         ("guard_latched = 1u", "guard_latched = 0u"),
-        ("(target < (last + step))", "(target > (last + step))"),
+        ("(target < highest)", "(target > highest)"),
         ("(fabsf(x) <= high)", "(fabsf(x) <= 2.0f * high)"),
         ("0x80000000u", "0x40000000u"),
         ("*last = value", "*last = 0.5f * value"),

@@ -135,14 +135,14 @@ GAINS = [Constant(n, v, "1/s", f"source of {n}") for n, v in (("k", 0.1), ("l", 
 def test_products_of_constants_are_rounded_once_and_name_their_factors(scalar: type[np.floating]) -> None:
     reduced = reduce(make(lambda u, x, k: Step({"y": k["k"] * (k["l"] * u["a"])}), constants=GAINS), scalar)
     made = reduced.block.constants[-1]
-    assert made.name == "k_x_l" and made.source == "source of k; times l"
+    assert made.name == "k_times_l" and made.source == "source of k; times l"
     assert made.value == float(scalar(float(scalar(0.1)) * float(scalar(0.3))))
-    assert [n.name for n in reduced.program.nodes if n.op == "constant"] == ["k_x_l"]
+    assert [n.name for n in reduced.program.nodes if n.op == "constant"] == ["k_times_l"]
 
 
 def test_dropping_a_limit_allows_products_of_constants() -> None:
     limited = make(lambda u, x, k: Step({"y": k["k"] * clip(k["l"] * u["a"], signal("v", -9, 9))}), constants=GAINS)
-    assert [n.name for n in reduce(limited).program.nodes if n.op == "constant"] == ["k_x_l"]
+    assert [n.name for n in reduce(limited).program.nodes if n.op == "constant"] == ["k_times_l"]
 
 
 def counters(law: Callable[..., Step], high: float = 7) -> Block:

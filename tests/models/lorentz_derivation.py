@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from models.lorentz_motor import OFFSETS
+from models.lorentz_motor import PHASE_OFFSETS
 
 l, Gamma, Delta, w, eta0, Nm, m, z0 = sp.symbols("l Gamma Delta w eta0 Nm mu0_M0 z0", positive=True)
 y, i_Q, i_D = sp.symbols("y i_Q i_D", real=True)
@@ -34,7 +34,7 @@ def force_law(n: int = 1) -> ForceLaw:
     def force(shape: type[sp.Function]) -> sp.Expr:
         band = sp.integrate(shape(n * gamma * (middle + s)), (s, -l / 12, l / 12))
         total = sp.Integer(0)
-        for phase, offset in OFFSETS.items():
+        for phase, offset in PHASE_OFFSETS.items():
             centre = y + sp.nsimplify(offset) * l
             total += CURRENTS[phase] * (band.subs(middle, centre) - band.subs(middle, centre + l / 2))
         return Nm * w * eta0 * peak * decay * total

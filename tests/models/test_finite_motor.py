@@ -75,7 +75,7 @@ def test_the_change_with_lift_and_yaw_is_that_of_the_integral(bars: magpylib.Col
 def test_bands_in_another_order_are_caught(
     bars: magpylib.Collection, order: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lorentz_motor, "OFFSETS", order)
+    monkeypatch.setattr(lorentz_motor, "PHASE_OFFSETS", order)
     series, theirs = (
         finite_matrix.series(finite_matrix.ideal_blocks(), 16),
         oracle.wrenches(bars, WIRES[False], (0.0, 0.0)),

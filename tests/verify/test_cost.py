@@ -60,7 +60,7 @@ def of(design_cost: Cost, generator: str) -> list[StepCost]:
 
 def test_every_generator_computes_the_same_step(design_cost: Cost) -> None:
     assert {(f.generator, f.build) for f in design_cost.compared} == {
-        (g, b.name) for g in (cost.SYNTH, baselines.AS_EMITTED, baselines.SHIMMED) for b in meter.builds()
+        (g, b.name) for g in (cost.SYNTH, baselines.CASADI, baselines.CASADI_FLOAT) for b in meter.builds()
     }
     for f in design_cost.compared:
         # The emitted C is the host's to the bit unless contracted. The others round otherwise, in sums of terms up
@@ -116,7 +116,7 @@ def test_the_document_is_strict_json_with_units_and_notes(design_cost: Cost) -> 
     shown = [row for t in cost.tables(design_cost) for row in t.rows]
     assert all(isinstance(cell, str) for row in shown for cell in row)
     assert all(len(row) == len(t.columns) for t in cost.tables(design_cost) for row in t.rows)
-    assert [line.split(":")[0] for line in design_cost.absent] == list(baselines.OTHERS)
+    assert [line.split(":")[0] for line in design_cost.absent] == list(baselines.UNSUPPORTED)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
@@ -179,7 +179,7 @@ def test_instructions_predicated_false_are_not_counted_as_executed() -> None:
     ],
 )
 def test_literals_become_float(text: str, expected: str) -> None:
-    assert baselines.in_single_precision(f"#include <math.h>\n{text}\n").endswith(f"\n{expected}\n")
+    assert baselines.with_float_shim(f"#include <math.h>\n{text}\n").endswith(f"\n{expected}\n")
 
 
 def functions_of_libm() -> Block:
@@ -205,7 +205,7 @@ def test_the_shim_is_single_precision_everywhere() -> None:
     with pytest.raises(CompileError, match="float-conversion"):
         host_compiler.check(plain, strict)
     with pytest.raises(EmitError, match=r"found no `#include <math.h>`"):
-        baselines.in_single_precision("float f(float x);\n")
+        baselines.with_float_shim("float f(float x);\n")
 
 
 def test_operations_are_counted_by_kind() -> None:

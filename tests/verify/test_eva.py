@@ -4,12 +4,21 @@ import json
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
+import numpy as np
 import pytest
 
+from synth.block import Exprs, State, Step, build
+from synth.blocks import safety
+from synth.composition import compose
+from synth.emit import write
 from synth.errors import CompileError, DesignError
+from synth.signals import Signal
+from synth.timing import Discrete
 from synth.verify import eva
 
 Plant = Callable[[str, str], dict[str, str]]
@@ -163,3 +172,62 @@ def test_admitted_bounds_are_counted(planted: Plant, manifest: dict[str, Any]) -
     unfit = "/*@ admit 2.0f <= i1 <= 1.0f; */"
     refuted = eva.prove(planted("out->i1 = clamped(scale * i1, -4.95f, 4.95f);", f"{limited} {unfit}"), manifest)
     assert not refuted.checks()[1].passed and "user check" in refuted.unproved[0]  # whatever follows would go unseen
+
+
+@pytest.fixture(scope="module")
+def rate_limited() -> tuple[dict[str, str], dict[str, Any]]:
+    """Return the C of a position that follows a guarded one within its own range, and its manifest."""
+    time, target, last = Discrete(1e-3), Signal("target", "m", -0.1, 0.1), Signal("last", "m", -0.1, 0.1)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        next = ca.fmax(ca.fmin(u["target_held"], x["last"] + 1e-3), x["last"] - 1e-3)
+        return Step({"position": next + 1.5 * (next - x["last"])}, {"last": next})
+
+    position = Signal("position", "m", -0.5, 0.5)
+    held = replace(target, name="target_held")
+    follow = build("follow", time, law, inputs=[held], outputs=[position], states=[State(last, 0.0)])
+    guard = safety.guard(time, [safety.GuardedInput(target, 0.0, False)], 5)
+    emitted = write.emit(compose("follower", [guard, follow], inputs=["target"], outputs=["position"]), np.float32)
+    return dict(emitted.files), dict(emitted.manifest)
+
+
+@needs_frama_c
+def test_a_rate_limit_between_values_in_range_is_proved(rate_limited: tuple[dict[str, str], dict[str, Any]]) -> None:
+    """Its sums leave the range; only the comparison with the target shows that the result does not."""
+    proof = eva.prove(*rate_limited)
+    assert (proof.alarms, proof.unproved, proof.admitted) == ((), (), 0)
+    assert proof.proved == proof.claims == 3 + 2 * 2 * 3
+
+
+@needs_frama_c
+@pytest.mark.parametrize(("end", "claim"), [("low", "\u2264 state.follow_last"), ("high", "state.follow_last \u2264")])
+def test_a_wrong_claim_on_a_state_is_not_proved(
+    rate_limited: tuple[dict[str, str], dict[str, Any]], end: str, claim: str
+) -> None:
+    """The state follows its target out of a range that is a hundredth narrower."""
+    files, manifest = rate_limited
+    states = manifest["structs"]["state"]
+    fields = [
+        f | {end: float(np.float32(0.99 * f[end]))} if f["name"] == "follow_last" else f for f in states["fields"]
+    ]
+    structs = manifest["structs"] | {"state": states | {"fields": fields}}
+    proof = eva.prove(files, manifest | {"structs": structs})
+    assert [claim in text for text in proof.unproved] == [True]
+
+
+@needs_frama_c
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("(target < highest)", "(target > highest)"),
+        ("(below > lowest)", "(below < lowest)"),
+        ("last - step", "last + step"),
+    ],
+)
+def test_a_defect_of_the_rate_limit_is_not_proved(
+    rate_limited: tuple[dict[str, str], dict[str, Any]], old: str, new: str
+) -> None:
+    files, manifest = rate_limited
+    assert files["follower.c"].count(old) == 1
+    proof = eva.prove(files | {"follower.c": files["follower.c"].replace(old, new)}, manifest)
+    assert any("state.follow_last" in text for text in proof.unproved)

@@ -89,17 +89,39 @@ def test_a_wrong_certificate_is_found() -> None:
     assert "output y" in fuzz.run(emitted.files, dict(emitted.manifest) | {"safety": {"bad_samples": 5}}, STEPS).finding
 
 
+WORD = "(good_g1 ? 0u : 0x00000001u) | (good_g2"
+LOST = {"bit": 8, "about": "g1: lost"}
+
+
 @needs_clang
-def test_only_the_step_decides_on_suspects(planted: Plant, manifest: dict[str, Any]) -> None:
-    """A bit that depends on states is not a finding if the manifest declares it, and counts as a bad sample."""
-    files = planted(
-        "(good_g1 ? 0u : 0x00000001u) | (good_g2",
-        "((state->xi > 0.0f) ? 0x100u : 0u) | (good_g1 ? 0u : 0x00000001u) | (good_g2",
-    )
+@pytest.mark.parametrize("meaning", [{"bit": 8, "suspect": "g1"}, LOST])
+def test_only_the_step_decides_on_bits_that_follow_from_states(
+    planted: Plant, manifest: dict[str, Any], meaning: dict[str, Any]
+) -> None:
+    """A bit that depends on states is not a finding if the manifest declares it."""
+    files = planted(WORD, f"((state->xi > 0.0f) ? 0x100u : 0u) | {WORD}")
     extended = manifest | {"safety": {"bad_samples": 5}}
     assert "fault word" in fuzz.run(files, extended, STEPS).finding
-    named = extended | {"faults": [*manifest["faults"], {"bit": 8, "suspect": "g1"}]}
-    assert fuzz.run(files, named, STEPS).finding == ""
+    assert fuzz.run(files, extended | {"faults": [*manifest["faults"], meaning]}, STEPS).finding == ""
+
+
+@needs_clang
+@pytest.mark.parametrize(
+    ("old", "new", "meaning", "finding"),
+    [
+        (WORD, f"((state->xi > 0.0f) ? 0x200u : 0u) | {WORD}", LOST, "fault word"),
+        ("(good_r ? 0u : 0x00000004u)", "0x00000004u", {"bit": 2, "input": "r", "about": "r: lost"}, "fault word"),
+        ("(good_r ? 0u : 0x00000004u)", "0x00000100u", LOST, "fault word"),
+        ("(bad_g2 == 5u)", "(bad_g2 == 4u)", LOST, "latch from init"),
+    ],
+    ids=["another bit", "the bit of an input", "instead of the bit of an input", "latch rises early"],
+)
+def test_a_bit_with_a_meaning_of_its_own_excuses_no_other(
+    planted: Plant, manifest: dict[str, Any], old: str, new: str, meaning: dict[str, Any], finding: str
+) -> None:
+    faults = [f for f in manifest["faults"] if f["bit"] != meaning["bit"]]
+    extended = manifest | {"safety": {"bad_samples": 5}, "faults": [*faults, meaning]}
+    assert finding in fuzz.run(planted(old, new), extended, STEPS).finding
 
 
 @needs_clang

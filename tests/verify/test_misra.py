@@ -28,6 +28,7 @@ def test_clean_c_has_no_finding(files: dict[str, str]) -> None:
         ("(state->bad_g1 + 1u) : 5u", "(state->bad_g1 + 1u) : 5", "10.4"),
         ("const bool good_r =", "const int good_r =", "10.3"),
         ("(0.9f * state->v) + (260.0f * e)", "0.9f * state->v + (260.0f * e)", "12.1"),
+        ("const float i2 = d * a2;", "const float i2 = (float)(uint32_t)(d * a2);", "10.8"),
     ],
 )
 def test_a_planted_violation_is_found(planted: Plant, old: str, new: str, rule: str) -> None:

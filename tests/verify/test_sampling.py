@@ -50,7 +50,7 @@ def test_steps_in_operation_are_near_recorded_ones() -> None:
     rig = standard_tasks.rig(PID.DESIGN.stage, np.float64)
     inputs = stimuli.closed_loop(rig, 500).measured
     recorded = steps.record(rig.controller, "loop", inputs)
-    states, drawn = sampling.in_operation(BLOCK, np.random.default_rng(5), N, recorded)
+    states, drawn = sampling.operating_steps(BLOCK, np.random.default_rng(5), N, recorded)
     assert set(states) == {s.name for s in BLOCK.states} and set(drawn) == {s.name for s in BLOCK.inputs}
     for s in BLOCK.states:
         assert (states[s.name] >= s.signal.low).all() and (states[s.name] <= s.signal.high).all()

@@ -39,7 +39,7 @@ def test_a_doubled_slew_is_found(controller: host.Controller, doubled: host.Cont
 
 
 def test_a_doubled_slew_is_found_by_the_replay_too(controller: host.Controller, doubled: host.Controller) -> None:
-    inputs = stimuli.closed_loop(standard_tasks.rig(STAGE, np.float32), stimuli.REPLAY).measured
+    inputs = stimuli.closed_loop(standard_tasks.rig(STAGE, np.float32), stimuli.REPLAY_STEPS).measured
     outputs = [c.replay(inputs).outputs for c in (controller, doubled)]
     assert any(not np.array_equal(outputs[0][name], outputs[1][name]) for name in outputs[0])
 
@@ -52,7 +52,8 @@ def test_latches_end_at_rest(controller: host.Controller) -> None:
 
 
 def test_the_replay_has_bad_samples_of_every_input_and_latches_in_the_end(controller: host.Controller) -> None:
-    replay = controller.replay(stimuli.closed_loop(standard_tasks.rig(STAGE, np.float32), stimuli.REPLAY).measured)
+    rig = standard_tasks.rig(STAGE, np.float32)
+    replay = controller.replay(stimuli.closed_loop(rig, stimuli.REPLAY_STEPS).measured)
     first = int(np.argmax(replay.faults >> 31))
     assert 9500 <= first <= 9505 and (replay.faults[first:] >> 31).all()
     seen = np.bitwise_or.reduce(replay.faults[:first])

@@ -84,7 +84,7 @@ def estimator(array: PlanarArray, time: Discrete, tuning: Tuning = DEFAULT_TUNIN
         inputs=channels.estimator_inputs(len(array.positions), redundant),
         outputs=_outputs(array, tuning),
         states=tracking.states(problem),
-        constants=hall_planar.constants(array),
+        constants=hall_planar.field_constants(array),
         tag="GLSDC, Fig. 9",
     )
 

@@ -144,7 +144,7 @@ def trial_function(
 
     def trial(i: int, at: Vector) -> Trial[Normal]:
         at_trial = hall_planar.displace(sensors, at, named) if i else sensors
-        by_axis = tuple(zip(*map(hall_planar.rows, at_trial), strict=True))
+        by_axis = tuple(zip(*map(hall_planar.residual_rows, at_trial), strict=True))
         residuals = [r.e for rows in by_axis for r in rows]
         squares = total(e**2 for e in residuals)
         cost = squares + damping * squared_motion(at, radius)

@@ -27,8 +27,12 @@ def source(
 ) -> list[Line]:
     """Return the lines of <name>.c around the `body` of its step."""
     used = {n.op for q in (program, *(c.routine.program for c in program.calls.values())) for n in q.nodes}
-    parts = [f"/* {block.name}. Generated: do not edit. */", f'#include "{block.name}.h"', "#include <float.h>"]
-    parts += ["#include <math.h>"] if used & (LIBM | {"clamp"}) else []
+    parts = [f"/* {block.name}. Generated: do not edit. */"]
+    if any("@ admit" in line.text for line in body):
+        parts += ["/* A comment with `admit` states a bound that the generator has certified, for Frama-C. */"]
+    parts += [f'#include "{block.name}.h"', "#include <float.h>"]
+    symmetric = any(n.op == "guard" and guard_function(program, n).endswith("_within") for n in program.nodes)
+    parts += ["#include <math.h>"] if symmetric or used & (LIBM | {"clamp"}) else []
     called = routines.functions(block, program, layout)
     compares = any(f"{block.name}_equal(" in line.text for line in (*called, *body))
     parts += ["#include <stdbool.h>"] if compares or "logical" in kinds(program) else []
@@ -42,10 +46,10 @@ def source(
     parts += _guards(block, program, layout)
     for surrogate in surrogates:
         parts += [*_polynomial(surrogate, layout), ""]
-    heads = diagnostics.heads(block, step_head(block.name), program)
-    step = [*_init(block, layout), "", *heads, "{", *_constants(block, program, layout)]
-    step += diagnostics.start(block, program)
-    ending = diagnostics.end(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
+    head = diagnostics.definition_head(block, step_head(block.name), program)
+    step = [*_init(block, layout), "", *head, "{", *_constants(block, program, layout)]
+    step += diagnostics.entry_statements(block, program)
+    ending = diagnostics.exit_statements(block, program, body[-1].text.removeprefix("    return ").rstrip(";"))
     return [*map(Line, parts), *called, *map(Line, step), *body[:-1], *map(Line, ending), body[-1], Line("}")]
 
 
@@ -69,13 +73,15 @@ def _helpers(name: str, used: set[str], layout: Layout) -> list[str]:
             parts += [head, "{", f"    return (a {sign} b) ? a : b;", "}", ""]
     if "clamp" in used:
         size, zero = "fabsf" if t == "float" else "fabs", literal(0.0, layout.scalar).c
+        parts += ["/* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */"]
         parts += [f"static inline {t} {name}_limit({t} x, {t} high)", "{"]
-        # for a negative high, max(min(x, high), -high) is -high for every x
         parts += [f"    return ({size}(x) <= high) ? x : ((x < {zero}) ? -high : {size}(high));", "}", ""]
     if "slew" in used:
         parts += [f"static inline {t} {name}_slew({t} last, {t} target, {t} step)", "{"]
-        parts += [f"    const {t} below = (target < (last + step)) ? target : (last + step);"]
-        parts += ["    return (below > (last - step)) ? below : (last - step);", "}", ""]
+        # From a comparison an analyser learns about a variable, not about a sum that is computed again.
+        parts += [f"    const {t} highest = last + step;", f"    const {t} lowest = last - step;"]
+        parts += [f"    const {t} below = (target < highest) ? target : highest;"]
+        parts += ["    return (below > lowest) ? below : lowest;", "}", ""]
     return parts
 
 
@@ -107,7 +113,7 @@ def _guards(block: Block, program: Program, layout: Layout) -> list[str]:
         range, name = "low .. high" if two else "-high .. high", f"{block.name}_{name}"
         about = (
             f"Return a value in {range}{', which `last` becomes' if node.name else ''}; "
-            f"for any other, set its fault bit and return {source}."
+            f"for another one or NaN, set its fault bit and return {source}."
         )
         head = f"{routines.inline(block)} {t} {name}({t} value, {bounds}, {kept}, uint32_t bit, uint32_t *faults)"
         lines += [

@@ -1,12 +1,16 @@
-"""Diagnostics of a step, compiled only where <NAME>_DIAGNOSTICS is defined: signals, saturation, cause of a latch.
+"""Diagnostics of a step: internal signals, saturation and the cause of a latch, for a debugger or a log.
 
-    <name>_diagnostics_t                                    signals of the composition, and four words:
-        samples, faults, latch_cause                        steps; fault word of the last one, of the one that latched
+The emitted C contains them only where the macro <NAME>_DIAGNOSTICS is defined:
+
+    <name>_diagnostics_t                                    the recorded signals, and four words:
+        samples                                             number of steps since the caller cleared the struct
+        faults                                              fault word of the last step
+        latch_cause                                         fault word of the step that set the latch
         saturated                                           bit k: the k-th limited signal is at its limit
-    <name>_step_diagnosed(state, in, out, diagnostics)      the step; a null pointer costs the tests for it
+    <name>_step_diagnosed(state, in, out, diagnostics)      the step; it records nothing if `diagnostics` is NULL
 
-The struct belongs to the caller, who sets it to zero together with `init`. Without the macro the text of the step is
-the one that it would be without diagnostics, so nothing is paid for them.
+The struct belongs to the caller, who sets it to zero together with `init`. Without the macro the C of the step is the
+same as without this module, so diagnostics cost neither time nor memory.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,128 +29,157 @@ WORDS = {
     "latch_cause": "fault word of the step that latched, 0 before",
     "saturated": "signals at their limits in the last step",
 }
-WIDTH = 114
-_LEAVES = ("input", "state", "constant", "literal", "guard")
+MAX_LIMITED = 32  # bits of `saturated`
+_LEAVES = ("input", "state", "constant", "literal", "guard")  # operations of nodes that compute nothing
 
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """By node, the signals that are recorded, and those that are limited, of which the k-th has bit k."""
+    """The recorded signals by node, and the limited signals by node; bit k of `saturated` is for the k-th of these."""
 
     signals: Mapping[int, Signal]
     limited: Mapping[int, Signal]
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether a step has no diagnostics."""
+        return not (self.signals or self.limited)
 
-NOTHING = Diagnostics({}, {})
+
+NO_DIAGNOSTICS = Diagnostics({}, {})
 
 
 def of_program(p: Program) -> Diagnostics:
-    """Return what is recorded: outputs of Blocks that the step does not return; of a single Block nothing."""
-    marks: dict[int, Signal] = {}
-    for named, k in p.marks if len(p.titles) > 1 else ():
-        if named.block not in (safety.GUARD, safety.SAFE_OUTPUT) and p.nodes[k].op not in _LEAVES:
-            marks.setdefault(k, named.signal)
-    shown = {k: s for named, k in p.marks if (s := marks.get(k)) is named.signal and not named.is_internal}
-    returned = {*p.outputs.values(), *(p.nodes[k].args[-1] for k in p.outputs.values() if p.nodes[k].op == "choose")}
-    limited = {k: s for k, s in marks.items() if p.nodes[k].op == "clamp"}
-    names = [s.name for s in shown.values()]
-    signals = {k: s for k, s in shown.items() if k not in returned and names.count(s.name) == 1 and s.name not in WORDS}
-    return Diagnostics(signals, dict(list(limited.items())[:32]))
+    """Return the diagnostics of a composition: outputs of its Blocks that the step does not return.
+
+    A program of a single Block has none. If two recorded signals have the same name, neither is recorded.
+    """
+    computed = _computed_signals(p)
+    outputs = {k: mark.signal for mark, k in p.marks if mark.signal is computed.get(k) and not mark.is_internal}
+    returned = _returned_nodes(p)
+    names = [s.name for s in outputs.values()]
+    recorded = {
+        k: s for k, s in outputs.items() if k not in returned and names.count(s.name) == 1 and s.name not in WORDS
+    }
+    limited = [(k, s) for k, s in computed.items() if p.nodes[k].op == "clamp"]
+    return Diagnostics(recorded, dict(limited[:MAX_LIMITED]))
 
 
-def macro(block: Block) -> str:
+def _computed_signals(p: Program) -> dict[int, Signal]:
+    """Return by node the first signal that a law of a composition computes there; guard and safe output are no laws."""
+    computed: dict[int, Signal] = {}
+    for mark, k in p.marks if len(p.titles) > 1 else ():
+        if mark.block not in (safety.GUARD, safety.SAFE_OUTPUT) and p.nodes[k].op not in _LEAVES:
+            computed.setdefault(k, mark.signal)
+    return computed
+
+
+def _returned_nodes(p: Program) -> set[int]:
+    """Return the nodes of the outputs, and of the last alternative of an output that is a choice."""
+    outputs = [p.nodes[k] for k in p.outputs.values()]
+    return {*p.outputs.values(), *(node.args[-1] for node in outputs if node.op == "choose")}
+
+
+def macro_name(block: Block) -> str:
     """Return the name of the macro that turns diagnostics on."""
     return f"{block.name.upper()}_DIAGNOSTICS"
 
 
-def head(name: str) -> str:
-    """Return the declaration of the step with diagnostics."""
+def prototype(name: str) -> str:
+    """Return the prototype of the step with diagnostics, without the semicolon."""
     pointers = f"{name}_state_t *state, const {name}_input_t *in, {name}_output_t *out"
     return f"uint32_t {name}_step_diagnosed({pointers},\n    {name}_diagnostics_t *diagnostics)"
 
 
 def declaration(block: Block, layout: Layout, p: Program) -> list[str]:
-    """Return the struct and the function for the header."""
-    of = of_program(p)
-    if not (of.signals or of.limited):
+    """Return the struct and the prototype for the header."""
+    diagnostics = of_program(p)
+    if diagnostics.is_empty:
         return []
-    bits = ", ".join(f"{bit} {s.name}" for bit, s in enumerate(of.limited.values()))
-    about = "Signals of the last step that was not latched, and what happened since you set this to zero, with init."
-    about += f" Bits of `saturated`: {bits}." if bits else ""
-    fields = [(layout.ctype, s.name, f"{s.unit}: {s.about}" if s.about else s.unit) for s in of.signals.values()]
+    bits = ", ".join(f"{bit} {s.name}" for bit, s in enumerate(diagnostics.limited.values()))
+    fields = [
+        (layout.ctype, s.name, f"{s.unit}: {s.about}" if s.about else s.unit) for s in diagnostics.signals.values()
+    ]
     fields += [("uint32_t", name, about) for name, about in WORDS.items()]
     return [
-        *(
-            f"#if defined({macro(block)})",
-            "/* Signals of the last step that was not latched, and what happened. Set it",
-        ),
-        *(" * to zero when you call init." + (f" Bits of `saturated`: {bits}." if bits else "") + " */").splitlines(),
-        *("typedef struct {", *(f"    {t} {n};".ljust(40) + f"/* {prose(about)} */" for t, n, about in fields)),
-        *(f"}} {block.name}_diagnostics_t;", "", "/* The step; `diagnostics` may be null. */", f"{head(block.name)};"),
-        *("#endif", ""),
+        f"#if defined({macro_name(block)})",
+        "/* Signals of the last step that was not latched, and what happened. Set it",
+        " * to zero when you call init." + (f" Bits of `saturated`: {bits}." if bits else "") + " */",
+        "typedef struct {",
+        *(f"    {ctype} {name};".ljust(40) + f"/* {prose(about)} */" for ctype, name, about in fields),
+        f"}} {block.name}_diagnostics_t;",
+        "",
+        "/* The step; `diagnostics` may be null. */",
+        f"{prototype(block.name)};",
+        "#endif",
+        "",
     ]
 
 
-def document(block: Block, p: Program) -> dict[str, object]:
-    """Return the entry of the manifest, empty where nothing is recorded."""
-    of = of_program(p)
-    if not (of.signals or of.limited):
+def manifest_entry(block: Block, p: Program) -> dict[str, object]:
+    """Return the entry of the manifest, empty where the step has no diagnostics."""
+    diagnostics = of_program(p)
+    if diagnostics.is_empty:
         return {}
     return {
-        "macro": macro(block),
+        "macro": macro_name(block),
         "function": f"{block.name}_step_diagnosed",
         "type": f"{block.name}_diagnostics_t",
-        "signals": {s.name: s.unit for s in of.signals.values()},
+        "signals": {s.name: s.unit for s in diagnostics.signals.values()},
         "words": list(WORDS),
-        "saturated": [s.name for s in of.limited.values()],
+        "saturated": [s.name for s in diagnostics.limited.values()],
     }
 
 
-def heads(block: Block, step_head: str, p: Program) -> list[str]:
-    """Return the heads of the function whose body follows: the step, or the step with diagnostics which it calls."""
-    of = of_program(p)
-    if not (of.signals or of.limited):
-        return [step_head]
+def definition_head(block: Block, step: str, p: Program) -> list[str]:
+    """Return the lines before the body of the step, whose prototype is `step`.
+
+    With the macro the body belongs to the step with diagnostics, and the step itself calls that function with NULL.
+    """
+    if of_program(p).is_empty:
+        return [step]
     call = f"    return {block.name}_step_diagnosed(state, in, out, NULL);"
-    called = [step_head, "{", call, "}", "", *head(block.name).splitlines()]
-    return [f"#if defined({macro(block)})", *called, "#else", step_head, "#endif"]
+    with_macro = [step, "{", call, "}", "", *prototype(block.name).splitlines()]
+    return [f"#if defined({macro_name(block)})", *with_macro, "#else", step, "#endif"]
 
 
 def includes(block: Block, p: Program) -> list[str]:
-    """Return the header that defines NULL."""
-    of = of_program(p)
-    return [f"#if defined({macro(block)})", "#include <stddef.h>", "#endif"] if of.signals or of.limited else []
+    """Return the lines that include the header that defines NULL."""
+    return [] if of_program(p).is_empty else [f"#if defined({macro_name(block)})", "#include <stddef.h>", "#endif"]
 
 
-def start(block: Block, p: Program) -> list[str]:
+def entry_statements(block: Block, p: Program) -> list[str]:
     """Return the statements at the beginning of the step."""
-    return _when(block, p, ["diagnostics->samples += 1u;", "diagnostics->saturated = 0u;"], "    ")
+    if of_program(p).is_empty:
+        return []
+    return _if_recording(block, ["diagnostics->samples += 1u;", "diagnostics->saturated = 0u;"], "    ")
 
 
-def end(block: Block, p: Program, word: str) -> list[str]:
-    """Return the statements at the end of the step, whose fault word is `word`."""
-    latched = f"({word} & 0x{1 << LATCH_BIT:08x}u) != 0u"
-    rows = [f"diagnostics->faults = {word};"]
+def exit_statements(block: Block, p: Program, word: str) -> list[str]:
+    """Return the statements at the end of the step, whose fault word is the C expression `word`."""
+    if of_program(p).is_empty:
+        return []
+    statements = [f"diagnostics->faults = {word};"]
     if block.latches:
-        rows += [f"if ((diagnostics->latch_cause == 0u) && ({latched})) {{"]
-        rows += [f"    diagnostics->latch_cause = {word};", "}"]
-    return _when(block, p, rows, "    ")
+        is_latched = f"({word} & 0x{1 << LATCH_BIT:08x}u) != 0u"
+        statements += [f"if ((diagnostics->latch_cause == 0u) && ({is_latched})) {{"]
+        statements += [f"    diagnostics->latch_cause = {word};", "}"]
+    return _if_recording(block, statements, "    ")
 
 
-def records(
+def record_statements(
     block: Block, values: Sequence[tuple[Signal, str]], limits: Sequence[tuple[int, str]], indent: str
 ) -> list[str]:
-    """Return the statements that record signals by their texts, and the bits whose conditions hold."""
-    rows = [f"diagnostics->{s.name} = {text};" for s, text in values]
-    rows += [f"diagnostics->saturated |= ({test}) ? 0x{1 << bit:08x}u : 0u;" for bit, test in limits]
-    return _guarded(block, rows, indent) if rows else []
+    """Return the statements that record signals, and the bits of signals that are at their limits.
+
+    `values` holds the C expression of each signal, `limits` for each bit the C expression of its condition.
+    """
+    statements = [f"diagnostics->{s.name} = {value};" for s, value in values]
+    statements += [f"diagnostics->saturated |= ({test}) ? 0x{1 << bit:08x}u : 0u;" for bit, test in limits]
+    return _if_recording(block, statements, indent) if statements else []
 
 
-def _when(block: Block, p: Program, rows: Sequence[str], indent: str) -> list[str]:
-    of = of_program(p)
-    return _guarded(block, rows, indent) if of.signals or of.limited else []
-
-
-def _guarded(block: Block, rows: Sequence[str], indent: str) -> list[str]:
-    body = [f"{indent}    {row}" for row in rows]
-    return [f"#if defined({macro(block)})", f"{indent}if (diagnostics != NULL) {{", *body, f"{indent}}}", "#endif"]
+def _if_recording(block: Block, statements: Sequence[str], indent: str) -> list[str]:
+    """Return the C that executes statements if the macro is defined and the caller wants diagnostics."""
+    body = [f"{indent}    {statement}" for statement in statements]
+    return [f"#if defined({macro_name(block)})", f"{indent}if (diagnostics != NULL) {{", *body, f"{indent}}}", "#endif"]

@@ -12,6 +12,7 @@ from synth.errors import EmitError
 INFIX = {"add": ("+", 4), "sub": ("-", 4), "mul": ("*", 5), "div": ("/", 5), "lt": ("<", 3), "le": ("<=", 3)}
 INFIX |= {"eq": ("==", 2), "ne": ("!=", 2), "and": ("&&", 1), "or": ("||", 0)}
 ATOM = 9
+ARITHMETIC = (4, 5)
 RESERVED = LIBM | {f"{function}f" for function in LIBM}
 RESERVED |= {"state", "in", "out", "parameters", "bool", "true", "false", "uint32_t"}
 HELPERS = ("min", "max", "limit", "flag", "slew", "equal")
@@ -24,6 +25,11 @@ class Text:
 
     c: str
     strength: int = ATOM
+
+    @property
+    def is_composite(self) -> bool:
+        """Whether its value must be assigned before it is cast (MISRA C:2012, rule 10.8)."""
+        return self.strength in ARITHMETIC
 
     def inside(self, strength: int) -> str:
         """Return the text, in parentheses if its precedence is below `strength`."""
@@ -61,10 +67,15 @@ def literal(value: float, scalar: type[np.floating]) -> Text:
 
 
 class Expressions:
-    """The text of nodes: `text` holds that of each node printed so far, a local's name or an expression."""
+    """The text of nodes: `text` holds that of each node printed so far, a local's name or an expression.
 
-    def __init__(self, program: Program, kinds: list[str], scalar: type[np.floating], name: str) -> None:
-        self.p, self.kinds, self.scalar, self.name = program, kinds, scalar, name
+    `late` receives the nodes that are cast although their text is composite: they need a local.
+    """
+
+    def __init__(
+        self, program: Program, kinds: list[str], scalar: type[np.floating], name: str, late: set[str | int]
+    ) -> None:
+        self.p, self.kinds, self.scalar, self.name, self.late = program, kinds, scalar, name, late
         self.text: dict[int, Text] = {}
 
     def ctype(self, k: int) -> str:
@@ -157,9 +168,9 @@ class Expressions:
         if op == "polynomial":
             return Text(f"{node.name}({sides[0].c})")
         if op == "table":
-            return Text(f"{constant(node.name)}[(uint32_t){sides[0].inside(7)}]")
+            return Text(f"{constant(node.name)}[{self._cast('uint32_t', node.args[0], sides[0]).c}]")
         if op == "floor":
-            return Text(f"({CTYPES[self.scalar]})(uint32_t){sides[0].inside(7)}", 7)
+            return Text(f"({CTYPES[self.scalar]}){self._cast('uint32_t', node.args[0], sides[0]).c}", 7)
         suffix = "f" if op in LIBM and self.scalar is np.float32 else ""
         prefix = f"{self.name}_" if op in HELPERS else ""
         return Text(f"{prefix}{op}{suffix}({', '.join(s.c for s in sides)})")
@@ -170,7 +181,7 @@ class Expressions:
             one, zero = (literal(v, self.scalar).c for v in (1.0, 0.0))
             return Text(f"{self.condition(k).inside(6)} ? {one} : {zero}", -1)
         if self.kinds[k] == "integer":
-            return Text(f"({CTYPES[self.scalar]}){self.operand(k).inside(7)}", 7)
+            return self._cast(CTYPES[self.scalar], k, self.operand(k))
         return self.operand(k)
 
     def integer(self, k: int) -> Text:
@@ -180,7 +191,13 @@ class Expressions:
             return Text(f"{int(node.value)}u")
         if self.kinds[k] == "logical":
             return Text(f"{self.name}_flag({self.condition(k).c})")
-        return self.operand(k) if self.kinds[k] == "integer" else Text(f"(uint32_t)({self.value(k).c})", 7)
+        return self.operand(k) if self.kinds[k] == "integer" else self._cast("uint32_t", k, self.value(k))
+
+    def _cast(self, ctype: str, k: int, text: Text) -> Text:
+        """Return the text of node k cast to a type; note the node if the text is composite."""
+        if text.is_composite:
+            self.late.add(k)
+        return Text(f"({ctype}){text.inside(7)}", 7)
 
     def condition(self, k: int) -> Text:
         """Return node k as a truth value."""

@@ -51,7 +51,7 @@ def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
     name, period = block.name, f"{block.time.period_s:g} s"
     texts = [
         f"Call {name}_init once, then {name}_step once every {period} with the inputs of that sample, and write its "
-        "outputs to the hardware. Only these two functions may change the state.",
+        "outputs to the hardware. Nothing else may change the state.",
         "The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps "
         "on different states may run at the same time.",
         *_safe_output(block),
@@ -68,11 +68,11 @@ def _usage(block: Block, layout: Layout, program: Program) -> list[str]:
 
 def _observation(block: Block, program: Program) -> list[str]:
     """Return what the diagnostics are for, of a composition that has them."""
-    if not diagnostics.document(block, program):
+    if not diagnostics.manifest_entry(block, program):
         return []
     return [
-        f"With {diagnostics.macro(block)} defined, for the .c as well, {block.name}_step_diagnosed also says which "
-        "signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
+        f"With {diagnostics.macro_name(block)} defined, for the .c as well, {block.name}_step_diagnosed also says "
+        "which signals it computed, what is saturated and why it latched. Without it nothing is paid for that."
     ]
 
 
@@ -80,16 +80,21 @@ def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
-    bad = f"After {safety.bad_samples - safety.braking} samples in a row with a refused measurement"
-    bad += f" and {safety.braking} more in which it brakes" if safety.braking else ""
+    bad = f"When a measurement is refused in {safety.bad_samples - safety.braking} samples in a row,"
+    bad += f" and after {safety.braking} more in which it brakes," if safety.braking else ""
     if not safety.safe_output:
-        return [f"{bad} the latch bit is set until init. {safety.reason}."]
+        return [f"{bad} the last of them sets the latch bit until init. {safety.reason}."]
     units = {s.name: s.unit for s in block.outputs}
     ends: dict[tuple[float, float, str], list[str]] = {}
     for name, value in safety.safe_output.items():
         ends.setdefault((value, safety.slew_per_s[name], units[name]), []).append(name)
     slews = "; ".join(f"{', '.join(names)} to {v:g} {u} at {rate:g} {u}/s" for (v, rate, u), names in ends.items())
-    return [f"{bad} the step latches until init: the outputs move to the safe output ({safety.reason}): {slews}."]
+    return [
+        f"{bad} the step latches in the last of them until init: the outputs move to the safe output "
+        f"({safety.reason}): {slews}.",
+        "Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only "
+        "with the machine at rest: the outputs of the first step after it are not slewed.",
+    ]
 
 
 def _faults(block: Block) -> list[str]:

@@ -78,7 +78,10 @@ def _name_nodes(p: Program, names: Names, shared: dict[int, int]) -> dict[int, s
     roots = [(mark.signal.name, node) for mark, node in p.marks]
     guarded = any(n.op == "guarded" for n in p.nodes)  # the guards set bits of the variable of this name
     roots += [] if p.word is None else [("fault_word" if guarded else WORD, p.word)]
-    roots += [(f"{name}_next", _carrier(p, name, node)) for name, node in p.next.items()]
+    taken = {n.name for n in p.nodes if n.op in LOADS} | {mark.signal.name for mark, _ in p.marks}
+    for name, node in ((name, _carrier(p, name, node)) for name, node in p.next.items()):
+        label = p.labels.get(node, "")
+        roots.append((label if label and label not in taken else f"{name}_next", node))
     for name, node in roots:
         if node not in named and p.nodes[node].op not in (*LOADS, *INLINE) and not _is_member(p, p.nodes[node]):
             named[node] = names.free(name)

@@ -35,9 +35,9 @@ def routine(block: Block, r: Routine, title: str, scalar: type[np.floating]) -> 
     return _print(lambda late: partial(_Printer(block, r.program, statements, scalar, late).routine, r, title))
 
 
-def _print(printer: Callable[[set[str]], Callable[[], list[Line]]]) -> list[Line]:
-    """Print; a load that would be read after a store of its state is a local the next time."""
-    late: set[str] = set()
+def _print(printer: Callable[[set[str | int]], Callable[[], list[Line]]]) -> list[Line]:
+    """Print; a load that would be read after a store of its state, or a sum that is cast, is a local the next time."""
+    late: set[str | int] = set()
     while True:
         before = len(late)
         lines = printer(late)()
@@ -54,15 +54,15 @@ class _Printer:
         program: Program,
         statements: Sequence[Statement],
         scalar: type[np.floating],
-        late: set[str],
+        late: set[str | int],
     ) -> None:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
         self.users = program.users()
         self.naming = naming.Naming(program, self.locals.name)
-        self.c = Expressions(program, self.kinds, scalar, block.name)
+        self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
-        self.block, self.watched = block, diagnostics.NOTHING
+        self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
         self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
         self.printed: list[Line] = []
         self.tag = self.shown = ""
@@ -113,7 +113,7 @@ class _Printer:
         made = [k for s in block for k in variables.local_nodes(s) if k in self.c.text]
         values = [(self.watched.signals[k], self.c.value(k).c) for k in made if k in self.watched.signals]
         limits = [(bit, self._at_limit(k)) for bit, k in enumerate(self.watched.limited) if k in made]
-        self.printed += map(Line, diagnostics.records(self.block, values, limits, "    " * depth))
+        self.printed += map(Line, diagnostics.record_statements(self.block, values, limits, "    " * depth))
 
     def _at_limit(self, k: int) -> str:
         """Return the test whether a limited value is at its limit."""
@@ -154,7 +154,7 @@ class _Printer:
             self.c.text[k] = Text(place)
             return
         unnamed = k not in self.locals.name or k in self.locals.next_only
-        waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS
+        waits = self.locals.reads[k] <= 1 and unnamed and node.op not in LOADS and k not in self.late
         # An analyser learns from a condition what it does not learn from a variable that holds it.
         width = _WIDTH if self.kinds[k] != "logical" else 2 * _WIDTH
         if waits and (self.naming.width(text.c) < width or k in self.p.returns.values()):

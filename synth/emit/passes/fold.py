@@ -238,7 +238,7 @@ def with_constant_products(p: Program) -> Program:
         if first.op != "constant" or second.op != "mul" or p.nodes[second.args[0]].op != "constant" or second in merged:
             continue
         pair = (first.name, p.nodes[second.args[0]].name)
-        name = "_x_".join(pair)
+        name = "_times_".join(pair)
         unused = name not in used_names and products.get(name, pair) == pair
         if unused and len(users[node.args[1]]) == 1 and node.args[1] not in live_out:
             merged[node] = name

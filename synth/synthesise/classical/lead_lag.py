@@ -1,20 +1,24 @@
-"""Lead-lag compensators by zeros, poles and gain, continuous, and sampled by four methods (MATLAB `c2d`).
+"""Lead-lag compensators by zeros, poles and gain (MATLAB `zpk`), and their discretisation by four methods (`c2d`).
 
-    K(s) = k prod (s - z_i) / prod (s - p_i),          real zeros z and poles p, at most as many zeros as poles
+    K(s) = k prod (s - z_i) / prod (s - p_i),          real zeros z_i and poles p_i, at most as many zeros as poles
 
-Y(21) specifies one by time constants, k (1 + a s) / (1 + b s) (1 + c s) / s, and Y(23) by zeros and poles; PI is
-k (1 + c s) / s, PD with its filter k (1 + a s) / (1 + b s). The four methods, with the period T, keep the order:
+A compensator may also be given by time constants, k (1 + a s) / (1 + b s) (1 + c s) / s; PI is k (1 + c s) / s, and PD
+with its filter k (1 + a s) / (1 + b s). Each method returns K_d(z) of the same order for the period T:
 
-    tustin      s = (2 / T) (z - 1) / (z + 1)
-    prewarped   s = (w / tan(w T / 2)) (z - 1) / (z + 1),      K is exact at the frequency w
-    matched     each zero z and pole p at exp(z T) and exp(p T), |K| exact at w
-    held        zero-order hold at the input of K, which adds a lag of about T / 2 where K is not smooth
+    tustin            s = (2 / T) (z - 1) / (z + 1)
+    prewarped         s = (w / tan(w T / 2)) (z - 1) / (z + 1),      K_d = K at the frequency w
+    matched           each zero z_i at exp(z_i T), each pole p_i at exp(p_i T), and |K_d| = |K| at w
+    zero_order_hold   exact for an input that is constant over each period; others reach all of K except its direct term
+                      about T / 2 late
 
-An integrator is mapped to z = 1 by each. With more poles than zeros, tustin, prewarped and matched map the zeros at
-infinity to z = -1, and K keeps a direct term. With more zeros than poles K is not proper, and is refused.
+All methods map an integrator to z = 1. If K has more poles than zeros, tustin, prewarped and matched map its zeros at
+infinity to z = -1, and K_d has a direct term. A K with more zeros than poles is not proper and raises an error.
 
-Each number is computed in ball arithmetic and rounded once. The model is a series connection of sections
-x' = p x + u, y = (p - z) x + u, in the order of the poles, with the gain last.
+Each number is computed in ball arithmetic and rounded once. The state-space model is a series connection of sections
+x' = p x + u, y = (p - z) x + u, one for each pole in the given order, followed by the gain.
+
+Source: Franklin, Powell, Workman, "Digital Control of Dynamic Systems", chapter 6. Examples of both forms: Yu, Kim,
+"Design of Precision Positioner with Hall-effect Sensors and Multivariable Control Methodology", (21) and (23).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -30,14 +34,16 @@ from synth.statespace import StateSpace
 from synth.synthesise.classical.zeros import balls, evaluate, zeros_and_gain
 from synth.timing import Continuous, Discrete, Time
 
-MAX_INTEGRATORS = 10  # of a compensator: with more, a loop has no phase margin at any crossover
+MAX_INTEGRATORS = 10  # a loop with more integrators has no phase margin at any crossover
 
 
 @arguments.checked
 @show.with_repr
 @dataclass(frozen=True, repr=False)
 class Compensator:
-    """K by gain, zeros and poles, in 1/s, or in z if sampled; `units` are those of input and output.
+    """A compensator K by gain, zeros and poles; these are rates in 1/s, or values of z if `time` is discrete.
+
+    `units` maps the names of input and output to their units.
 
     Raises SignalError for a gain of 0, a number that is not real and finite, or more zeros than poles.
     """
@@ -51,22 +57,22 @@ class Compensator:
     units: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for what, values in (("gain", (self.gain,)), ("zeros", self.zeros), ("poles", self.poles)):
+        for quantity, values in (("gain", (self.gain,)), ("zeros", self.zeros), ("poles", self.poles)):
             for v in values:
                 if isinstance(v, complex) or not np.isfinite(v):
-                    raise SignalError(f"the compensator has {v} among its {what}: give real, finite numbers")
+                    raise SignalError(f"{quantity} of the compensator: found {v}; give real, finite numbers")
         if self.gain == 0:
-            raise SignalError("the compensator's gain is 0: give another")
+            raise SignalError("the compensator's gain is 0: give another gain")
         if len(self.zeros) > len(self.poles):
             raise SignalError(
                 f"the compensator has {len(self.zeros)} zeros but {len(self.poles)} poles, which would differentiate "
-                "its input without bound: add a filter pole beyond the crossover for each zero too many"
+                "its input without bound: for each excess zero, add a filter pole beyond the crossover"
             )
 
     @property
     def model(self) -> StateSpace:
         """The series connection of sections as a StateSpace with one state for each pole."""
-        return _chain(self)
+        return _series_connection(self)
 
     def sheet(self) -> show.Sheet:
         """Return gain, zeros and poles."""
@@ -74,18 +80,18 @@ class Compensator:
         rows = [("gain", show.number(self.gain, 8))]
         rows += [(f"zero [{variable}]", show.number(v, 8)) for v in self.zeros]
         rows += [(f"pole [{variable}]", show.number(v, 8)) for v in self.poles]
-        ends = " to ".join(show.with_unit(name, self.units.get(name, "")) for name in (self.input, self.output))
+        signals = " to ".join(show.with_unit(name, self.units.get(name, "")) for name in (self.input, self.output))
         equation = show.ratio("K", "s" if variable == "1/s" else "z", self.gain, self.zeros, self.poles)
         table = show.Table(("", "value"), tuple(rows), equation=equation)
-        return show.Sheet(f"Compensator in {self.time}, {ends}", (), (table,))
+        return show.Sheet(f"Compensator in {self.time}, {signals}", (), (table,))
 
 
 @show.result
 class LeadLag:
-    """A continuous compensator and its discretisation; `zeros`, `poles` and `gain` are those in z.
+    """A continuous compensator K and its discretisation K_d with `zeros`, `poles` and `gain` in z.
 
-    The errors compare the sampled with the continuous compensator at `frequency` in rad/s: |K_d / K| - 1 and
-    arg(K_d / K) in degrees, without the hold and the delay after K.
+    The errors of K_d at `frequency` in rad/s are |K_d / K| - 1 and arg(K_d / K) in degrees, without the hold and the
+    delay that follow K_d in a loop.
     """
 
     continuous: Compensator
@@ -99,19 +105,19 @@ class LeadLag:
     phase_error: float
 
     def sheet(self) -> show.Sheet:
-        """Return both compensators, side by side, and the errors."""
+        """Return both compensators side by side, and the errors."""
         rows = [("gain", show.number(self.continuous.gain, 8), show.number(self.gain, 8))]
-        for what in ("zero", "pole"):
-            continuous, sampled = getattr(self.continuous, f"{what}s"), getattr(self, f"{what}s")
+        both = (("zero", self.continuous.zeros, self.zeros), ("pole", self.continuous.poles, self.poles))
+        for name, continuous, sampled in both:
             for k in range(max(len(continuous), len(sampled))):
                 left, right = (show.number(v[k], 8) if k < len(v) else "" for v in (continuous, sampled))
-                rows.append((what, left, right))
-        ends = " to ".join(self.discrete.labels((*self.discrete.inputs, *self.discrete.outputs)))
+                rows.append((name, left, right))
+        signals = " to ".join(self.discrete.labels((*self.discrete.inputs, *self.discrete.outputs)))
         line = (
             f"at {show.number(self.frequency)} rad/s ({show.number(self.frequency / (2 * np.pi))} Hz) the sampled one "
             f"has a relative gain error of {self.gain_error:.2e} and a phase error of {self.phase_error:.2e} degrees"
         )
-        title = f"Lead-lag, {self.method}, {ends}, {self.discrete.time}"
+        title = f"Lead-lag, {self.method}, {signals}, {self.discrete.time}"
         equation = show.ratio("K", "z", self.gain, self.zeros, self.poles)
         table = show.Table(("", "continuous [1/s]", "sampled [z]"), tuple(rows), equation=equation)
         return show.Sheet(title, (line,), (table,))
@@ -122,10 +128,10 @@ Method = Callable[[Compensator, float, float], LeadLag]
 
 
 @arguments.checked
-def from_constants(
+def from_time_constants(
     gain: float,
-    numerator_s: Sequence[float],
-    denominator_s: Sequence[float],
+    numerator_constants_s: Sequence[float],
+    denominator_constants_s: Sequence[float],
     integrators: int = 0,
     *,
     input: str = "error",
@@ -134,24 +140,27 @@ def from_constants(
 ) -> Compensator:
     """Return gain prod (1 + a s) / (prod (1 + b s) s^integrators) for the time constants a and b in seconds.
 
-    Raises SignalError for a time constant that is not positive and as `Compensator`.
+    a are those of the numerator, b those of the denominator. Raises SignalError for a time constant that is not
+    positive, for a number of integrators that is negative or above MAX_INTEGRATORS, and as `Compensator`.
     """
     if not 0 <= integrators <= MAX_INTEGRATORS:
-        raise SignalError(f"{integrators} integrators were asked for: give a number from 0 to {MAX_INTEGRATORS}")
-    for v in (*numerator_s, *denominator_s):
+        raise SignalError(
+            f"the compensator shall have {integrators} integrators: give a number from 0 to {MAX_INTEGRATORS}"
+        )
+    for v in (*numerator_constants_s, *denominator_constants_s):
         if not (np.isfinite(v) and v > 0):
-            raise SignalError(f"the time constant {v} s is not positive and finite: leave the factor out or mend it")
-    k = gain * float(np.prod([1.0, *numerator_s])) / float(np.prod([1.0, *denominator_s]))
-    poles = (*(-1 / b for b in denominator_s), *(0.0,) * integrators)
-    return Compensator(k, tuple(-1 / a for a in numerator_s), poles, Continuous(), input, output, units or {})
+            raise SignalError(f"the time constant {v} s is not positive and finite: correct it or leave its factor out")
+    k = gain * float(np.prod([1.0, *numerator_constants_s])) / float(np.prod([1.0, *denominator_constants_s]))
+    poles = (*(-1 / b for b in denominator_constants_s), *(0.0,) * integrators)
+    return Compensator(k, tuple(-1 / a for a in numerator_constants_s), poles, Continuous(), input, output, units or {})
 
 
 @arguments.checked
 def tustin(compensator: Compensator, period_s: float, frequency: float) -> LeadLag:
-    """Return the discretisation by the trapezoidal rule, with warped frequency: K_d(w) = K((2/T) tan(w T / 2)).
+    """Return the discretisation by the trapezoidal rule, which warps frequencies: K_d(w) = K((2/T) tan(w T / 2)).
 
-    Raises TimingError for a sampled compensator or when the frequency is not below Nyquist; SignalError for a
-    pole at 2/T.
+    Raises TimingError for a sampled compensator or when the frequency is not below Nyquist; SignalError for a zero or
+    pole at 2/T, which is mapped to infinity.
     """
     _check_sampling(compensator, period_s, frequency)
     with precise.precision():
@@ -160,7 +169,7 @@ def tustin(compensator: Compensator, period_s: float, frequency: float) -> LeadL
 
 @arguments.checked
 def prewarped(compensator: Compensator, period_s: float, frequency: float) -> LeadLag:
-    """Return the trapezoidal rule prewarped to be exact at the `frequency` in rad/s; raises as `tustin`."""
+    """Return the discretisation by the trapezoidal rule with K_d = K at `frequency` in rad/s; raises as `tustin`."""
     _check_sampling(compensator, period_s, frequency)
     with precise.precision():
         half = flint.arb(frequency) * flint.arb(period_s) / 2
@@ -169,19 +178,21 @@ def prewarped(compensator: Compensator, period_s: float, frequency: float) -> Le
 
 @arguments.checked
 def matched(compensator: Compensator, period_s: float, frequency: float) -> LeadLag:
-    """Return matched zeros and poles, with |K| matched at `frequency` in rad/s and the sign of K at low frequency.
+    """Return the matched pole-zero discretisation: |K_d| = |K| at `frequency` in rad/s; the sign is equal for s -> 0.
 
-    Raises TimingError as `tustin`; ModelError when the phases there then differ by a right angle or more.
+    Raises TimingError as `tustin`; ModelError when the phases of K_d and K at `frequency` differ by 90 degrees or more.
     """
     _check_sampling(compensator, period_s, frequency)
     with precise.precision():
         T = flint.arb(period_s)
-        missing = len(compensator.poles) - len(compensator.zeros)
-        zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * missing]
+        zeros_at_infinity = len(compensator.poles) - len(compensator.zeros)
+        zeros = [*((flint.arb(z) * T).exp() for z in compensator.zeros), *[flint.arb(-1)] * zeros_at_infinity]
         poles = [(flint.arb(p) * T).exp() for p in compensator.poles]
-        here = evaluate(flint.arb(1), balls(compensator.zeros), balls(compensator.poles), flint.acb(0, frequency))
-        ratio = here / evaluate(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(frequency) * T).exp())
-        if not ratio.real > 0:  # s and z = exp(s T) are on the same side of each zero and pole: equal signs
+        # The ratio is K / K_d with both gains 1. The gain keeps its sign: for s -> 0 the factors s - z_i of K have the
+        # signs of the factors exp(s T) - exp(z_i T) of K_d.
+        K = evaluate(flint.arb(1), balls(compensator.zeros), balls(compensator.poles), flint.acb(0, frequency))
+        ratio = K / evaluate(flint.arb(1), zeros, poles, flint.acb(0, flint.arb(frequency) * T).exp())
+        if not ratio.real > 0:
             raise ModelError(
                 f"at {frequency:g} rad/s the matched compensator, with the sign of K at low frequency, has a phase "
                 f"error of {_phase_error_degrees(ratio):.4g} degrees: match at a lower frequency, shorten the period, "
@@ -195,17 +206,21 @@ def matched(compensator: Compensator, period_s: float, frequency: float) -> Lead
 
 @arguments.checked
 def zero_order_hold(compensator: Compensator, period_s: float, frequency: float) -> LeadLag:
-    """Return the exact discretisation with a zero-order hold at the input.
+    """Return the discretisation that is exact for an input that is constant over each period (`c2d` with "zoh").
 
     Raises TimingError as `tustin`; ModelError as `precise.round_correctly`.
     """
     _check_sampling(compensator, period_s, frequency)
-    return _with_errors(compensator, discretise.zero_order_hold(compensator.model, period_s), "held", frequency)
+    return _with_errors(
+        compensator, discretise.zero_order_hold(compensator.model, period_s), "zero-order hold", frequency
+    )
 
 
 def _check_sampling(compensator: Compensator, period_s: float, frequency: float) -> None:
     if not isinstance(compensator.time, Continuous):
-        raise TimingError(f"a compensator in {compensator.time} was given to be sampled: give the continuous one")
+        raise TimingError(
+            f"the compensator to be sampled is in {compensator.time}, not continuous: give the continuous one"
+        )
     Discrete(period_s)
     if not 0 < frequency * period_s < np.pi:
         raise TimingError(
@@ -218,13 +233,15 @@ def _bilinear(compensator: Compensator, period_s: float, frequency: float, scale
     zeros, poles = balls(compensator.zeros), balls(compensator.poles)
     for v in (*zeros, *poles):
         if abs(float((1 - v / scale).mid())) < 1e-9:
-            raise SignalError(f"{float(v):g} 1/s is where the rule {method} goes to infinity: move it or the period")
+            raise SignalError(
+                f"{float(v):g} 1/s is mapped to infinity by the method {method}: move it or change the period"
+            )
     gain = flint.arb(compensator.gain)
     for z in zeros:
         gain *= scale - z
     for p in poles:
         gain /= scale - p
-    z_zeros, z_poles = ([(scale + v) / (scale - v) for v in part] for part in (zeros, poles))
+    z_zeros, z_poles = ([(scale + v) / (scale - v) for v in roots] for roots in (zeros, poles))
     z_zeros += [flint.arb(-1)] * (len(poles) - len(zeros))
     return _with_errors(
         compensator, _discrete_compensator(compensator, period_s, gain, z_zeros, z_poles), method, frequency
@@ -232,10 +249,11 @@ def _bilinear(compensator: Compensator, period_s: float, frequency: float, scale
 
 
 def _discrete_compensator(
-    like: Compensator, period_s: float, gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb]
+    K: Compensator, period_s: float, gain: flint.arb, zeros: Sequence[flint.arb], poles: Sequence[flint.arb]
 ) -> Compensator:
-    g, z, p = (tuple(float(v.mid()) for v in part) for part in ([gain], zeros, poles))
-    return Compensator(g[0], z, p, Discrete(period_s), like.input, like.output, like.units)
+    """Return a discrete compensator with the signals of K."""
+    z_zeros, z_poles = (tuple(float(v.mid()) for v in roots) for roots in (zeros, poles))
+    return Compensator(float(gain.mid()), z_zeros, z_poles, Discrete(period_s), K.input, K.output, K.units)
 
 
 def _phase_error_degrees(ratio: flint.acb) -> float:
@@ -257,8 +275,12 @@ def _with_errors(compensator: Compensator, sampled: Compensator | StateSpace, me
     return LeadLag(compensator, discrete, method, frequency, gain, zeros, poles, *errors)
 
 
-def _chain(K: Compensator) -> StateSpace:
-    """Return the sections in series; the input of a section is c x + d u, in `unit`."""
+def _series_connection(K: Compensator) -> StateSpace:
+    """Return the sections in series.
+
+    While the loop runs, c x + d u is the output of the sections so far and the input of the next one; `unit` is its
+    unit.
+    """
     n = len(K.poles)
     A, B = np.zeros((n, n)), np.zeros((n, 1))
     c, d, unit = np.zeros(n), 1.0, K.units.get(K.input, "")
@@ -267,11 +289,11 @@ def _chain(K: Compensator) -> StateSpace:
         A[k], B[k, 0] = c, d
         A[k, k] = p
         states.append(f"{K.output}_section{k + 1}")
-        after = f"{unit} s" if unit and isinstance(K.time, Continuous) else unit
-        units |= {states[-1]: after} if after else {}
+        state_unit = f"{unit} s" if unit and isinstance(K.time, Continuous) else unit
+        units |= {states[-1]: state_unit} if state_unit else {}
         if k < len(K.zeros):
             c[k] = p - K.zeros[k]
         else:
-            c, d, unit = np.eye(n)[k], 0.0, after
+            c, d, unit = np.eye(n)[k], 0.0, state_unit
     C, D = K.gain * c[None], np.array([[K.gain * d]])
     return StateSpace(A, B, C, D, tuple(states), (K.input,), (K.output,), K.time, units)

@@ -129,7 +129,7 @@ def test_another_design_is_refused() -> None:
 
 
 def test_random_steps_are_those_of_verification() -> None:
-    states, _ = random_steps.in_operation(random_steps.subject(config.NAME), stimuli.RANDOM_STEPS)
+    states, _ = random_steps.operating_steps(random_steps.subject(config.NAME), stimuli.RANDOM_STEPS)
     sequence = subject(config.NAME).sequences["random"]
     assert len(sequence) == stimuli.RANDOM_STEPS
     np.testing.assert_array_equal(sequence.states["estimator_yaw"], states["estimator_yaw"].astype(np.float32))

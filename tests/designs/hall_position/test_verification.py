@@ -41,9 +41,9 @@ def sound() -> Witnesses:
 def steps_of(kind: str) -> Steps:
     of = subject()
     if kind == "motions":
-        inputs = random_steps.along_motions(of, SIZES[kind])
+        inputs = random_steps.motion_inputs(of, SIZES[kind])
         return verification.condition_steps(of, kind, *verification.steps_along(of, sound().c64, inputs))
-    draw = {"random": random_steps.in_operation, "edge": random_steps.at_the_edges}[kind]
+    draw = {"random": random_steps.operating_steps, "edge": random_steps.edge_steps}[kind]
     return verification.condition_steps(of, kind, *draw(of, SIZES[kind]))
 
 
@@ -214,7 +214,7 @@ def test_decisions_of_single_precision_are_counted(monkeypatch: pytest.MonkeyPat
 
 def test_free_running_witnesses_that_diverge_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     of = subject()
-    inputs = random_steps.along_motions(of, SIZES["motions"])
+    inputs = random_steps.motion_inputs(of, SIZES["motions"])
     names = failed_names(verification.free_running(of, wrong_in_single(), inputs))
     assert any("c32" in name for name in names) and not any("reference" in name for name in names)
     changed = {"deviation": 1.5 * of.setup.deviation, "beta": 1.0001 * of.setup.beta}
@@ -224,8 +224,8 @@ def test_free_running_witnesses_that_diverge_are_detected(monkeypatch: pytest.Mo
 
 
 def test_motions_cross_pitches_turn_around_and_latch() -> None:
-    of, n = subject(), random_steps.LENGTH
-    inputs = random_steps.along_motions(of, SIZES["motions"])
+    of, n = subject(), random_steps.MOTION_SAMPLES
+    inputs = random_steps.motion_inputs(of, SIZES["motions"])
     bodies = SIZES["motions"] // n
     assert inputs["V_ax"].shape == (n, bodies)
     start = {s.name: s.initial for s in of.block.states}
@@ -238,8 +238,8 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     assert np.ptp(yaw[:, 1]) > 2 * np.pi
     words = sound().by_name["c64"](steps.states, steps.inputs).faults.reshape(n, bodies)
     latched = words >> safety.LATCH_BIT > 0
-    assert latched[-1].tolist() == [k % random_steps.BAD_COLUMNS == 0 for k in range(bodies)]
-    assert not latched[:305].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}
+    assert latched[-1].tolist() == [k % random_steps.BAD_MOTION_INTERVAL == 0 for k in range(bodies)]
+    assert not latched[: random_steps.LATCHING_RUN_START].any() and set(np.unique(words & 15)) == {0, 2, 4, 8}
     assert all(
         np.mean(steps_of(kind).severity > verification.ILL_CONDITIONED) < verification.MAX_ILL_CONDITIONED
         for kind in SIZES

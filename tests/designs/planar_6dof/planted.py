@@ -32,7 +32,7 @@ class WitnessSteps:
 
 def witness_steps(subject: Subject, edges: int = EDGES) -> WitnessSteps:
     """Draw steps in operation and so many at the edges, and take them with the C in double precision."""
-    drawn = random_steps.in_operation(subject, PLANT, RANDOM_STEPS), random_steps.at_the_edges(subject.block, edges)
+    drawn = random_steps.operating_steps(subject, PLANT, RANDOM_STEPS), random_steps.edge_steps(subject.block, edges)
     states, inputs = ({n: np.concatenate([a[n], b[n]]) for n in a} for a, b in zip(*drawn, strict=True))
     made = emitted(subject.block)
     return WitnessSteps(

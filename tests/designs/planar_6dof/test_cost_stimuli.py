@@ -106,7 +106,7 @@ def test_the_replay_has_faults_and_latches_in_the_end(design: Subject) -> None:
     replay = design.controller.replay(recorded_inputs(design.emitted.manifest["design"]))
     words, latched = replay.faults, (replay.faults & LATCH) != 0
     first, braking = int(np.argmax(latched)), design.emitted.manifest["safety"].get("braking", 0)
-    assert len(words) == stimuli.REPLAY and 9500 <= first - braking < 9510 and latched[first:].all()
+    assert len(words) == stimuli.REPLAY_STEPS and 9500 <= first - braking < 9510 and latched[first:].all()
     for bit, name in enumerate(g.signal.name for g in interface.INPUTS):
         refused = name == "x_ref" or not name.endswith("_ref")
         assert (np.count_nonzero(words[:9500] >> bit & 1) >= 3) == refused, name

@@ -17,7 +17,7 @@ SUBJECTS = {"leadlag": leadlag.subject(), "lqg": lqg.subject()}
 
 @pytest.mark.parametrize("subject", SUBJECTS.values(), ids=SUBJECTS)
 def test_steps_in_operation_are_near_it(subject: Subject) -> None:
-    states, inputs = random_steps.in_operation(subject, PLANT, 5000)
+    states, inputs = random_steps.operating_steps(subject, PLANT, 5000)
     assert set(states) == {s.name for s in subject.block.states}
     assert set(inputs) == {s.name for s in subject.block.inputs}
     for s in (*subject.block.inputs, *(s.signal for s in subject.block.states)):
@@ -35,12 +35,12 @@ def test_steps_in_operation_are_near_it(subject: Subject) -> None:
 def test_a_state_of_another_name_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(random_steps, "UNCONSTRAINED", ("sensing_first_",))
     with pytest.raises(SignalError, match="has the states sensing_contradiction_left with no value"):
-        random_steps.in_operation(SUBJECTS["lqg"], PLANT, 10)
+        random_steps.operating_steps(SUBJECTS["lqg"], PLANT, 10)
 
 
 @pytest.mark.parametrize("subject", SUBJECTS.values(), ids=SUBJECTS)
 def test_edge_steps_hold_what_is_no_number_and_every_end(subject: Subject) -> None:
-    states, inputs = random_steps.at_the_edges(subject.block, 4000)
+    states, inputs = random_steps.edge_steps(subject.block, 4000)
     for s in subject.block.inputs:
         drawn = inputs[s.name]
         assert np.isnan(drawn).any() and np.isposinf(drawn).any() and (np.abs(drawn) == 5e-324).any()

@@ -69,11 +69,11 @@ def test_a_sensor_that_sticks_is_suspected_and_latches(runs: dict[str, Trajector
 
 def test_too_many_steps_at_limits_do_not_pass() -> None:
     subject = replace(SUBJECTS["leadlag"], size=3.0)
-    states, inputs = random_steps.in_operation(subject, planar_stage.plant(), 1000)
+    states, inputs = random_steps.operating_steps(subject, planar_stage.plant(), 1000)
     checks = verification.share_checks(states, agree.casadi(subject.block)(states, inputs))
     assert [c.name for c in checks if not c.passed] == ["share of random steps at a limit"]
     idle = replace(subject, size=1e-3)
-    states, inputs = random_steps.in_operation(idle, planar_stage.plant(), 1000)
+    states, inputs = random_steps.operating_steps(idle, planar_stage.plant(), 1000)
     checks = verification.share_checks(states, agree.casadi(subject.block)(states, inputs))
     assert [c.name for c in checks if not c.passed] == ["share of random steps within all limits"]
 
@@ -93,7 +93,7 @@ def test_single_precision_that_is_wrong_does_not_pass(monkeypatch: pytest.Monkey
 def test_decisions_of_single_precision_are_counted() -> None:
     subject = SUBJECTS["lqg"]
     by = suite.witnesses(subject.block, subject.reference, interface.SURROGATE_ERROR)
-    drawn = random_steps.in_operation(subject, planar_stage.plant(), 2000)
+    drawn = random_steps.operating_steps(subject, planar_stage.plant(), 2000)
     a, checks = standard.compare_precisions(by, *drawn, verification.FLOOR, verification.COUNTS)
     assert a.faults_differ == 0 and 0 < a.worst < 1e-3 and all(c.passed for c in checks)
     first = subject.block.inputs[0].name

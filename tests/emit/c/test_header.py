@@ -27,7 +27,8 @@ def committed(name: str) -> dict[str, str]:
 def test_the_header_states_what_a_caller_must_keep() -> None:
     text = emit(stage(), F32).files["stage.h"].replace("\n * ", " ")
     assert "Call stage_init once, then stage_step once every 0.00125 s" in text
-    assert "After 3 samples in a row with a refused measurement the step latches until init" in text
+    latch = "When a measurement is refused in 3 samples in a row, the step latches in the last of them until init"
+    assert latch in text and "Keep calling the step while it is latched" in text
     assert "-ffast-math" in text and "-O2" in text and 'extern "C" {' in text
 
 

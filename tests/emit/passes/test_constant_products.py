@@ -18,14 +18,17 @@ M = 5
 
 def test_two_constants_become_one() -> None:
     program = merge_constants(Node("mul", (L, A)), Node("mul", (K, 6)))
-    assert tree(program) == "mul(k_x_l, a)" and program.products == {"k_x_l": ("k", "l")}
+    assert tree(program) == "mul(k_times_l, a)" and program.products == {"k_times_l": ("k", "l")}
 
 
 def test_three_constants_become_two() -> None:
     """The third constant remains a factor."""
     program = merge_constants(Node("mul", (M, A)), Node("mul", (L, 6)), Node("mul", (K, 7)))
-    assert tree(program) == "mul(k, mul(l_x_m, a))" and program.products == {"l_x_m": ("l", "m")}
-    assert fold.with_constant_products(program).products == {"l_x_m": ("l", "m"), "k_x_l_x_m": ("k", "l_x_m")}
+    assert tree(program) == "mul(k, mul(l_times_m, a))" and program.products == {"l_times_m": ("l", "m")}
+    assert fold.with_constant_products(program).products == {
+        "l_times_m": ("l", "m"),
+        "k_times_l_times_m": ("k", "l_times_m"),
+    }
 
 
 def test_a_product_that_is_read_elsewhere_is_not_merged() -> None:
@@ -34,7 +37,7 @@ def test_a_product_that_is_read_elsewhere_is_not_merged() -> None:
 
 
 def test_a_used_name_is_not_used_again() -> None:
-    leaves = [*LEAVES, Node("constant", name="k_x_l")]
+    leaves = [*LEAVES, Node("constant", name="k_times_l")]
     nodes = [Node("mul", (L, A)), Node("mul", (K, 6)), Node("mul", (5, B)), Node("add", (7, 8))]
     assert not fold.with_constant_products(fold_nodes(*nodes, leaves=leaves)).products
 

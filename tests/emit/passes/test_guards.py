@@ -1,5 +1,7 @@
 """Guards of inputs: one call an input, the bits of the fault word, and the values of the Block without them."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from synth.block import Block, State, Step, build
 from synth.blocks.safety import GuardedInput, Safety, guard, safe_output
 from synth.composition import compose
 from synth.emit.write import emit
+from synth.execute import compile as compiler
 from synth.execute import host
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -40,6 +43,23 @@ def test_each_input_is_one_call() -> None:
     assert "b_held = stage_hold(in->b, 0.25f, 2.0f, &state->guard_last_b, 0x00000002u, &faults);" in text
     assert "wish_held = stage_hold_within(in->wish, 0.5f, &state->guard_last_wish, 0x00000004u, &faults);" in text
     assert "(faults & 0x00000003u) == 0u" in text  # the measurements alone
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_a_guard_alone_includes_what_it_calls(held: bool) -> None:
+    """The test of a range -high .. high calls fabsf, also where nothing else in the file does."""
+    wish = Signal("wish", "m", -0.5, 0.5)
+    law = build(
+        "law",
+        TIME,
+        lambda u, x, k: Step({"force": u["wish_held"]}),
+        inputs=[replace(wish, name="wish_held")],
+        outputs=[FORCE],
+    )
+    blocks = [guard(TIME, [GuardedInput(wish, 0.0, False, held)], 3), law]
+    files = emit(compose("stage", blocks, inputs=["wish"], outputs=["force"]), F32).files
+    assert files["stage.c"].count("fabsf(") == 1
+    compiler.check(host.code(files))
 
 
 def test_an_input_that_is_not_held_needs_no_state() -> None:

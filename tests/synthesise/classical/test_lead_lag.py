@@ -23,7 +23,7 @@ UNITS = {"q_error": "m", "f": "N"}
 
 def paper() -> Compensator:
     """Y(21)."""
-    return lead_lag.from_constants(1.5e4, [0.11, 0.1], [0.00088], 1, input="q_error", output="f", units=UNITS)
+    return lead_lag.from_time_constants(1.5e4, [0.11, 0.1], [0.00088], 1, input="q_error", output="f", units=UNITS)
 
 
 def inertia(value: float = 1.52) -> StateSpace:
@@ -51,9 +51,9 @@ def test_time_constants_and_zeros_and_poles_say_the_same() -> None:
 
 def test_pi_and_filtered_pd_are_special_cases() -> None:
     s = np.array([0.3j, 40j])
-    pi = lead_lag.from_constants(7.0, [0.2], [], 1)
-    pd = lead_lag.from_constants(7.0, [0.2], [0.01])
-    gain = lead_lag.from_constants(-7.0, [], [])
+    pi = lead_lag.from_time_constants(7.0, [0.2], [], 1)
+    pd = lead_lag.from_time_constants(7.0, [0.2], [0.01])
+    gain = lead_lag.from_time_constants(-7.0, [], [])
     np.testing.assert_allclose(pi.model.response(s)[:, 0, 0], 7 * (1 + 0.2 * s) / s, rtol=1e-12)
     np.testing.assert_allclose(pd.model.response(s)[:, 0, 0], 7 * (1 + 0.2 * s) / (1 + 0.01 * s), rtol=1e-12)
     for method in METHODS:
@@ -232,8 +232,8 @@ def test_what_is_no_compensator_is_refused() -> None:
         Compensator(0.0, (), (0.0,))
     for constant in (0.0, -0.1, np.nan):
         with pytest.raises(SignalError, match=r"the time constant .* is not positive"):
-            lead_lag.from_constants(1.0, [0.1], [constant])
-    with pytest.raises(SignalError, match="2000 1/s is where the rule tustin goes to infinity"):
+            lead_lag.from_time_constants(1.0, [0.1], [constant])
+    with pytest.raises(SignalError, match="2000 1/s is mapped to infinity by the method tustin"):
         lead_lag.tustin(Compensator(1.0, (2000.0,), (-1.0,)), T, W)
     with pytest.raises(TimingError, match=r"not between 0 and Nyquist, 3141.59 rad/s"):
         lead_lag.prewarped(paper(), T, 3200.0)

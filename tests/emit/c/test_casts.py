@@ -1,0 +1,69 @@
+"""MISRA C:2012, rule 10.8: the value of a composite expression is assigned to a local before it is cast."""
+
+import re
+import shutil
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from synth.block import State, Step, build, clip, table
+from synth.emit.c.expressions import Text
+from synth.emit.write import emit
+from synth.signals import Signal
+from synth.verify import misra
+from tests.emit import one_step
+from tests.emit.dyadic import TIME
+
+pytestmark = pytest.mark.slow
+
+U, N, Y = Signal("u", "1", 0, 8), State(Signal("n", "1", 0, 7), 0, True), Signal("y", "1", -100, 100)
+TABLE = table("numbers", (1.0, 2.0, 4.0))
+COMPOSITE = re.compile(r"\((?:float|uint32_t)\)\((?!uint32_t\))")  # none of these laws casts a choice
+Law = Callable[[ca.SX, ca.SX], tuple[ca.SX, ca.SX]]
+
+
+def whole_part(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
+    return ca.floor(2 * u + 0.5) - u, n
+
+
+def index(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
+    return TABLE(clip(u / 4 + 0.5, Signal("index", "1", 0, 2)) / 2 + 0.5), n
+
+
+def count(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
+    return u * (n + 1), n
+
+
+def stored_as_a_count(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
+    return u, ca.if_else(u < 4, ca.floor(u) + 1, 5)
+
+
+LAWS = [whole_part, index, count, stored_as_a_count]
+
+
+def code(law: Law) -> dict[str, str]:
+    def step(u: Any, x: Any, k: Any) -> Step:
+        y, n = law(u["u"], x["n"])
+        return Step({"y": y}, {"n": n})
+
+    block = build("casts", TIME, step, inputs=[U], outputs=[Y], states=[N])
+    assert not one_step.differing_from_casadi([block], np.float32)
+    return {name: text for name, text in emit(block, np.float32).files.items() if name.endswith((".c", ".h"))}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_no_cast_of_a_composite_expression(law: Law, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = code(law)["casts.c"]
+    assert re.search(r"\((?:float|uint32_t)\)\w", text) and not COMPOSITE.search(text)
+    monkeypatch.setattr(Text, "is_composite", False)
+    assert COMPOSITE.search(code(law)["casts.c"])
+
+
+@pytest.mark.skipif(not shutil.which("cppcheck"), reason="apt-get install cppcheck")
+def test_cppcheck_finds_a_cast_of_a_sum_and_none_in_what_is_emitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not misra.inspect(code(whole_part)).findings
+    monkeypatch.setattr(Text, "is_composite", False)
+    assert {f.rule for f in misra.inspect(code(whole_part)).findings} == {"misra-c2012-10.8"}
