@@ -228,10 +228,10 @@ def build(
     certified = step.certified.get
     computed = [(ComputedSignal(s, name, tag, certified(s.name), True), ca.SX(expr)) for s, expr in step.named]
     computed += [(ComputedSignal(s, name, tag, certified(s.name)), output[s.name]) for s in outputs]
-    _check_symbols(name, [*next.values(), *(e for _, e in computed)], symbol)
+    laws.check_symbols(f"block '{name}'", [*next.values(), *(e for _, e in computed)], symbol.values())
     declared = tuple(inputs), tuple(outputs), tuple(states), tuple(constants)
     numbers = tuple((name, n) for n in step.numbers)
-    values = tuple((n, e) for n, e in values if not _foreign_symbols(e, symbol))
+    values = tuple((n, e) for n, e in values if not laws.foreign_symbols(e, symbol.values()))
     return Block(
         name, tag, time, *declared, symbol, output, next, tuple(computed), numbers=numbers, intermediates=values
     )
@@ -293,14 +293,3 @@ def _row(name: str, values: Sequence[float]) -> list[float]:
 
 def _pick(name: str, kind: str, symbol: Exprs, signals: Sequence[Signal | State | Constant]) -> Exprs:
     return laws.NamedSymbols(f"among its {kind} block '{name}'", {s.name: symbol[s.name] for s in signals})
-
-
-def _check_symbols(name: str, exprs: Sequence[ca.SX], symbol: Exprs) -> None:
-    for v in _foreign_symbols(ca.vcat(exprs), symbol) if exprs else []:
-        raise SignalError(f"block '{name}' uses '{v}', which is none of its inputs, states or constants: declare it")
-
-
-def _foreign_symbols(expr: ca.SX, symbol: Exprs) -> list[ca.SX]:
-    """Return the symbols in `expr` that are none of the Block's."""
-    known = {s.element_hash() for s in symbol.values()}
-    return [v for v in ca.symvar(expr) if v.element_hash() not in known]

@@ -94,6 +94,18 @@ def check_numbers(what: str, exprs: Mapping[str, ca.SX], symbols: Iterable[ca.SX
             )
 
 
+def check_symbols(what: str, exprs: Sequence[ca.SX], symbols: Iterable[ca.SX]) -> None:
+    """Raise SignalError, naming `what` and the symbol, unless the expressions contain `symbols` alone."""
+    for v in foreign_symbols(ca.vcat(exprs), symbols) if exprs else []:
+        raise SignalError(f"{what} uses '{v}', which is none of its inputs, states or constants: declare it")
+
+
+def foreign_symbols(expr: ca.SX, symbols: Iterable[ca.SX]) -> list[ca.SX]:
+    """Return the symbols in `expr` that are none of `symbols`, which are compared by identity."""
+    known = {s.element_hash() for s in symbols}
+    return [v for v in ca.symvar(expr) if v.element_hash() not in known]
+
+
 def _has_nan(expr: ca.SX, symbols: Sequence[ca.SX]) -> bool:
     f = ca.Function("f", list(symbols), [ca.SX(expr)], {"allow_free": True})
     unset: set[int] = set()  # registers that hold NaN; only a selection by ca.if_else may read them
