@@ -21,8 +21,8 @@ START = (
     "Hall voltages repeat with each pitch, and the pitches are counted from there."
 )
 CONTRADICTION = (
-    f"Hall voltages that contradict each other in two samples, at most {sensing.MEMORY} apart, count as refused from "
-    "the sample after the second one on, and their fault bits are set from there."
+    "Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the "
+    f"first within {sensing.MEMORY} samples. Their fault bits are set from that sample on."
 )
 QUICK_REPLAY, WHOLE_REPLAY = 5.0, 60.0  # s of a closed loop that the witnesses replay
 

@@ -21,8 +21,8 @@
  * At init the platen is within half a pitch, 25.4 mm, of the middle in x and y, and its yaw is below 0.025 rad: the
  * Hall voltages repeat with each pitch, and the pitches are counted from there.
  *
- * Hall voltages that contradict each other in two samples, at most 4 apart, count as refused from the sample after the
- * second one on, and their fault bits are set from there.
+ * Hall voltages are refused from the sample after the second one in which they are inconsistent, if it follows the
+ * first within 4 samples. Their fault bits are set from that sample on.
  *
  * The gains were computed for the numbers of the plant in planar_6dof_leadlag.c: for another mass or geometry, generate
  * the files again. gains.json and manifest.json say where each number comes from.

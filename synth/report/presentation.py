@@ -13,9 +13,8 @@ from synth.report.notation import readable
 from synth.simulate.experiment import Experiment
 
 HEADROOM = "largest |state| / bound"  # how the figure and the check of `simulate.headroom` begin
-PublishedFigures = Mapping[
-    str, Sequence[tuple[str, str]]
-]  # by experiment: rows of the audit, and figures of the source
+# by experiment: rows of the audit, and figures of the source
+PublishedFigures = Mapping[str, Sequence[tuple[str, str]]]
 MICRO_UNITS = {unit: shown for unit, (shown, _) in figures.MICRO_UNITS.items()}
 
 
