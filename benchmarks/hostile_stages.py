@@ -6,9 +6,10 @@ import casadi as ca
 
 from benchmarks.hostile_examples import Call, usual
 from synth import stage
-from synth.analyse import robustness
-from synth.blocks import axis, glsdc_estimator
+from synth.analyse import parity, robustness
+from synth.blocks import axis, glsdc_estimator, landing, probe, redundancy
 from synth.blocks.glsdc_model import Unknown
+from synth.plant import Plant
 from synth.signals import Signal
 from synth.synthesise.nonlinear import feedback_linearisation
 from synth.timing import Discrete
@@ -57,6 +58,7 @@ def examples() -> Mapping[str, Call]:
         "axis.decouple": {"axes": [axis.servo(**asked)]},
         "peak_bounds.state_bounds": {"system": ([[0.5]], [[1.0]], [[1.0]], [[0.0]], Discrete(1e-3)), "inputs": [1.0]},
         "safety.without_latch": {"block": controller.block},
+        **_redundancy(maglev),
         "robustness.of_controller": {"controller": controller, "plant": maglev, "points": POINTS},
         "robustness.corners": {"plant": maglev, "parameters": ["k"]},
         "robustness.one_at_a_time": {"plant": maglev},
@@ -65,4 +67,46 @@ def examples() -> Mapping[str, Call]:
         "robustness.survey": {"loops": loops},
         "robustness.disk_margins": {"loops": loops, "point": "middle"},
         "robustness.checks": {"loops": robustness.open_loops(loops), "require": {"phase_margin": 10.0}},
+    }
+
+
+def _redundancy(maglev: Plant) -> Mapping[str, Call]:
+    """Return examples of the Blocks that replace readings and that land."""
+    time = Discrete(1e-3)
+    q, w = Signal("position", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
+    descent = landing.Descent("q", 0.5, 0.08, 5e-3, 1e-3, 2.0, 1e-3, 60.0)
+    decision = {"gate": {"q": 1e-3}, "travel": {"q": (-0.9, 0.9)}}
+    tried, e = probe.Probe(100, 4, 1e-5, 3), Signal("e", "m", -1.0, 1.0)
+    return {
+        "parity.Tolerance": {"resolution": 1e-5, "offset": 0.0},
+        "parity.Relation": {"weights": {"a": 1.0, "b": -1.0}, "threshold": 1e-5},
+        "parity.relations": {
+            "plant": maglev,
+            "sensors": {"a": "gap", "b": "gap"},
+            "tolerances": dict.fromkeys("ab", parity.Tolerance(1e-5, 0.0)),
+        },
+        "predictor.Gain": {"low": 0.8, "high": 1.2, "rate": 1.0},
+        "predictor.block": {
+            "name": "q",
+            "time": time,
+            "measured": q,
+            "demand": w,
+            "bandwidth": 50.0,
+            "rate": 1.0,
+            "disturbance": 5.0,
+        },
+        "predictor.delay": {"name": "before", "time": time, "signals": [w]},
+        "redundancy.Decision": decision,
+        "redundancy.block": {
+            "time": time,
+            "sensors": [Signal("q", "m", -1.0, 1.0)],
+            "relations": [],
+            "decision": redundancy.Decision({"q": 1e-3}, {"q": (-0.9, 0.9)}),
+        },
+        "landing.Descent": vars(descent),
+        "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0},
+        "landing.Levelling": {"coordinate": "q", "pole": 30.0},
+        "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
+        "probe.Probe": {"quiet": 100, "quarter": 4, "step": 1e-5, "attempts": 3},
+        "probe.block": {"time": time, "sensor": "q", "error": e, "demand": w, "probe": tried},
     }

@@ -210,6 +210,12 @@ def thrust_currents(w: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dic
     return {"u_x": -p["M_x"] * w["x"] / (h[1] + h[3]), "u_z": -p["M_z"] * w["z"] / (h[0] + h[2])}
 
 
+def thrust_accelerations(u: Exprs, motors: Sequence[pmlsm.ForceLaw], p: Exprs) -> dict[str, ca.SX]:
+    """Return x'', z'' in m/s^2 by the thrust currents u_x, u_z in A, by axis. Source: (6)."""
+    h = [m.h for m in motors]
+    return {"x": -u["u_x"] * (h[1] + h[3]) / p["M_x"], "z": -u["u_z"] * (h[0] + h[2]) / p["M_z"]}
+
+
 def parameter_symbols() -> dict[str, ca.SX]:
     """Return one symbol for each parameter, by name."""
     return symbols(PARAMETERS)

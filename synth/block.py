@@ -129,10 +129,7 @@ class Block:
 
     def renamed(self, names: Mapping[str, str]) -> "Block":
         """Return the Block with inputs and outputs renamed, old name to new; other names stay."""
-        inputs, safety = [s.name for s in self.inputs], self.safety
-        if safety:
-            values, rates = _under(names, safety.safe_output), _under(names, safety.slew_per_s)
-            safety = replace(safety, safe_output=values, slew_per_s=rates)
+        inputs = [s.name for s in self.inputs]
         return replace(
             self,
             inputs=tuple(_signal(names, s) for s in self.inputs),
@@ -141,7 +138,7 @@ class Block:
             output=_under(names, self.output),
             computed_signals=tuple((replace(n, signal=_signal(names, n.signal)), e) for n, e in self.computed_signals),
             faults=tuple(f.renamed(names) for f in self.faults),
-            safety=safety,
+            safety=self.safety and self.safety.renamed(names),
         )
 
     @property

@@ -28,16 +28,39 @@ class Fault:
         return replace(self, output=names.get(self.output, self.output), input=input, suspect=suspect)
 
 
+@dataclass(frozen=True)
+class Judgement:
+    """A law that replaces and judges readings decides on the latch, by two of its flags.
+
+    The guard counts the samples in which `counts` is 0; `at_once` latches in its sample. A law clears `counts` only in
+    a sample with a refused one of the `measurements` or a suspect. It sets `at_once` only after `bad_samples` such
+    samples in a row, which may have ended before.
+    """
+
+    counts: str
+    at_once: str
+    measurements: tuple[str, ...]
+
+
 @arguments.checked
 @dataclass(frozen=True)
 class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
     Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
-    these values.
+    these values. With a `judgement` a law decides which samples count.
     """
 
     bad_samples: int
     safe_output: Mapping[str, float]
     slew_per_s: Mapping[str, float]
     reason: str
+    judgement: Judgement | None = None
+
+    def renamed(self, names: Mapping[str, str]) -> "Safety":
+        """Return the safety with outputs and measurements renamed, old name to new; other names stay."""
+        values, rates = ({names.get(n, n): v for n, v in of.items()} for of in (self.safe_output, self.slew_per_s))
+        judgement = self.judgement
+        if judgement:
+            judgement = replace(judgement, measurements=tuple(names.get(n, n) for n in judgement.measurements))
+        return replace(self, safe_output=values, slew_per_s=rates, judgement=judgement)

@@ -201,6 +201,9 @@ def controller(
 ) -> Controller:
     """Compose guard, errors, laws, limits and safe output; after a latch the states of the laws are frozen.
 
+    A law that drives ``<sensor>_held`` of some sensors replaces readings: it reads ``<sensor>_accepted`` of the guard,
+    and drives ``sufficient`` and ``landed`` as well (`blocks.redundancy`, `blocks.landing`).
+
     The controller is composed at its first use, which also calls `laws` where they are a function. `outputs` are by
     default those of the actuators. A law that reads the value of an actuator comes after the safe output and may
     distribute it. Without actuators the outputs are those of the laws, which continue after a latch.
@@ -225,10 +228,12 @@ def _composition(
     controlled = [s.of for s in interface.set_points if f"{s.of}_error" in read - set(driven)]
     actuators = [a.name for a in interface.actuators]
     behind = [block for block in blocks if {*actuators} & {s.name for s in block.inputs}]
+    replaced = {f"{s.name}_held": f"{s.name}_accepted" for s in interface.sensors if f"{s.name}_held" in driven}
+    guard = safety.guard(
+        time, guarded_inputs(interface), interface.bad_samples, interface.suspected, interface.reason, bool(replaced)
+    )
     parts = (
-        safety.guard(
-            time, guarded_inputs(interface), interface.bad_samples, interface.suspected, reason=interface.reason
-        ),
+        guard.renamed(replaced),
         *([errors(time, interface, controlled)] if controlled else []),
         *(block for block in blocks if block not in behind),
         *([limits(time, interface, demands)] if demands else []),

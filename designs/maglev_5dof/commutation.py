@@ -5,6 +5,9 @@
 Motors 2 and 4 lie along X, motors 1 and 3 along Z; th = pi s/tau + pi/2. The angle is that of the position at which the
 current acts, ADVANCE samples after the measurement; `advance=0` is the commutation at the measured position.
 
+The controller gives the position: the reading, or the prediction while the encoder is refused. After the latch nothing
+predicts it, and the controller gives a value out of range, which is refused here.
+
 Currents for a wrong angle are worse than none: a direct current that repels the platen also pushes it sideways, away
 from the assumed angle. While the position along an axis is lost, its motors therefore hand their direct currents over
 to those of the other axis, which keeps the sum, and fade out in FADE samples. Without any current the magnets pull the
@@ -18,7 +21,18 @@ from math import hypot, sqrt
 
 import casadi as ca
 
-from designs.maglev_5dof.control import BAD_SAMPLES, CURRENT, INTERFACE, MOTORS, NAME, OUTPUTS, SAFE_CURRENT, TIME
+from designs.maglev_5dof.control import (
+    BAD_SAMPLES,
+    COMMUTATED,
+    CURRENT,
+    INTERFACE,
+    MOTORS,
+    NAME,
+    OUTPUTS,
+    SAFE_CURRENT,
+    TIME,
+)
+from designs.maglev_5dof.handover import FADE, OF_AXIS, TRANSFER, next_transfer, parts, with_taken_over
 from models import maglev_phases, maglev_stage
 from synth.block import Block, Certificate, Exprs, State, Step, build, clip
 from synth.blocks import advance, phasor, safety
@@ -29,15 +43,12 @@ from synth.plant import Plant
 from synth.signals import Signal, signal_names
 
 ADVANCE = INTERFACE.delay + 0.5  # samples from the measurement to the middle of the time in which its current acts
-FADE = 25  # samples: 2.5 A at the slew rate of 100 A/s
 DESCENT = 80  # samples: the safe output reaches the lower stop from 18.1 mm in 71 samples
 ROUNDING = 1e-4  # of PEAK: what rounding and polynomials may add to a phase, see `_phase_bound`
 PEAK = sqrt(2) * hypot(CURRENT, CURRENT) * (1 + ROUNDING)  # A, both inputs at their limits
-OF_AXIS = {n: [j for j, along in zip(MOTORS, maglev_phases.ALONG, strict=True) if along == n] for n in "xz"}
 SAMPLED = "of the sample of the currents"
 ALONG = {n: replace(INTERFACE.signals[n], about=f"{INTERFACE.signals[n].about}, {SAMPLED}") for n in OF_AXIS}
 SPEED = {n: next(s.high for s in maglev_stage.STATES if s.name == f"v{n}") for n in OF_AXIS}  # m/s
-TRANSFER = Signal("transfer", "1", -1, 1, "part of their currents that motors hand over: > 0 along X, < 0 along Z")
 UNKNOWN = Signal("unknown", "1", 0, DESCENT + FADE, "samples in a row in which both positions are lost")
 PHASES = tuple(replace(s, low=-PEAK, high=PEAK, about=f"{s.about}, instantaneous") for s in maglev_phases.PHASES)
 HELD = {s.name: replace(s, name=f"{s.name}_held") for s in OUTPUTS}
@@ -104,17 +115,15 @@ def _handover(
     """
     transfer, both = x["transfer"], ca.logic_and(*lost)
     active = ca.logic_or(ca.logic_or(*lost), ca.fabs(transfer) > 0)
-    target = ca.if_else(both, transfer, ca.if_else(lost[0], 1, ca.if_else(lost[1], -1, 0)))
-    next = ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
+    next = next_transfer(transfer, *lost)
     unknown = ca.if_else(both, ca.if_else(x["unknown"] >= DESCENT + FADE, x["unknown"], x["unknown"] + 1), 0)
     whole = ca.fmin((DESCENT + FADE - unknown) / FADE, 1)
-    parts, direct, kept = {"x": ca.fmax(next, 0), "z": ca.fmax(-next, 0)}, {}, {}
-    for n, giver in (("x", "z"), ("z", "x")):
-        handed = parts[giver] / 2 * sum(u[f"i_d{j}_held"] for j in OF_AXIS[giver])
-        for j in OF_AXIS[n]:
-            i_d, room = u[f"i_d{j}_held"], CURRENT - ca.fabs(u[f"i_q{j}_held"])
-            direct[j] = ca.if_else(active, ca.fmax(ca.fmin(i_d + handed, room), -room), i_d)
-        wave, share = waves[n], whole * (1 - parts[n])
+    part, kept = parts(next), {}
+    before, quadrature = ({j: u[f"i_{axis}{j}_held"] for j in MOTORS} for axis in "dq")
+    taken = with_taken_over(before, quadrature, part)
+    direct = {j: ca.if_else(active, i, before[j]) for j, i in taken.items()}
+    for n, wave in waves.items():
+        share = whole * (1 - part[n])
         kept[n] = phasor.Phasor(*(ca.if_else(active, share * v, v) for v in (wave.cosine, wave.sine)))
     return direct, kept, {"transfer": ca.if_else(active, next, 0), "unknown": ca.if_else(active, unknown, 0)}
 
@@ -137,4 +146,5 @@ def phase_currents(plant: Plant, samples: float = ADVANCE) -> Block:
     guarded += [safety.GuardedInput(s, 0.0, False) for s in ALONG.values()]
     blocks = [safety.guard(TIME, guarded, BAD_SAMPLES), positions(samples), commutation(plant, samples)]
     inputs = signal_names(g.signal for g in guarded)
-    return compose(f"{NAME}_phase", blocks, inputs=inputs, outputs=signal_names(PHASES))
+    block = compose(f"{NAME}_phase", blocks, inputs=inputs, outputs=signal_names(PHASES))
+    return block.renamed({n: s.name for n, s in COMMUTATED.items()})

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from designs.maglev_5dof import control
 from synth.blocks import phasor
 from synth.companion import Companion
 from synth.declaration import Stage
@@ -49,7 +50,8 @@ def instructions(companion: Companion, emitted: EmittedCode, tracking: Experimen
     run, controller = tracking.trajectory, host.load(emitted.files, emitted.manifest)
     recorded = {n: v[SAMPLES].copy() for n, v in companion.select_inputs(run.measured, run.commands).items()}
     healthy = steps.record(controller, "4-DOF tracking", recorded)
-    recorded["x"][LOST] = recorded["x"][BOTH] = recorded["z"][BOTH] = np.nan
+    x, z = (recorded[s.name] for s in control.COMMUTATED.values())
+    x[LOST] = x[BOTH] = z[BOTH] = np.nan
     lost = steps.record(controller, "positions lost", recorded)
     rows: list[tuple[page.Cell, ...]] = [
         (build.name, *_row(emitted, controller, (healthy, lost), build)) for build in meter.builds()

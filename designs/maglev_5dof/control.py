@@ -11,7 +11,7 @@ currents of the sample before, and it compensates only a part of the guide sprin
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, sqrt
 
@@ -53,6 +53,7 @@ COMPENSATED = {"k_s_phi": 0.75, "k_s_theta": 0.95}
 BOX = {s.name: (s.low, s.high) for s in maglev_stage.STATES if s.name in maglev_stage.RATE}  # m, rad
 GAP, MOTORS = BOX["y"], (1, 2, 3, 4)
 WIDE = 0.1  # m: twice the stroke, to accept overshoot and the compliance of a stop
+LOST = 2 * WIDE  # m, outside the range of x and z
 
 INTERFACE = stage.interface(
     maglev_stage.plant(),
@@ -79,6 +80,12 @@ OUTPUTS = (
     *CURRENTS[:4],
     *(Signal(f"i_q{j}", "A", -CURRENT, CURRENT, f"quadrature current of motor {j}, rms") for j in MOTORS),
 )
+COMMUTATED = {  # positions for the commutation; LOST says that a position is not known
+    n: replace(
+        INTERFACE.signals[n], name=f"{n}_commutation", high=LOST, about=f"{n} for the commutation, {LOST:g} if lost"
+    )
+    for n in "xz"
+}
 HELD = tuple(INTERFACE.held(f"y{j}") for j in MOTORS)
 ARM = 1 / (2 * INTERFACE.plant.parameter("r").value)  # 1/m
 # y, phi and theta from the gaps of the four motors, F(5) linearised: coordinates in which the loops are opened.

@@ -3,7 +3,16 @@
 from pathlib import Path
 from typing import Any
 
-from designs.maglev_5dof import commutation, control, experiments, gains, reference, verification
+from designs.maglev_5dof import (
+    commutation,
+    control,
+    experiments,
+    fault_campaign,
+    fault_handling,
+    gains,
+    reference_faults,
+    verification,
+)
 from designs.maglev_5dof.paper import rows
 from models import maglev_phases, maglev_stage, papers
 from synth import stage
@@ -20,9 +29,9 @@ def report(*arguments: Any) -> str:
 PLANT = maglev_stage.plant()
 PHASES = commutation.phase_currents(PLANT)
 DESIGN = stage.design(
-    control.controller(PLANT),
+    fault_handling.controller(PLANT),
     PLANT,
-    reference=reference.step,
+    reference=reference_faults.step,
     experiments=experiments.ALL,
     operating_points={f"{gap:g} mm": {"y": gap * 1e-3} for gap in (18, 25, 31)},
     coordinates=control.POSE,
@@ -31,7 +40,7 @@ DESIGN = stage.design(
     stops={name: control.BOX[name] for name in ("y", "phi", "theta")},
     velocities=maglev_stage.RATE,
     wires=experiments.WIRES,
-    faults=experiments.FAULTS,
+    faults=fault_campaign.FAULTS,
     header_notes=[f"F(n) and (n) are equation (n) of {papers.FULFORD}."],
     safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     recording=verification.vectors,

@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from designs.maglev_5dof import commutation, control
+from designs.maglev_5dof import commutation, control, fault_handling
 from designs.maglev_5dof.control import OMEGA0, RESOLUTION
 from models import maglev_stage
-from synth.campaign import FaultCampaign
 from synth.check import Check
 from synth.execute import build, host
 from synth.simulate import metrics
@@ -41,10 +40,6 @@ COURSES = {  # of the 4-DOF tracking, F section IV-B
     "z": Sine(0.03, OMEGA0),
     "theta": Sine(0.01, OMEGA0),
 }
-INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
-FAULTS = FaultCampaign(
-    {f"{n}_ref": course for n, course in COURSES.items()}, 2 * pi / OMEGA0, watch_s=2.0, inertias=INERTIAS
-)
 WIRES: Wires = {f"i_d{j}": f"i_d{j}" for j in control.MOTORS} | {"u_x": "i_q2", "u_z": "i_q1"}
 NO_ROTATION: Wires = {**WIRES, **{f"i_d{j}": {f"i_d{k}": 0.25 for k in control.MOTORS} for j in control.MOTORS}}
 Y_LIMITS, XZ_LIMITS, THETA_LIMITS, WRONG_LIMITS = (0.20, 2.2, 4.0), (0.25, 2.0, 3.5), (0.20, 2.2, 4.0), (0.40, 3.3, 6.0)
@@ -70,9 +65,11 @@ def step(
 ) -> StepRun:
     """Run one step of `axis` from `start` to `target` (m, rad) at a gap in m, followed for `after` seconds.
 
-    With `actuators` among the options the drive is left out.
+    With `actuators` among the options the drive is left out, and with `locked` coordinates the fault handling, too: an
+    encoder of a platen that is clamped looks like a frozen one.
     """
-    rig = rig.without_drive if "actuators" in options else rig
+    rig = rig.without_drive if options.keys() & {"actuators", "locked"} else rig
+    rig = _with(rig, "without fault handling") if "locked" in options else rig
     time = sample_times(SETTLE + after, rig.period_s)
     reference = np.where(time < SETTLE, start, target)
     trajectory = rig.run(SETTLE + after, {"y": gap} | {axis: start}, {f"{axis}_ref": reference}, **options)
@@ -196,17 +193,21 @@ def _tracking_at_measured_position(rig: Rig) -> Experiment:
 
 
 @cache
-def without_anti_windup(scalar: str) -> host.Controller:
-    """Return the controller without its anti-windup, compiled in a scalar type by name."""
+def compiled_variant(variant: str, scalar: str) -> host.Controller:
+    """Return the controller without anti-windup or without fault handling, compiled in a scalar type by name."""
     kind, plant = np.dtype(scalar).type, maglev_stage.plant()
-    return build.compile_block(
-        control.controller(plant, anti_windup=False).block, kind, error=control.SURROGATE_ERROR[kind]
-    )
+    windup, bare = fault_handling.controller(plant, anti_windup=False), control.controller(plant)
+    controller = {"without anti-windup": windup, "without fault handling": bare}[variant]
+    return build.compile_block(controller.block, kind, error=control.SURROGATE_ERROR[kind])
+
+
+def _with(rig: Rig, variant: str) -> Rig:
+    return replace(rig, controller=compiled_variant(variant, np.dtype(rig.controller.scalar).name))
 
 
 def _windup(rig: Rig, anti_windup: bool) -> Experiment:
     """Step x by 100 mm at a gap of 30 mm with the anti-windup (17), or without it."""
-    bare = replace(rig, controller=without_anti_windup(np.dtype(rig.controller.scalar).name))
+    bare = _with(rig, "without anti-windup")
     about = "without stops along x, so the overshoot is visible"
     without, run = (_response(used, "x", 0.05, about, -0.05, gap=0.030) for used in (bare, rig))
     if not anti_windup:
@@ -229,10 +230,10 @@ def _lift_off(rig: Rig) -> Experiment:
 
 
 def _set_down(rig: Rig, gap: float) -> Experiment:
-    """Lose an encoder at a gap in m."""
+    """Lose three gap encoders at a gap in m."""
     time = sample_times(3.0, rig.period_s)
     lost = Override(time >= SETTLE, np.full(len(time), np.nan))
-    trajectory = rig.run(3.0, {"y": gap}, overrides={"y1": lost})
+    trajectory = rig.run(3.0, {"y": gap}, overrides=dict.fromkeys(("y1", "y2", "y3"), lost))
     latched = trajectory.faults[int(np.argmax(time >= SETTLE)) + control.BAD_SAMPLES - 1 :] >> 31
     checks = (
         Check("rises above the start by", float(gap - trajectory["y"].min()), 1e-4, "m", "no motion upwards"),
@@ -240,7 +241,7 @@ def _set_down(rig: Rig, gap: float) -> Experiment:
         Check("samples without the latch after 5 bad ones", float(np.count_nonzero(latched == 0)), 0.0, "1"),
     )
     figures = {"speed at the lower stop, m/s": float(trajectory["vy"].max())}
-    return _experiment(trajectory, f"y1 reads NaN from {SETTLE:.1f} s on", {}, figures, checks, ["y"])
+    return _experiment(trajectory, f"y1, y2 and y3 read NaN from {SETTLE:.1f} s on", {}, figures, checks, ["y"])
 
 
 def _zero_current(rig: Rig) -> Experiment:
@@ -278,7 +279,7 @@ def _wrong_spring(mrad: int, factor: float) -> Run:
 
 
 PHI_SPRING = "phi by 0.5 mrad, the true guide spring {:g} of the assumed one"
-LOST = "Safe output from {:g} mm after the loss of an encoder"
+LOST = "Safe output from {:g} mm after the loss of three gap encoders"
 MEASURED = "commutation at the measured position, for comparison"
 WINDUP = "x from -50 to 50 mm at 30 mm gap, {} anti-windup"
 ALL = (

@@ -26,6 +26,7 @@ CURRENT = 7 / sqrt(2)  # A rms
 BAD_SAMPLES, FADE, DESCENT = 5, 25, 80
 PEAK = sqrt(2) * sqrt(2) * CURRENT * (1 + 1e-4)
 LIMITS = {f"i_{axis}{j}": CURRENT for axis in "dq" for j in (1, 2, 3, 4)} | {"x": 0.1, "z": 0.1}
+INPUTS = {"x": "x_commutation", "z": "z_commutation"}
 LIMIT = np.array([*LIMITS.values()])
 BITS = 1 << np.arange(len(LIMITS))
 MOTORS = {"x": (2, 4), "z": (1, 3)}
@@ -36,7 +37,7 @@ def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, 
     """Return the accepted or else the last accepted value of each input, and which inputs are refused."""
     values, refused = {}, {}
     for name, limit in LIMITS.items():
-        u = np.asarray(inputs[name], dtype=np.float64)
+        u = np.asarray(inputs[INPUTS.get(name, name)], dtype=np.float64)
         refused[name] = ~(np.abs(u) <= limit)
         values[name] = np.where(refused[name], state[f"guard_last_{name}"], u)
     return values, refused
@@ -52,13 +53,17 @@ def advance(state: Columns, measured: Array, refused: NDArray[np.bool_], axis: s
     return position + ADVANCE * (position - before), after
 
 
+def next_transfer(transfer: Array, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool_]) -> Array:
+    """Return the part that is handed over, one sample later."""
+    target = np.where(lost_x & lost_z, transfer, lost_x.astype(float) - lost_z)
+    return np.clip(target, transfer - 1 / FADE, transfer + 1 / FADE)
+
+
 def hand_over(state: Columns, lost_x: NDArray[np.bool_], lost_z: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Return the next part that is handed over, > 0 along X and < 0 along Z, and the next count of both lost."""
     transfer, count = (np.asarray(state[f"commutation_{n}"], dtype=np.float64) for n in ("transfer", "unknown"))
-    both = lost_x & lost_z
-    target = np.where(both, transfer, lost_x.astype(float) - lost_z)
-    transfer = np.clip(target, transfer - 1 / FADE, transfer + 1 / FADE)
-    return transfer, np.where(both, np.minimum(count + 1, DESCENT + FADE), 0)
+    transfer = next_transfer(transfer, lost_x, lost_z)
+    return transfer, np.where(lost_x & lost_z, np.minimum(count + 1, DESCENT + FADE), 0)
 
 
 def direct_currents(values: Mapping[str, Array], transfer: Array, active: NDArray[np.bool_]) -> dict[int, Array]:

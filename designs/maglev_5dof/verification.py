@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.maglev_5dof import commutation, control, experiments, reference, reference_phase
+from designs.maglev_5dof import commutation, control, experiments, reference, reference_faults, reference_phase
 from synth.block import Block
 from synth.check import Check
 from synth.companion import Companion
@@ -30,6 +30,7 @@ RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 SEED = 20_090_901
 CORNER = 0.98  # of the limit of i_d: there the limit sqrt(C^2 - i_d^2) of i_q has the slope -5, closer to it up to -70
 NEAR = 0.003  # of a bound: states of the internal model whose demand a motor can meet
+RARE = 0.01  # share of excluded encoders and of landings
 INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
 FLOOR = 1.0  # A
 # A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
@@ -99,7 +100,7 @@ def random_steps(block: Block, n: int) -> tuple[Columns, Columns]:
     current close below its limit, where the limit of i_q falls steeply, are left to the edge steps.
     """
     states, inputs = _in_operation(block, n + n // 4)
-    outputs = reference.step(states, inputs)[1]
+    outputs = reference_faults.step(states, inputs)[1]
     size = np.abs([outputs[f"i_d{j}"] for j in control.MOTORS])
     near_limit = np.any((size > CORNER * control.DIRECT) & (size < control.DIRECT), axis=0)
     chosen = np.flatnonzero(~near_limit)[:n]
@@ -124,11 +125,42 @@ def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
         for eta, bound in zip(reference.ETA, control.ETA_BOUNDS, strict=True):
             states[f"regulator_{name}_{eta}"] = rng.normal(0, NEAR * bound, n)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
+    states |= _fault_handling(rng, n, inputs)
     for s in control.CURRENTS:
         held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
         last = held + rng.uniform(-0.5, 0.5, n)
         states[f"safe_output_last_{s.name}"] = np.clip(last, s.low + INSIDE, s.high - INSIDE)
     return states, inputs
+
+
+def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Columns:
+    """Return states of the fault handling near the readings: few encoders are excluded, few platens land."""
+    states: Columns = {}
+    readings: Any = np.array([inputs[name] for name in reference_faults.NAMES])
+    for s, q in zip(reference.AXES, reference.pose(readings, reference.Parameters().r), strict=True):
+        states[f"observer_{s}_q"] = q + rng.normal(0, 1e-5, n)
+        states[f"observer_{s}_v"], states[f"observer_{s}_d"] = rng.normal(0, 0.02, n), rng.normal(0, 0.5, n)
+        states[f"delay_{reference_faults.DEMANDS[s]}_last"] = rng.normal(0, 0.5, n)
+    for name, y in zip(reference_faults.NAMES, readings, strict=True):
+        states[f"redundancy_code_{name}"] = np.where(rng.uniform(size=n) < 0.5, y, _neighbours(rng, y))
+        states[f"redundancy_excluded_{name}"] = (rng.uniform(size=n) < RARE).astype(float)
+    for name in "xz":
+        states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
+        states[f"probe_{name}_sample"] = np.where(rng.uniform(size=n) < 0.5, 0, rng.integers(0, 16, n))
+    states["redundancy_degraded"] = (rng.uniform(size=n) < RARE).astype(float)
+    states["redundancy_undecided_0"] = states["redundancy_stuck_0"] = np.zeros(n)
+    states["handover_transfer"] = np.where(rng.uniform(size=n) < RARE, rng.uniform(-1, 1, n), 0.0)
+    states["landing_landing"] = (rng.uniform(size=n) < RARE).astype(float)
+    for s in ("y", "x", "z"):
+        states[f"landing_r_{s}"] = states[f"observer_{s}_q"] + rng.normal(0, 1e-4, n)
+        states[f"landing_dr_{s}"] = rng.uniform(-0.05, 0.05, n)
+    states["landing_r_y"] = np.minimum(states["landing_r_y"], control.GAP[1])
+    return states
+
+
+def _neighbours(rng: np.random.Generator, y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return readings one count from y."""
+    return np.asarray(y + np.where(rng.uniform(size=len(y)) < 0.5, -1e-5, 1e-5))
 
 
 def holding_current(gap: NDArray[np.float64]) -> NDArray[np.float64]:

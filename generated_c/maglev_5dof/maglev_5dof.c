@@ -13,6 +13,11 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
+static inline float maglev_5dof_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
 static inline float maglev_5dof_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -30,6 +35,20 @@ static inline float maglev_5dof_slew(float last, float target, float step)
     const float lowest = last - step;
     const float below = (target < highest) ? target : highest;
     return (below > lowest) ? below : lowest;
+}
+
+static inline uint32_t maglev_5dof_flag(bool holds)
+{
+    uint32_t value = 0u;
+    if (holds) {
+        value = 1u;
+    }
+    return value;
+}
+
+static inline bool maglev_5dof_equal(float a, float b)
+{
+    return (a <= b) && (b <= a);
 }
 
 #if defined(__GNUC__)
@@ -134,7 +153,7 @@ typedef struct {
 } maglev_5dof_regulator_parameters_t;
 
 /* regulator_y, regulator_phi, regulator_theta: F(14)-(16)
- *     w_y = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
+ *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
  *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
  *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
  *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
@@ -158,12 +177,12 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
-    return w_part + (parameters->k_q1 * q1);
+    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
+    return w_tracking_part + (parameters->k_q1 * q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17)
- *     w_x = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
+ *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
  *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
  *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
  *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
@@ -213,6 +232,17 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .guard_last_y4 = 0.031f,
         .guard_last_y_ref = 0.031f,
         .guard_left = 5u,
+        .redundancy_code_y1 = 0.0168f,
+        .redundancy_code_y2 = 0.0124f,
+        .redundancy_code_y3 = 0.0168f,
+        .redundancy_code_y4 = 0.0124f,
+        .observer_y_q = 0.0145f,
+        .observer_x_g = 1.0f,
+        .observer_z_g = 1.0f,
+        .landing_left = 5u,
+        .landing_r_y = 0.031f,
+        .probe_x_towards = 0.46666667f,
+        .probe_z_towards = 0.46666667f,
         .safe_output_last_i_d1 = 2.5f,
         .safe_output_last_i_d2 = 2.5f,
         .safe_output_last_i_d3 = 2.5f,
@@ -236,8 +266,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float slot_pull = 1.530832e-06f;               /* m/N; half_c_over_h2 beta, beta = b0^2 / (4 t1) */
     /* 1/N; K_v3 / (2 K_h^2) of (2): half_c / h^2 without the effect of the slots */
     static const float half_c_over_h2 = 0.0007232277f;
-    static const float M_x = 10.6f;                             /* kg; Table I */
-    static const float M_z = 8.6f;                              /* kg; Table I */
     static const float G = 9.81f;                               /* m/s^2; standard gravity to three digits */
     static const float half_M_y = 3.45f;                        /* kg; M_y / 2, M_y = 6.9 kg */
     static const float compensated_k_s_phi = 11250.0f;          /* 1/s^2; 0.75 k_s_phi, k_s_phi = 15000 1/s^2 */
@@ -245,9 +273,26 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float half_I_over_r = 0.66347605f;
     static const float compensated_k_s_theta = 2850.0f;         /* 1/s^2; 0.95 k_s_theta, k_s_theta = 3000 1/s^2 */
     static const float direct_limit = 4.9492526f; /* A; largest direct current, rms: a little below the current limit */
+    static const float M_x = 10.6f;                             /* kg; Table I */
     static const float squared_current_limit = 24.5f;           /* A^2; square of the current limit, 7 A peak */
+    static const float M_z = 8.6f;                              /* kg; Table I */
     static const float safe_i_d1 = 2.5f;                        /* A; safe output */
     static const float slew_i_d1 = 0.1f;                        /* A; 100 A/s times 0.001 s */
+    static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_x_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_x_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_x_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_z_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_z_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_z_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_alpha = 0.30232367f;      /* 1; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_beta = 36.192043f;        /* 1/s; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_theta_gamma = 1445.947f;        /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
     static const maglev_5dof_regulator_parameters_t regulator_y_regulator = {-1699.6849f, -48291.37f, -2.251582f,
         122.7319f, -5.5538764f};
     static const maglev_5dof_regulator_parameters_t regulator_phi_regulator = {-2049.9666f, -55490.594f, -2.8480508f,
@@ -263,32 +308,427 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
-    const float y1_held = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
-    const float y2_held = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
-    const float y3_held = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard_last_y3, 0x00000004u, &faults);
-    const float y4_held = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
-    const float x_held = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
-    const float z_held = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
+    const float y1_accepted = maglev_5dof_hold(in->y1, 0.0168f, 0.0322f, &state->guard_last_y1, 0x00000001u, &faults);
+    const float y2_accepted = maglev_5dof_hold(in->y2, 0.0124f, 0.0366f, &state->guard_last_y2, 0x00000002u, &faults);
+    const float y3_accepted = maglev_5dof_hold(in->y3, 0.0168f, 0.0322f, &state->guard_last_y3, 0x00000004u, &faults);
+    const float y4_accepted = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
+    const float x_accepted = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
+    const float z_accepted = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
     const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u, &faults);
     const float x_ref_held = maglev_5dof_hold_within(in->x_ref, 0.05f, &state->guard_last_x_ref, 0x00000080u, &faults);
     const float z_ref_held = maglev_5dof_hold_within(in->z_ref, 0.05f, &state->guard_last_z_ref, 0x00000100u, &faults);
     const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref, 0x00000200u, &faults);
     const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref, 0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
-    const uint32_t guard_latched = state->guard_latched;
     const uint32_t guard_ready = state->guard_ready;
-    uint32_t latched = guard_latched;
-    if (complete) {
+
+    /* observer_x: predictive observer, alpha-beta-gamma
+     *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
+     *         set, else 0
+     *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
+     *     x_rate = v + beta * (x_held - q) if guard_ready is set, else 0
+     *     q_next = limit(x_estimate + 0.001 * (x_rate + 0.0005 * (g * delay_a_x_last + x_disturbance)), 0.1)
+     *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
+     *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
+     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    const float observer_x_q = state->observer_x_q;
+
+    /* probe_x: probe at rest
+     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else (1 if 40 <= x_unchanged and
+     *         free and attempt < 5, else 0)) if 0 < sample or 40 <= x_unchanged, else 0
+     *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
+     *         sample, else attempt) if 0 < sample, else attempt) if 0 < sample or 40 <= x_unchanged, else 0
+     *     towards_next = (towards if 0 < sample, else (-0.466667 if 0 < e_x, else 0.466667)) if 0 < sample or
+     *         40 <= x_unchanged, else towards */
+    const uint32_t probe_x_attempt = state->probe_x_attempt;
+    const bool x_unanswered = 5u <= probe_x_attempt;
+
+    /* observer_phi: predictive observer, alpha-beta-gamma
+     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
+     *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
+     *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
+     *     q_next = limit(phi_estimate + 0.001 * (phi_rate + 0.0005 * (delay_w_phi_last + phi_disturbance)),
+     *         0.02)
+     *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 2) */
+    const float observer_phi_q = state->observer_phi_q;
+
+    /* observer_y: predictive observer, alpha-beta-gamma
+     *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
+     *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
+     *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
+     *     q_next = max(min(y_estimate + 0.001 * (y_rate + 0.0005 * (delay_w_y_last + y_disturbance)), 0.0345),
+     *         0.0145)
+     *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 1) */
+    const float observer_y_q = state->observer_y_q;
+
+    /* observer_theta: predictive observer, alpha-beta-gamma
+     *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
+     *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
+     *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
+     *     q_next = limit(theta_estimate + 0.001 * (theta_rate + 0.0005 * (delay_w_theta_last +
+     *         theta_disturbance)), 0.031)
+     *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 2) */
+    const float observer_theta_q = state->observer_theta_q;
+
+    /* observer_z: predictive observer, alpha-beta-gamma
+     *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
+     *         set, else 0
+     *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
+     *     z_rate = v + beta * (z_held - q) if guard_ready is set, else 0
+     *     q_next = limit(z_estimate + 0.001 * (z_rate + 0.0005 * (g * delay_a_z_last + z_disturbance)), 0.1)
+     *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
+     *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
+     *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+    const float observer_z_q = state->observer_z_q;
+
+    /* probe_z: probe at rest
+     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else (1 if 40 <= z_unchanged and
+     *         free and attempt < 5, else 0)) if 0 < sample or 40 <= z_unchanged, else 0
+     *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
+     *         sample, else attempt) if 0 < sample, else attempt) if 0 < sample or 40 <= z_unchanged, else 0
+     *     towards_next = (towards if 0 < sample, else (-0.466667 if 0 < e_z, else 0.466667)) if 0 < sample or
+     *         40 <= z_unchanged, else towards */
+    const uint32_t probe_z_attempt = state->probe_z_attempt;
+    const bool z_unanswered = 5u <= probe_z_attempt;
+
+    /* redundancy: parity, innovations, frozen codes
+     *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
+     *         z_unchanged
+     *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
+     *         likewise still_y2_next, still_y3_next, still_y4_next */
+    const uint32_t redundancy_degraded = state->redundancy_degraded;
+    const float suspect_y1_part = y1_accepted - y2_accepted;
+    const float others = suspect_y1_part + y3_accepted;
+    const float r_suspect_y1 = others - y4_accepted;
+    const float size = fabsf(r_suspect_y1);
+    const bool agreement = size <= 4.8e-05f;
+    uint32_t x_unchanged = 0u;
+    float suspect_y1_part_2 = observer_x_q;
+    if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
+        const uint32_t redundancy_still_x = state->redundancy_still_x;
+        x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
+        suspect_y1_part_2 = state->redundancy_before_x;
+    }
+    const float redundancy_before_x_next = (guard_ready != 0u) ? suspect_y1_part_2 : x_accepted;
+    bool suspect_y1_test = false;
+    if (3u <= x_unchanged) {
+        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && ((4e-05f < fabsf(observer_x_q - redundancy_before_x_next)) || x_unanswered);
+    }
+    uint32_t z_unchanged = 0u;
+    float suspect_y1_part_3 = observer_z_q;
+    if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
+        const uint32_t redundancy_still_z = state->redundancy_still_z;
+        z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
+        suspect_y1_part_3 = state->redundancy_before_z;
+    }
+    const float before = (guard_ready != 0u) ? suspect_y1_part_3 : z_accepted;
+    bool suspect_y1_test_2 = false;
+    if (3u <= z_unchanged) {
+        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && ((4e-05f < fabsf(observer_z_q - before)) || z_unanswered);
+    }
+    const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
+    const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
+    const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
+    const uint32_t redundancy_excluded_y4 = state->redundancy_excluded_y4;
+    const uint32_t redundancy_excluded_x = state->redundancy_excluded_x;
+    const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
+    const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
+    const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
+    const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
+    uint32_t still_still_y4 = 0u;
+    if (same_y4) {
+        const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
+        still_still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+    }
+    const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
+    uint32_t still_still_y3 = 0u;
+    if (same_y3) {
+        const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
+        still_still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+    }
+    const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
+    uint32_t still_still_y2 = 0u;
+    if (same_y2) {
+        const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
+        still_still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+    }
+    const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
+    uint32_t still_still_y1 = 0u;
+    if (same_y1) {
+        const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
+        still_still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+    }
+    uint32_t suspect_y1 = 0u;
+    uint32_t suspect_y2 = 0u;
+    uint32_t suspect_y3 = 0u;
+    uint32_t suspect_y4 = 0u;
+    uint32_t suspect_x = 0u;
+    uint32_t suspect_z = 0u;
+    bool gaps_sufficient = true;
+    bool x_trusted = true;
+    bool z_trusted = true;
+    float y1_held = y1_accepted;
+    float y2_held = y2_accepted;
+    float y3_held = y3_accepted;
+    float y4_held = y4_accepted;
+    float x_held = x_accepted;
+    float z_held = z_accepted;
+    bool regular = true;
+    uint32_t redundancy_excluded_y1_part = redundancy_excluded_y1;
+    uint32_t redundancy_excluded_y2_part = redundancy_excluded_y2;
+    uint32_t redundancy_excluded_y3_part = redundancy_excluded_y3;
+    uint32_t redundancy_excluded_y4_part = redundancy_excluded_y4;
+    uint32_t redundancy_excluded_x_part = redundancy_excluded_x;
+    uint32_t redundancy_excluded_z_part = redundancy_excluded_z;
+    uint32_t redundancy_contradictions_0_next = 0u;
+    uint32_t redundancy_stuck_0_part = redundancy_stuck_0;
+    uint32_t redundancy_undecided_0_part = redundancy_undecided_0;
+    uint32_t redundancy_degraded_part = redundancy_degraded;
+    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
+        /* gap_prediction: gaps of the predicted pose, F(5)
+         *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
+        const float phi_2 = 0.397f * observer_phi_q;
+        const float y1_expected = observer_y_q - phi_2;
+        const float theta_2 = 0.397f * observer_theta_q;
+        const float y2_expected = observer_y_q + theta_2;
+        const float y3_expected = observer_y_q + phi_2;
+        const float y4_expected = observer_y_q - theta_2;
+        const bool good_y1 = (faults & 0x00000001u) == 0u;
+        const bool usable_y1 = good_y1 && !(redundancy_excluded_y1 != 0u);
+        const bool good_y2 = (faults & 0x00000002u) == 0u;
+        const bool usable_y2 = good_y2 && !(redundancy_excluded_y2 != 0u);
+        const bool good_y3 = (faults & 0x00000004u) == 0u;
+        const bool usable_y3 = good_y3 && !(redundancy_excluded_y3 != 0u);
+        const bool good_y4 = (faults & 0x00000008u) == 0u;
+        const bool usable_y4 = good_y4 && !(redundancy_excluded_y4 != 0u);
+        const bool whole = usable_y1 && usable_y2 && usable_y3 && usable_y4;
+        const bool calm_suspect_y1 = whole && (agreement || !(guard_ready != 0u));
+        const bool suspect_y1_test_3 = 3u <= still_still_y4;
+        const bool suspect_y1_test_4 = 3u <= still_still_y3;
+        const bool suspect_y1_test_5 = 3u <= still_still_y2;
+        const bool suspect_y1_test_6 = 3u <= still_still_y1;
+        const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
+        float missing = 0.0f;
+        uint32_t after_contradictions_0 = 0u;
+        if (whole) {
+            after_contradictions_0 = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
+        } else {
+            const float gaps_sufficient_part = (((usable_y1) ? false : true) ? 1.0f : 0.0f) + (((usable_y2) ? false : true) ? 1.0f : 0.0f) + (((usable_y3) ? false : true) ? 1.0f : 0.0f);
+            missing = gaps_sufficient_part + (((usable_y4) ? false : true) ? 1.0f : 0.0f);
+        }
+        bool suspect_y1_test_7 = false;
+        uint32_t decisions_undecided_0 = redundancy_undecided_0;
+        bool suspect_y2_test = false;
+        bool suspect_y3_test = false;
+        bool suspect_y4_test = false;
+        if (!calm_suspect_y1) {
+            const float suspect_y1_part_4 = 0.4f * size;
+            const bool suspect_y1_test_8 = 0.0f < r_suspect_y1;
+            const float suspect_y1_part_5 = (suspect_y1_test_8) ? -1.0f : 1.0f;
+            const float E_y4 = suspect_y1_part_5 * (y4_accepted - y4_expected);
+            const bool candidate_y4 = suspect_y1_test_3 && (suspect_y1_part_4 < E_y4);
+            const float suspect_y1_part_6 = (suspect_y1_test_8) ? 1.0f : -1.0f;
+            const float E_y3 = suspect_y1_part_6 * (y3_accepted - y3_expected);
+            const bool candidate_y3 = suspect_y1_test_4 && (suspect_y1_part_4 < E_y3);
+            const float E_y2 = suspect_y1_part_5 * (y2_accepted - y2_expected);
+            const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_4 < E_y2);
+            const float E_y1 = suspect_y1_part_6 * (y1_accepted - y1_expected);
+            const bool candidate_y1 = suspect_y1_test_6 && (suspect_y1_part_4 < E_y1);
+            const bool any_candidate = candidate_y4 || candidate_y3 || candidate_y2 || candidate_y1;
+            const float suspect_y1_part_7 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
+            const bool suspect_y1_test_9 = maglev_5dof_equal(suspect_y1_part_7 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f);
+            const bool alone_y4 = (8u <= still_still_y4) && suspect_y1_test_9;
+            const bool alone_y1 = (8u <= still_still_y1) && suspect_y1_test_9;
+            const bool alone_y2 = (8u <= still_still_y2) && suspect_y1_test_9;
+            const bool alone_y3 = (8u <= still_still_y3) && suspect_y1_test_9;
+            bool only = true;
+            if (!alone_y4) {
+                only = alone_y3 || alone_y2 || alone_y1;
+            }
+            float score_y1 = (candidate_y1) ? E_y1 : -1.0f;
+            float score_y2 = (candidate_y2) ? E_y2 : -1.0f;
+            float score_y3 = (candidate_y3) ? E_y3 : -1.0f;
+            float score_y4 = (candidate_y4) ? E_y4 : -1.0f;
+            if (!any_candidate) {
+                score_y1 = E_y1;
+                score_y2 = E_y2;
+                score_y3 = E_y3;
+                score_y4 = E_y4;
+            }
+            const float score_y1_max_score_y2 = maglev_5dof_max(score_y1, score_y2);
+            const float suspect_y1_part_8 = maglev_5dof_max(score_y1_max_score_y2, score_y3);
+            const float best = maglev_5dof_max(suspect_y1_part_8, score_y4);
+            const bool clear = any_candidate || only || (((0.5f * size) < best) && (maglev_5dof_max(maglev_5dof_max(maglev_5dof_min(score_y1, score_y2), maglev_5dof_min(score_y1_max_score_y2, score_y3)), maglev_5dof_min(suspect_y1_part_8, score_y4)) < (0.5f * best)) && !(redundancy_undecided_0 != 0u));
+            bool chosen_y1 = alone_y1;
+            bool chosen_y2 = alone_y2;
+            bool chosen_y3 = alone_y3;
+            bool chosen_y4 = alone_y4;
+            if (!(only && !any_candidate)) {
+                const bool best_upto_score_y1 = best <= score_y1;
+                chosen_y1 = best_upto_score_y1;
+                const bool suspect_y2_part = (best_upto_score_y1) ? false : true;
+                const bool suspect_y2_test_2 = (best <= score_y2) && suspect_y2_part;
+                chosen_y2 = suspect_y2_test_2;
+                const bool suspect_y3_part = (suspect_y2_test_2) ? false : suspect_y2_part;
+                const bool suspect_y3_test_2 = (best <= score_y3) && suspect_y3_part;
+                chosen_y3 = suspect_y3_test_2;
+                chosen_y4 = (best <= score_y4) && ((suspect_y3_test_2) ? false : suspect_y3_part);
+            }
+            suspect_y1_test_7 = whole && clear && chosen_y1;
+            bool moved = true;
+            if (!(!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4)) {
+                if (!(!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3)) {
+                    if (!(!same_y2 && (redundancy_excluded_y2 != 0u) && good_y2)) {
+                        moved = !same_y1 && (redundancy_excluded_y1 != 0u) && good_y1;
+                    }
+                }
+            }
+            const uint32_t after_undecided_0 = ((whole && (9u <= redundancy_contradictions_0)) || ((redundancy_stuck_0 != 0u) && moved)) ? 1u : redundancy_undecided_0;
+            decisions_undecided_0 = after_undecided_0;
+            suspect_y2_test = whole && clear && chosen_y2;
+            suspect_y3_test = whole && clear && chosen_y3;
+            suspect_y4_test = whole && clear && chosen_y4;
+            redundancy_contradictions_0_next = after_contradictions_0;
+        }
+        const uint32_t unusual_suspect_y1 = (suspect_y1_test_7 || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y1;
+        suspect_y1 = unusual_suspect_y1;
+        const uint32_t unusual_suspect_y2 = (suspect_y2_test || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y2;
+        suspect_y2 = unusual_suspect_y2;
+        const uint32_t unusual_suspect_y3 = (suspect_y3_test || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y3;
+        suspect_y3 = unusual_suspect_y3;
+        const uint32_t unusual_suspect_y4 = (suspect_y4_test || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y4;
+        suspect_y4 = unusual_suspect_y4;
+        const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
+        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
+        bool regular_part = false;
+        if (usable_x_suspect_x && !(unusual_suspect_x != 0u)) {
+            regular_part = (missing <= 1.0f) && !(decisions_undecided_0 != 0u);
+        } else {
+            x_trusted = false;
+            x_held = observer_x_q;
+        }
+        const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
+        const uint32_t flag = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
+        if (usable_z_suspect_z && !(flag != 0u)) {
+            regular = regular_part;
+        } else {
+            z_trusted = false;
+            z_held = observer_z_q;
+            regular = false;
+        }
+        const float y1_held_part = -(y3_accepted - y2_accepted - y4_accepted);
+        const float y2_held_part = y1_accepted + y3_accepted - y4_accepted;
+        const float y3_held_part = -(suspect_y1_part - y4_accepted);
+        float y1_held_part_2 = y1_held_part;
+        float y2_held_part_2 = y2_held_part;
+        float y3_held_part_2 = y3_held_part;
+        float predicted = others;
+        if (!maglev_5dof_equal(missing, 1.0f)) {
+            y1_held_part_2 = y1_expected;
+            y2_held_part_2 = y2_expected;
+            y3_held_part_2 = y3_expected;
+            predicted = y4_expected;
+        }
+        const float unusual_y1_held = (calm_suspect_y1) ? y1_accepted : maglev_5dof_max(maglev_5dof_min((usable_y1) ? ((suspect_y1_test_7) ? y1_held_part : y1_accepted) : y1_held_part_2, 0.0322f), 0.0168f);
+        y1_held = unusual_y1_held;
+        const float unusual_y2_held = (calm_suspect_y1) ? y2_accepted : maglev_5dof_max(maglev_5dof_min((usable_y2) ? ((suspect_y2_test) ? y2_held_part : y2_accepted) : y2_held_part_2, 0.0366f), 0.0124f);
+        y2_held = unusual_y2_held;
+        const float unusual_y3_held = (calm_suspect_y1) ? y3_accepted : maglev_5dof_max(maglev_5dof_min((usable_y3) ? ((suspect_y3_test) ? y3_held_part : y3_accepted) : y3_held_part_2, 0.0322f), 0.0168f);
+        y3_held = unusual_y3_held;
+        const float unusual_y4_held = (calm_suspect_y1) ? y4_accepted : maglev_5dof_max(maglev_5dof_min((usable_y4) ? ((suspect_y4_test) ? others : y4_accepted) : predicted, 0.0366f), 0.0124f);
+        y4_held = unusual_y4_held;
+        const bool final_redundancy_excluded_y1 = 2u <= redundancy_contradictions_0;
+        const bool redundancy_excluded_y1_test = suspect_y1_test_7 && final_redundancy_excluded_y1;
+        const uint32_t decisions_excluded_y1 = (calm_suspect_y1) ? redundancy_excluded_y1 : ((redundancy_excluded_y1_test) ? 1u : redundancy_excluded_y1);
+        redundancy_excluded_y1_part = decisions_excluded_y1;
+        const bool redundancy_excluded_y2_test = suspect_y2_test && final_redundancy_excluded_y1;
+        const uint32_t decisions_excluded_y2 = (calm_suspect_y1) ? redundancy_excluded_y2 : ((redundancy_excluded_y2_test) ? 1u : redundancy_excluded_y2);
+        redundancy_excluded_y2_part = decisions_excluded_y2;
+        const bool redundancy_excluded_y3_test = suspect_y3_test && final_redundancy_excluded_y1;
+        const uint32_t decisions_excluded_y3 = (calm_suspect_y1) ? redundancy_excluded_y3 : ((redundancy_excluded_y3_test) ? 1u : redundancy_excluded_y3);
+        redundancy_excluded_y3_part = decisions_excluded_y3;
+        const bool excluded = suspect_y4_test && final_redundancy_excluded_y1;
+        const uint32_t decisions_excluded_y4 = (calm_suspect_y1) ? redundancy_excluded_y4 : ((excluded) ? 1u : redundancy_excluded_y4);
+        redundancy_excluded_y4_part = decisions_excluded_y4;
+        uint32_t after_stuck_0 = 1u;
+        if (!(excluded && suspect_y1_test_3)) {
+            if (!(redundancy_excluded_y3_test && suspect_y1_test_4)) {
+                after_stuck_0 = (redundancy_excluded_y2_test && suspect_y1_test_5) ? 1u : ((redundancy_excluded_y1_test && suspect_y1_test_6) ? 1u : redundancy_stuck_0);
+            }
+        }
+        redundancy_stuck_0_part = (calm_suspect_y1) ? redundancy_stuck_0 : after_stuck_0;
+        redundancy_undecided_0_part = decisions_undecided_0;
+        uint32_t redundancy_degraded_part_2 = 1u;
+        if (!(unusual_suspect_x != 0u)) {
+            if (!(unusual_suspect_y4 != 0u)) {
+                redundancy_degraded_part_2 = (unusual_suspect_y3 != 0u) ? 1u : ((unusual_suspect_y2 != 0u) ? 1u : ((unusual_suspect_y1 != 0u) ? 1u : redundancy_degraded));
+            }
+        }
+        uint32_t redundancy_degraded_part_3 = 1u;
+        if (!(decisions_excluded_y4 != 0u)) {
+            redundancy_degraded_part_3 = (decisions_excluded_y3 != 0u) ? 1u : ((decisions_excluded_y2 != 0u) ? 1u : ((decisions_excluded_y1 != 0u) ? 1u : ((flag != 0u) ? 1u : redundancy_degraded_part_2)));
+        }
+        redundancy_degraded_part = (flag != 0u) ? 1u : ((unusual_suspect_x != 0u) ? 1u : redundancy_degraded_part_3);
+        suspect_x = unusual_suspect_x;
+        suspect_z = flag;
+        gaps_sufficient = missing <= 2.0f;
+        redundancy_excluded_x_part = unusual_suspect_x;
+        redundancy_excluded_z_part = flag;
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->y1_expected = y1_expected;
+            diagnostics->y2_expected = y2_expected;
+            diagnostics->y3_expected = y3_expected;
+            diagnostics->y4_expected = y4_expected;
+        }
+#endif
+    }
+
+    /* landing: landing: ramps and state feedback
+     *     w_phi = -(1600 * phi_estimate + (80 * (observer_phi_v + observer_phi_beta * (phi - observer_phi_q))
+     *         if guard_ready is set, else 0) + phi_disturbance) if landing_next is set, else w_phi_tracking;
+     *         likewise w_theta
+     *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
+     *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
+     *     r_x_next = limit((r_x if landing is set, else x_estimate) + 0.001 * (dr_x if landing is set, else
+     *         x_rate) + 0.0005 * limit(-(dr_x if landing is set, else x_rate), 0.004), 10) if landing_next is
+     *         set, else r_x; likewise r_z_next
+     *     dr_x_next = limit((dr_x if landing is set, else x_rate) + limit(-(dr_x if landing is set, else
+     *         x_rate), 0.004), 10) if landing_next is set, else dr_x; likewise dr_z_next */
+    const uint32_t landing_landing = state->landing_landing;
+    const float landing_r_y = state->landing_r_y;
+    const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
+
+    /* sufficiency: it can land, is probed
+     *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+    const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
+
+    /* guard: range acceptance, hold, latch */
+    const uint32_t guard_latched = state->guard_latched;
+    uint32_t latched_part = guard_latched;
+    if ((guard_ready != 0u) ? sufficient : complete) {
         state->guard_left = 5u;
-        state->guard_ready = 1u;
     } else {
         const uint32_t guard_left = state->guard_left;
         if (guard_left <= 1u) {
-            latched = 1u;
+            latched_part = 1u;
         } else {
             state->guard_left = guard_left - 1u;
         }
     }
+    const uint32_t latched = (landed) ? 1u : latched_part;
+    if (complete) {
+        state->guard_ready = 1u;
+    }
+
+    /* kinematics: pose from the gaps, F(5)
+     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
+     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
+    const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    const float y3_minus_y1 = y3_held - y1_held;
+    const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+    const float y2_minus_y4 = y2_held - y4_held;
+    const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
 
     /* safe_output: slew to the safe output once latched */
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
@@ -297,6 +737,90 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_i_d4 = state->safe_output_last_i_d4;
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
+
+    /* observer_phi: predictive observer, alpha-beta-gamma */
+    const float nu_phi_disturbance = phi - observer_phi_q;
+    const float phi_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_disturbance), 200.0f) : 0.0f;
+    const float phi_estimate = (guard_ready != 0u) ? (observer_phi_q + (observer_phi_alpha * nu_phi_disturbance)) : phi;
+    const float phi_rate_part = state->observer_phi_v + (observer_phi_beta * nu_phi_disturbance);
+    const float phi_rate = (guard_ready != 0u) ? phi_rate_part : 0.0f;
+
+    /* observer_theta: predictive observer, alpha-beta-gamma */
+    const float nu_theta_disturbance = theta - observer_theta_q;
+    const float theta_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance), 200.0f) : 0.0f;
+    const float theta_estimate = (guard_ready != 0u) ? (observer_theta_q + (observer_theta_alpha * nu_theta_disturbance)) : theta;
+    const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
+    const float theta_rate = (guard_ready != 0u) ? theta_rate_part : 0.0f;
+
+    /* observer_y: predictive observer, alpha-beta-gamma */
+    const float nu_y_disturbance = y - observer_y_q;
+    const float y_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f) : 0.0f;
+    const float y_estimate = (guard_ready != 0u) ? (observer_y_q + (observer_y_alpha * nu_y_disturbance)) : y;
+    const float y_rate = (guard_ready != 0u) ? (state->observer_y_v + (observer_y_beta * nu_y_disturbance)) : 0.0f;
+
+    /* observer_x: predictive observer, alpha-beta-gamma */
+    const float nu_z_disturbance = z_held - observer_z_q;
+    const float delay_a_z_last = state->delay_a_z_last;
+    float z_disturbance_part = 0.0f;
+    float i_d1_computed_part = 0.0f;
+    float observer_z_g_part = 0.0f;
+    if (z_trusted) {
+        const float z_disturbance_part_2 = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
+        z_disturbance_part = z_disturbance_part_2;
+        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part_2);
+    } else {
+        i_d1_computed_part = -1.0f;
+    }
+    const float nu_x_disturbance = x_held - observer_x_q;
+    const float delay_a_x_last = state->delay_a_x_last;
+    float x_disturbance_part = 0.0f;
+    float observer_x_g_part = 0.0f;
+    if (x_trusted) {
+        const float x_disturbance_part_2 = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * nu_x_disturbance), 20.0f);
+        x_disturbance_part = x_disturbance_part_2;
+        observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part_2);
+    } else {
+        i_d1_computed_part = 1.0f;
+    }
+    const float x_disturbance = (guard_ready != 0u) ? x_disturbance_part : 0.0f;
+    const float x_estimate = (guard_ready != 0u) ? (observer_x_q + (observer_x_alpha * nu_x_disturbance)) : x_held;
+    const float x_rate = (guard_ready != 0u) ? (state->observer_x_v + (observer_x_beta * nu_x_disturbance)) : 0.0f;
+
+    /* observer_z: predictive observer, alpha-beta-gamma */
+    const float z_disturbance = (guard_ready != 0u) ? z_disturbance_part : 0.0f;
+    const float z_estimate = (guard_ready != 0u) ? (observer_z_q + (observer_z_alpha * nu_z_disturbance)) : z_held;
+    const float z_rate = (guard_ready != 0u) ? (state->observer_z_v + (observer_z_beta * nu_z_disturbance)) : 0.0f;
+
+    /* angles: positions for the commutation
+     *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
+    const bool lost_1 = !x_trusted;
+    const float x_commutation = ((latched != 0u) && lost_1) ? 0.2f : x_held;
+    out->x_commutation = x_commutation;
+    const bool lost_2 = !z_trusted;
+    const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
+    out->z_commutation = z_commutation;
+
+    /* safe_output: slew to the safe output once latched */
+    if (suspect_y1 != 0u) {
+        faults |= 0x00000800u;
+    }
+    if (suspect_y2 != 0u) {
+        faults |= 0x00001000u;
+    }
+    if (suspect_y3 != 0u) {
+        faults |= 0x00002000u;
+    }
+    if (suspect_y4 != 0u) {
+        faults |= 0x00004000u;
+    }
+    if (suspect_x != 0u) {
+        faults |= 0x00008000u;
+    }
+    if (suspect_z != 0u) {
+        faults |= 0x00010000u;
+    }
+    const float w_phi_part = 80.0f * phi_rate_part;
+    const float w_theta_part = 80.0f * theta_rate_part;
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -317,32 +841,124 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* kinematics: pose from the gaps, F(5)
-         *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
-         *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
-        const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-        const float y3_minus_y1 = y3_held - y1_held;
-        const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-        const float y2_minus_y4 = y2_held - y4_held;
-        const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
+        /* sufficiency: it can land, is probed */
+        const bool free = regular && (observer_y_q < 0.0305f);
 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
-        const float w_y = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, filter_y_r_next);
+        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, filter_y_r_next);
         const float e_x = x_held - x_ref_held;
         const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
         const float e_z = z_held - z_ref_held;
         const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
         const float e_phi = phi - phi_ref_held;
         const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
-        const float w_phi = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi, filter_phi_r_next);
+        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi, filter_phi_r_next);
         const float e_theta = theta - theta_ref_held;
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
-        const float w_theta = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
-        const float w_x = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
-        const float w_z = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
+        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
+
+        /* landing: landing: ramps and state feedback */
+        const bool waiting = !regular && (guard_ready != 0u);
+        const uint32_t landing_left = state->landing_left;
+        const bool w_phi_test = landing_left <= 1u;
+        uint32_t landing = 1u;
+        if (waiting && w_phi_test) {
+            state->landing_landing = 1u;
+        } else {
+            landing = landing_landing;
+        }
+        const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
+        const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
+        float w_phi;
+        float w_theta;
+        float w_y;
+        float w_x_unprobed;
+        float w_z_unprobed;
+        if (landing != 0u) {
+            w_phi = -((1600.0f * phi_estimate) + ((guard_ready != 0u) ? w_phi_part : 0.0f) + phi_disturbance);
+            w_theta = -((1600.0f * theta_estimate) + ((guard_ready != 0u) ? w_theta_part : 0.0f) + theta_disturbance);
+            float r_w_y = landing_r_y;
+            float w_y_part = y_rate;
+            float w_x_unprobed_part = x_estimate;
+            float w_x_unprobed_part_2 = x_rate;
+            float w_z_unprobed_part = z_estimate;
+            float w_z_unprobed_part_2 = z_rate;
+            if (landing_landing != 0u) {
+                w_y_part = state->landing_dr_y;
+                w_x_unprobed_part = state->landing_r_x;
+                w_x_unprobed_part_2 = state->landing_dr_x;
+                w_z_unprobed_part = state->landing_r_z;
+                w_z_unprobed_part_2 = state->landing_dr_z;
+            } else {
+                r_w_y = y_estimate;
+            }
+            float w_y_part_2 = 0.001f;
+            if (!(0.0311f < r_w_y)) {
+                w_y_part_2 = maglev_5dof_max(maglev_5dof_min(25.0f * (0.031f - r_w_y), 0.075f), 0.0f) + 0.005f;
+            }
+            const float w_y_part_3 = maglev_5dof_limit(w_y_part_2 - w_y_part, 0.002f);
+            const float w_y_part_4 = maglev_5dof_limit((3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + ((1000.0f * w_y_part_3) - y_disturbance), 10000.0f);
+            w_y = w_y_part_4;
+            const float w_x_unprobed_part_3 = maglev_5dof_limit(-w_x_unprobed_part_2, 0.004f);
+            w_x_unprobed = (900.0f * (w_x_unprobed_part - x_estimate)) + (60.0f * (w_x_unprobed_part_2 - x_rate)) + ((1000.0f * w_x_unprobed_part_3) - x_disturbance);
+            const float step = maglev_5dof_limit(-w_z_unprobed_part_2, 0.004f);
+            w_z_unprobed = (900.0f * (w_z_unprobed_part - z_estimate)) + (60.0f * (w_z_unprobed_part_2 - z_rate)) + ((1000.0f * step) - z_disturbance);
+            state->landing_r_y = maglev_5dof_max(maglev_5dof_min(r_w_y + (0.001f * w_y_part) + (0.0005f * w_y_part_3), 0.0318f), -10.0f);
+            state->landing_dr_y = maglev_5dof_limit(w_y_part + w_y_part_3, 10.0f);
+            state->landing_r_x = maglev_5dof_limit(w_x_unprobed_part + (0.001f * w_x_unprobed_part_2) + (0.0005f * w_x_unprobed_part_3), 10.0f);
+            state->landing_dr_x = maglev_5dof_limit(w_x_unprobed_part_2 + w_x_unprobed_part_3, 10.0f);
+            state->landing_r_z = maglev_5dof_limit(w_z_unprobed_part + (0.001f * w_z_unprobed_part_2) + (0.0005f * step), 10.0f);
+            state->landing_dr_z = maglev_5dof_limit(w_z_unprobed_part_2 + step, 10.0f);
+        } else {
+            /* regulator_y: F(14)-(16)
+             *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
+             *     sum_next = sum + e_y if |sum + e_y| <= 600, else sum
+             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
+             *     q1_next = q1 - (p1 + c1 * q1) + e_y if |q1 - (p1 + c1 * q1) + e_y| <= 600, else q1 */
+            w_y = w_y_tracking;
+
+            /* regulator_x: F(14)-(17)
+             *     w_x_tracking = k_e * e_x + k_de * de_x + k_sum * sum + k_p1 * p1 + k_q1 * q1
+             *     sum_next = sum + e_x + sum_excess * excess_x if |sum + e_x + sum_excess * excess_x| <= 600, else sum
+             *     p1_next = p1 + c1 * q1 + p1_excess * excess_x if |p1 + c1 * q1 + p1_excess * excess_x| <= 3, else p1
+             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x if |q1 - (p1 + c1
+             *         * q1 + p1_excess * excess_x) + e_x + q1_excess * excess_x| <= 600, else q1 */
+            w_x_unprobed = w_x_tracking;
+
+            /* regulator_z: F(14)-(17)
+             *     w_z_tracking = k_e * e_z + k_de * de_z + k_sum * sum + k_p1 * p1 + k_q1 * q1
+             *     sum_next = sum + e_z + sum_excess * excess_z if |sum + e_z + sum_excess * excess_z| <= 600, else sum
+             *     p1_next = p1 + c1 * q1 + p1_excess * excess_z if |p1 + c1 * q1 + p1_excess * excess_z| <= 3, else p1
+             *     q1_next = q1 - (p1 + c1 * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z if |q1 - (p1 + c1
+             *         * q1 + p1_excess * excess_z) + e_z + q1_excess * excess_z| <= 600, else q1 */
+            w_z_unprobed = w_z_tracking;
+
+            /* regulator_phi: F(14)-(16)
+             *     w_phi_tracking = k_e * e_phi + k_de * de_phi + k_sum * sum + k_p1 * p1 + k_q1 * q1
+             *     sum_next = sum + e_phi if |sum + e_phi| <= 600, else sum
+             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
+             *     q1_next = q1 - (p1 + c1 * q1) + e_phi if |q1 - (p1 + c1 * q1) + e_phi| <= 600, else q1 */
+            w_phi = w_phi_tracking;
+
+            /* regulator_theta: F(14)-(16)
+             *     w_theta_tracking = k_e * e_theta + k_de * de_theta + k_sum * sum + k_p1 * p1 + k_q1 * q1
+             *     sum_next = sum + e_theta if |sum + e_theta| <= 600, else sum
+             *     p1_next = p1 + c1 * q1 if |p1 + c1 * q1| <= 3, else p1
+             *     q1_next = q1 - (p1 + c1 * q1) + e_theta if |q1 - (p1 + c1 * q1) + e_theta| <= 600, else q1 */
+            w_theta = w_theta_tracking;
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->w_y_tracking = w_y_tracking;
+                diagnostics->w_x_tracking = w_x_tracking;
+                diagnostics->w_z_tracking = w_z_tracking;
+                diagnostics->w_phi_tracking = w_phi_tracking;
+                diagnostics->w_theta_tracking = w_theta_tracking;
+            }
+#endif
+        }
 
         /* decoupling: direct and thrust currents, F(8), F(12)
          *     thrust_per_ampere_1 = 35.0903 * ((1 - 0.00211667 / (y1_held + 0.00635 + 0.005)) / (0.01905 /
@@ -364,8 +980,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
          *     half_force_1_3 = ((inverse_b_2 + inverse_b_4) * half_force + (inverse_b_2 - inverse_b_4) *
          *         half_force_theta - (inverse_b_3 - inverse_b_1) * half_force_phi) / (inverse_b_1 + inverse_b_3 +
          *         inverse_b_2 + inverse_b_4)
-         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_computed^2,
-         *         i_d4_computed^2))); likewise u_z_computed */
+         *     u_x_computed = limit(u_x_demand, sqrt(squared_current_limit - max(i_d2_balanced^2,
+         *         i_d4_balanced^2))); likewise u_z_computed */
         const float thrust_per_ampere_1_part = slot_pull / (y1_held + gap_offset);
         const float thrust_per_ampere_1_argument = thrust_per_ampere_1_part - 4.196167e-05f;
         const float thrust_per_ampere_1 = thrust_per_ampere_1_polynomial(thrust_per_ampere_1_argument);
@@ -404,8 +1020,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
         const float half_load_4 = half_a_4 + (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (16.0f * (half_a_4 * half_c_4)));
-        const float u_x_demand = -M_x * w_x / (thrust_per_ampere_2 + thrust_per_ampere_4);
-        const float u_z_demand = -M_z * w_z / (thrust_per_ampere_1 + thrust_per_ampere_3);
         const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
         const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
         const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 - half_load_4);
@@ -413,58 +1027,284 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) + ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
         const float half_force_1_3 = half_force_1_3_part / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
         const float half_force_2_4 = half_force - half_force_1_3;
-        const float i_d1_computed = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
-        out->i_d1 = i_d1_computed;
-        const float i_d2_computed = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
-        out->i_d2 = i_d2_computed;
-        const float i_d3_computed = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
-        out->i_d3 = i_d3_computed;
-        const float i_d4_computed = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
-        out->i_d4 = i_d4_computed;
-        const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_computed * i_d2_computed, i_d4_computed * i_d4_computed));
+        const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
+        const float i_d2_balanced = maglev_5dof_limit((half_force_2_4 + half_force_theta) * inverse_b_2, direct_limit);
+        const float i_d3_balanced = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
+        const float i_d4_balanced = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
+
+        /* probe_x: probe at rest */
+        const uint32_t probe_x_sample = state->probe_x_sample;
+        const bool runs_w_x = 0.0f < (float)probe_x_sample;
+        const bool waits_w_x = 40u <= x_unchanged;
+        if (runs_w_x || waits_w_x) {
+            if (runs_w_x) {
+                const uint32_t w_x_part = probe_x_attempt + 1u;
+                float pulse_w_x = 0.0f;
+                if (probe_x_sample <= 12u) {
+                    const float push_w_x = state->probe_x_towards * (float)w_x_part;
+                    pulse_w_x = ((3u < probe_x_sample) && (probe_x_sample <= 9u)) ? -push_w_x : push_w_x;
+                }
+                w_x_unprobed = maglev_5dof_limit(w_x_unprobed + pulse_w_x, 10000.0f);
+                if (15u <= probe_x_sample) {
+                    state->probe_x_sample = 0u;
+                    state->probe_x_attempt = (15u <= x_unchanged) ? ((x_unanswered) ? probe_x_attempt : w_x_part) : 0u;
+                } else {
+                    state->probe_x_sample = probe_x_sample + 1u;
+                }
+            } else {
+                state->probe_x_sample = maglev_5dof_flag(waits_w_x && free && (probe_x_attempt < 5u));
+                state->probe_x_towards = (0.0f < e_x) ? -0.46666667f : 0.46666667f;
+            }
+        } else {
+            state->probe_x_sample = 0u;
+            state->probe_x_attempt = 0u;
+        }
+
+        /* decoupling: direct and thrust currents, F(8), F(12) */
+        const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
+        const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
+        const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
+        state->safe_output_last_u_x = u_x_computed;
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
-        const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_computed * i_d1_computed, i_d3_computed * i_d3_computed));
+
+        /* landing: landing: ramps and state feedback */
+        state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
+
+        /* probe_z: probe at rest */
+        const uint32_t probe_z_sample = state->probe_z_sample;
+        const bool runs_w_z = 0.0f < (float)probe_z_sample;
+        const bool waits_w_z = 40u <= z_unchanged;
+        if (runs_w_z || waits_w_z) {
+            if (runs_w_z) {
+                const uint32_t w_z_part = probe_z_attempt + 1u;
+                float pulse_w_z = 0.0f;
+                if (probe_z_sample <= 12u) {
+                    const float push_w_z = state->probe_z_towards * (float)w_z_part;
+                    pulse_w_z = ((3u < probe_z_sample) && (probe_z_sample <= 9u)) ? -push_w_z : push_w_z;
+                }
+                w_z_unprobed = maglev_5dof_limit(w_z_unprobed + pulse_w_z, 10000.0f);
+                if (15u <= probe_z_sample) {
+                    state->probe_z_sample = 0u;
+                    state->probe_z_attempt = (15u <= z_unchanged) ? ((z_unanswered) ? probe_z_attempt : w_z_part) : 0u;
+                } else {
+                    state->probe_z_sample = probe_z_sample + 1u;
+                }
+            } else {
+                state->probe_z_sample = maglev_5dof_flag(waits_w_z && free && (probe_z_attempt < 5u));
+                state->probe_z_towards = (0.0f < e_z) ? -0.46666667f : 0.46666667f;
+            }
+        } else {
+            state->probe_z_sample = 0u;
+            state->probe_z_attempt = 0u;
+        }
+
+        /* decoupling: direct and thrust currents, F(8), F(12) */
+        const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
+        const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
+        const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
         out->i_q1 = u_z_computed;
         out->i_q3 = u_z_computed;
         const float excess_x = u_x_computed - u_x_demand;
         maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         const float excess_z = u_z_computed - u_z_demand;
-        state->safe_output_last_i_d1 = i_d1_computed;
-        state->safe_output_last_i_d2 = i_d2_computed;
-        state->safe_output_last_i_d3 = i_d3_computed;
-        state->safe_output_last_i_d4 = i_d4_computed;
-        state->safe_output_last_u_x = u_x_computed;
         state->safe_output_last_u_z = u_z_computed;
         maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
+
+        /* handover: direct currents without x or z */
+        const float handover_transfer = state->handover_transfer;
+        if (lost_1 || lost_2 || (0.0f < fabsf(handover_transfer))) {
+            /* safe_output: slew to the safe output once latched */
+            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : i_d1_computed_part, 0.04f);
+            const float part_z = maglev_5dof_max(-transfer, 0.0f);
+            const float i_d1_computed_part_2 = 1.0f - part_z;
+            const float part_x = maglev_5dof_max(transfer, 0.0f);
+            const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
+            const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
+            state->safe_output_last_i_d1 = i_d1_computed_part_2 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
+            out->i_d1 = state->safe_output_last_i_d1;
+            const float i_d2_computed_part = 1.0f - part_x;
+            const float i_d2_computed_part_2 = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            out->i_d2 = state->safe_output_last_i_d2;
+            state->safe_output_last_i_d3 = i_d1_computed_part_2 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
+            out->i_d3 = state->safe_output_last_i_d3;
+            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            out->i_d4 = state->safe_output_last_i_d4;
+            state->handover_transfer = transfer;
+        } else {
+            /* safe_output: slew to the safe output once latched */
+            state->safe_output_last_i_d1 = i_d1_balanced;
+            out->i_d1 = i_d1_balanced;
+            state->safe_output_last_i_d2 = i_d2_balanced;
+            out->i_d2 = i_d2_balanced;
+            state->safe_output_last_i_d3 = i_d3_balanced;
+            out->i_d3 = i_d3_balanced;
+            state->safe_output_last_i_d4 = i_d4_balanced;
+            out->i_d4 = i_d4_balanced;
+
+            /* handover: direct currents without x or z */
+            state->handover_transfer = 0.0f;
+        }
+
+        /* accelerations: F(6)
+         *     a_x = -0.0943396 * (u_x_computed * (thrust_per_ampere_2 + thrust_per_ampere_4)) */
+        const float a_x = -0.094339624f * (u_x_computed * u_x_demand_part);
+        const float a_z = -0.11627907f * (u_z_computed * u_z_demand_part);
+
+        /* delay: delay of one sample
+         *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
+        const float delay_w_y_last = state->delay_w_y_last;
+        const float delay_w_phi_last = state->delay_w_phi_last;
+        const float delay_w_theta_last = state->delay_w_theta_last;
+        state->delay_w_y_last = w_y;
+        state->delay_a_x_last = a_x;
+        state->delay_a_z_last = a_z;
+        state->delay_w_phi_last = w_phi;
+        state->delay_w_theta_last = w_theta;
+
+        /* observer_y: predictive observer, alpha-beta-gamma */
+        const float a_observer_y_q = delay_w_y_last + y_disturbance;
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.001f * (y_rate + (0.0005f * a_observer_y_q))), 0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_limit(y_rate + (0.001f * a_observer_y_q), 1.0f);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma */
+        const float a_observer_phi_q = delay_w_phi_last + phi_disturbance;
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.001f * (phi_rate + (0.0005f * a_observer_phi_q))), 0.02f);
+        state->observer_phi_v = maglev_5dof_limit(phi_rate + (0.001f * a_observer_phi_q), 2.0f);
+
+        /* observer_theta: predictive observer, alpha-beta-gamma */
+        const float a_observer_theta_q = delay_w_theta_last + theta_disturbance;
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.001f * (theta_rate + (0.0005f * a_observer_theta_q))), 0.031f);
+        state->observer_theta_v = maglev_5dof_limit(theta_rate + (0.001f * a_observer_theta_q), 2.0f);
+
+        /* redundancy: parity, innovations, frozen codes */
+        state->redundancy_code_y1 = y1_accepted;
+        state->redundancy_still_y1 = still_still_y1;
+        state->redundancy_excluded_y1 = redundancy_excluded_y1_part;
+        state->redundancy_code_y2 = y2_accepted;
+        state->redundancy_still_y2 = still_still_y2;
+        state->redundancy_excluded_y2 = redundancy_excluded_y2_part;
+        state->redundancy_code_y3 = y3_accepted;
+        state->redundancy_still_y3 = still_still_y3;
+        state->redundancy_excluded_y3 = redundancy_excluded_y3_part;
+        state->redundancy_code_y4 = y4_accepted;
+        state->redundancy_still_y4 = still_still_y4;
+        state->redundancy_excluded_y4 = redundancy_excluded_y4_part;
+        state->redundancy_code_x = x_accepted;
+        state->redundancy_still_x = x_unchanged;
+        state->redundancy_excluded_x = redundancy_excluded_x_part;
+        state->redundancy_before_x = redundancy_before_x_next;
+        state->redundancy_code_z = z_accepted;
+        state->redundancy_still_z = z_unchanged;
+        state->redundancy_excluded_z = redundancy_excluded_z_part;
+        state->redundancy_before_z = before;
+        state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
+        state->redundancy_stuck_0 = redundancy_stuck_0_part;
+        state->redundancy_undecided_0 = redundancy_undecided_0_part;
+        state->redundancy_degraded = redundancy_degraded_part;
+
+        /* observer_y: predictive observer, alpha-beta-gamma */
+        state->observer_y_d = y_disturbance;
+
+        /* observer_x: predictive observer, alpha-beta-gamma */
+        const float observer_x_g = state->observer_x_g;
+        const float a_observer_x_q = (observer_x_g * delay_a_x_last) + x_disturbance;
+        state->observer_x_q = maglev_5dof_limit(x_estimate + (0.001f * (x_rate + (0.0005f * a_observer_x_q))), 0.1f);
+        state->observer_x_v = maglev_5dof_limit(x_rate + (0.001f * a_observer_x_q), 2.0f);
+        state->observer_x_d = x_disturbance;
+        state->observer_x_g = maglev_5dof_max(maglev_5dof_min(observer_x_g + ((guard_ready != 0u) ? observer_x_g_part : 0.0f), 1.2f), 0.8f);
+
+        /* observer_z: predictive observer, alpha-beta-gamma */
+        const float observer_z_g = state->observer_z_g;
+        const float a_observer_z_q = (observer_z_g * delay_a_z_last) + z_disturbance;
+        state->observer_z_q = maglev_5dof_limit(z_estimate + (0.001f * (z_rate + (0.0005f * a_observer_z_q))), 0.1f);
+        state->observer_z_v = maglev_5dof_limit(z_rate + (0.001f * a_observer_z_q), 2.0f);
+        state->observer_z_d = z_disturbance;
+        state->observer_z_g = maglev_5dof_max(maglev_5dof_min(observer_z_g + ((guard_ready != 0u) ? observer_z_g_part : 0.0f), 1.2f), 0.8f);
+
+        /* observer_phi: predictive observer, alpha-beta-gamma */
+        state->observer_phi_d = phi_disturbance;
+
+        /* observer_theta: predictive observer, alpha-beta-gamma */
+        state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
-            diagnostics->y = y;
-            diagnostics->phi = phi;
-            diagnostics->theta = theta;
+            diagnostics->free = free ? 1.0f : 0.0f;
             diagnostics->e_y = e_y;
             diagnostics->e_x = e_x;
             diagnostics->e_z = e_z;
             diagnostics->e_phi = e_phi;
             diagnostics->e_theta = e_theta;
-            diagnostics->w_y = w_y;
-            diagnostics->w_x = w_x;
-            diagnostics->w_z = w_z;
             diagnostics->w_phi = w_phi;
             diagnostics->w_theta = w_theta;
+            diagnostics->w_y = w_y;
+            diagnostics->w_x_unprobed = w_x_unprobed;
+            diagnostics->w_z_unprobed = w_z_unprobed;
+            diagnostics->i_d1_balanced = i_d1_balanced;
+            diagnostics->i_d2_balanced = i_d2_balanced;
+            diagnostics->i_d3_balanced = i_d3_balanced;
+            diagnostics->i_d4_balanced = i_d4_balanced;
+            diagnostics->w_x = w_x_unprobed;
+            diagnostics->w_z = w_z_unprobed;
             diagnostics->excess_x = excess_x;
             diagnostics->excess_z = excess_z;
-            diagnostics->saturated |= (fabsf(i_d1_computed) >= direct_limit) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_d2_computed) >= direct_limit) ? 0x00000002u : 0u;
-            diagnostics->saturated |= (fabsf(i_d3_computed) >= direct_limit) ? 0x00000004u : 0u;
-            diagnostics->saturated |= (fabsf(i_d4_computed) >= direct_limit) ? 0x00000008u : 0u;
+            diagnostics->a_x = a_x;
+            diagnostics->a_z = a_z;
+            diagnostics->saturated |= (fabsf(i_d1_balanced) >= direct_limit) ? 0x00000001u : 0u;
+            diagnostics->saturated |= (fabsf(i_d2_balanced) >= direct_limit) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_d3_balanced) >= direct_limit) ? 0x00000004u : 0u;
+            diagnostics->saturated |= (fabsf(i_d4_balanced) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(u_x_computed) >= room_u_x_computed) ? 0x00000010u : 0u;
             diagnostics->saturated |= (fabsf(u_z_computed) >= room_u_z_computed) ? 0x00000020u : 0u;
         }
 #endif
     }
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
+        diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
+        diagnostics->x_unchanged = (float)x_unchanged;
+        diagnostics->z_unchanged = (float)z_unchanged;
+        diagnostics->suspect_y1 = (float)suspect_y1;
+        diagnostics->suspect_y2 = (float)suspect_y2;
+        diagnostics->suspect_y3 = (float)suspect_y3;
+        diagnostics->suspect_y4 = (float)suspect_y4;
+        diagnostics->suspect_x = (float)suspect_x;
+        diagnostics->suspect_z = (float)suspect_z;
+        diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
+        diagnostics->x_trusted = x_trusted ? 1.0f : 0.0f;
+        diagnostics->z_trusted = z_trusted ? 1.0f : 0.0f;
+        diagnostics->y1_held = y1_held;
+        diagnostics->y2_held = y2_held;
+        diagnostics->y3_held = y3_held;
+        diagnostics->y4_held = y4_held;
+        diagnostics->regular = regular ? 1.0f : 0.0f;
+        diagnostics->landed = landed ? 1.0f : 0.0f;
+        diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
+        diagnostics->y = y;
+        diagnostics->phi = phi;
+        diagnostics->theta = theta;
+        diagnostics->phi_disturbance = phi_disturbance;
+        diagnostics->phi_estimate = phi_estimate;
+        diagnostics->phi_rate = phi_rate;
+        diagnostics->theta_disturbance = theta_disturbance;
+        diagnostics->theta_estimate = theta_estimate;
+        diagnostics->theta_rate = theta_rate;
+        diagnostics->y_disturbance = y_disturbance;
+        diagnostics->y_estimate = y_estimate;
+        diagnostics->y_rate = y_rate;
+        diagnostics->x_disturbance = x_disturbance;
+        diagnostics->x_estimate = x_estimate;
+        diagnostics->x_rate = x_rate;
+        diagnostics->z_disturbance = z_disturbance;
+        diagnostics->z_estimate = z_estimate;
+        diagnostics->z_rate = z_rate;
+    }
+#endif
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {

@@ -7,10 +7,12 @@
  * different states may run at the same time.
  *
  * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init: the outputs
- * move to the safe output (zero current pulls the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above;
- * measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.43 m/s (y) and 0.017 rad/s (theta) and
- * hits a stop at 0.43 m/s (y); in motion the machine reaches 0.44 m/s (y) and 0.59 rad/s (theta) and hits a stop at
- * 0.44 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
+ * move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the
+ * platen lands and then latches on the stop; without three it latches as said above; zero current pulls the platen up
+ * below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in turn: at rest
+ * the machine reaches 0.00041 m/s (x) and hits a stop at 0.0058 m/s (y); in motion the machine reaches 0.0042 m/s (z)
+ * and 0.45 rad/s (theta) and hits a stop at 0.018 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s; i_q1, i_q2,
+ * i_q3, i_q4 to 0 A at 100 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -71,6 +73,8 @@ typedef struct {
     float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
     float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
     float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
+    float x_commutation;                /* m, -0.1 .. 0.2: x for the commutation, 0.2 if lost */
+    float z_commutation;                /* m, -0.1 .. 0.2: z for the commutation, 0.2 if lost */
 } maglev_5dof_output_t;
 
 typedef struct {
@@ -88,6 +92,30 @@ typedef struct {
     uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    float redundancy_code_y1;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t redundancy_still_y1;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y1;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y2;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t redundancy_still_y2;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y2;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y3;           /* m, 0.0168 .. 0.0322: accepted reading one sample ago */
+    uint32_t redundancy_still_y3;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y3;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_y4;           /* m, 0.0124 .. 0.0366: accepted reading one sample ago */
+    uint32_t redundancy_still_y4;       /* 1, 0 .. 8: samples without a change */
+    uint32_t redundancy_excluded_y4;    /* 1, 0 .. 1: wrong until init */
+    float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t redundancy_still_x;        /* 1, 0 .. 40: samples without a change */
+    uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
+    float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
+    float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
+    uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
+    uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
+    float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
+    uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
+    uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
+    uint32_t redundancy_undecided_0;    /* 1, 0 .. 1: which sensor is wrong is not known */
+    uint32_t redundancy_degraded;       /* 1, 0 .. 1: a sensor was a suspect or is excluded, until init */
     maglev_5dof_filter_state_t filter_y;
     maglev_5dof_regulator_state_t regulator_y;
     maglev_5dof_filter_state_t filter_x;
@@ -98,6 +126,43 @@ typedef struct {
     maglev_5dof_regulator_state_t regulator_phi;
     maglev_5dof_filter_state_t filter_theta;
     maglev_5dof_regulator_state_t regulator_theta;
+    float handover_transfer;            /* 1, -1 .. 1: part of their currents that motors hand over: > 0 along X, < 0 along Z */
+    float delay_w_y_last;               /* m/s^2, -1e+06 .. 1e+06: w_y one sample ago */
+    float delay_a_x_last;               /* m/s^2, -1e+06 .. 1e+06: a_x one sample ago */
+    float delay_a_z_last;               /* m/s^2, -1e+06 .. 1e+06: a_z one sample ago */
+    float delay_w_phi_last;             /* rad/s^2, -1e+06 .. 1e+06: w_phi one sample ago */
+    float delay_w_theta_last;           /* rad/s^2, -1e+06 .. 1e+06: w_theta one sample ago */
+    float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
+    float observer_y_v;                 /* m/s, -1 .. 1: predicted rate */
+    float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
+    float observer_x_q;                 /* m, -0.1 .. 0.1: prediction */
+    float observer_x_v;                 /* m/s, -2 .. 2: predicted rate */
+    float observer_x_d;                 /* m/s^2, -20 .. 20: disturbance */
+    float observer_x_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    float observer_z_q;                 /* m, -0.1 .. 0.1: prediction */
+    float observer_z_v;                 /* m/s, -2 .. 2: predicted rate */
+    float observer_z_d;                 /* m/s^2, -20 .. 20: disturbance */
+    float observer_z_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
+    float observer_phi_v;               /* rad/s, -2 .. 2: predicted rate */
+    float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
+    float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
+    float observer_theta_v;             /* rad/s, -2 .. 2: predicted rate */
+    float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
+    uint32_t landing_left;              /* 1, 1 .. 5: samples until it lands */
+    uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
+    float landing_r_y;                  /* m, -10 .. 0.0318: set-point of the landing */
+    float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
+    float landing_r_x;                  /* m, -10 .. 10: set-point of the landing */
+    float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
+    float landing_r_z;                  /* m, -10 .. 10: set-point of the landing */
+    float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
+    uint32_t probe_x_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
+    uint32_t probe_x_attempt;           /* 1, 0 .. 5: pairs without an answer */
+    float probe_x_towards;              /* m/s^2, -0.466667 .. 0.466667: acceleration of the first pair, towards the set-point */
+    uint32_t probe_z_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
+    uint32_t probe_z_attempt;           /* 1, 0 .. 5: pairs without an answer */
+    float probe_z_towards;              /* m/s^2, -0.466667 .. 0.466667: acceleration of the first pair, towards the set-point */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */
@@ -109,12 +174,12 @@ typedef struct {
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
-_Static_assert(sizeof(maglev_5dof_output_t) == 32u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 200u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 444u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
-extern char maglev_5dof_output_size_is_32[(sizeof(maglev_5dof_output_t) == 32u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_200[(sizeof(maglev_5dof_state_t) == 200u) ? 1 : -1];
+extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_444[(sizeof(maglev_5dof_state_t) == 444u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -133,14 +198,45 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit  8  z_ref: not finite or outside its range
  *   bit  9  phi_ref: not finite or outside its range
  *   bit 10  theta_ref: not finite or outside its range
+ *   bit 11  y1: contradicts the others
+ *   bit 12  y2: contradicts the others
+ *   bit 13  y3: contradicts the others
+ *   bit 14  y4: contradicts the others
+ *   bit 15  x: contradicts the others
+ *   bit 16  z: contradicts the others
  *   bit 31  latched: safe output until init
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
 /* Signals of the last step that was not latched, and what happened. Set it
- * to zero when you call init. Bits of `saturated`: 0 i_d1_computed, 1 i_d2_computed, 2 i_d3_computed, 3 i_d4_computed, 4 u_x_computed, 5 u_z_computed. */
+ * to zero when you call init. Bits of `saturated`: 0 i_d1_balanced, 1 i_d2_balanced, 2 i_d3_balanced, 3 i_d4_balanced, 4 u_x_computed, 5 u_z_computed. */
 typedef struct {
+    float x_unanswered;                 /* 1: no pair of the probe was answered */
+    float y1_expected;                  /* m: gap of motor 1 */
+    float y2_expected;                  /* m: gap of motor 2 */
+    float y3_expected;                  /* m: gap of motor 3 */
+    float y4_expected;                  /* m: gap of motor 4 */
+    float z_unanswered;                 /* 1: no pair of the probe was answered */
+    float suspect_y1;                   /* 1: contradicts the other measurements */
+    float suspect_y2;                   /* 1: contradicts the other measurements */
+    float suspect_y3;                   /* 1: contradicts the other measurements */
+    float suspect_y4;                   /* 1: contradicts the other measurements */
+    float suspect_x;                    /* 1: contradicts the other measurements */
+    float suspect_z;                    /* 1: contradicts the other measurements */
+    float landed;                       /* 1: the landing is over */
+    float gaps_sufficient;              /* 1: the machine can be controlled */
+    float x_trusted;                    /* 1: measured, not predicted */
+    float z_trusted;                    /* 1: measured, not predicted */
+    float sufficient;                   /* 1: it can be controlled */
+    float y1_held;                      /* m: gap of motor 1 */
+    float y2_held;                      /* m: gap of motor 2 */
+    float y3_held;                      /* m: gap of motor 3 */
+    float y4_held;                      /* m: gap of motor 4 */
+    float x_unchanged;                  /* 1: samples without a change of the code */
+    float z_unchanged;                  /* 1: samples without a change of the code */
+    float regular;                      /* 1: every coordinate is measured */
+    float free;                         /* 1: no stop holds it */
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */
     float theta;                        /* rad: rotation about Z */
@@ -149,13 +245,41 @@ typedef struct {
     float e_z;                          /* m: tracking error */
     float e_phi;                        /* rad: tracking error */
     float e_theta;                      /* rad: tracking error */
-    float w_y;                          /* m/s^2: demanded acceleration */
-    float w_x;                          /* m/s^2: demanded acceleration */
-    float w_z;                          /* m/s^2: demanded acceleration */
+    float w_y_tracking;                 /* m/s^2: demanded acceleration */
+    float w_x_tracking;                 /* m/s^2: demanded acceleration */
+    float w_z_tracking;                 /* m/s^2: demanded acceleration */
+    float w_phi_tracking;               /* rad/s^2: demanded acceleration */
+    float w_theta_tracking;             /* rad/s^2: demanded acceleration */
+    float phi_disturbance;              /* rad/s^2: acceleration that the demand lacks */
+    float phi_estimate;                 /* rad: phi after the correction */
+    float phi_rate;                     /* rad/s: rate of phi after the correction */
     float w_phi;                        /* rad/s^2: demanded acceleration */
+    float theta_disturbance;            /* rad/s^2: acceleration that the demand lacks */
+    float theta_estimate;               /* rad: theta after the correction */
+    float theta_rate;                   /* rad/s: rate of theta after the correction */
     float w_theta;                      /* rad/s^2: demanded acceleration */
+    float y_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float y_estimate;                   /* m: y after the correction */
+    float y_rate;                       /* m/s: rate of y after the correction */
+    float w_y;                          /* m/s^2: demanded acceleration */
+    float i_d1_balanced;                /* A: direct current of motor 1, rms */
+    float i_d2_balanced;                /* A: direct current of motor 2, rms */
+    float i_d3_balanced;                /* A: direct current of motor 3, rms */
+    float i_d4_balanced;                /* A: direct current of motor 4, rms */
+    float x_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float x_estimate;                   /* m: x after the correction */
+    float x_rate;                       /* m/s: rate of x after the correction */
+    float w_x_unprobed;                 /* m/s^2: demanded acceleration */
+    float w_x;                          /* m/s^2: demanded acceleration */
+    float z_disturbance;                /* m/s^2: acceleration that the demand lacks */
+    float z_estimate;                   /* m: z after the correction */
+    float z_rate;                       /* m/s: rate of z after the correction */
+    float w_z_unprobed;                 /* m/s^2: demanded acceleration */
+    float w_z;                          /* m/s^2: demanded acceleration */
     float excess_x;                     /* A: u_x limited less u_x demanded */
     float excess_z;                     /* A: u_z limited less u_z demanded */
+    float a_x;                          /* m/s^2: acceleration by u_x */
+    float a_z;                          /* m/s^2: acceleration by u_z */
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */

@@ -105,16 +105,17 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u, &faults);
     const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u, &faults);
     const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u, &faults);
-    const float x_held = maglev_5dof_phase_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
-    const float z_held = maglev_5dof_phase_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
+    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
+    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
 
     /* advance: positions 1.5 samples later, when the currents act
      *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
      *         z_acting
-     *     lost_x = 0 if |x| <= 0.1, else left_x <= 1; likewise lost_z
+     *     lost_x = 0 if |x_commutation| <= 0.1, else left_x <= 1; likewise lost_z
      *     last_x_next = max(min(x_held, (last_x if 1 <= left_x, else x_held) + 0.001), (last_x if 1 <= left_x,
      *         else x_held) - 0.001); likewise last_z_next
-     *     left_x_next = 5 if |x| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise left_z_next */
+     *     left_x_next = 5 if |x_commutation| <= 0.1, else (left_x - 1 if 1 <= left_x, else 0); likewise
+     *         left_z_next */
     const uint32_t advance_left_x = state->advance_left_x;
     float advance_last_x_part = x_held;
     uint32_t advance_left_x_part = 0u;
@@ -195,23 +196,23 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         } else {
             target = (lost_x) ? 1.0f : i_a1_part;
         }
-        const float i_a1_part_2 = maglev_5dof_phase_slew(commutation_transfer, target, 0.04f);
-        const float parts_x = maglev_5dof_phase_max(i_a1_part_2, 0.0f);
-        const float handed = 0.5f * (parts_x * (i_d2_held + i_d4_held));
+        const float transfer = maglev_5dof_phase_slew(commutation_transfer, target, 0.04f);
+        const float part_x = maglev_5dof_phase_max(transfer, 0.0f);
+        const float handed = 0.5f * (part_x * (i_d2_held + i_d4_held));
         cosine_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed, 4.9497476f - fabsf(i_q1_held));
         const float whole = maglev_5dof_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
-        const float parts_z = maglev_5dof_phase_max(-i_a1_part_2, 0.0f);
-        const float share = whole * (1.0f - parts_z);
+        const float part_z = maglev_5dof_phase_max(-transfer, 0.0f);
+        const float share = whole * (1.0f - part_z);
         waves_z_cosine = share * turned_sine;
         waves_z_sine = share * turned_cosine;
-        const float i_a2_part = 0.5f * (parts_z * (i_d1_held + i_d3_held));
+        const float i_a2_part = 0.5f * (part_z * (i_d1_held + i_d3_held));
         cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held + i_a2_part, 4.9497476f - fabsf(i_q2_held));
-        const float i_a2_part_2 = whole * (1.0f - parts_x);
+        const float i_a2_part_2 = whole * (1.0f - part_x);
         waves_x_cosine_i_a2_2 = i_a2_part_2 * waves_x_cosine_i_a2;
         waves_x_sine_i_a2_2 = i_a2_part_2 * waves_x_sine_i_a2;
         cosine_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed, 4.9497476f - fabsf(i_q3_held));
         cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held + i_a2_part, 4.9497476f - fabsf(i_q4_held));
-        state->commutation_transfer = i_a1_part_2;
+        state->commutation_transfer = transfer;
         state->commutation_unknown = unknown;
     } else {
         state->commutation_transfer = 0.0f;

@@ -36,8 +36,8 @@ typedef struct {
     float i_q2;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 2, rms */
     float i_q3;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 3, rms */
     float i_q4;                         /* A, -4.94975 .. 4.94975: quadrature current of motor 4, rms */
-    float x;                            /* m, -0.1 .. 0.1: platen along X, of the sample of the currents */
-    float z;                            /* m, -0.1 .. 0.1: platen along Z, of the sample of the currents */
+    float x_commutation;                /* m, -0.1 .. 0.1: platen along X, of the sample of the currents */
+    float z_commutation;                /* m, -0.1 .. 0.1: platen along Z, of the sample of the currents */
 } maglev_5dof_phase_input_t;
 
 typedef struct {
@@ -98,8 +98,8 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state);
  *   bit  5  i_q2: not finite or outside its range
  *   bit  6  i_q3: not finite or outside its range
  *   bit  7  i_q4: not finite or outside its range
- *   bit  8  x: not finite or outside its range
- *   bit  9  z: not finite or outside its range
+ *   bit  8  x_commutation: not finite or outside its range
+ *   bit  9  z_commutation: not finite or outside its range
  *   bit 10  x: lost; motors 2 and 4 hand their direct currents over and fade out
  *   bit 11  z: lost; motors 1 and 3 hand their direct currents over and fade out
  */

@@ -25,15 +25,18 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
 from synth.errors import SignalError
+from synth.fault import Judgement
 from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = [
-    *("GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
+    *("GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
     *("GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
 GUARD, SAFE_OUTPUT, SUSPECTED = "guard", "safe_output", "suspected"
+REDUNDANCY, LANDING = "redundancy", "landing"  # names of the Blocks that replace readings and that land
+SUFFICIENT, LANDED = "sufficient", "landed"  # flags by which they decide on the latch
 NO_SAFE_OUTPUT = "no output has a safe value: once latched it keeps running and reports the latch in the fault word"
 
 
@@ -57,6 +60,7 @@ def guard(
     bad_samples: int,
     suspected: Sequence[str] = (),
     reason: str = NO_SAFE_OUTPUT,
+    redundant: bool = False,
 ) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -64,9 +68,12 @@ def guard(
     (every measurement is accepted and none is suspected), ``ready`` (an earlier sample was complete) and ``latched``
     (this sample included). For measurements that may be `suspected` it has the additional inputs ``suspected`` and
     ``suspect_<name>``, and an output ``fault_suspect_<name>`` for each: ``suspected`` and ``suspect_<name>`` are both
-    set. ``complete`` then depends on these measurements alone, so they are compared even while others are refused.
+    set; a `redundant` guard has no ``suspected``. ``complete`` then depends on these measurements alone, so they are
+    compared even while others are refused.
 
-    `reason` explains why there is no safe output, for a guard that is composed with none.
+    `reason` explains why there is no safe output, for a guard that is composed with none. Behind a `redundant` guard a
+    Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
+    ``landed`` causes the latch at once. A suspect is then no reason to latch. The `fault.Judgement` declares this.
 
     The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, and LATCH_BIT.
 
@@ -84,18 +91,22 @@ def guard(
         held = {n: ca.if_else(good[n], u[n], last[n] if n in last else k[f"refused_{n}"]) for n in good}
         next = {f"last_{n}": held[n] for n in last}
         output = {f"{n}_held": held[n] for n in good} | {f"fault_{n}": ca.logic_not(good[n]) for n in good}
-        output |= {f"fault_{s.name}": ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects}
+        output |= {
+            f"fault_{s.name}": u[s.name] if redundant else ca.logic_and(u[SUSPECTED], u[s.name]) for s in suspects
+        }
         if measured:
             complete, final = ca.SX(1), x["left"] <= 1
             for n in suspected or measured:
                 complete = ca.if_else(good[n], complete, 0)
-            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects else complete
+            complete = ca.if_else(u[SUSPECTED], 0, complete) if suspects and not redundant else complete
             others = ca.SX(1)
             for n in (n for n in measured if suspects and n not in suspected):
                 others = ca.if_else(good[n], others, 0)
-            every = ca.logic_and(complete, others) if suspects else complete
-            latched = ca.if_else(every, x["latched"], ca.if_else(final, 1, x["latched"]))
-            next["left"] = ca.if_else(every, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
+            every = ca.logic_and(complete, others) if suspects and not others.is_constant() else complete
+            enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
+            latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
+            latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
+            next["left"] = ca.if_else(enough, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
@@ -114,7 +125,9 @@ def guard(
         law,
         inputs=[
             *(g.signal for g in inputs),
-            *([_flag(SUSPECTED, "there are suspects"), *suspects] if suspects else []),
+            *([_flag(SUSPECTED, "there are suspects")] if suspects and not redundant else []),
+            *suspects,
+            *([_flag(SUFFICIENT, "it can be controlled"), _flag(LANDED, "landing is over")] if redundant else []),
         ],
         outputs=outputs,
         states=states,
@@ -124,7 +137,9 @@ def guard(
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
-    return replace(block, faults=tuple(faults), safety=Safety(bad_samples, {}, {}, reason) if measured else None)
+    judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
+    declared = Safety(bad_samples, {}, {}, reason, judgement) if measured else None
+    return replace(block, faults=tuple(faults), safety=declared)
 
 
 @arguments.checked
@@ -210,7 +225,7 @@ def frozen(block: Block) -> Block:
 
 @arguments.checked
 def without_latch(block: Block) -> Block:
-    """Return a guarded composition that never latches: the last good values serve for every number of bad samples.
+    """Return a guarded composition that never latches, excludes no sensor and does not land.
 
     It is the negative control of a fault campaign. Raises SignalError for a Block that does not latch.
     """
@@ -218,7 +233,11 @@ def without_latch(block: Block) -> Block:
     left, latched = f"{GUARD}_left", f"{GUARD}_latched"
     if left not in states or latched not in states:
         raise SignalError(f"block '{block.name}' has no latch: compose it with a guard of measurements")
-    return replace(block, next={**block.next, left: ca.SX(states[left].signal.high), latched: ca.SX(0)})
+    detecting = tuple(f"{REDUNDANCY}_{of}_" for of in ("still", "excluded", "contradictions"))
+    off = [latched, *(n for n in states if n.startswith(detecting))]
+    waiting = [n for n in (left, f"{LANDING}_left") if n in states]
+    never = dict.fromkeys(off, ca.SX(0)) | {n: ca.SX(states[n].signal.high) for n in waiting}
+    return replace(block, next={**block.next, **never})
 
 
 def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str]) -> None:

@@ -141,7 +141,10 @@ class Rig:
         return self.simulate(self.plant, self.controller, scenario, self.disturbance, drive=self.drive)
 
     def _first_commands(self, start: Mapping[str, float]) -> dict[str, float]:
-        """Return the commands before the first sample: the safe values, through the drive at the initial position."""
+        """Return the commands before the first sample: the safe values, through the drive at the initial position.
+
+        What else the drive reads of the controller is that of a first sample at rest at this position.
+        """
         interface, outputs = self.stage.interface, self.controller.outputs.names or ()
         safe = {a.name: a.safe for a in interface.actuators if a.name in outputs}
         if not self.drive:
@@ -149,7 +152,8 @@ class Rig:
         positions = self.plant.output_values(start)
         known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
         known |= {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
-        known |= dict.fromkeys(outputs, 0.0) | safe
+        first = self.controller.step(self.controller.init(), {n: known[n] for n in self.controller.inputs.names or ()})
+        known |= first.outputs | safe
         for block in self.drive:
             commands = block.step(block.init(), {name: known[name] for name in block.inputs.names or ()}).outputs
             known |= commands

@@ -1,6 +1,6 @@
 /* Fuzz driver: run one emitted controller on arbitrary bytes and check its contract after every step.
  * synth_fuzz_tables.h is generated from the manifest: INPUTS, OUTPUTS, STATES, FAULTS, SUSPECTS, DECIDED, LATCH,
- * BAD_SAMPLES, the types and the functions. The bytes are read cyclically; every fuzz input therefore gives STEPS_A_RUN steps. */
+ * BAD_SAMPLES, COUNTED, LATCHES_LATER, the types and the functions. The bytes are read cyclically; every fuzz input therefore gives STEPS_A_RUN steps. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -161,7 +161,8 @@ static uint32_t expected(const void *input)
     return bits;
 }
 
-/* From init the latch may be set only after BAD_SAMPLES consecutive samples with a bad input; it is never reset. The
+/* From init the latch may be set only after BAD_SAMPLES consecutive samples with a bad input; it is never reset. `row`
+ * counts those up to now, or with LATCHES_LATER the longest row since init, which may have ended. The
  * step decides freely which inputs are suspects, and on the bits that concern no single input. */
 static void require_faults(uint32_t found, uint32_t before, uint32_t called_for, uint32_t row, bool from_init)
 {
@@ -186,7 +187,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     state_t *const state = malloc(sizeof *state);
     input_t *const input = malloc(sizeof *input);
     output_t *const output = malloc(sizeof *output);
-    uint32_t row = 0u, faults = 0u;
+    uint32_t row = 0u, longest = 0u, faults = 0u;
     const bool from_init = (byte(&bytes) & 1u) == 0u;
 
     INIT(state);
@@ -198,8 +199,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const uint32_t before = faults, called_for = expected(input);
         faults = STEP(state, input, output);
         steps++;
-        row = (called_for | (faults & SUSPECTS)) != 0u ? row + 1u : 0u;
-        require_faults(faults, before, called_for, row, from_init);
+        row = ((called_for & COUNTED) | (faults & SUSPECTS)) != 0u ? row + 1u : 0u;
+        longest = row > longest ? row : longest;
+        require_faults(faults, before, called_for, LATCHES_LATER ? longest : row, from_init);
         require_bounds("output", output, OUTPUTS, COUNT(OUTPUTS));
         require_bounds("state", state, STATES, COUNT(STATES));
     }

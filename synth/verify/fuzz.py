@@ -7,6 +7,10 @@ with inputs of every bit pattern: raw bits, values in range, bounds and the next
     the latch is never reset, and from init it is set only after the declared number of consecutive samples with a
     bad input, or with an input that the step marks as a suspect.
 
+Where the manifest declares a judgement (`fault.Judgement`), a flag of the law may set the latch later, in a sample
+without a bad input. Required is then: from init no latch before the declared number of consecutive samples with a bad
+*measurement* or a suspect. Bad set-points do not count.
+
 Bits of suspects and bits with a meaning of their own follow from states: the step decides them, where the manifest
 declares them. Every other bit must be 0.
 
@@ -157,7 +161,11 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
     structs, functions = manifest["structs"], manifest["functions"]
     inputs = contract.members(manifest, "input")
     latch, suspects, others = (_bits(manifest, key) for key in ("latched", "suspect", "about"))
-    bad_samples = (manifest.get("safety") or {}).get("bad_samples", 0)
+    safety = manifest.get("safety") or {}
+    judgement = safety.get("judgement")
+    counted = (
+        {f["input"] for f in manifest["faults"] if f.get("input")} if judgement is None else judgement["measurements"]
+    )
     return "\n".join(
         [
             *(f'#include "{name}"' for name in contract.headers(files)),
@@ -167,7 +175,9 @@ def _tables(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
             f"#define SUSPECTS {suspects:#x}u",
             f"#define DECIDED {suspects | others:#x}u",
             f"#define LATCH {latch:#x}u",
-            f"#define BAD_SAMPLES {bad_samples}u",
+            f"#define BAD_SAMPLES {safety.get('bad_samples', 0)}u",
+            f"#define COUNTED {sum(1 << f['bit'] for f in manifest['faults'] if f.get('input') in counted):#x}u",
+            f"#define LATCHES_LATER {int(judgement is not None)}",
             f"#define INIT {functions['init']}",
             f"#define STEP {functions['step']}",
             "",

@@ -124,6 +124,42 @@ def test_a_bit_with_a_meaning_of_its_own_excuses_no_other(
     assert finding in fuzz.run(planted(old, new), extended, STEPS).finding
 
 
+JUDGED = {"bad_samples": 5, "judgement": {"counts": "enough", "at_once": "over", "measurements": ["g1", "g2"]}}
+LATER = ("(bad_g1 == 5u)", "(state->bad_g1 == 5u)")  # one sample later, whatever that sample holds
+SOUND = ("latched", "latched")
+
+
+@needs_clang
+@pytest.mark.parametrize("change", [SOUND, LATER], ids=["at once", "later"])
+def test_a_declared_judgement_may_latch_later(
+    planted: Plant, manifest: dict[str, Any], change: tuple[str, str]
+) -> None:
+    assert fuzz.run(planted(*change), manifest | {"safety": JUDGED}, STEPS).finding == ""
+
+
+@needs_clang
+def test_without_a_judgement_a_later_latch_is_found(planted: Plant, manifest: dict[str, Any]) -> None:
+    campaign = fuzz.run(planted(*LATER), manifest | {"safety": {"bad_samples": 5}}, 5 * STEPS)
+    assert "latch from init" in campaign.finding
+
+
+@needs_clang
+@pytest.mark.parametrize(
+    ("old", "new", "finding"),
+    [
+        ("(bad_g2 == 5u)", "(bad_g2 == 4u)", "latch from init"),
+        ("bad_g2 = good_g2 ?", "bad_g2 = (good_g2 && good_r) ?", "latch from init"),
+        ("latched = (state->latched != 0u)", "latched = (g1 > 0.036f)", "latch from init"),
+        ("latched = (state->latched != 0u)", "latched = ((state->latched != 0u) && (bad_g1 != 0u))", "latch"),
+    ],
+    ids=["too early", "a set-point latches", "all measurements good", "latch falls"],
+)
+def test_a_judgement_excuses_no_other_latch(
+    planted: Plant, manifest: dict[str, Any], old: str, new: str, finding: str
+) -> None:
+    assert finding in fuzz.run(planted(old, new), manifest | {"safety": JUDGED}, STEPS).finding
+
+
 @needs_clang
 def test_omitted_steps_count_as_missing(files: dict[str, str], manifest: dict[str, Any]) -> None:
     campaign = fuzz.run(planted_exit(files), manifest, STEPS)

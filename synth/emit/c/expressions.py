@@ -1,5 +1,6 @@
 """C expressions: the text of each node of a program, with parentheses where precedence or compilers need them."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,14 @@ class Text:
     def is_composite(self) -> bool:
         """Whether its value must be assigned before it is cast (MISRA C:2012, rule 10.8)."""
         return self.strength in ARITHMETIC
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether cppcheck removes the parentheses of this first arm of a choice and then misses them (rule 12.1).
+
+        It does so for arithmetic without further parentheses, brackets or members.
+        """
+        return self.strength in ARITHMETIC and not re.search(r"[(\[]|->", self.c)
 
     def inside(self, strength: int) -> str:
         """Return the text, in parentheses if its precedence is below `strength`."""
@@ -69,7 +78,8 @@ def literal(value: float, scalar: type[np.floating]) -> Text:
 class Expressions:
     """The text of nodes: `text` holds that of each node printed so far, a local's name or an expression.
 
-    `late` receives the nodes that are cast although their text is composite: they need a local.
+    `late` receives the nodes that need a local: those that are cast although their text is composite, and bare first
+    arms of a choice.
     """
 
     def __init__(
@@ -116,8 +126,9 @@ class Expressions:
         if op == "choose" and self.kinds[k] == "logical":
             return self._truth(args)
         if op == "choose":
-            then, other = (self.as_kind(a, self.kinds[k]).inside(6) for a in args[1:])
-            return Text(f"({self.condition(args[0]).c}) ? {then} : {other}", -1)
+            then, other = (self.as_kind(a, self.kinds[k]) for a in args[1:])
+            self.late |= {args[1]} if then.is_bare and self.kinds[k] == "real" else set()
+            return Text(f"({self.condition(args[0]).c}) ? {then.inside(6)} : {other.inside(6)}", -1)
         if op == "bit":
             if self.p.nodes[args[0]].op == "literal":
                 return Text(mask(node))

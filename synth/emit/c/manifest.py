@@ -13,6 +13,7 @@ from synth.emit.c.layout import Layout, Struct
 from synth.emit.c.lines import Line
 from synth.emit.passes.surrogates import Surrogate
 from synth.errors import EmitError
+from synth.fault import Judgement
 
 
 def manifest(
@@ -99,7 +100,13 @@ def _safety(block: Block) -> dict[str, Any] | None:
         "safe_output": dict(safety.safe_output),
         "slew_per_s": dict(safety.slew_per_s),
         "reason": safety.reason,
+        **({"judgement": _judgement(safety.judgement)} if safety.judgement else {}),
     }
+
+
+def _judgement(judgement: Judgement) -> dict[str, Any]:
+    measurements = list(judgement.measurements)
+    return {"counts": judgement.counts, "at_once": judgement.at_once, "measurements": measurements}
 
 
 def dumps(document: Mapping[str, Any]) -> str:

@@ -36,7 +36,7 @@ def routine(block: Block, r: Routine, title: str, scalar: type[np.floating]) -> 
 
 
 def _print(printer: Callable[[set[str | int]], Callable[[], list[Line]]]) -> list[Line]:
-    """Print; a load that would be read after a store of its state, or a sum that is cast, is a local the next time."""
+    """Print; a load read after a store of its state, a sum that is cast or a bare arm is a local the next time."""
     late: set[str | int] = set()
     while True:
         before = len(late)

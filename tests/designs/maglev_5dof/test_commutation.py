@@ -97,13 +97,25 @@ def rise(run: Trajectory, onset_s: float) -> float:
 
 @pytest.mark.parametrize("sensor", ["x", "z"])
 @pytest.mark.parametrize("gap", [0.0182, 0.025, 0.030])
-def test_at_rest_a_lost_position_moves_the_platen_down_and_not_aside(sensor: str, gap: float) -> None:
+def test_at_rest_without_a_position_the_platen_lands_and_only_then_hands_its_currents_over(
+    sensor: str, gap: float
+) -> None:
     run = lose(rig(), (sensor,), gap)
     assert np.abs(run[sensor]).max() < 0.2e-3 and rise(run, 0.3) < 0.1e-3
-    assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and run.impacts["y"] < 0.55
+    assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and run.impacts["y"] < 0.02
     bit = 1 << (10 + "xz".index(sensor))
-    word = run.drive_faults[PHASES.name]
-    assert np.flatnonzero(word & bit)[0] == 300 + control.BAD_SAMPLES - 1
+    word, latched = run.drive_faults[PHASES.name], int(np.flatnonzero(run.faults >> 31)[0])
+    assert np.flatnonzero(word & bit)[0] == latched + control.BAD_SAMPLES - 1
+    assert run["y"][latched] == pytest.approx(STOP, abs=1e-6)
+
+
+@pytest.mark.parametrize("sensor", ["x", "z"])
+def test_the_commutation_follows_the_prediction_until_the_platen_has_landed(sensor: str) -> None:
+    run = lose(rig(), (sensor,), onset_s=0.6)
+    landing = slice(600, int(np.flatnonzero(run.faults >> 31)[0]))
+    predicted = run.commands[f"{sensor}_commutation"][landing].astype(float)
+    assert np.abs(predicted - run[sensor][landing]).max() < 1e-4 < np.ptp(run[sensor][landing])
+    assert (run.commands[f"{sensor}_commutation"][landing.stop :] == np.float32(control.LOST)).all()
 
 
 def test_a_commutation_that_keeps_a_stale_angle_pushes_the_platen_to_its_stop(monkeypatch: Any) -> None:
@@ -119,18 +131,20 @@ def test_in_motion_no_lost_position_pulls_the_platen_up(onset: float) -> None:
 
 
 def test_with_both_positions_lost_the_currents_end() -> None:
+    """The latch comes within a pair of the probe here, which leaves a speed of 0.3 mm/s."""
     run = lose(rig(), ("x", "z"))
     assert run["y"][-1] == pytest.approx(STOP, abs=1e-6) and rise(run, 0.3) < 0.1e-3
-    assert max(np.abs(run["x"]).max(), np.abs(run["z"]).max()) < 0.2e-3
+    assert max(np.abs(run["x"]).max(), np.abs(run["z"]).max()) < 0.5e-3
     assert max(abs(float(run.driven[s.name][-1])) for s in PHASES.outputs) == 0.0
 
 
-def test_direct_currents_go_to_the_motors_whose_position_is_known() -> None:
+@pytest.mark.parametrize("lost", [np.nan, control.LOST])
+def test_direct_currents_go_to_the_motors_whose_position_is_known(lost: float) -> None:
     """From 1 A in each motor, 2 A in two; a position that is found again gets its currents back."""
     n = 120
     inputs = {f"i_d{j}": np.ones(n) for j in control.MOTORS} | {f"i_q{j}": np.zeros(n) for j in control.MOTORS}
-    inputs |= {"x": np.zeros(n), "z": np.zeros(n)}
-    inputs["x"][10:60] = np.nan
+    inputs |= {"x_commutation": np.zeros(n), "z_commutation": np.zeros(n)}
+    inputs["x_commutation"][10:60] = lost
     c64 = build.compile_block(PHASES, np.float64, error=ERROR[np.float64])
     out = agree.replay(c64, inputs).outputs
     sizes = {j: np.sqrt(2 / 3 * sum(out[f"i_{p}{j}"] ** 2 for p in "abc") / 2) for j in control.MOTORS}

@@ -15,7 +15,7 @@ from synth.emit import write
 from synth.execute import host
 from synth.plant import Plant
 from synth.simulate.rig import Rig
-from synth.simulate.scenario import sample_times
+from synth.simulate.scenario import Trajectory, sample_times
 from synth.simulate.sensors import Override
 
 INPUTS = stages.guarded_inputs(control.INTERFACE)
@@ -75,20 +75,34 @@ def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(emitted_rig: R
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_permanently_bad_latches_a_measurement_and_never_a_set_point(emitted_rig: Rig, name: str) -> None:
+def test_permanently_bad_lands_without_x_or_z_alone(emitted_rig: Rig, name: str) -> None:
     time = sample_times(3.0, control.TIME.period_s)
     lost = Override(time >= 0.5, np.full(len(time), np.nan))
     trajectory = emitted_rig.run(3.0, {"y": 0.025}, {}, overrides={name: lost})
     latched = trajectory.faults & LATCHED != 0
-    if name in MEASURED:
-        assert np.argmax(latched) == np.argmax(time >= 0.5) + control.BAD_SAMPLES - 1 and latched[-1]
-        final = {n: float(v[-1]) for n, v in trajectory.commands.items()}
-        assert final == {n: pytest.approx(v) for n, v in DESIGN.stage.controller.block.safety.safe_output.items()}
-        steps = [np.abs(np.diff(v.astype(float)[latched])).max() for v in trajectory.commands.values()]
-        assert max(steps) <= control.SLEW * control.TIME.period_s * (1 + 1e-5)
+    if name in "xz":
+        assert 0.3 < time[np.argmax(latched)] - 0.5 < 0.6 and latched[-1]
+        assert trajectory.impacts["y"] < 0.02 and trajectory["y"][-1] == pytest.approx(control.GAP[1])  # m/s
+        require_safe_output(trajectory, latched)
     else:
         assert not latched.any()
         assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
+
+
+def require_safe_output(trajectory: Trajectory, latched: np.ndarray) -> None:
+    final = {n: float(v[-1]) for n, v in trajectory.commands.items()}
+    assert final == {n: pytest.approx(v) for n, v in DESIGN.stage.controller.block.safety.safe_output.items()}
+    steps = [np.abs(np.diff(v.astype(float)[latched])).max() for v in trajectory.commands.values()]
+    assert max(steps) <= control.SLEW * control.TIME.period_s * (1 + 1e-5)
+
+
+def test_three_lost_gap_encoders_latch_at_once(emitted_rig: Rig) -> None:
+    time = sample_times(3.0, control.TIME.period_s)
+    lost = {f"y{j}": Override(time >= 0.5, np.full(len(time), np.nan)) for j in (1, 2, 4)}
+    trajectory = emitted_rig.run(3.0, {"y": 0.025}, {}, overrides=lost)
+    latched = trajectory.faults & LATCHED != 0
+    assert np.argmax(latched) == np.argmax(time >= 0.5) + control.BAD_SAMPLES - 1 and latched[-1]
+    require_safe_output(trajectory, latched)
 
 
 def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Controller) -> None:
@@ -105,7 +119,8 @@ def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Control
 def test_once_latched_filters_and_internal_models_stand_still(single: host.Controller) -> None:
     n, k = 400, 200
     inputs = {g.signal.name: np.full(n, g.initial) for g in INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
-    inputs["z"] = np.where((np.arange(n) >= k) & (np.arange(n) < k + control.BAD_SAMPLES), np.nan, 0.0)
+    bad = (np.arange(n) >= k) & (np.arange(n) < k + control.BAD_SAMPLES)
+    inputs |= {name: np.where(bad, np.nan, inputs[name]) for name in ("y1", "y2", "y3")}
     at = [single.replay({name: v[:stop] for name, v in inputs.items()}).state for stop in (k + 4, k + 5, k + 6, n)]
     loops = [m for m in at[0].dtype.names or () if m.startswith(("filter_", "regulator_"))]
     assert len(loops) == 30

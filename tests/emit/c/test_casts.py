@@ -1,4 +1,4 @@
-"""MISRA C:2012, rule 10.8: the value of a composite expression is assigned to a local before it is cast."""
+"""MISRA C:2012, rules 10.8 and 12.1: composite expressions that are cast, and bare arms of choices, are locals."""
 
 import re
 import shutil
@@ -11,6 +11,7 @@ import pytest
 
 from synth.block import State, Step, build, clip, table
 from synth.emit.c.expressions import Text
+from synth.emit.passes import regions
 from synth.emit.write import emit
 from synth.signals import Signal
 from synth.verify import misra
@@ -67,3 +68,17 @@ def test_cppcheck_finds_a_cast_of_a_sum_and_none_in_what_is_emitted(monkeypatch:
     assert not misra.inspect(code(whole_part)).findings
     monkeypatch.setattr(Text, "is_composite", False)
     assert {f.rule for f in misra.inspect(code(whole_part)).findings} == {"misra-c2012-10.8"}
+
+
+def bare_arm(u: ca.SX, n: ca.SX) -> tuple[ca.SX, ca.SX]:
+    return u + ca.if_else(n > 3, 3 * u, 0) + n, n
+
+
+@pytest.mark.skipif(not shutil.which("cppcheck"), reason="apt-get install cppcheck")
+def test_cppcheck_finds_a_bare_first_arm_and_none_in_what_is_emitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A choice inside a sum whose first arm is a product: that arm is a local where no `if` is printed."""
+    monkeypatch.setattr(regions, "_COMPOSED", frozenset())
+    assert "? (3.0f * " not in code(bare_arm)["casts.c"] and not misra.inspect(code(bare_arm)).findings
+    monkeypatch.setattr(Text, "is_bare", False)
+    assert "? (3.0f * " in code(bare_arm)["casts.c"]
+    assert {f.rule for f in misra.inspect(code(bare_arm)).findings} == {"misra-c2012-12.1"}

@@ -293,6 +293,22 @@ def test_the_safety_is_that_of_the_blocks_and_the_c_keeps_it() -> None:
     assert steps.max() == pytest.approx(safety["slew_per_s"]["force"] * TIME.period_s)
 
 
+def test_a_guard_behind_which_a_law_decides_declares_the_flags_that_latch() -> None:
+    """Its measurements keep their names through renaming and composition; an ordinary guard declares none."""
+    judging = guard(
+        TIME, [GuardedInput(GAP, 0.02, True), GuardedInput(Signal("wish", "m", 0, 1), 0, False)], 5, redundant=True
+    )
+    block = compose(
+        "decided",
+        [judging.renamed({"gap": "lift"})],
+        inputs=["lift", "wish", "sufficient", "landed"],
+        outputs=["gap_held"],
+    )
+    judgement = emit(block, np.float64).manifest["safety"]["judgement"]
+    assert judgement == {"counts": "sufficient", "at_once": "landed", "measurements": ["lift"]}
+    assert "judgement" not in emit_guard(np.float32).manifest["safety"]
+
+
 def test_an_output_that_passes_a_safe_one_on_has_its_safety() -> None:
     """An output that is computed from the safe one has no safety."""
     force = Signal("force", "N", -1, 1)

@@ -182,6 +182,8 @@ def test_misra_casts_of_flags_and_compound_arms(monkeypatch: pytest.MonkeyPatch)
     assert "static inline uint32_t composed_flag(bool holds)" in code and "state->bad = composed_flag(" in code
     assert not re.search(arm, code)
     monkeypatch.setattr(regions, "_COMPOSED", frozenset())
+    assert not re.search(arm, emit(block, F32).files["composed.c"])
+    monkeypatch.setattr(expressions.Text, "is_bare", False)
     assert re.search(arm, emit(block, F32).files["composed.c"])
 
 

@@ -1,0 +1,183 @@
+"""Fault handling of the maglev controller: readings replaced by parity and prediction, frozen encoders, landing.
+
+    guard -> redundancy -> [ kinematics, errors, filters, regulators ] -> landing -> probe -> decoupling -> safe output
+                 ^ expected gaps, x, z                |-> pose, demands -> observers -> estimates -> landing
+
+One encoder of the gap is redundant, because y1 - y2 + y3 - y4 = 0 by F(5): without it the controller continues. The
+loss of x, of z or of two gap encoders starts the landing; with fewer than two gap encoders, or without x and z, the
+currents go to the safe output at once. The commutation gets x and z as they are used, predictions included.
+"""
+
+from dataclasses import replace
+
+import casadi as ca
+
+from designs.maglev_5dof import control, handover
+from designs.maglev_5dof.control import (
+    AXES,
+    COMMUTATED,
+    HELD,
+    INTERFACE,
+    LOST,
+    MOTORS,
+    NAME,
+    OUTPUTS,
+    RESOLUTION,
+    TIME,
+    Axis,
+)
+from models import maglev_stage, pmlsm
+from synth import stage
+from synth.analyse import parity
+from synth.block import Block, Exprs, Step, build
+from synth.blocks import landing, predictor, probe, redundancy
+from synth.plant import Plant
+from synth.signals import Signal, signal_names
+
+OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the threshold is 48 um
+BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s
+RATES = {"y": 1.0, "x": 2.0, "z": 2.0, "phi": 2.0, "theta": 2.0}  # m/s or rad/s
+DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
+THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
+TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
+PROBE = probe.Probe(quiet=40, quarter=3, step=4.2e-6, attempts=5)  # to 21 um: guide friction of 1.8 N takes half
+LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not probed
+DECISION = redundancy.Decision(
+    gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
+)
+STOP = control.GAP[1]
+COURSES: dict[str, landing.Course] = {
+    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0),
+    "x": landing.Braking("x", 4.0, 30.0),
+    "z": landing.Braking("z", 4.0, 30.0),
+    "phi": landing.Levelling("phi", 40.0),
+    "theta": landing.Levelling("theta", 40.0),
+}
+SENSORS = tuple(s.name for s in INTERFACE.sensors)
+REASON = (
+    "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
+    "latches on the stop; without three it latches as said above; "
+)
+INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason)
+
+
+def relations(plant: Plant) -> tuple[parity.Relation, ...]:
+    """Return the parity relation of the gap encoders, from the kinematics."""
+    tolerance = parity.Tolerance(RESOLUTION, OFFSET)
+    return parity.relations(plant, {s.name: s.of for s in INTERFACE.sensors}, dict.fromkeys(SENSORS, tolerance))
+
+
+def predict_gaps(plant: Plant) -> Block:
+    """Return the Block from the predicted pose to the expected gaps, F(5) for small angles."""
+    r = plant.parameter("r").value
+    inputs = [replace(axis.position, name=f"{axis.name}_expected") for axis in AXES if axis.name not in "xz"]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        y, phi, theta = u["y_expected"], r * u["phi_expected"], r * u["theta_expected"]
+        gaps = (y - phi, y + theta, y + phi, y - theta)
+        return Step({f"y{j}_expected": g for j, g in zip(MOTORS, gaps, strict=True)})
+
+    outputs = [replace(s, name=f"y{j}_expected", low=-1.0, high=1.0) for j, s in zip(MOTORS, HELD, strict=True)]
+    return build("gap_prediction", TIME, law, inputs=inputs, outputs=outputs, tag="gaps of the predicted pose, F(5)")
+
+
+def acceleration(axis: Axis) -> Signal:
+    """Return the acceleration by the limited currents: of x and z from the model, of the others the demanded one."""
+    about = f"acceleration by u_{axis.name}"
+    return Signal(f"a_{axis.name}", "m/s^2", -1e3, 1e3, about) if axis.excess else axis.demand
+
+
+def _with_free_range(w: Signal) -> Signal:
+    """Return an acceleration with a range that no demand leaves, so that none is limited."""
+    return replace(w, low=-1e6, high=1e6)
+
+
+def accelerations(plant: Plant) -> Block:
+    """Return the Block from the limited thrust currents and the gaps to the accelerations of x and z, F(6)."""
+    values, currents = maglev_stage.nominal(plant), [INTERFACE.computed_output(f"u_{n}") for n in "xz"]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        motors = [pmlsm.force_law(u[s.name], values) for s in HELD]
+        thrust = {f"u_{n}": u[s.name] for n, s in zip("xz", currents, strict=True)}
+        return Step({f"a_{n}": a for n, a in maglev_stage.thrust_accelerations(thrust, motors, values).items()})
+
+    outputs = [acceleration(a) for a in AXES if a.excess]
+    return build("accelerations", TIME, law, inputs=[*HELD, *currents], outputs=outputs, tag="F(6)")
+
+
+def observer(axis: Axis) -> Block:
+    """Return the observer of an axis; x and z learn the gain of their thrust."""
+    before = _with_free_range(replace(acceleration(axis), name=f"{acceleration(axis).name}_before"))
+    return predictor.block(
+        axis.name,
+        TIME,
+        axis.position,
+        before,
+        bandwidth=BANDWIDTH[axis.name],
+        rate=RATES[axis.name],
+        disturbance=DISTURBANCES[axis.name],
+        trusted=f"{axis.name}_trusted" if axis.excess else None,
+        gain=THRUST_GAIN if axis.excess else None,
+    )
+
+
+def sufficiency() -> Block:
+    """Return the Block that lets the platen land with two gap encoders, and x or z measured; lifted, it is probed."""
+    flags = [Signal(n, "1", 0, 1) for n in ("gaps_sufficient", "x_trusted", "z_trusted", "regular")]
+    height = replace(AXES[0].position, name="y_expected")
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        one = ca.logic_or(u["x_trusted"], u["z_trusted"])
+        free = ca.logic_and(u["regular"], u[height.name] < LIFTED)
+        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free})
+
+    outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled"), Signal("free", "1", 0, 1, "no stop holds it")]
+    return build("sufficiency", TIME, law, inputs=[*flags, height], outputs=outputs, tag="it can land, is probed")
+
+
+def positions_to_commutate() -> Block:
+    """Return the Block from the readings of x and z to use to the positions for the commutation.
+
+    While the controller lands, the prediction takes the place of a lost reading. After the latch nothing predicts it.
+    """
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        lost = {n: ca.logic_and(u["latched"], ca.logic_not(u[f"{n}_trusted"])) for n in COMMUTATED}
+        return Step({s.name: ca.if_else(lost[n], LOST, u[f"{n}_held"]) for n, s in COMMUTATED.items()})
+
+    flags = [Signal(f, "1", 0, 1) for f in ("latched", *(f"{n}_trusted" for n in COMMUTATED))]
+    inputs, outputs = [*(INTERFACE.held(n) for n in COMMUTATED), *flags], [*COMMUTATED.values()]
+    return build("angles", TIME, law, inputs=inputs, outputs=outputs, tag="positions for the commutation")
+
+
+def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list[Block]:
+    """Return the laws of `control` with the fault handling around them."""
+    tracking = {a.demand.name: f"{a.demand.name}_tracking" for a in AXES}
+    law = control.laws(plant, corrected, anti_windup)
+    changed = {"decoupling": handover.BALANCED, **{f"regulator_{a.name}": tracking for a in AXES}}
+    readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
+    descent = landing.block(TIME, [COURSES[a.name] for a in AXES], [a.demand for a in AXES], control.BAD_SAMPLES)
+    return [
+        readings.renamed({"sufficient": "gaps_sufficient"}),
+        sufficiency(),
+        predict_gaps(plant),
+        *(b.renamed(changed.get(b.name, {})) for b in law),
+        handover.block(),
+        accelerations(plant),
+        predictor.delay("delay", TIME, [_with_free_range(acceleration(a)) for a in AXES]),
+        *(observer(a) for a in AXES),
+        descent.renamed({f"w_{n}": f"w_{n}_unprobed" for n in "xz"}),
+        *(probe.block(TIME, a.name, a.error, a.demand, PROBE) for a in AXES if a.excess),
+        positions_to_commutate(),
+    ]
+
+
+def controller(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> stage.Controller:
+    """Return the shipped controller: the law of `control` with its fault handling."""
+    return stage.controller(
+        NAME,
+        TIME,
+        INTERFACE_OF_ALL,
+        lambda: laws(plant, corrected, anti_windup),
+        signal_names((*OUTPUTS, *COMMUTATED.values())),
+    )

@@ -1,0 +1,260 @@
+"""Fault handling of the maglev controller: NumPy reference for the generated C, around the law of `reference`.
+
+    readings     y1 - y2 + y3 - y4 = 0 by F(5); a refused gap follows from the other three, two or more and x, z from
+                 the predictions
+    prediction   q'' = g a + d for each axis, with the innovation nu = q measured - q predicted:
+                 q + alpha nu, v + beta nu, d + gamma nu; triple pole p = exp(-w T), alpha = 1 - p^3,
+                 beta = 3/2 (1 - p)^2 (1 + p) / T, gamma = (1 - p)^3 / T^2
+    isolation    of a gap encoder for |y1 - y2 + y3 - y4| > 48 um, by codes that stand still and by innovations
+    probe        pairs of doublets of a (k + 1), k = 0 .. 4, at a code of x or z that stands still
+    landing      w = p^2 (r - q) + 2 p (r' - v) + r'' - d along ramps r, down to the stop at 31 mm
+
+`step` is that of the shipped controller, columns (n,) by name as in `reference`.
+"""
+
+from collections.abc import Mapping
+from math import exp
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.maglev_5dof import reference, reference_phase
+from designs.maglev_5dof.reference import AXES, HIGH, LAST, LIMITS, LOW, MEMORY, OUTPUTS, SAFE, SENSORS, SLEW, STATES
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Columns = Mapping[str, NDArray[Any]]
+
+T = 1e-3  # s
+NAMES = tuple(LIMITS)[:SENSORS]
+SIGN = np.array([1.0, -1.0, 1.0, -1.0])  # of y1..y4 in the parity relation
+THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encoder
+FRESH, STILL, PERSISTENT, UNDECIDED = 3, 8, 3, 10  # samples
+CANDIDATE, CLEAR = 0.4, 0.5  # of |r|
+GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
+QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
+PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
+BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
+RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
+RATES, DISTURBANCES = (1.0, 2.0, 2.0, 2.0, 2.0), (50.0, 20.0, 20.0, 200.0, 200.0)
+LEARNING, GAINS = 30.0, (0.8, 1.2)
+POLES = np.array([60.0, 30.0, 30.0, 40.0, 40.0])  # rad/s, of the landing
+END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, 2.0, 4.0
+DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
+DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
+WIDE = 10.0
+MEMORY_OF_PROBE = ("sample", "attempt", "towards")
+
+
+def by_row(values: Any, like: Array) -> Array:
+    """Return values (m,) as a column for rows (m, n)."""
+    return np.reshape(np.asarray(values, dtype=float), (-1,) + (1,) * (like.ndim - 1))
+
+
+def flags(state: Columns, names: Any) -> Flags:
+    """Return some states as rows of flags."""
+    return reference.rows(state, names) > 0
+
+
+def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Flags, dict[str, Any]]:
+    """Return the readings to use (6, n), the suspects (6, n), and the next states with the flags of the sample."""
+    r = reference.Parameters().r
+    expected = np.array([q[0] - r * q[3], q[0] + r * q[4], q[0] + r * q[3], q[0] - r * q[4], q[1], q[2]])
+    same = y == reference.rows(state, [f"redundancy_code_{n}" for n in NAMES])
+    excluded = flags(state, [f"redundancy_excluded_{n}" for n in NAMES])
+    usable, longest = good & ~excluded, by_row([STILL] * 4 + [QUIET] * 2, y)
+    count = reference.rows(state, [f"redundancy_still_{n}" for n in NAMES])
+    still = np.where(same, np.minimum(count + 1, longest), 0.0)
+    value, ready = np.where(usable, y, expected), np.asarray(state["guard_ready"]) > 0
+    gaps, named, after = _group(state, y[:4], value[:4], expected[:4], usable[:4], still[:4], ready)
+    moved = (~same[:4] & excluded[:4] & good[:4]).any(axis=0)
+    undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & moved)
+    undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
+    before = np.where(same[4:], reference.rows(state, ["redundancy_before_x", "redundancy_before_z"]), expected[4:])
+    before = np.where(ready, before, y[4:])
+    unanswered = reference.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= ATTEMPTS
+    suspicious = (np.abs(expected[4:] - before) > GATE) | unanswered
+    stands = (still[4:] >= FRESH) & (np.abs(y[4:]) < TRAVEL) & suspicious
+    frozen = (ready & stands & usable[4:]) | excluded[4:]
+    trusted = usable[4:] & ~frozen
+    value = np.concatenate([gaps, np.where(trusted, y[4:], expected[4:])])
+    low, high = by_row(LOW[:SENSORS], y), by_row(HIGH[:SENSORS], y)
+    suspects = np.concatenate([named | excluded[:4] | undecided, frozen])
+    next: dict[str, Any] = {f"redundancy_code_{n}": v for n, v in zip(NAMES, y, strict=True)}
+    next |= {f"redundancy_still_{n}": v for n, v in zip(NAMES, still, strict=True)}
+    leave_out = np.concatenate([excluded[:4] | after["excluded"], frozen])
+    next |= {"redundancy_before_x": before[0], "redundancy_before_z": before[1]}
+    degraded = np.asarray(state["redundancy_degraded"]) > 0
+    calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
+    calm &= np.abs(np.sum(by_row(SIGN, y) * y[:4], axis=0)) <= THRESHOLD
+    decisions = {f"redundancy_excluded_{n}": v for n, v in zip(NAMES, leave_out, strict=True)}
+    decisions |= {"redundancy_stuck_0": after["stuck"], "redundancy_undecided_0": undecided}
+    decisions["redundancy_degraded"] = degraded | suspects.any(axis=0) | leave_out.any(axis=0)
+    next |= {n: np.where(calm, np.asarray(state[n]) > 0, v) for n, v in decisions.items()}
+    next["redundancy_contradictions_0"] = np.where(calm, 0, after["count"])
+    missing = np.sum(~usable[:4], axis=0)
+    regular = (missing <= 1) & ~undecided & trusted.all(axis=0)
+    next |= {"regular": calm | regular, "sufficient": calm | (missing <= 2), "trusted": calm | trusted}
+    return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, next
+
+
+def _group(
+    state: Columns, y: Array, value: Array, expected: Array, usable: Flags, still: Array, ready: Flags
+) -> tuple[Array, Flags, dict[str, Any]]:
+    """Return the gaps to use (4, n), which is named now, and what follows for the states."""
+    sign = by_row(SIGN, y)
+    r, missing = np.sum(sign * value, axis=0), np.sum(~usable, axis=0)
+    wrong = (missing == 0) & (np.abs(r) > THRESHOLD) & ready
+    E = np.where(r > 0, 1.0, -1.0) * sign * (y - expected)
+    undecided = np.asarray(state["redundancy_undecided_0"]) > 0
+    candidate = (still >= FRESH) & (CANDIDATE * np.abs(r) < E)
+    first = candidate.any(axis=0)
+    score = np.where(first, np.where(candidate, E, -1.0), E)
+    order = np.sort(score, axis=0)
+    alone = (still >= STILL) & (np.sum(still < FRESH, axis=0) == 3)
+    second = alone.any(axis=0) & ~first
+    third = (order[-1] > CLEAR * np.abs(r)) & (order[-2] < CLEAR * order[-1]) & ~undecided
+    largest = np.arange(4).reshape(by_row(range(4), y).shape) == np.argmax(score, axis=0)
+    named = np.where(second, alone, largest) & wrong & (first | second | third)
+    replaced = named | (~usable & (missing == 1))
+    count = np.asarray(state["redundancy_contradictions_0"])
+    excluded = named & (count >= PERSISTENT - 1)
+    stuck = (np.asarray(state["redundancy_stuck_0"]) > 0) | (excluded & (still >= FRESH)).any(axis=0)
+    next = {"excluded": excluded, "stuck": stuck, "waited": wrong & (count >= UNDECIDED - 1)}
+    next["count"] = np.where(wrong, np.minimum(count + 1, UNDECIDED), 0)
+    return np.where(replaced, value - sign * r, value), named, next
+
+
+def observe(state: Columns, q: Array, trusted: Flags, ready: Flags) -> tuple[Array, Array, Array, dict[str, Array]]:
+    """Return position, rate and disturbance (5, n) after the correction by the pose q, and the next states."""
+    p = by_row([exp(-w * T) for w in BANDWIDTH], q)
+    before, v, d = (reference.rows(state, [f"observer_{s}_{n}" for s in AXES]) for n in "qvd")
+    nu = q - before
+    low, high = (by_row(ends, q) for ends in zip(*RANGES, strict=True))
+    rate, most = by_row(RATES, q), by_row(DISTURBANCES, q)
+    position = np.where(ready, before + (1 - p**3) * nu, q)
+    v = np.where(ready, v + 1.5 * (1 - p) ** 2 * (1 + p) / T * nu, 0.0)
+    d = np.where(ready, np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most), 0.0)
+    d[1:3] = np.where(trusted, d[1:3], 0.0)
+    demand = reference.rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
+    g = reference.rows(state, ["observer_x_g", "observer_z_g"])
+    learnt = np.clip(g + LEARNING * T * demand[1:3] * d[1:3], *GAINS)
+    demand[1:3] *= g
+    a = demand + d
+    next_q, next_v = np.clip(position + T * (v + T / 2 * a), low, high), np.clip(v + T * a, -rate, rate)
+    next = {f"observer_{s}_{n}": row for n, all in zip("qvd", (next_q, next_v, d), strict=True)
+            for s, row in zip(AXES, all, strict=True)}  # fmt: skip
+    return position, v, d, next | {"observer_x_g": learnt[0], "observer_z_g": learnt[1]}
+
+
+def land(
+    state: Columns, w: Array, estimate: tuple[Array, Array, Array], regular: Flags
+) -> tuple[Array, dict[str, Any]]:
+    """Return the demands (5, n), the tracking ones w or those of the landing, and the next states with `landed`."""
+    q, v, d = estimate
+    waiting = ~regular & (np.asarray(state["guard_ready"]) > 0)
+    left, was = np.asarray(state["landing_left"]), np.asarray(state["landing_landing"]) > 0
+    landing = was | (waiting & (left <= 1))
+    next: dict[str, Any] = {"landing_left": np.where(waiting, np.maximum(left - 1, 1), reference.BAD_SAMPLES)}
+    next["landing_landing"] = landing
+    ramp, rate = (np.where(was, reference.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]]), x[:3])
+                  for n, x in (("r", q), ("dr", v)))  # fmt: skip
+    approach = np.clip(DESCENT / SPEED * (END - ramp[0]), 0.0, SPEED - TOUCH) + TOUCH
+    speed = np.where(ramp[0] > END + BEYOND / 4, PRESS, approach)
+    most = by_row([DESCENT * T, BRAKE * T, BRAKE * T], q)
+    change = np.clip(np.array([speed - rate[0], -rate[1], -rate[2]]), -most, most)
+    full = [np.concatenate([x, np.zeros_like(x[:2])]) for x in (ramp, rate, change / T)]
+    p = by_row(POLES, q)
+    demand = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
+    high = by_row([END + 2 * BEYOND, WIDE, WIDE], q)
+    ahead = np.clip(ramp + T * rate + T / 2 * change, -WIDE, high)
+    for n, x in (("r", ahead), ("dr", np.clip(rate + change, -WIDE, WIDE))):
+        before = reference.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]])
+        next |= {f"landing_{n}_{s}": row for s, row in zip(AXES[:3], np.where(landing, x, before), strict=True)}
+    landed = was & (np.asarray(state["landing_r_y"]) >= END + BEYOND)
+    return np.where(landing, np.clip(demand, -1e4, 1e4), w), next | {"landed": landed}
+
+
+def probe(w: Array, e: Array, state: Columns, still: Array, free: Flags) -> tuple[Array, dict[str, Array]]:
+    """Return the demands of x and z (2, n) with the pairs of the probe, and its next states."""
+    sample, attempt, towards = (reference.rows(state, [f"probe_{s}_{n}" for s in "xz"]) for n in MEMORY_OF_PROBE)
+    runs, waits = sample > 0, still >= QUIET
+    ends, failures = sample >= PAIR, np.minimum(attempt + 1, ATTEMPTS)
+    starts = waits & free & (attempt < ATTEMPTS)
+    after = np.where(ends, np.where(still >= PAIR, failures, 0), attempt)
+    new = (
+        np.where(runs, np.where(ends, 0, sample + 1), starts),
+        np.where(runs, after, attempt),
+        np.where(runs, towards, np.where(e > 0, -PUSH, PUSH)),
+    )
+    idle, next = (np.zeros_like(sample), np.zeros_like(sample), towards), dict[str, Array]()
+    for n, value, other in zip(MEMORY_OF_PROBE, new, idle, strict=True):
+        rows = np.where(runs | waits, value, other)
+        next |= {f"probe_{s}_{n}": row for s, row in zip("xz", rows, strict=True)}
+    push, inner = towards * (attempt + 1), (sample > QUARTER) & (sample <= 3 * QUARTER)
+    pulse = np.where(sample <= 4 * QUARTER, np.where(inner, -push, push), 0.0)
+    return np.where(runs, np.clip(w + pulse, -1e4, 1e4), w), next
+
+
+def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[Array, Array]:
+    """Return the next transfer and the currents (6, n), as the commutation hands over direct currents."""
+    i_d, (u_x, u_z), lost = computed[:4], computed[4:], ~trusted
+    before = np.asarray(state["handover_transfer"], dtype=np.float64)
+    active = lost.any(axis=0) | (before != 0)
+    transfer = reference_phase.next_transfer(before, lost[0], lost[1])
+    values = {f"i_d{j}": i for j, i in enumerate(i_d, 1)} | {"i_q1": u_z, "i_q2": u_x, "i_q3": u_z, "i_q4": u_x}
+    direct = reference_phase.direct_currents(values, transfer, active)
+    part = {"x": np.maximum(transfer, 0), "z": np.maximum(-transfer, 0)}
+    kept = [np.where(active, (1 - part["zxzx"[j - 1]]) * direct[j], i) for j, i in enumerate(i_d, 1)]
+    return np.where(active, transfer, 0), np.concatenate([kept, computed[4:]])
+
+
+def step(
+    state: Columns, inputs: Columns, k: reference.Constants | None = None
+) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
+    """Return (next state, outputs, fault word) of one sample, columns by name."""
+    k = k or reference.constants()
+    values, after, word = reference.guard(state, inputs)
+    good = np.array([(word & bit) == 0 for bit in reference.BITS[:SENSORS]])
+    ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
+    q = reference.rows(state, [f"observer_{s}_q" for s in AXES])
+    used, suspects, after_readings = readings(state, values[:SENSORS], good, q)
+    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted")}
+    pose = reference.pose(used, k.parameters.r)
+    q, v, d, after_observers = observe(state, pose, flag["trusted"], ready)
+    memory, last = reference.rows(state, MEMORY), reference.rows(state, LAST)
+    filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
+    e = pose - values[SENSORS:]
+    rate, filtered = reference.rate(e, filters, ready, k)
+    w, after_landing = land(state, reference.demand(e, rate, eta, k), (q, v, d), flag["regular"])
+    still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
+    w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))
+    computed, excess = reference.currents(w, pose, used[:4], last, k)
+    transfer, computed = without_positions(state, computed, flag["trusted"])
+    enough = np.where(ready, flag["sufficient"] & flag["trusted"].any(axis=0), good.all(axis=0))
+    left = np.where(enough, reference.BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    latched = was_latched | (left < 1) | after_landing.pop("landed")
+    after |= {"guard_left": np.maximum(left, 1), "guard_latched": latched}
+    h = reference.motor(used[:4], k.parameters).h
+    p = k.parameters
+    a_x, a_z = -computed[4] * (h[1] + h[3]) / p.M_x, -computed[5] * (h[0] + h[2]) / p.M_z
+    demands = {"w_y": w[0], "a_x": a_x, "a_z": a_z, "w_phi": w[3], "w_theta": w[4]}
+    next: dict[str, Any] = (
+        after_readings
+        | after_observers
+        | after_landing
+        | after_probe
+        | {f"delay_{n}_last": np.clip(x, -DELAYED, DELAYED) for n, x in demands.items()}
+    )
+    next["handover_transfer"] = transfer
+    next_memory = np.array([*filtered, *reference.model_step(e, excess, eta, k)])
+    next |= zip(MEMORY, next_memory.reshape(memory.shape), strict=True)
+    after |= {n: np.where(latched, state[n], x) for n, x in next.items()}
+    out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
+    after |= zip(LAST, out, strict=True)
+    word = (word & 0x7FF) | (1 << np.arange(11, 17)) @ suspects | (latched.astype(np.uint32) << 31)
+    outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))
+    positions = np.where(latched & ~flag["trusted"], LOST, used[4:])
+    outputs |= {"x_commutation": positions[0], "z_commutation": positions[1]}
+    return after, outputs, np.asarray(word).astype(np.uint32)

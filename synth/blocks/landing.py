@@ -1,0 +1,163 @@
+"""Controlled landing of a levitated body: ramps of the set-points and a state feedback that follows them.
+
+From the sample on in which ``regular`` is lost for `patience` samples in a row, the demands w of all coordinates are
+
+    w = -p^2 (q - r) - 2 p (v - r') + r'' - d            q, v, d: estimates of a predictive observer (`predictor`)
+
+    descent   r' -> min(speed, touch + (end - r)/time) with |r''| <= acceleration; once r is behind the end, press
+    braking   r' -> 0 with |r''| <= acceleration
+    levelling r = 0
+
+in place of the tracking demands. Each r starts at the estimate, with the rate of the estimate. No integrator takes
+part, and the history of the tracking has no influence: the observer's disturbance d does the work of an integrator.
+The landing is over, ``landed``, when r is `beyond` the end. It never returns to tracking; `init` does.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from synth import arguments
+from synth.block import Block, Exprs, State, Step, build, clip
+from synth.blocks import safety
+from synth.errors import SignalError
+from synth.signals import Signal
+from synth.timing import Discrete
+
+__all__ = ["Braking", "Descent", "Levelling", "block"]
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Descent:
+    """To the stop at `end`: speed, touch and press in m/s, acceleration in m/s^2, `beyond` in m, p in rad/s."""
+
+    coordinate: str
+    end: float
+    speed: float
+    touch: float
+    press: float
+    acceleration: float
+    beyond: float
+    pole: float
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Braking:
+    """To rest, with at most `acceleration`; the poles are at -`pole` rad/s."""
+
+    coordinate: str
+    acceleration: float
+    pole: float
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Levelling:
+    """To zero, with the poles at -`pole` rad/s."""
+
+    coordinate: str
+    pole: float
+
+
+Course = Descent | Braking | Levelling
+
+
+@arguments.checked
+def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], patience: int) -> Block:
+    """Return the Block from the tracking demands ``<w>_tracking`` to the demands ``<w>``, and ``landed``.
+
+    `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
+    ``<q>_rate`` and ``<q>_disturbance``; further ``regular`` and ``ready``.
+
+    Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
+    positive.
+    """
+    _check(courses, demands, patience)
+    T, moving = time.period_s, [c for c in courses if not isinstance(c, Levelling)]
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
+        left = ca.if_else(waiting, ca.if_else(x["left"] <= 1, 1, x["left"] - 1), patience)
+        due = ca.logic_and(waiting, x["left"] <= 1)
+        landing = ca.if_else(due, 1, x["landing"])
+        output, next = {}, {"left": left, "landing": landing}
+        for c, w in zip(courses, demands, strict=True):
+            q, v, d = (u[f"{c.coordinate}_{of}"] for of in ("estimate", "rate", "disturbance"))
+            p, r, dr, ddr = c.pole, ca.SX(0), ca.SX(0), ca.SX(0)
+            if not isinstance(c, Levelling):
+                r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
+                dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
+                change = (_descent_rate(c, r) if isinstance(c, Descent) else 0.0) - dr
+                step = ca.fmax(ca.fmin(change, T * c.acceleration), -T * c.acceleration)
+                ddr = step / T
+                ahead = {f"r_{c.coordinate}": r + T * dr + T / 2 * step, f"dr_{c.coordinate}": dr + step}
+                bounds = {state.signal.name: state.signal for state in _states(c)}
+                next |= {n: ca.if_else(landing, clip(value, bounds[n]), x[n]) for n, value in ahead.items()}
+            demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
+            output[w.name] = ca.if_else(landing, clip(demand, w), u[f"{w.name}_tracking"])
+            if isinstance(c, Descent):
+                at_end = x[f"r_{c.coordinate}"] >= c.end + c.beyond
+                output["landed"] = ca.if_else(ca.logic_and(x["landing"], at_end), 1, 0)
+        return Step(output, next)
+
+    states = [
+        State(Signal("left", "1", 1, max(patience, 2), "samples until it lands"), patience, True),
+        State(Signal("landing", "1", 0, 1, "lands until init"), 0, True),
+    ]
+    for c in moving:
+        states += _states(c)
+    return build(
+        safety.LANDING, time, law, inputs=_inputs(courses, demands),
+        outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over")], states=states,
+        tag="landing: ramps and state feedback",
+    )  # fmt: skip
+
+
+def _descent_rate(c: Descent, r: ca.SX) -> ca.SX:
+    """Return the speed at r: an exponential approach of the end, decelerated by at most the acceleration."""
+    rate = c.acceleration / c.speed
+    approach = ca.fmax(ca.fmin(rate * (c.end - r), c.speed - c.touch), 0.0) + c.touch
+    return ca.if_else(r > c.end + c.beyond / 4, c.press, approach)
+
+
+WIDE = 10.0  # m or rad, m/s or rad/s: bound of set-points and their rates
+
+
+def _states(c: Descent | Braking) -> list[State]:
+    high = c.end + 2 * c.beyond if isinstance(c, Descent) else WIDE
+    start = c.end if isinstance(c, Descent) else 0.0
+    return [
+        State(Signal(f"r_{c.coordinate}", "m", -WIDE, high, "set-point of the landing"), start),
+        State(Signal(f"dr_{c.coordinate}", "m/s", -WIDE, WIDE, "its rate"), 0.0),
+    ]
+
+
+def _inputs(courses: Sequence[Course], demands: Sequence[Signal]) -> list[Signal]:
+    inputs = []
+    for c, w in zip(courses, demands, strict=True):
+        unit = w.unit.removesuffix("/s^2")
+        inputs.append(Signal(f"{c.coordinate}_estimate", unit, -WIDE, WIDE))
+        inputs.append(Signal(f"{c.coordinate}_rate", f"{unit}/s", -WIDE, WIDE))
+        inputs.append(Signal(f"{c.coordinate}_disturbance", w.unit, w.low, w.high))
+        inputs.append(Signal(f"{w.name}_tracking", w.unit, w.low, w.high))
+    return [*inputs, Signal("regular", "1", 0, 1), Signal("ready", "1", 0, 1)]
+
+
+def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) -> None:
+    descents = [c for c in courses if isinstance(c, Descent)]
+    if len(descents) != 1 or len(demands) != len(courses):
+        raise SignalError(
+            f"{len(descents)} of {len(courses)} courses descend, for {len(demands)} demands: give one descent, and a "
+            "demand for each course"
+        )
+    d = descents[0]
+    values = [*(c.pole for c in courses), *(c.acceleration for c in courses if not isinstance(c, Levelling))]
+    values += [d.touch, d.press, d.beyond, d.speed - d.touch, float(patience)]
+    if not min(values) > 0:
+        raise SignalError(
+            f"the least value of the landing is {min(values)}: give positive poles, accelerations, speeds and samples, "
+            "and a touch slower than the descent"
+        )

@@ -1,0 +1,104 @@
+"""Probe of a sensor at rest: small doublet pairs of acceleration, until the code changes once.
+
+    +a for n samples, -a for 2 n, +a for n:   the body moves by a (n T)^2 and stands still again, there and back
+
+At rest a working sensor stays in one count only while nothing moves the body. After `quiet` samples without a change
+the probe moves it, at first by `step`, then by 2 `step` and so on, towards the set-point. Each pair runs to its end,
+so it leaves no speed. The first after which the code has changed is the last. Without `attempts` answers the sensor is
+frozen. A body that moves by one `step` more in each pair passes the edge of a count by at most one `step`.
+
+Friction F of a mass m allows no motion while a <= F/m, and viscous friction makes the motion smaller: `attempts` pairs
+must move the body by more than one count in spite of both. A body on a stop is not to be probed: ``free`` is then 0.
+
+Source: active fault diagnosis; Campbell, Nikoukhah, *Auxiliary Signal Design for Failure Detection*, 2004, chapter 1.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from synth import arguments
+from synth.block import Block, Exprs, State, Step, build, clip
+from synth.errors import SignalError
+from synth.signals import Signal
+from synth.timing import Discrete
+
+__all__ = ["Probe", "block"]
+
+ANSWER = 3  # samples from the end of a pair to the last answer: delay, rounding of the sensor, one more
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Probe:
+    """Samples without a change before it, samples n of a quarter, the first displacement a (n T)^2, pairs at most."""
+
+    quiet: int
+    quarter: int
+    step: float
+    attempts: int
+
+    @property
+    def pair(self) -> int:
+        """Samples of a pair with its answer."""
+        return 4 * self.quarter + ANSWER
+
+    @property
+    def samples(self) -> int:
+        """Samples without a change after which a sensor is frozen."""
+        return self.quiet + self.attempts * (self.pair + 1) + 1
+
+    @property
+    def count_limit(self) -> int:
+        """Largest count of samples without a change that the probe asks for."""
+        return max(self.quiet, self.pair)
+
+
+@arguments.checked
+def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Probe) -> Block:
+    """Return the Block from ``<w>_unprobed``, ``<sensor>_unchanged`` and ``free`` to the demand w.
+
+    Its output ``<sensor>_unanswered`` says that none of the `attempts` was answered. `error` is the tracking error of
+    the sensor's coordinate.
+
+    Raises SignalError for samples or attempts below 1, or a step that is not positive.
+    """
+    if min(probe.quiet, probe.quarter, probe.attempts) < 1 or not probe.step > 0:
+        raise SignalError(f"the probe of '{sensor}' is {probe}: give at least 1 sample and attempt and a positive step")
+    a, n, pair = probe.step / (probe.quarter * time.period_s) ** 2, probe.quarter, probe.pair
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        w, still = u[f"{demand.name}_unprobed"], u[f"{sensor}_unchanged"]
+        runs, waits = x["sample"] > 0, still >= probe.quiet
+        active = ca.logic_or(runs, waits)
+        starts = ca.logic_and(ca.logic_and(waits, u["free"]), x["attempt"] < probe.attempts)
+        ends = x["sample"] >= pair
+        sample = ca.if_else(runs, ca.if_else(ends, 0, x["sample"] + 1), ca.if_else(starts, 1, 0))
+        failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], x["attempt"] + 1)
+        after = ca.if_else(ends, ca.if_else(still >= pair, failures, 0), x["attempt"])
+        attempt = ca.if_else(runs, after, x["attempt"])
+        towards = ca.if_else(runs, x["towards"], ca.if_else(u[error.name] > 0, -a, a))
+        inner = ca.logic_and(x["sample"] > n, x["sample"] <= 3 * n)
+        push = x["towards"] * (x["attempt"] + 1)
+        pulse = ca.if_else(x["sample"] <= 4 * n, ca.if_else(inner, -push, push), 0.0)
+        output = {
+            demand.name: ca.if_else(active, ca.if_else(runs, clip(w + pulse, demand), w), w),
+            f"{sensor}_unanswered": x["attempt"] >= probe.attempts,
+        }
+        next = {"sample": sample, "attempt": attempt, "towards": towards}
+        idle = {"sample": ca.SX(0), "attempt": ca.SX(0), "towards": x["towards"]}
+        return Step(output, {n: ca.if_else(active, value, idle[n]) for n, value in next.items()})
+
+    unchanged = Signal(f"{sensor}_unchanged", "1", 0, 1e6, "samples without a change of the code")
+    plain = Signal(f"{demand.name}_unprobed", demand.unit, demand.low, demand.high, demand.about)
+    states = [
+        State(Signal("sample", "1", 0, pair, "sample of the pair, 0 for none"), 0, True),
+        State(Signal("attempt", "1", 0, probe.attempts, "pairs without an answer"), 0, True),
+        State(Signal("towards", demand.unit, -a, a, "acceleration of the first pair, towards the set-point"), a),
+    ]
+    unanswered = Signal(f"{sensor}_unanswered", "1", 0, 1, "no pair of the probe was answered")
+    free = Signal("free", "1", 0, 1, "the body may move")
+    return build(
+        f"probe_{sensor}", time, law, inputs=[plain, unchanged, error, free], outputs=[demand, unanswered],
+        states=states, tag="probe at rest",
+    )  # fmt: skip

@@ -1,0 +1,284 @@
+"""Sensor fault detection, isolation and accommodation (FDIA): parity, innovations, and codes that stand still.
+
+    accepted readings y, expected readings y^ (predictions of the observers)  -->  readings to use, suspects
+
+A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relation a sensor (`analyse.parity`).
+
+    one reading of a group refused    the relation replaces it, y_i = -sum_{k != i} w_k y_k / w_i
+    two or more                       predictions replace them
+    a reading without a group         its prediction replaces it
+
+    contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `isolation` which one; where
+                    that is not clear, all of the group are suspects after `undecided` samples, and all stay in use.
+    frozen          of a sensor without a group: its code does not change for FRESH samples or more while its
+                    prediction moves by more than `gate`; or a `probe` says that its code did not answer.
+
+A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
+code stood still, and whose code then moves, makes the group undecided: the choice was wrong.
+
+``regular`` says that every coordinate is measured: no reading without a group is replaced, at most one of each group,
+and nothing is undecided. ``sufficient`` says that at most `tolerated` readings of each group are replaced.
+
+Source: Isermann, *Fault-Diagnosis Systems*, chapters 10 (parity) and 11 (observers); Patton, Chen, "Review of parity
+space approaches to fault diagnosis", 1994.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from synth import arguments
+from synth.analyse.parity import Relation
+from synth.block import Block, Exprs, State, Step, build, clip
+from synth.blocks import isolation, safety
+from synth.blocks.isolation import FRESH
+from synth.errors import SignalError
+from synth.signals import Signal, signal_names
+from synth.timing import Discrete
+
+__all__ = ["Decision", "block"]
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Decision:
+    """Samples in a row until a sensor is excluded or all are suspects, the gate of frozen sensors, and `tolerated`.
+
+    `gate` is in the unit of each sensor without a group, by name. With `at_rest` a `probe` moves such a sensor at rest,
+    and needs so many samples without a change counted; 0 is for no probe. Such a sensor is free to move while its
+    reading is inside `travel`; at an end, a stop may hold it.
+    """
+
+    gate: Mapping[str, float]
+    travel: Mapping[str, tuple[float, float]]
+    persistent: int = 3
+    undecided: int = 10
+    at_rest: int = 0
+    tolerated: int = 2
+
+
+@arguments.checked
+def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relation], decision: Decision) -> Block:
+    """Return the Block between the guard and the laws.
+
+    For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
+    and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
+    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular`` and
+    ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they pass, and nothing else
+    is computed.
+
+    Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
+    without a relation and without a gate, or numbers of samples below 1.
+    """
+    names, by_name = signal_names(sensors), {s.name: s for s in sensors}
+    singles = _singles(names, relations, decision)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        y = {n: u[f"{n}_accepted"] for n in names}
+        same = {n: y[n] == x[f"code_{n}"] for n in names}
+        usable = {n: ca.logic_and(ca.logic_not(u[f"fault_{n}"]), ca.logic_not(x[f"excluded_{n}"])) for n in names}
+        next: dict[str, ca.SX] = {f"code_{n}": y[n] for n in names}
+        next |= {f"still_{n}": _count(same[n], x[f"still_{n}"], _longest(n in singles, decision)) for n in names}
+        value: dict[str, ca.SX] = {}
+        suspects: dict[str, ca.SX] = {}
+        regular, sufficient = ca.SX(1), ca.SX(1)
+        calm = ca.logic_and(u["ready"], ca.logic_and(u["complete"], ca.logic_not(x["degraded"])))
+        for i, relation in enumerate(relations):
+            vote = _vote(i, relation, by_name, u, x, next, usable, same, decision)
+            value |= vote.value
+            suspects |= vote.suspects
+            next |= vote.next
+            regular = ca.if_else(vote.regular, regular, 0)
+            sufficient = ca.if_else(vote.sufficient, sufficient, 0)
+            calm = ca.logic_and(calm, vote.agreement)
+        for n in singles:
+            still, expected = next[f"still_{n}"], u[f"{n}_expected"]
+            before = ca.if_else(same[n], x[f"before_{n}"], expected)
+            next[f"before_{n}"] = before = ca.if_else(u["ready"], before, y[n])
+            moves = ca.fabs(expected - before) > decision.gate[n]
+            suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
+            frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
+            calm = ca.logic_and(calm, ca.logic_not(frozen))
+            frozen = ca.logic_and(ca.logic_and(frozen, u["ready"]), usable[n])
+            next[f"excluded_{n}"] = suspects[n] = ca.if_else(frozen, 1, x[f"excluded_{n}"])
+            usable[n] = ca.logic_and(usable[n], ca.logic_not(suspects[n]))
+            value[n] = ca.if_else(usable[n], y[n], clip(expected, by_name[n]))
+            regular = ca.if_else(usable[n], regular, 0)
+        degraded = x["degraded"]
+        for flag in (*suspects.values(), *(next[f"excluded_{n}"] for n in names)):
+            degraded = ca.if_else(flag, 1, degraded)
+        unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
+        unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
+        unusual |= {"regular": regular, "sufficient": sufficient}
+        usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
+        output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
+        output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
+        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_"))}
+        zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
+        next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
+        return Step(output, next)
+
+    return build(
+        safety.REDUNDANCY, time, law, inputs=_inputs(sensors, singles if decision.at_rest else []),
+        outputs=_outputs(sensors, singles),
+        states=_states(sensors, relations, singles, decision), tag="parity, innovations, frozen codes",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Vote:
+    value: dict[str, ca.SX]
+    suspects: dict[str, ca.SX]
+    next: dict[str, ca.SX]
+    regular: ca.SX
+    sufficient: ca.SX
+    agreement: ca.SX
+
+
+def _vote(
+    i: int,
+    relation: Relation,
+    signals: Mapping[str, Signal],
+    u: Exprs,
+    x: Exprs,
+    still: Exprs,
+    usable: Exprs,
+    same: Exprs,
+    decision: Decision,
+) -> _Vote:
+    """Return the readings of a group to use, its suspects and its next states.
+
+    While all readings are usable and agree, the group is calm: the readings pass, and nothing else is computed.
+    """
+    weights, names = relation.weights, list(relation.weights)
+    y = {n: u[f"{n}_accepted"] for n in names}
+    r = sum((w * y[n] for n, w in weights.items()), start=ca.SX(0))
+    whole = ca.SX(1)
+    for n in names:
+        whole = ca.logic_and(whole, usable[n])
+    agreement = ca.fabs(r) <= relation.threshold
+    calm = ca.logic_and(whole, ca.logic_or(agreement, ca.logic_not(u["ready"])))
+    missing = ca.if_else(whole, 0, sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0)))
+    undecided = x[f"undecided_{i}"]
+    E = {n: ca.if_else(r > 0, w, -w) * (y[n] - u[f"{n}_expected"]) for n, w in weights.items()}
+    chosen, clear = isolation.isolate(names, E, {n: still[f"still_{n}"] for n in names}, ca.fabs(r), undecided)
+    named = {n: ca.if_else(calm, 0, ca.logic_and(whole, ca.logic_and(clear, chosen[n]))) for n in names}
+    value = {}
+    for n, w in weights.items():
+        others = sum((v * y[o] for o, v in weights.items() if o != n), start=ca.SX(0)) / -w
+        predicted = ca.if_else(missing == 1, others, u[f"{n}_expected"])
+        unusual = ca.if_else(usable[n], ca.if_else(named[n], others, y[n]), predicted)
+        value[n] = ca.if_else(calm, y[n], clip(unusual, signals[n]))
+    after = _decide(i, names, x, still, whole, named, u, same, decision)
+    calm_states = {f"contradictions_{i}": ca.SX(0)}
+    next = {n: ca.if_else(calm, calm_states.get(n, x[n]), v) for n, v in after.items()}
+    undecided = next[f"undecided_{i}"]
+    suspects = {n: ca.if_else(ca.logic_or(named[n], undecided), 1, x[f"excluded_{n}"]) for n in names}
+    regular = ca.logic_and(missing <= 1, ca.logic_not(undecided))
+    return _Vote(value, suspects, next, regular, missing <= decision.tolerated, agreement)
+
+
+def _decide(
+    i: int,
+    names: Sequence[str],
+    x: Exprs,
+    still: Exprs,
+    whole: ca.SX,
+    named: Exprs,
+    u: Exprs,
+    same: Exprs,
+    decision: Decision,
+) -> dict[str, ca.SX]:
+    """Return the next states of a group that is not calm."""
+    count, stuck, moved = x[f"contradictions_{i}"], x[f"stuck_{i}"], ca.SX(0)
+    final = count >= decision.persistent - 1
+    next: dict[str, ca.SX] = {f"contradictions_{i}": _count(whole, count, decision.undecided)}
+    for n in names:
+        excluded = ca.logic_and(named[n], final)
+        next[f"excluded_{n}"] = ca.if_else(excluded, 1, x[f"excluded_{n}"])
+        stuck = ca.if_else(ca.logic_and(excluded, still[f"still_{n}"] >= FRESH), 1, stuck)
+        moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(x[f"excluded_{n}"], ca.logic_not(u[f"fault_{n}"])))
+        moved = ca.if_else(moves, 1, moved)
+    waited = ca.logic_and(whole, count >= decision.undecided - 1)
+    undecided = ca.logic_or(waited, ca.logic_and(x[f"stuck_{i}"], moved))
+    return next | {f"stuck_{i}": stuck, f"undecided_{i}": ca.if_else(undecided, 1, x[f"undecided_{i}"])}
+
+
+def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:
+    """Return whether the code of a sensor without a group stands still although it ought to move."""
+    low, high = travel
+    return ca.if_else(still >= FRESH, ca.logic_and(ca.logic_and(y > low, y < high), suspicious), 0)
+
+
+def _count(flag: ca.SX, count: ca.SX, most: int) -> ca.SX:
+    """Return the next of a counter of samples in a row with a flag, which stays at `most`."""
+    return ca.if_else(flag, ca.if_else(count >= most, count, count + 1), 0)
+
+
+def _longest(single: bool, decision: Decision) -> int:
+    return max(decision.at_rest if single else 0, isolation.STILL)
+
+
+def _singles(names: Sequence[str], relations: Sequence[Relation], decision: Decision) -> list[str]:
+    """Return the sensors without a relation; raise SignalError for a declaration that does not fit."""
+    related = [n for r in relations for n in r.weights]
+    for n in related:
+        if n not in names or related.count(n) > 1 or any(len(r.weights) < 2 for r in relations):
+            raise SignalError(
+                f"the relations name '{n}': name at least two of {', '.join(names)} in each, and each sensor once"
+            )
+    singles = [n for n in names if n not in related]
+    for n in singles:
+        if not decision.gate.get(n, 0) > 0 or n not in decision.travel:
+            raise SignalError(f"sensor '{n}' is in no relation and has no gate or travel: give both")
+    if decision.persistent < 1 or decision.undecided < decision.persistent:
+        raise SignalError(
+            f"a sensor is excluded after {decision.persistent} samples and a group undecided after "
+            f"{decision.undecided}: give at least 1, and no fewer for the second"
+        )
+    return singles
+
+
+def _flag(name: str, about: str) -> Signal:
+    return Signal(name, "1", 0, 1, about)
+
+
+def _inputs(sensors: Sequence[Signal], probed: Sequence[str]) -> list[Signal]:
+    accepted = [replace(s, name=f"{s.name}_accepted") for s in sensors]
+    faults = [_flag(f"fault_{s.name}", "refused this sample") for s in sensors]
+    expected = [replace(s, name=f"{s.name}_expected", about="prediction") for s in sensors]
+    answers = [_flag(f"{n}_unanswered", "no pair of the probe was answered") for n in probed]
+    ready = [_flag("ready", "every measurement was good at once"), _flag("complete", "all are good")]
+    return [*accepted, *faults, *expected, *answers, *ready]
+
+
+def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
+    flags = [_flag(f"suspect_{s.name}", "contradicts the other measurements") for s in sensors]
+    flags += [_flag(f"{n}_trusted", "measured, not predicted") for n in singles]
+    unchanged = [Signal(f"{n}_unchanged", "1", 0, 1e6, "samples without a change of the code") for n in singles]
+    held = [replace(s, name=f"{s.name}_held", about=s.about) for s in sensors]
+    return [
+        *held, *flags, *unchanged,
+        _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
+    ]  # fmt: skip
+
+
+def _states(
+    sensors: Sequence[Signal], relations: Sequence[Relation], singles: Sequence[str], decision: Decision
+) -> list[State]:
+    states = []
+    for s in sensors:
+        start = min(max(0.0, s.low), s.high)
+        longest = _longest(s.name in singles, decision)
+        states.append(State(replace(s, name=f"code_{s.name}", about="accepted reading one sample ago"), start))
+        states.append(State(Signal(f"still_{s.name}", "1", 0, longest, "samples without a change"), 0, True))
+        states.append(State(_flag(f"excluded_{s.name}", "wrong until init"), 0, True))
+        if s.name in singles:
+            states.append(State(replace(s, name=f"before_{s.name}", about="prediction at the last change"), start))
+    for i in range(len(relations)):
+        count = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
+        states.append(State(count, 0, True))
+        states.append(State(_flag(f"stuck_{i}", "the excluded sensor stood still"), 0, True))
+        states.append(State(_flag(f"undecided_{i}", "which sensor is wrong is not known"), 0, True))
+    return [*states, State(_flag("degraded", "a sensor was a suspect or is excluded, until init"), 0, True)]

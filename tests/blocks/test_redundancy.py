@@ -1,0 +1,193 @@
+"""Blocks of redundancy: substitution, isolation, frozen codes, probe, observer and landing, each with a defect."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from synth.analyse.parity import Relation
+from synth.block import Block
+from synth.blocks import landing, predictor, probe, redundancy
+from synth.errors import SignalError
+from synth.signals import Signal, signal_names
+from synth.timing import Discrete
+
+T = 1e-3
+TIME = Discrete(T)
+SENSORS = [Signal(n, "m", -1.0, 1.0) for n in ("a", "b", "c", "x")]
+SUM = Relation({"a": 1.0, "b": -1.0, "c": 1.0}, 1e-3)
+DECISION = redundancy.Decision({"x": 1e-3}, {"x": (-0.9, 0.9)}, persistent=3, undecided=10, at_rest=50)
+BLOCK = redundancy.block(TIME, SENSORS, [SUM], DECISION)
+
+
+class Runner:
+    """A Block with its state, called sample by sample."""
+
+    def __init__(self, block: Block) -> None:
+        self.block, self.step, self.state = block, block.function(), block.initial
+
+    def __call__(self, **inputs: float) -> dict[str, float]:
+        self.state, y = (
+            np.array(v).ravel() for v in self.step(self.state, [inputs[s.name] for s in self.block.inputs])
+        )
+        return dict(zip(signal_names(self.block.outputs), y, strict=True))
+
+
+def sample(readings: Mapping[str, float], expected: Mapping[str, float] | None = None, **more: Any) -> dict[str, float]:
+    inputs = {f"{n}_accepted": v for n, v in readings.items()} | {f"fault_{n}": 0.0 for n in readings}
+    inputs |= {f"{n}_expected": v for n, v in (expected or readings).items()}
+    inputs |= {"ready": 1.0, "complete": 0.0 if any(n.startswith("fault_") for n in more) else 1.0, "x_unanswered": 0.0}
+    return inputs | more
+
+
+def moving(k: int) -> dict[str, float]:
+    return {"a": 0.01 * k, "b": 0.03 * k, "c": 0.02 * k, "x": 0.01 * k}
+
+
+def test_a_refused_reading_of_a_group_follows_from_the_others_and_two_from_the_predictions() -> None:
+    runner, readings = Runner(BLOCK), moving(5)
+    out = runner(**sample(readings | {"b": 0.0}, readings | {"b": 0.7}, fault_b=1.0))
+    assert out["b_held"] == pytest.approx(0.15) and out["regular"] == 1
+    out = runner(**sample(readings, readings | {"b": 0.7, "a": 0.6}, fault_b=1.0, fault_a=1.0))
+    assert (out["a_held"], out["b_held"]) == (0.6, 0.7) and out["regular"] == 0 and out["sufficient"] == 1
+    out = runner(**sample(readings, fault_a=1.0, fault_b=1.0, fault_c=1.0))
+    assert out["sufficient"] == 0
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_a_frozen_sensor_of_a_group_is_named_and_excluded_in_motion(name: str) -> None:
+    runner = Runner(BLOCK)
+    for k in range(20):
+        true = moving(k)
+        readings = true | ({name: moving(10)[name]} if k > 10 else {})
+        out = runner(**sample(readings, true))
+        if k >= 13:
+            assert [n for n in "abc" if out[f"suspect_{n}"]] == [name]
+            assert out[f"{name}_held"] == pytest.approx(true[name]) and out["regular"] == 1
+    assert runner.state[[s.name for s in BLOCK.states].index(f"excluded_{name}")] == 1
+
+
+def test_a_contradiction_that_nothing_explains_makes_all_suspects_and_keeps_all_in_use() -> None:
+    runner, readings = Runner(BLOCK), {"a": 0.0, "b": 0.0, "c": 0.0, "x": 0.0}
+    for k in range(12):
+        wrong = readings | {"a": 2e-3 + 1e-4 * k, "b": 1e-4 * k, "c": 1e-5 * (k % 3)}
+        out = runner(**sample(wrong, wrong | {"x": 0.0}))
+    assert all(out[f"suspect_{n}"] == 1 for n in "abc") and out["regular"] == 0 and out["a_held"] == wrong["a"]
+
+
+def test_one_sensor_that_moves_after_it_was_excluded_as_frozen_makes_the_group_undecided() -> None:
+    runner = Runner(BLOCK)
+    for k in range(20):
+        runner(**sample(moving(k) | ({"a": 0.1} if k > 10 else {}), moving(k)))
+    out = runner(**sample(moving(20), moving(20)))
+    assert out["regular"] == 0 and all(out[f"suspect_{n}"] for n in "abc")
+
+
+def test_a_code_that_stands_still_while_its_prediction_moves_is_frozen_but_not_at_a_stop() -> None:
+    for stuck, frozen in ((0.0, 1), (0.95, 0)):
+        runner = Runner(BLOCK)
+        for k in range(10):
+            readings = moving(k) | {"x": stuck}
+            out = runner(**sample(readings, readings | {"x": stuck + 4e-4 * k}))
+        assert out["suspect_x"] == frozen and out["x_trusted"] == 1 - frozen
+
+
+def test_a_sensor_at_rest_is_frozen_only_if_the_probe_was_not_answered() -> None:
+    rest = {"a": 0.0, "b": 0.0, "c": 0.0, "x": 0.0}
+    for unanswered in (0.0, 1.0):
+        runner = Runner(BLOCK)
+        named = [runner(**sample(rest, x_unanswered=unanswered))["suspect_x"] for _ in range(60)]
+        assert named == [0.0] * 60 if not unanswered else named[4:] == [1.0] * 56
+
+
+def test_wrong_declarations_are_refused() -> None:
+    with pytest.raises(SignalError, match="each sensor once"):
+        redundancy.block(TIME, SENSORS, [SUM, SUM], DECISION)
+    with pytest.raises(SignalError, match="no gate"):
+        redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({}, {}))
+    with pytest.raises(SignalError, match="undecided"):
+        redundancy.block(TIME, SENSORS, [SUM], redundancy.Decision({"x": 1.0}, {"x": (-1, 1)}, 3, 2))
+    with pytest.raises(SignalError, match="positive step"):
+        probe.block(TIME, "x", ERROR, W, probe.Probe(10, 4, 0.0, 3))
+    with pytest.raises(SignalError, match="one descent"):
+        landing.block(TIME, [landing.Braking("x", 1.0, 9.0)], [Signal("w", "m/s^2", -9, 9)], 5)
+
+
+W, ERROR = Signal("w", "m/s^2", -9.0, 9.0), Signal("e", "m", -1.0, 1.0)
+PROBE = probe.Probe(10, 3, 4e-6, 4)
+
+
+def probe_a_body(offset: float, factor: float = 1.0, frozen: bool = False, free: float = 1.0) -> tuple[Any, Any, bool]:
+    """Return positions, speeds between the pairs and whether no pair was answered, of a body with counts of 10 um."""
+    runner, x, v, still, code = Runner(probe.block(TIME, "x", ERROR, W, PROBE)), offset, 0.0, 0.0, 0.0
+    xs, vs, unanswered = [], [], False
+    for _ in range(150):
+        now = code if frozen else round(x / 1e-5)
+        still, code = (still + 1 if now == code else 0.0), now
+        out = runner(w_unprobed=0.0, x_unchanged=min(still, PROBE.count_limit), e=1e-5 * code, free=free)
+        x, v = x + T * v + T * T / 2 * factor * out["w"], v + T * factor * out["w"]
+        xs.append(x)
+        vs.append(v if runner.state[0] == 0 else 0.0)
+        unanswered |= out["x_unanswered"] > 0
+    return np.array(xs), np.array(vs), unanswered
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+@pytest.mark.parametrize("offset", [-4.9e-6, -1e-6, 0.0, 2e-6, 4.9e-6])
+def test_the_probe_changes_the_code_of_a_body_by_one_count_and_leaves_no_speed(offset: float, factor: float) -> None:
+    x, v, unanswered = probe_a_body(offset, factor)
+    assert not unanswered and 0 < np.abs(np.round(x / 1e-5)).max() == 1
+    assert np.abs(x).max() < 5e-6 + 1.1 * PROBE.step and np.abs(v).max() < 1e-9
+
+
+def test_a_frozen_sensor_does_not_answer_and_a_body_on_a_stop_is_not_probed() -> None:
+    x, v, unanswered = probe_a_body(1e-6, frozen=True)
+    assert unanswered and x.max() == pytest.approx(1e-6 + 4 * PROBE.step, rel=0.3) and np.abs(v).max() < 1e-9
+    assert abs(x[-1] - 1e-6) < 1e-9 and PROBE.samples < 100
+    x, v, unanswered = probe_a_body(1e-6, free=0.0)
+    assert not unanswered and not v.any()
+
+
+def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measurement() -> None:
+    measured, w = Signal("x", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
+    bounds = {"bandwidth": 60.0, "rate": 5.0, "disturbance": 20.0}
+    runner = Runner(
+        predictor.block("q", TIME, measured, w, trusted="ok", gain=predictor.Gain(0.5, 1.5, 30.0), **bounds)
+    )
+    x, v, gain, out = 0.0, 0.0, 1.1, {}
+    for k in range(6000):
+        a = 0.6 * np.sin(5.0 * k * T)
+        lost = k >= 5000
+        out = runner(x=out["q_expected"] if lost and k > 5000 else x, w=a, ready=float(k > 0), ok=1.0 - lost)
+        out["q_expected"] = float(runner.state[0])
+        x, v = x + T * v + T * T / 2 * gain * a, v + T * gain * a
+    state = dict(zip([s.name for s in runner.block.states], runner.state, strict=True))
+    assert state["g"] == pytest.approx(gain, abs=0.02)
+    assert abs(state["v"] - v) < 5e-3  # m/s, after 1 s without a measurement; with the gain 1 it is 12 mm/s and more
+
+
+def test_the_landing_touches_slowly_and_levels() -> None:
+    w = [Signal(f"w_{n}", unit, -1e3, 1e3) for n, unit in (("y", "m/s^2"), ("x", "m/s^2"), ("t", "rad/s^2"))]
+    courses = [
+        landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0),
+        landing.Braking("x", 4.0, 30.0),
+        landing.Levelling("t", 40.0),
+    ]
+    runner = Runner(landing.block(TIME, courses, w, 5))
+    q, v, speed, landed = np.array([0.02, 0.01, 5e-3]), np.array([-0.02, 0.14, 0.05]), [], []
+    for k in range(900):
+        names = {"y": 0, "x": 1, "t": 2}
+        inputs = {f"{n}_estimate": q[i] for n, i in names.items()} | {f"{n}_rate": v[i] for n, i in names.items()}
+        inputs |= {f"{n}_disturbance": 0.0 for n in names} | {f"w_{n}_tracking": 7.0 for n in names}
+        out = runner(**inputs, regular=float(k < 3), ready=1.0)
+        assert k >= 7 or out["w_y"] == 7.0
+        if k >= 7:
+            a = np.array([out[f"w_{n}"] for n in names])
+            q, v = q + T * v + T * T / 2 * a, v + T * a
+        speed.append(v[0] if q[0] < 0.031 else 0.0)
+        landed.append(out["landed"])
+        q[0] = min(q[0], 0.031)
+    touch = int(np.argmax(q[0] >= 0.031))
+    assert max(speed) < 0.085 and touch >= 0 and 0.2 < landed.index(1) * T < 0.8
+    assert abs(q[2]) < 1e-4 and abs(v[1]) < 1e-4 and q[1] < 0.015
