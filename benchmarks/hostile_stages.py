@@ -74,7 +74,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
     """Return examples of the Blocks that replace readings and that land."""
     time = Discrete(1e-3)
     q, w = Signal("position", "m", -1.0, 1.0), Signal("w", "m/s^2", -10.0, 10.0)
-    descent = landing.Descent("q", 0.5, 0.08, 5e-3, 1e-3, 2.0, 1e-3, 60.0)
+    descent = landing.Descent("q", 0.5, 0.08, 5e-3, 1e-3, 2.0, 1e-3, 60.0, 1.0)
     decision = {"gate": {"q": 1e-3}, "travel": {"q": (-0.9, 0.9)}}
     tried, e = probe.Probe(100, 4, 1e-5, 3), Signal("e", "m", -1.0, 1.0)
     return {
@@ -104,7 +104,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
             "decision": redundancy.Decision({"q": 1e-3}, {"q": (-0.9, 0.9)}),
         },
         "landing.Descent": vars(descent),
-        "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0},
+        "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0, "reach": 1.0},
         "landing.Levelling": {"coordinate": "q", "pole": 30.0},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
         "probe.Probe": {"quiet": 100, "quarter": 4, "step": 1e-5, "attempts": 3},

@@ -42,6 +42,7 @@ DESIGN = stage.design(
     wires=experiments.WIRES,
     faults=fault_campaign.FAULTS,
     header_notes=[f"F(n) and (n) are equation (n) of {papers.FULFORD}."],
+    limited=[f"observer_{n}_g" for n in "xz"],  # the learnt gain of the thrust
     safe_output=stage.read_safe_output(Path(__file__).with_name("safe_output.json")),
     recording=verification.vectors,
     gains=gains.document,

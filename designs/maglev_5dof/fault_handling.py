@@ -36,7 +36,7 @@ from synth.signals import Signal, signal_names
 
 OFFSET = 7e-6  # m: largest constant error of a gap encoder; with it the threshold is 48 um
 BANDWIDTH = {"y": 120.0, "phi": 120.0, "theta": 120.0, "x": 60.0, "z": 60.0}  # rad/s
-RATES = {"y": 1.0, "x": 2.0, "z": 2.0, "phi": 2.0, "theta": 2.0}  # m/s or rad/s
+RATES = {"y": 4.0, "x": 2.0, "z": 2.0, "phi": 4.0, "theta": 4.0}  # m/s or rad/s
 DISTURBANCES = {"y": 50.0, "x": 20.0, "z": 20.0, "phi": 200.0, "theta": 200.0}  # m/s^2 or rad/s^2
 THRUST_GAIN = predictor.Gain(0.8, 1.2, 30.0)  # of x and z: the magnets' flux is known within 10 %
 TRAVEL = 0.0499  # m: beyond, a stop may hold the platen
@@ -45,11 +45,11 @@ LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not pr
 DECISION = redundancy.Decision(
     gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
 )
-STOP = control.GAP[1]
+STOP, REACH = control.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
-    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0),
-    "x": landing.Braking("x", 4.0, 30.0),
-    "z": landing.Braking("z", 4.0, 30.0),
+    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, REACH),
+    "x": landing.Braking("x", 4.0, 30.0, REACH),
+    "z": landing.Braking("z", 4.0, 30.0, REACH),
     "phi": landing.Levelling("phi", 40.0),
     "theta": landing.Levelling("theta", 40.0),
 }

@@ -32,7 +32,7 @@ def next_transfer(transfer: ca.SX, x_lost: ca.SX, z_lost: ca.SX) -> ca.SX:
 
 def parts(transfer: ca.SX) -> dict[str, ca.SX]:
     """Return the part of their direct currents that the motors along each axis hand over."""
-    return {"x": ca.fmax(transfer, 0), "z": ca.fmax(-transfer, 0)}
+    return {"x": ca.fmax(transfer, 0), "z": -ca.fmin(transfer, 0)}
 
 
 def with_taken_over(
@@ -55,7 +55,7 @@ def block() -> Block:
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         lost = [ca.logic_not(u[s.name]) for s in trusted]
-        active = ca.logic_or(ca.logic_or(*lost), ca.fabs(x["transfer"]) > 0)
+        active = ca.logic_or(ca.logic_or(*lost), x["transfer"] ** 2 > 0)
         transfer = next_transfer(x["transfer"], *lost)
         direct = {j: u[BALANCED[s.name]] for j, s in zip(MOTORS, DIRECT, strict=True)}
         quadrature = {j: u[f"u_{n}_computed"] for n, motors in OF_AXIS.items() for j in motors}

@@ -31,19 +31,19 @@ NAMES = tuple(LIMITS)[:SENSORS]
 SIGN = np.array([1.0, -1.0, 1.0, -1.0])  # of y1..y4 in the parity relation
 THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encoder
 FRESH, STILL, PERSISTENT, UNDECIDED = 3, 8, 3, 10  # samples
-CANDIDATE, CLEAR = 0.4, 0.5  # of |r|
+CANDIDATE, NEXT = 0.4, (0.9, 0.5)  # of |r|, and of the largest innovation
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
 QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
 PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
-RATES, DISTURBANCES = (1.0, 2.0, 2.0, 2.0, 2.0), (50.0, 20.0, 20.0, 200.0, 200.0)
+RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
 LEARNING, GAINS = 30.0, (0.8, 1.2)
 POLES = np.array([60.0, 30.0, 30.0, 40.0, 40.0])  # rad/s, of the landing
 END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, 2.0, 4.0
 DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
-WIDE = 10.0
+WIDE, REACH = 10.0, 0.5  # m/s, m: bounds of the ramps
 MEMORY_OF_PROBE = ("sample", "attempt", "towards")
 
 
@@ -114,7 +114,8 @@ def _group(
     order = np.sort(score, axis=0)
     alone = (still >= STILL) & (np.sum(still < FRESH, axis=0) == 3)
     second = alone.any(axis=0) & ~first
-    third = (order[-1] > CLEAR * np.abs(r)) & (order[-2] < CLEAR * order[-1]) & ~undecided
+    third = (order[-2] < NEXT[1] * order[-1]) & ~undecided
+    first &= order[-2] < NEXT[0] * order[-1]
     largest = np.arange(4).reshape(by_row(range(4), y).shape) == np.argmax(score, axis=0)
     named = np.where(second, alone, largest) & wrong & (first | second | third)
     replaced = named | (~usable & (missing == 1))
@@ -160,15 +161,14 @@ def land(
     next["landing_landing"] = landing
     ramp, rate = (np.where(was, reference.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]]), x[:3])
                   for n, x in (("r", q), ("dr", v)))  # fmt: skip
-    approach = np.clip(DESCENT / SPEED * (END - ramp[0]), 0.0, SPEED - TOUCH) + TOUCH
-    speed = np.where(ramp[0] > END + BEYOND / 4, PRESS, approach)
+    speed = np.clip(TOUCH + DESCENT / SPEED * (END - ramp[0]), PRESS, SPEED)
     most = by_row([DESCENT * T, BRAKE * T, BRAKE * T], q)
     change = np.clip(np.array([speed - rate[0], -rate[1], -rate[2]]), -most, most)
     full = [np.concatenate([x, np.zeros_like(x[:2])]) for x in (ramp, rate, change / T)]
     p = by_row(POLES, q)
     demand = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
-    high = by_row([END + 2 * BEYOND, WIDE, WIDE], q)
-    ahead = np.clip(ramp + T * rate + T / 2 * change, -WIDE, high)
+    high = by_row([END + 4 * BEYOND, REACH, REACH], q)
+    ahead = np.clip(np.where(was, ramp + T * rate + T / 2 * change, ramp), -REACH, high)
     for n, x in (("r", ahead), ("dr", np.clip(rate + change, -WIDE, WIDE))):
         before = reference.rows(state, [f"landing_{n}_{s}" for s in AXES[:3]])
         next |= {f"landing_{n}_{s}": row for s, row in zip(AXES[:3], np.where(landing, x, before), strict=True)}
@@ -181,7 +181,7 @@ def probe(w: Array, e: Array, state: Columns, still: Array, free: Flags) -> tupl
     sample, attempt, towards = (reference.rows(state, [f"probe_{s}_{n}" for s in "xz"]) for n in MEMORY_OF_PROBE)
     runs, waits = sample > 0, still >= QUIET
     ends, failures = sample >= PAIR, np.minimum(attempt + 1, ATTEMPTS)
-    starts = waits & free & (attempt < ATTEMPTS)
+    starts = waits & free
     after = np.where(ends, np.where(still >= PAIR, failures, 0), attempt)
     new = (
         np.where(runs, np.where(ends, 0, sample + 1), starts),

@@ -30,7 +30,7 @@ RANDOM_STEPS, EDGE_STEPS = 100_000, 20_000
 SEED = 20_090_901
 CORNER = 0.98  # of the limit of i_d: there the limit sqrt(C^2 - i_d^2) of i_q has the slope -5, closer to it up to -70
 NEAR = 0.003  # of a bound: states of the internal model whose demand a motor can meet
-RARE = 0.01  # share of excluded encoders and of landings
+RARE = 0.01  # share of excluded encoders, of unanswered probes and of landings
 INSIDE = 1e-8  # m, rad: distance from the ends of a range, which differ between single and double precision
 FLOOR = 1.0  # A
 # A: edge steps demand up to 1e3 A of a motor, which is limited. Where such demands cancel, the error of the
@@ -147,6 +147,8 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Column
     for name in "xz":
         states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
         states[f"probe_{name}_sample"] = np.where(rng.uniform(size=n) < 0.5, 0, rng.integers(0, 16, n))
+        attempts = reference_faults.ATTEMPTS
+        states[f"probe_{name}_attempt"] = np.where(rng.uniform(size=n) < RARE, attempts, rng.integers(0, attempts, n))
     states["redundancy_degraded"] = (rng.uniform(size=n) < RARE).astype(float)
     states["redundancy_undecided_0"] = states["redundancy_stuck_0"] = np.zeros(n)
     states["handover_transfer"] = np.where(rng.uniform(size=n) < RARE, rng.uniform(-1, 1, n), 0.0)

@@ -123,6 +123,52 @@ static inline float half_a_over_h2_2_polynomial(float t)
     return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
+typedef struct {
+    float disturbance;
+    float estimate;
+    float rate;
+} maglev_5dof_observer_t;
+
+/* observer_x, observer_z: predictive observer, alpha-beta-gamma
+ *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
+ *         set, else 0
+ *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
+ *     x_rate = v + beta * (x_held - q) if guard_ready is set, else 0
+ *     q_next = limit(x_estimate + 0.001 * (x_rate + 0.0005 * (g * delay_a_x_last + x_disturbance)), 0.1)
+ *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
+ *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
+ *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
+    bool trusted, float held, float a_before)
+{
+    static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+
+    float d_next = 0.0f;
+    float q = held;
+    float rate_part = 0.0f;
+    float g_part = 0.0f;
+    if (ready != 0u) {
+        const float q_2 = state->q;
+        const float nu = held - q_2;
+        if (trusted) {
+            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
+            d_next = d_part;
+            g_part = 0.03f * (a_before * d_part);
+        }
+        q = q_2 + (alpha * nu);
+        rate_part = state->v + (beta * nu);
+    }
+    const float g = state->g;
+    const float a = (g * a_before) + d_next;
+    state->q = maglev_5dof_limit(q + (0.001f * (rate_part + (0.0005f * a))), 0.1f);
+    state->v = maglev_5dof_limit(rate_part + (0.001f * a), 2.0f);
+    state->d = d_next;
+    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
+    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+}
+
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
  *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
@@ -232,15 +278,14 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .guard_last_y4 = 0.031f,
         .guard_last_y_ref = 0.031f,
         .guard_left = 5u,
-        .redundancy_code_y1 = 0.0168f,
-        .redundancy_code_y2 = 0.0124f,
-        .redundancy_code_y3 = 0.0168f,
-        .redundancy_code_y4 = 0.0124f,
-        .observer_y_q = 0.0145f,
-        .observer_x_g = 1.0f,
-        .observer_z_g = 1.0f,
+        .redundancy_code_y1 = 0.0245f,
+        .redundancy_code_y2 = 0.0245f,
+        .redundancy_code_y3 = 0.0245f,
+        .redundancy_code_y4 = 0.0245f,
+        .observer_y_q = 0.0245f,
+        .observer_x.g = 1.0f,
+        .observer_z.g = 1.0f,
         .landing_left = 5u,
-        .landing_r_y = 0.031f,
         .probe_x_towards = 0.46666667f,
         .probe_z_towards = 0.46666667f,
         .safe_output_last_i_d1 = 2.5f,
@@ -281,12 +326,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_x_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_x_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_x_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_z_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_z_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_z_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
@@ -331,11 +370,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
      *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_x_q = state->observer_x_q;
+    const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else (1 if 40 <= x_unchanged and
-     *         free and attempt < 5, else 0)) if 0 < sample or 40 <= x_unchanged, else 0
+     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else free) if 0 < sample or 40 <=
+     *         x_unchanged, else 0
      *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
      *         sample, else attempt) if 0 < sample, else attempt) if 0 < sample or 40 <= x_unchanged, else 0
      *     towards_next = (towards if 0 < sample, else (-0.466667 if 0 < e_x, else 0.466667)) if 0 < sample or
@@ -349,7 +388,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
      *     q_next = limit(phi_estimate + 0.001 * (phi_rate + 0.0005 * (delay_w_phi_last + phi_disturbance)),
      *         0.02)
-     *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 2) */
+     *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 4) */
     const float observer_phi_q = state->observer_phi_q;
 
     /* observer_y: predictive observer, alpha-beta-gamma
@@ -358,7 +397,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
      *     q_next = max(min(y_estimate + 0.001 * (y_rate + 0.0005 * (delay_w_y_last + y_disturbance)), 0.0345),
      *         0.0145)
-     *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 1) */
+     *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 4) */
     const float observer_y_q = state->observer_y_q;
 
     /* observer_theta: predictive observer, alpha-beta-gamma
@@ -367,7 +406,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
      *     q_next = limit(theta_estimate + 0.001 * (theta_rate + 0.0005 * (delay_w_theta_last +
      *         theta_disturbance)), 0.031)
-     *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 2) */
+     *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
     const float observer_theta_q = state->observer_theta_q;
 
     /* observer_z: predictive observer, alpha-beta-gamma
@@ -379,11 +418,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_z_q = state->observer_z_q;
+    const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else (1 if 40 <= z_unchanged and
-     *         free and attempt < 5, else 0)) if 0 < sample or 40 <= z_unchanged, else 0
+     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else free) if 0 < sample or 40 <=
+     *         z_unchanged, else 0
      *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
      *         sample, else attempt) if 0 < sample, else attempt) if 0 < sample or 40 <= z_unchanged, else 0
      *     towards_next = (towards if 0 < sample, else (-0.466667 if 0 < e_z, else 0.466667)) if 0 < sample or
@@ -397,9 +436,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
      *         likewise still_y2_next, still_y3_next, still_y4_next */
     const uint32_t redundancy_degraded = state->redundancy_degraded;
-    const float suspect_y1_part = y1_accepted - y2_accepted;
-    const float others = suspect_y1_part + y3_accepted;
-    const float r_suspect_y1 = others - y4_accepted;
+    const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
+    const float r_suspect_y1 = suspect_y1_part - y4_accepted;
     const float size = fabsf(r_suspect_y1);
     const bool agreement = size <= 4.8e-05f;
     uint32_t x_unchanged = 0u;
@@ -434,17 +472,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_excluded_z = state->redundancy_excluded_z;
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
-    const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
-    uint32_t still_still_y4 = 0u;
-    if (same_y4) {
-        const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
-    }
-    const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
-    uint32_t still_still_y3 = 0u;
-    if (same_y3) {
-        const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+    const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
+    uint32_t still_still_y1 = 0u;
+    if (same_y1) {
+        const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
+        still_still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
     uint32_t still_still_y2 = 0u;
@@ -452,16 +484,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
         still_still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
-    const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
-    uint32_t still_still_y1 = 0u;
-    if (same_y1) {
-        const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+    const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
+    uint32_t still_still_y3 = 0u;
+    if (same_y3) {
+        const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
+        still_still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
-    uint32_t suspect_y1 = 0u;
-    uint32_t suspect_y2 = 0u;
-    uint32_t suspect_y3 = 0u;
-    uint32_t suspect_y4 = 0u;
+    const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
+    uint32_t still_still_y4 = 0u;
+    if (same_y4) {
+        const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
+        still_still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+    }
+    bool suspect_y1 = false;
+    bool suspect_y2 = false;
+    bool suspect_y3 = false;
+    bool suspect_y4 = false;
     uint32_t suspect_x = 0u;
     uint32_t suspect_z = 0u;
     bool gaps_sufficient = true;
@@ -501,80 +539,107 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool usable_y3 = good_y3 && !(redundancy_excluded_y3 != 0u);
         const bool good_y4 = (faults & 0x00000008u) == 0u;
         const bool usable_y4 = good_y4 && !(redundancy_excluded_y4 != 0u);
-        const bool whole = usable_y1 && usable_y2 && usable_y3 && usable_y4;
-        const bool calm_suspect_y1 = whole && (agreement || !(guard_ready != 0u));
-        const bool suspect_y1_test_3 = 3u <= still_still_y4;
-        const bool suspect_y1_test_4 = 3u <= still_still_y3;
-        const bool suspect_y1_test_5 = 3u <= still_still_y2;
-        const bool suspect_y1_test_6 = 3u <= still_still_y1;
-        const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
-        float missing = 0.0f;
-        uint32_t after_contradictions_0 = 0u;
-        if (whole) {
-            after_contradictions_0 = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
+        float suspect_y1_part_4;
+        float suspect_y2_part;
+        float suspect_y3_part;
+        float suspect_y4_part;
+        bool sufficient_gaps_sufficient = true;
+        bool regular_2;
+        if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
+            const bool agreeing = !(redundancy_undecided_0 != 0u);
+            if (agreement || !(guard_ready != 0u)) {
+                suspect_y1_part_4 = (float)redundancy_undecided_0;
+                suspect_y2_part = (float)redundancy_undecided_0;
+                suspect_y3_part = (float)redundancy_undecided_0;
+                suspect_y4_part = (float)redundancy_undecided_0;
+                regular_2 = agreeing;
+            } else {
+                const bool suspect_y1_test_3 = 0.0f < r_suspect_y1;
+                const float suspect_y1_part_5 = (suspect_y1_test_3) ? 1.0f : -1.0f;
+                const float E_y1 = suspect_y1_part_5 * (y1_accepted - y1_expected);
+                const bool suspect_y1_test_4 = 3u <= still_still_y1;
+                const float suspect_y1_part_6 = 0.4f * size;
+                const bool candidate_y1 = suspect_y1_test_4 && (suspect_y1_part_6 < E_y1);
+                const bool suspect_y1_test_5 = 3u <= still_still_y2;
+                const float suspect_y1_part_7 = (suspect_y1_test_3) ? -1.0f : 1.0f;
+                const float E_y2 = suspect_y1_part_7 * (y2_accepted - y2_expected);
+                const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_6 < E_y2);
+                const bool suspect_y1_test_6 = 3u <= still_still_y3;
+                const float E_y3 = suspect_y1_part_5 * (y3_accepted - y3_expected);
+                const bool candidate_y3 = suspect_y1_test_6 && (suspect_y1_part_6 < E_y3);
+                const bool suspect_y1_test_7 = 3u <= still_still_y4;
+                const float E_y4 = suspect_y1_part_7 * (y4_accepted - y4_expected);
+                const bool candidate_y4 = suspect_y1_test_7 && (suspect_y1_part_6 < E_y4);
+                const float candidates = (candidate_y1 ? 1.0f : 0.0f) + (candidate_y2 ? 1.0f : 0.0f) + (candidate_y3 ? 1.0f : 0.0f) + (candidate_y4 ? 1.0f : 0.0f);
+                const bool first = 0.0f < candidates;
+                const float suspect_y1_part_8 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
+                float suspect_y1_part_9 = 0.0f;
+                float suspect_y1_part_10 = 0.0f;
+                float suspect_y1_part_11 = 0.0f;
+                float suspect_y1_part_12 = 0.0f;
+                float suspect_y1_part_13 = 0.0f;
+                if (maglev_5dof_equal(suspect_y1_part_8 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f)) {
+                    const bool flag_suspect_y1 = 8u <= still_still_y1;
+                    const float suspect_y1_part_14 = 1.0f - (first ? 1.0f : 0.0f);
+                    suspect_y1_part_9 = (flag_suspect_y1) ? suspect_y1_part_14 : 0.0f;
+                    const bool flag_suspect_y1_2 = 8u <= still_still_y2;
+                    suspect_y1_part_10 = (flag_suspect_y1_2) ? suspect_y1_part_14 : 0.0f;
+                    const bool flag_suspect_y1_3 = 8u <= still_still_y3;
+                    suspect_y1_part_11 = (flag_suspect_y1_3) ? suspect_y1_part_14 : 0.0f;
+                    const bool flag_suspect_y1_4 = 8u <= still_still_y4;
+                    suspect_y1_part_12 = (flag_suspect_y1_4) ? suspect_y1_part_14 : 0.0f;
+                    suspect_y1_part_13 = (flag_suspect_y1 ? 1.0f : 0.0f) + (flag_suspect_y1_2 ? 1.0f : 0.0f) + (flag_suspect_y1_3 ? 1.0f : 0.0f) + (flag_suspect_y1_4 ? 1.0f : 0.0f);
+                }
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_9));
+                const float suspect_y1_part_15 = maglev_5dof_max(-10.0f, score_y1);
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
+                const float suspect_y1_part_16 = maglev_5dof_max(suspect_y1_part_15, score_y2);
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
+                const float suspect_y1_part_17 = maglev_5dof_max(suspect_y1_part_16, score_y3);
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_12));
+                const float suspect_y1_part_18 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_15, score_y2)), maglev_5dof_min(suspect_y1_part_16, score_y3)), maglev_5dof_min(suspect_y1_part_17, score_y4));
+                const bool by_code_suspect_y1 = 0.0f < (candidates + suspect_y1_part_13);
+                const float best = maglev_5dof_max(suspect_y1_part_17, score_y4);
+                const float least = ((suspect_y1_part_18 < (((by_code_suspect_y1) ? 0.9f : 0.5f) * best)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const bool least_upto_score_y1 = least <= score_y1;
+                const bool suspect_y1_part_19 = least_upto_score_y1;
+                const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
+                const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
+                suspect_y1_part_4 = (suspect_y1_part_19 ? 1.0f : 0.0f) + (float)waited;
+                const bool least_upto_score_y2 = least <= score_y2;
+                const bool suspect_y2_part_2 = least_upto_score_y2;
+                suspect_y2_part = (suspect_y2_part_2 ? 1.0f : 0.0f) + (float)waited;
+                const bool least_upto_score_y3 = least <= score_y3;
+                const bool suspect_y3_part_2 = least_upto_score_y3;
+                suspect_y3_part = (suspect_y3_part_2 ? 1.0f : 0.0f) + (float)waited;
+                const bool least_upto_score_y4 = least <= score_y4;
+                const bool suspect_y4_part_2 = least_upto_score_y4;
+                suspect_y4_part = (suspect_y4_part_2 ? 1.0f : 0.0f) + (float)waited;
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
+                regular_2 = !(waited != 0u);
+                bool contradictory = suspect_y1_part_19;
+                bool contradictory_2 = suspect_y2_part_2;
+                bool contradictory_3 = suspect_y3_part_2;
+                bool contradictory_4 = suspect_y4_part_2;
+                if (!(2u <= redundancy_contradictions_0)) {
+                    contradictory = false;
+                    contradictory_2 = false;
+                    contradictory_3 = false;
+                    contradictory_4 = false;
+                }
+                redundancy_excluded_y1_part = maglev_5dof_flag(contradictory);
+                redundancy_excluded_y2_part = maglev_5dof_flag(contradictory_2);
+                redundancy_excluded_y3_part = maglev_5dof_flag(contradictory_3);
+                redundancy_excluded_y4_part = maglev_5dof_flag(contradictory_4);
+                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
+                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_4 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_5 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_6 && contradictory_3) ? 1.0f : 0.0f);
+                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_7 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
+                redundancy_undecided_0_part = waited;
+            }
         } else {
-            const float gaps_sufficient_part = (((usable_y1) ? false : true) ? 1.0f : 0.0f) + (((usable_y2) ? false : true) ? 1.0f : 0.0f) + (((usable_y3) ? false : true) ? 1.0f : 0.0f);
-            missing = gaps_sufficient_part + (((usable_y4) ? false : true) ? 1.0f : 0.0f);
-        }
-        bool suspect_y1_test_7 = false;
-        uint32_t decisions_undecided_0 = redundancy_undecided_0;
-        bool suspect_y2_test = false;
-        bool suspect_y3_test = false;
-        bool suspect_y4_test = false;
-        if (!calm_suspect_y1) {
-            const float suspect_y1_part_4 = 0.4f * size;
-            const bool suspect_y1_test_8 = 0.0f < r_suspect_y1;
-            const float suspect_y1_part_5 = (suspect_y1_test_8) ? -1.0f : 1.0f;
-            const float E_y4 = suspect_y1_part_5 * (y4_accepted - y4_expected);
-            const bool candidate_y4 = suspect_y1_test_3 && (suspect_y1_part_4 < E_y4);
-            const float suspect_y1_part_6 = (suspect_y1_test_8) ? 1.0f : -1.0f;
-            const float E_y3 = suspect_y1_part_6 * (y3_accepted - y3_expected);
-            const bool candidate_y3 = suspect_y1_test_4 && (suspect_y1_part_4 < E_y3);
-            const float E_y2 = suspect_y1_part_5 * (y2_accepted - y2_expected);
-            const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_4 < E_y2);
-            const float E_y1 = suspect_y1_part_6 * (y1_accepted - y1_expected);
-            const bool candidate_y1 = suspect_y1_test_6 && (suspect_y1_part_4 < E_y1);
-            const bool any_candidate = candidate_y4 || candidate_y3 || candidate_y2 || candidate_y1;
-            const float suspect_y1_part_7 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
-            const bool suspect_y1_test_9 = maglev_5dof_equal(suspect_y1_part_7 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f);
-            const bool alone_y4 = (8u <= still_still_y4) && suspect_y1_test_9;
-            const bool alone_y1 = (8u <= still_still_y1) && suspect_y1_test_9;
-            const bool alone_y2 = (8u <= still_still_y2) && suspect_y1_test_9;
-            const bool alone_y3 = (8u <= still_still_y3) && suspect_y1_test_9;
-            bool only = true;
-            if (!alone_y4) {
-                only = alone_y3 || alone_y2 || alone_y1;
-            }
-            float score_y1 = (candidate_y1) ? E_y1 : -1.0f;
-            float score_y2 = (candidate_y2) ? E_y2 : -1.0f;
-            float score_y3 = (candidate_y3) ? E_y3 : -1.0f;
-            float score_y4 = (candidate_y4) ? E_y4 : -1.0f;
-            if (!any_candidate) {
-                score_y1 = E_y1;
-                score_y2 = E_y2;
-                score_y3 = E_y3;
-                score_y4 = E_y4;
-            }
-            const float score_y1_max_score_y2 = maglev_5dof_max(score_y1, score_y2);
-            const float suspect_y1_part_8 = maglev_5dof_max(score_y1_max_score_y2, score_y3);
-            const float best = maglev_5dof_max(suspect_y1_part_8, score_y4);
-            const bool clear = any_candidate || only || (((0.5f * size) < best) && (maglev_5dof_max(maglev_5dof_max(maglev_5dof_min(score_y1, score_y2), maglev_5dof_min(score_y1_max_score_y2, score_y3)), maglev_5dof_min(suspect_y1_part_8, score_y4)) < (0.5f * best)) && !(redundancy_undecided_0 != 0u));
-            bool chosen_y1 = alone_y1;
-            bool chosen_y2 = alone_y2;
-            bool chosen_y3 = alone_y3;
-            bool chosen_y4 = alone_y4;
-            if (!(only && !any_candidate)) {
-                const bool best_upto_score_y1 = best <= score_y1;
-                chosen_y1 = best_upto_score_y1;
-                const bool suspect_y2_part = (best_upto_score_y1) ? false : true;
-                const bool suspect_y2_test_2 = (best <= score_y2) && suspect_y2_part;
-                chosen_y2 = suspect_y2_test_2;
-                const bool suspect_y3_part = (suspect_y2_test_2) ? false : suspect_y2_part;
-                const bool suspect_y3_test_2 = (best <= score_y3) && suspect_y3_part;
-                chosen_y3 = suspect_y3_test_2;
-                chosen_y4 = (best <= score_y4) && ((suspect_y3_test_2) ? false : suspect_y3_part);
-            }
-            suspect_y1_test_7 = whole && clear && chosen_y1;
             bool moved = true;
             if (!(!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4)) {
                 if (!(!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3)) {
@@ -583,97 +648,81 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     }
                 }
             }
-            const uint32_t after_undecided_0 = ((whole && (9u <= redundancy_contradictions_0)) || ((redundancy_stuck_0 != 0u) && moved)) ? 1u : redundancy_undecided_0;
-            decisions_undecided_0 = after_undecided_0;
-            suspect_y2_test = whole && clear && chosen_y2;
-            suspect_y3_test = whole && clear && chosen_y3;
-            suspect_y4_test = whole && clear && chosen_y4;
-            redundancy_contradictions_0_next = after_contradictions_0;
+            const uint32_t doubted = ((redundancy_stuck_0 != 0u) && moved) ? 1u : redundancy_undecided_0;
+            const uint32_t incomplete_suspect_y1 = redundancy_excluded_y1 + doubted;
+            suspect_y1_part_4 = (float)incomplete_suspect_y1;
+            const uint32_t incomplete_suspect_y2 = redundancy_excluded_y2 + doubted;
+            suspect_y2_part = (float)incomplete_suspect_y2;
+            const uint32_t incomplete_suspect_y3 = redundancy_excluded_y3 + doubted;
+            suspect_y3_part = (float)incomplete_suspect_y3;
+            const uint32_t incomplete_suspect_y4 = redundancy_excluded_y4 + doubted;
+            suspect_y4_part = (float)incomplete_suspect_y4;
+            const float gaps_sufficient_part = (((usable_y1) ? false : true) ? 1.0f : 0.0f) + (((usable_y2) ? false : true) ? 1.0f : 0.0f) + (((usable_y3) ? false : true) ? 1.0f : 0.0f);
+            const float missing = gaps_sufficient_part + (((usable_y4) ? false : true) ? 1.0f : 0.0f);
+            sufficient_gaps_sufficient = missing <= 2.0f;
+            const bool y1_held_test = missing <= 1.0f;
+            float y1_held_part = y1_expected;
+            float y2_held_part = y2_expected;
+            float y3_held_part = y3_expected;
+            float predicted = suspect_y1_part;
+            if (y1_held_test) {
+                y1_held_part = y1_accepted - r_suspect_y1;
+                y2_held_part = y2_accepted + r_suspect_y1;
+                y3_held_part = y3_accepted - r_suspect_y1;
+            } else {
+                predicted = y4_expected;
+            }
+            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : y1_held_part, 0.0322f), 0.0168f);
+            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : y2_held_part, 0.0366f), 0.0124f);
+            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : y3_held_part, 0.0322f), 0.0168f);
+            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted, 0.0366f), 0.0124f);
+            regular_2 = y1_held_test && !(doubted != 0u);
+            redundancy_undecided_0_part = doubted;
         }
-        const uint32_t unusual_suspect_y1 = (suspect_y1_test_7 || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y1;
+        const bool unusual_suspect_y1 = 0.0f < suspect_y1_part_4;
         suspect_y1 = unusual_suspect_y1;
-        const uint32_t unusual_suspect_y2 = (suspect_y2_test || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y2;
+        const bool unusual_suspect_y2 = 0.0f < suspect_y2_part;
         suspect_y2 = unusual_suspect_y2;
-        const uint32_t unusual_suspect_y3 = (suspect_y3_test || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y3;
+        const bool unusual_suspect_y3 = 0.0f < suspect_y3_part;
         suspect_y3 = unusual_suspect_y3;
-        const uint32_t unusual_suspect_y4 = (suspect_y4_test || (decisions_undecided_0 != 0u)) ? 1u : redundancy_excluded_y4;
+        const bool unusual_suspect_y4 = 0.0f < suspect_y4_part;
         suspect_y4 = unusual_suspect_y4;
+        gaps_sufficient = sufficient_gaps_sufficient;
         const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
         const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
         bool regular_part = false;
         if (usable_x_suspect_x && !(unusual_suspect_x != 0u)) {
-            regular_part = (missing <= 1.0f) && !(decisions_undecided_0 != 0u);
+            regular_part = regular_2;
         } else {
             x_trusted = false;
             x_held = observer_x_q;
         }
         const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
-        const uint32_t flag = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
-        if (usable_z_suspect_z && !(flag != 0u)) {
+        const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
+        if (usable_z_suspect_z && !(flag_suspect_z != 0u)) {
             regular = regular_part;
         } else {
             z_trusted = false;
             z_held = observer_z_q;
             regular = false;
         }
-        const float y1_held_part = -(y3_accepted - y2_accepted - y4_accepted);
-        const float y2_held_part = y1_accepted + y3_accepted - y4_accepted;
-        const float y3_held_part = -(suspect_y1_part - y4_accepted);
-        float y1_held_part_2 = y1_held_part;
-        float y2_held_part_2 = y2_held_part;
-        float y3_held_part_2 = y3_held_part;
-        float predicted = others;
-        if (!maglev_5dof_equal(missing, 1.0f)) {
-            y1_held_part_2 = y1_expected;
-            y2_held_part_2 = y2_expected;
-            y3_held_part_2 = y3_expected;
-            predicted = y4_expected;
-        }
-        const float unusual_y1_held = (calm_suspect_y1) ? y1_accepted : maglev_5dof_max(maglev_5dof_min((usable_y1) ? ((suspect_y1_test_7) ? y1_held_part : y1_accepted) : y1_held_part_2, 0.0322f), 0.0168f);
-        y1_held = unusual_y1_held;
-        const float unusual_y2_held = (calm_suspect_y1) ? y2_accepted : maglev_5dof_max(maglev_5dof_min((usable_y2) ? ((suspect_y2_test) ? y2_held_part : y2_accepted) : y2_held_part_2, 0.0366f), 0.0124f);
-        y2_held = unusual_y2_held;
-        const float unusual_y3_held = (calm_suspect_y1) ? y3_accepted : maglev_5dof_max(maglev_5dof_min((usable_y3) ? ((suspect_y3_test) ? y3_held_part : y3_accepted) : y3_held_part_2, 0.0322f), 0.0168f);
-        y3_held = unusual_y3_held;
-        const float unusual_y4_held = (calm_suspect_y1) ? y4_accepted : maglev_5dof_max(maglev_5dof_min((usable_y4) ? ((suspect_y4_test) ? others : y4_accepted) : predicted, 0.0366f), 0.0124f);
-        y4_held = unusual_y4_held;
-        const bool final_redundancy_excluded_y1 = 2u <= redundancy_contradictions_0;
-        const bool redundancy_excluded_y1_test = suspect_y1_test_7 && final_redundancy_excluded_y1;
-        const uint32_t decisions_excluded_y1 = (calm_suspect_y1) ? redundancy_excluded_y1 : ((redundancy_excluded_y1_test) ? 1u : redundancy_excluded_y1);
-        redundancy_excluded_y1_part = decisions_excluded_y1;
-        const bool redundancy_excluded_y2_test = suspect_y2_test && final_redundancy_excluded_y1;
-        const uint32_t decisions_excluded_y2 = (calm_suspect_y1) ? redundancy_excluded_y2 : ((redundancy_excluded_y2_test) ? 1u : redundancy_excluded_y2);
-        redundancy_excluded_y2_part = decisions_excluded_y2;
-        const bool redundancy_excluded_y3_test = suspect_y3_test && final_redundancy_excluded_y1;
-        const uint32_t decisions_excluded_y3 = (calm_suspect_y1) ? redundancy_excluded_y3 : ((redundancy_excluded_y3_test) ? 1u : redundancy_excluded_y3);
-        redundancy_excluded_y3_part = decisions_excluded_y3;
-        const bool excluded = suspect_y4_test && final_redundancy_excluded_y1;
-        const uint32_t decisions_excluded_y4 = (calm_suspect_y1) ? redundancy_excluded_y4 : ((excluded) ? 1u : redundancy_excluded_y4);
-        redundancy_excluded_y4_part = decisions_excluded_y4;
-        uint32_t after_stuck_0 = 1u;
-        if (!(excluded && suspect_y1_test_3)) {
-            if (!(redundancy_excluded_y3_test && suspect_y1_test_4)) {
-                after_stuck_0 = (redundancy_excluded_y2_test && suspect_y1_test_5) ? 1u : ((redundancy_excluded_y1_test && suspect_y1_test_6) ? 1u : redundancy_stuck_0);
+        if (flag_suspect_z != 0u) {
+            redundancy_degraded_part = 1u;
+        } else {
+            if (unusual_suspect_x != 0u) {
+                redundancy_degraded_part = 1u;
+            } else {
+                if (unusual_suspect_y4) {
+                    redundancy_degraded_part = 1u;
+                } else {
+                    redundancy_degraded_part = (unusual_suspect_y3) ? 1u : ((unusual_suspect_y2) ? 1u : ((unusual_suspect_y1) ? 1u : redundancy_degraded));
+                }
             }
         }
-        redundancy_stuck_0_part = (calm_suspect_y1) ? redundancy_stuck_0 : after_stuck_0;
-        redundancy_undecided_0_part = decisions_undecided_0;
-        uint32_t redundancy_degraded_part_2 = 1u;
-        if (!(unusual_suspect_x != 0u)) {
-            if (!(unusual_suspect_y4 != 0u)) {
-                redundancy_degraded_part_2 = (unusual_suspect_y3 != 0u) ? 1u : ((unusual_suspect_y2 != 0u) ? 1u : ((unusual_suspect_y1 != 0u) ? 1u : redundancy_degraded));
-            }
-        }
-        uint32_t redundancy_degraded_part_3 = 1u;
-        if (!(decisions_excluded_y4 != 0u)) {
-            redundancy_degraded_part_3 = (decisions_excluded_y3 != 0u) ? 1u : ((decisions_excluded_y2 != 0u) ? 1u : ((decisions_excluded_y1 != 0u) ? 1u : ((flag != 0u) ? 1u : redundancy_degraded_part_2)));
-        }
-        redundancy_degraded_part = (flag != 0u) ? 1u : ((unusual_suspect_x != 0u) ? 1u : redundancy_degraded_part_3);
         suspect_x = unusual_suspect_x;
-        suspect_z = flag;
-        gaps_sufficient = missing <= 2.0f;
+        suspect_z = flag_suspect_z;
         redundancy_excluded_x_part = unusual_suspect_x;
-        redundancy_excluded_z_part = flag;
+        redundancy_excluded_z_part = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->y1_expected = y1_expected;
@@ -690,11 +739,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *         likewise w_theta
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-     *     r_x_next = limit((r_x if landing is set, else x_estimate) + 0.001 * (dr_x if landing is set, else
-     *         x_rate) + 0.0005 * limit(-(dr_x if landing is set, else x_rate), 0.004), 10) if landing_next is
-     *         set, else r_x; likewise r_z_next
-     *     dr_x_next = limit((dr_x if landing is set, else x_rate) + limit(-(dr_x if landing is set, else
-     *         x_rate), 0.004), 10) if landing_next is set, else dr_x; likewise dr_z_next */
+     *     dr_x_next = max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is set, else
+     *         x_rate) - 0.004) if landing_next is set, else dr_x; likewise dr_z_next */
     const uint32_t landing_landing = state->landing_landing;
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
@@ -758,39 +804,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y_estimate = (guard_ready != 0u) ? (observer_y_q + (observer_y_alpha * nu_y_disturbance)) : y;
     const float y_rate = (guard_ready != 0u) ? (state->observer_y_v + (observer_y_beta * nu_y_disturbance)) : 0.0f;
 
-    /* observer_x: predictive observer, alpha-beta-gamma */
-    const float nu_z_disturbance = z_held - observer_z_q;
-    const float delay_a_z_last = state->delay_a_z_last;
-    float z_disturbance_part = 0.0f;
-    float i_d1_computed_part = 0.0f;
-    float observer_z_g_part = 0.0f;
-    if (z_trusted) {
-        const float z_disturbance_part_2 = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
-        z_disturbance_part = z_disturbance_part_2;
-        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part_2);
-    } else {
-        i_d1_computed_part = -1.0f;
-    }
-    const float nu_x_disturbance = x_held - observer_x_q;
-    const float delay_a_x_last = state->delay_a_x_last;
-    float x_disturbance_part = 0.0f;
-    float observer_x_g_part = 0.0f;
-    if (x_trusted) {
-        const float x_disturbance_part_2 = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * nu_x_disturbance), 20.0f);
-        x_disturbance_part = x_disturbance_part_2;
-        observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part_2);
-    } else {
-        i_d1_computed_part = 1.0f;
-    }
-    const float x_disturbance = (guard_ready != 0u) ? x_disturbance_part : 0.0f;
-    const float x_estimate = (guard_ready != 0u) ? (observer_x_q + (observer_x_alpha * nu_x_disturbance)) : x_held;
-    const float x_rate = (guard_ready != 0u) ? (state->observer_x_v + (observer_x_beta * nu_x_disturbance)) : 0.0f;
-
-    /* observer_z: predictive observer, alpha-beta-gamma */
-    const float z_disturbance = (guard_ready != 0u) ? z_disturbance_part : 0.0f;
-    const float z_estimate = (guard_ready != 0u) ? (observer_z_q + (observer_z_alpha * nu_z_disturbance)) : z_held;
-    const float z_rate = (guard_ready != 0u) ? (state->observer_z_v + (observer_z_beta * nu_z_disturbance)) : 0.0f;
-
     /* angles: positions for the commutation
      *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
     const bool lost_1 = !x_trusted;
@@ -801,16 +814,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     out->z_commutation = z_commutation;
 
     /* safe_output: slew to the safe output once latched */
-    if (suspect_y1 != 0u) {
+    if (suspect_y1) {
         faults |= 0x00000800u;
     }
-    if (suspect_y2 != 0u) {
+    if (suspect_y2) {
         faults |= 0x00001000u;
     }
-    if (suspect_y3 != 0u) {
+    if (suspect_y3) {
         faults |= 0x00002000u;
     }
-    if (suspect_y4 != 0u) {
+    if (suspect_y4) {
         faults |= 0x00004000u;
     }
     if (suspect_x != 0u) {
@@ -870,6 +883,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         } else {
             landing = landing_landing;
         }
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted, x_held, state->delay_a_x_last);
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted, z_held, state->delay_a_z_last);
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -877,15 +892,15 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_y;
         float w_x_unprobed;
         float w_z_unprobed;
+        float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            w_phi = -((1600.0f * phi_estimate) + ((guard_ready != 0u) ? w_phi_part : 0.0f) + phi_disturbance);
-            w_theta = -((1600.0f * theta_estimate) + ((guard_ready != 0u) ? w_theta_part : 0.0f) + theta_disturbance);
+            /* observer_z: predictive observer, alpha-beta-gamma */
             float r_w_y = landing_r_y;
             float w_y_part = y_rate;
-            float w_x_unprobed_part = x_estimate;
-            float w_x_unprobed_part_2 = x_rate;
-            float w_z_unprobed_part = z_estimate;
-            float w_z_unprobed_part_2 = z_rate;
+            float w_x_unprobed_part = observer_x.estimate;
+            float w_x_unprobed_part_2 = observer_x.rate;
+            float w_z_unprobed_part = observer_z.estimate;
+            float w_z_unprobed_part_2 = observer_z.rate;
             if (landing_landing != 0u) {
                 w_y_part = state->landing_dr_y;
                 w_x_unprobed_part = state->landing_r_x;
@@ -895,23 +910,38 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             } else {
                 r_w_y = y_estimate;
             }
-            float w_y_part_2 = 0.001f;
-            if (!(0.0311f < r_w_y)) {
-                w_y_part_2 = maglev_5dof_max(maglev_5dof_min(25.0f * (0.031f - r_w_y), 0.075f), 0.0f) + 0.005f;
+            const float w_y_part_2 = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
+            const float w_y_part_3 = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + (maglev_5dof_limit(1000.0f * (w_y_part_2 - w_y_part), 2.0f) - y_disturbance);
+            w_y = w_y_part_3;
+            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - observer_x.disturbance);
+            w_x_unprobed = w_x_unprobed_part_3;
+            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - observer_z.disturbance);
+            w_z_unprobed = w_z_unprobed_part_3;
+            const float landing_dr_y_next = maglev_5dof_slew(w_y_part, w_y_part_2, 0.002f);
+            const float landing_r_y_part_2 = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (w_y_part + landing_dr_y_next)), 0.0326f), -0.5f) : y_estimate;
+            landing_r_y_part = landing_r_y_part_2;
+            state->landing_dr_y = landing_dr_y_next;
+
+            /* landing: landing: ramps and state feedback */
+            const float landing_dr_x_next = maglev_5dof_slew(w_x_unprobed_part_2, 0.0f, 0.004f);
+            const float landing_r_x_next = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_dr_x_next)), 0.5f) : observer_x.estimate;
+            state->landing_r_x = landing_r_x_next;
+            state->landing_dr_x = landing_dr_x_next;
+            const float faster = maglev_5dof_slew(w_z_unprobed_part_2, 0.0f, 0.004f);
+            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster)), 0.5f) : observer_z.estimate;
+            state->landing_dr_z = faster;
+            w_phi = -((1600.0f * phi_estimate) + ((guard_ready != 0u) ? w_phi_part : 0.0f) + phi_disturbance);
+            w_theta = -((1600.0f * theta_estimate) + ((guard_ready != 0u) ? w_theta_part : 0.0f) + theta_disturbance);
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->x_disturbance = observer_x.disturbance;
+                diagnostics->x_estimate = observer_x.estimate;
+                diagnostics->x_rate = observer_x.rate;
+                diagnostics->z_disturbance = observer_z.disturbance;
+                diagnostics->z_estimate = observer_z.estimate;
+                diagnostics->z_rate = observer_z.rate;
             }
-            const float w_y_part_3 = maglev_5dof_limit(w_y_part_2 - w_y_part, 0.002f);
-            const float w_y_part_4 = maglev_5dof_limit((3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + ((1000.0f * w_y_part_3) - y_disturbance), 10000.0f);
-            w_y = w_y_part_4;
-            const float w_x_unprobed_part_3 = maglev_5dof_limit(-w_x_unprobed_part_2, 0.004f);
-            w_x_unprobed = (900.0f * (w_x_unprobed_part - x_estimate)) + (60.0f * (w_x_unprobed_part_2 - x_rate)) + ((1000.0f * w_x_unprobed_part_3) - x_disturbance);
-            const float step = maglev_5dof_limit(-w_z_unprobed_part_2, 0.004f);
-            w_z_unprobed = (900.0f * (w_z_unprobed_part - z_estimate)) + (60.0f * (w_z_unprobed_part_2 - z_rate)) + ((1000.0f * step) - z_disturbance);
-            state->landing_r_y = maglev_5dof_max(maglev_5dof_min(r_w_y + (0.001f * w_y_part) + (0.0005f * w_y_part_3), 0.0318f), -10.0f);
-            state->landing_dr_y = maglev_5dof_limit(w_y_part + w_y_part_3, 10.0f);
-            state->landing_r_x = maglev_5dof_limit(w_x_unprobed_part + (0.001f * w_x_unprobed_part_2) + (0.0005f * w_x_unprobed_part_3), 10.0f);
-            state->landing_dr_x = maglev_5dof_limit(w_x_unprobed_part_2 + w_x_unprobed_part_3, 10.0f);
-            state->landing_r_z = maglev_5dof_limit(w_z_unprobed_part + (0.001f * w_z_unprobed_part_2) + (0.0005f * step), 10.0f);
-            state->landing_dr_z = maglev_5dof_limit(w_z_unprobed_part_2 + step, 10.0f);
+#endif
         } else {
             /* regulator_y: F(14)-(16)
              *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
@@ -1035,8 +1065,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_x: probe at rest */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 0.0f < (float)probe_x_sample;
-        const bool waits_w_x = 40u <= x_unchanged;
-        if (runs_w_x || waits_w_x) {
+        if (runs_w_x || (40u <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
                 float pulse_w_x = 0.0f;
@@ -1052,7 +1081,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     state->probe_x_sample = probe_x_sample + 1u;
                 }
             } else {
-                state->probe_x_sample = maglev_5dof_flag(waits_w_x && free && (probe_x_attempt < 5u));
+                state->probe_x_sample = maglev_5dof_flag(free);
                 state->probe_x_towards = (0.0f < e_x) ? -0.46666667f : 0.46666667f;
             }
         } else {
@@ -1065,9 +1094,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
         const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
-        state->safe_output_last_u_x = u_x_computed;
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
 
         /* landing: landing: ramps and state feedback */
         state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
@@ -1075,8 +1101,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* probe_z: probe at rest */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 0.0f < (float)probe_z_sample;
-        const bool waits_w_z = 40u <= z_unchanged;
-        if (runs_w_z || waits_w_z) {
+        if (runs_w_z || (40u <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;
                 float pulse_w_z = 0.0f;
@@ -1092,7 +1117,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     state->probe_z_sample = probe_z_sample + 1u;
                 }
             } else {
-                state->probe_z_sample = maglev_5dof_flag(waits_w_z && free && (probe_z_attempt < 5u));
+                state->probe_z_sample = maglev_5dof_flag(free);
                 state->probe_z_towards = (0.0f < e_z) ? -0.46666667f : 0.46666667f;
             }
         } else {
@@ -1105,34 +1130,29 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
         const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
         const float excess_x = u_x_computed - u_x_demand;
-        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         const float excess_z = u_z_computed - u_z_demand;
-        state->safe_output_last_u_z = u_z_computed;
-        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
 
         /* handover: direct currents without x or z */
         const float handover_transfer = state->handover_transfer;
-        if (lost_1 || lost_2 || (0.0f < fabsf(handover_transfer))) {
+        if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             /* safe_output: slew to the safe output once latched */
-            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : i_d1_computed_part, 0.04f);
-            const float part_z = maglev_5dof_max(-transfer, 0.0f);
-            const float i_d1_computed_part_2 = 1.0f - part_z;
+            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
+            const float i_d1_computed_part = maglev_5dof_min(transfer, 0.0f);
+            const float i_d1_computed_part_2 = 1.0f + i_d1_computed_part;
             const float part_x = maglev_5dof_max(transfer, 0.0f);
             const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
             state->safe_output_last_i_d1 = i_d1_computed_part_2 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
             out->i_d1 = state->safe_output_last_i_d1;
             const float i_d2_computed_part = 1.0f - part_x;
-            const float i_d2_computed_part_2 = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part_2 = 0.5f * (i_d1_computed_part * (i_d1_balanced + i_d3_balanced));
             const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced - i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d2 = state->safe_output_last_i_d2;
             state->safe_output_last_i_d3 = i_d1_computed_part_2 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced - i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
@@ -1158,8 +1178,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
         const float delay_w_y_last = state->delay_w_y_last;
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
+        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
+        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
@@ -1169,17 +1197,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* observer_y: predictive observer, alpha-beta-gamma */
         const float a_observer_y_q = delay_w_y_last + y_disturbance;
         state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.001f * (y_rate + (0.0005f * a_observer_y_q))), 0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_limit(y_rate + (0.001f * a_observer_y_q), 1.0f);
+        state->observer_y_v = maglev_5dof_limit(y_rate + (0.001f * a_observer_y_q), 4.0f);
 
         /* observer_phi: predictive observer, alpha-beta-gamma */
         const float a_observer_phi_q = delay_w_phi_last + phi_disturbance;
         state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.001f * (phi_rate + (0.0005f * a_observer_phi_q))), 0.02f);
-        state->observer_phi_v = maglev_5dof_limit(phi_rate + (0.001f * a_observer_phi_q), 2.0f);
+        state->observer_phi_v = maglev_5dof_limit(phi_rate + (0.001f * a_observer_phi_q), 4.0f);
 
         /* observer_theta: predictive observer, alpha-beta-gamma */
         const float a_observer_theta_q = delay_w_theta_last + theta_disturbance;
         state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.001f * (theta_rate + (0.0005f * a_observer_theta_q))), 0.031f);
-        state->observer_theta_v = maglev_5dof_limit(theta_rate + (0.001f * a_observer_theta_q), 2.0f);
+        state->observer_theta_v = maglev_5dof_limit(theta_rate + (0.001f * a_observer_theta_q), 4.0f);
+
+        /* landing: landing: ramps and state feedback */
+        state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
         /* redundancy: parity, innovations, frozen codes */
         state->redundancy_code_y1 = y1_accepted;
@@ -1209,22 +1240,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* observer_y: predictive observer, alpha-beta-gamma */
         state->observer_y_d = y_disturbance;
-
-        /* observer_x: predictive observer, alpha-beta-gamma */
-        const float observer_x_g = state->observer_x_g;
-        const float a_observer_x_q = (observer_x_g * delay_a_x_last) + x_disturbance;
-        state->observer_x_q = maglev_5dof_limit(x_estimate + (0.001f * (x_rate + (0.0005f * a_observer_x_q))), 0.1f);
-        state->observer_x_v = maglev_5dof_limit(x_rate + (0.001f * a_observer_x_q), 2.0f);
-        state->observer_x_d = x_disturbance;
-        state->observer_x_g = maglev_5dof_max(maglev_5dof_min(observer_x_g + ((guard_ready != 0u) ? observer_x_g_part : 0.0f), 1.2f), 0.8f);
-
-        /* observer_z: predictive observer, alpha-beta-gamma */
-        const float observer_z_g = state->observer_z_g;
-        const float a_observer_z_q = (observer_z_g * delay_a_z_last) + z_disturbance;
-        state->observer_z_q = maglev_5dof_limit(z_estimate + (0.001f * (z_rate + (0.0005f * a_observer_z_q))), 0.1f);
-        state->observer_z_v = maglev_5dof_limit(z_rate + (0.001f * a_observer_z_q), 2.0f);
-        state->observer_z_d = z_disturbance;
-        state->observer_z_g = maglev_5dof_max(maglev_5dof_min(observer_z_g + ((guard_ready != 0u) ? observer_z_g_part : 0.0f), 1.2f), 0.8f);
 
         /* observer_phi: predictive observer, alpha-beta-gamma */
         state->observer_phi_d = phi_disturbance;
@@ -1269,10 +1284,10 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->z_unanswered = z_unanswered ? 1.0f : 0.0f;
         diagnostics->x_unchanged = (float)x_unchanged;
         diagnostics->z_unchanged = (float)z_unchanged;
-        diagnostics->suspect_y1 = (float)suspect_y1;
-        diagnostics->suspect_y2 = (float)suspect_y2;
-        diagnostics->suspect_y3 = (float)suspect_y3;
-        diagnostics->suspect_y4 = (float)suspect_y4;
+        diagnostics->suspect_y1 = suspect_y1 ? 1.0f : 0.0f;
+        diagnostics->suspect_y2 = suspect_y2 ? 1.0f : 0.0f;
+        diagnostics->suspect_y3 = suspect_y3 ? 1.0f : 0.0f;
+        diagnostics->suspect_y4 = suspect_y4 ? 1.0f : 0.0f;
         diagnostics->suspect_x = (float)suspect_x;
         diagnostics->suspect_z = (float)suspect_z;
         diagnostics->gaps_sufficient = gaps_sufficient ? 1.0f : 0.0f;
@@ -1297,12 +1312,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y_disturbance = y_disturbance;
         diagnostics->y_estimate = y_estimate;
         diagnostics->y_rate = y_rate;
-        diagnostics->x_disturbance = x_disturbance;
-        diagnostics->x_estimate = x_estimate;
-        diagnostics->x_rate = x_rate;
-        diagnostics->z_disturbance = z_disturbance;
-        diagnostics->z_estimate = z_estimate;
-        diagnostics->z_rate = z_rate;
     }
 #endif
 

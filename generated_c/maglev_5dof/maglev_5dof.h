@@ -51,6 +51,13 @@ typedef struct {
 } maglev_5dof_filter_state_t;
 
 typedef struct {
+    float q;                            /* m, -0.1 .. 0.1: prediction */
+    float v;                            /* m/s, -2 .. 2: predicted rate */
+    float d;                            /* m/s^2, -20 .. 20: disturbance */
+    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
+} maglev_5dof_observer_state_t;
+
+typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
     float y2;                           /* m, 0.0124 .. 0.0366: gap of motor 2 */
     float y3;                           /* m, 0.0168 .. 0.0322: gap of motor 3 */
@@ -133,36 +140,30 @@ typedef struct {
     float delay_w_phi_last;             /* rad/s^2, -1e+06 .. 1e+06: w_phi one sample ago */
     float delay_w_theta_last;           /* rad/s^2, -1e+06 .. 1e+06: w_theta one sample ago */
     float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
-    float observer_y_v;                 /* m/s, -1 .. 1: predicted rate */
+    float observer_y_v;                 /* m/s, -4 .. 4: predicted rate */
     float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
-    float observer_x_q;                 /* m, -0.1 .. 0.1: prediction */
-    float observer_x_v;                 /* m/s, -2 .. 2: predicted rate */
-    float observer_x_d;                 /* m/s^2, -20 .. 20: disturbance */
-    float observer_x_g;                 /* 1, 0.8 .. 1.2: learnt gain */
-    float observer_z_q;                 /* m, -0.1 .. 0.1: prediction */
-    float observer_z_v;                 /* m/s, -2 .. 2: predicted rate */
-    float observer_z_d;                 /* m/s^2, -20 .. 20: disturbance */
-    float observer_z_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    maglev_5dof_observer_state_t observer_x;
+    maglev_5dof_observer_state_t observer_z;
     float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
-    float observer_phi_v;               /* rad/s, -2 .. 2: predicted rate */
+    float observer_phi_v;               /* rad/s, -4 .. 4: predicted rate */
     float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
     float observer_theta_q;             /* rad, -0.031 .. 0.031: prediction */
-    float observer_theta_v;             /* rad/s, -2 .. 2: predicted rate */
+    float observer_theta_v;             /* rad/s, -4 .. 4: predicted rate */
     float observer_theta_d;             /* rad/s^2, -200 .. 200: disturbance */
     uint32_t landing_left;              /* 1, 1 .. 5: samples until it lands */
     uint32_t landing_landing;           /* 1, 0 .. 1: lands until init */
-    float landing_r_y;                  /* m, -10 .. 0.0318: set-point of the landing */
+    float landing_r_y;                  /* m, -0.5 .. 0.0326: set-point of the landing */
     float landing_dr_y;                 /* m/s, -10 .. 10: its rate */
-    float landing_r_x;                  /* m, -10 .. 10: set-point of the landing */
+    float landing_r_x;                  /* m, -0.5 .. 0.5: set-point of the landing */
     float landing_dr_x;                 /* m/s, -10 .. 10: its rate */
-    float landing_r_z;                  /* m, -10 .. 10: set-point of the landing */
+    float landing_r_z;                  /* m, -0.5 .. 0.5: set-point of the landing */
     float landing_dr_z;                 /* m/s, -10 .. 10: its rate */
     uint32_t probe_x_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
     uint32_t probe_x_attempt;           /* 1, 0 .. 5: pairs without an answer */
-    float probe_x_towards;              /* m/s^2, -0.466667 .. 0.466667: acceleration of the first pair, towards the set-point */
+    float probe_x_towards;              /* m/s^2, -0.933333 .. 0.933333: acceleration of the first pair, to the set-point */
     uint32_t probe_z_sample;            /* 1, 0 .. 15: sample of the pair, 0 for none */
     uint32_t probe_z_attempt;           /* 1, 0 .. 5: pairs without an answer */
-    float probe_z_towards;              /* m/s^2, -0.466667 .. 0.466667: acceleration of the first pair, towards the set-point */
+    float probe_z_towards;              /* m/s^2, -0.933333 .. 0.933333: acceleration of the first pair, to the set-point */
     float safe_output_last_i_d1;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d2;        /* A, -4.94975 .. 4.94975: last output */
     float safe_output_last_i_d3;        /* A, -4.94975 .. 4.94975: last output */

@@ -4,7 +4,7 @@ From the sample on in which ``regular`` is lost for `patience` samples in a row,
 
     w = -p^2 (q - r) - 2 p (v - r') + r'' - d            q, v, d: estimates of a predictive observer (`predictor`)
 
-    descent   r' -> min(speed, touch + (end - r)/time) with |r''| <= acceleration; once r is behind the end, press
+    descent   r' -> max(min(speed, touch + (end - r)/time), press) with |r''| <= acceleration
     braking   r' -> 0 with |r''| <= acceleration
     levelling r = 0
 
@@ -31,7 +31,10 @@ __all__ = ["Braking", "Descent", "Levelling", "block"]
 @arguments.checked
 @dataclass(frozen=True)
 class Descent:
-    """To the stop at `end`: speed, touch and press in m/s, acceleration in m/s^2, `beyond` in m, p in rad/s."""
+    """To the stop at `end`: speed, touch and press in m/s, acceleration in m/s^2, `beyond` in m, p in rad/s.
+
+    `reach` in m bounds the set-point below 0.
+    """
 
     coordinate: str
     end: float
@@ -41,16 +44,18 @@ class Descent:
     acceleration: float
     beyond: float
     pole: float
+    reach: float
 
 
 @arguments.checked
 @dataclass(frozen=True)
 class Braking:
-    """To rest, with at most `acceleration`; the poles are at -`pole` rad/s."""
+    """To rest within +-`reach`, with at most `acceleration`; the poles are at -`pole` rad/s."""
 
     coordinate: str
     acceleration: float
     pole: float
+    reach: float
 
 
 @arguments.checked
@@ -90,12 +95,13 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
             if not isinstance(c, Levelling):
                 r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
                 dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
-                change = (_descent_rate(c, r) if isinstance(c, Descent) else 0.0) - dr
-                step = ca.fmax(ca.fmin(change, T * c.acceleration), -T * c.acceleration)
-                ddr = step / T
-                ahead = {f"r_{c.coordinate}": r + T * dr + T / 2 * step, f"dr_{c.coordinate}": dr + step}
-                bounds = {state.signal.name: state.signal for state in _states(c)}
-                next |= {n: ca.if_else(landing, clip(value, bounds[n]), x[n]) for n, value in ahead.items()}
+                target = _descent_rate(c, r) if isinstance(c, Descent) else ca.SX(0)
+                ddr = ca.fmax(ca.fmin((target - dr) / T, c.acceleration), -c.acceleration)
+                faster = ca.fmax(ca.fmin(target, dr + T * c.acceleration), dr - T * c.acceleration)
+                position, rate = (state.signal for state in _states(c))
+                ahead = ca.if_else(x["landing"], clip(r + T / 2 * (dr + faster), position), q)
+                next[position.name] = ca.if_else(landing, ahead, x[position.name])
+                next[rate.name] = ca.if_else(landing, clip(faster, rate), x[rate.name])
             demand = p * p * (r - q) + 2 * p * (dr - v) + (ddr - d)
             output[w.name] = ca.if_else(landing, clip(demand, w), u[f"{w.name}_tracking"])
             if isinstance(c, Descent):
@@ -117,20 +123,21 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
 
 
 def _descent_rate(c: Descent, r: ca.SX) -> ca.SX:
-    """Return the speed at r: an exponential approach of the end, decelerated by at most the acceleration."""
-    rate = c.acceleration / c.speed
-    approach = ca.fmax(ca.fmin(rate * (c.end - r), c.speed - c.touch), 0.0) + c.touch
-    return ca.if_else(r > c.end + c.beyond / 4, c.press, approach)
+    """Return the speed at r: an exponential approach of the end, decelerated by at most the acceleration.
+
+    It passes the end at `touch` and falls on to `press`.
+    """
+    approach = c.touch + c.acceleration / c.speed * (c.end - r)
+    return ca.fmax(ca.fmin(approach, c.speed), c.press)
 
 
-WIDE = 10.0  # m or rad, m/s or rad/s: bound of set-points and their rates
+WIDE = 10.0  # m or rad, m/s or rad/s: bound of estimates and rates
 
 
 def _states(c: Descent | Braking) -> list[State]:
-    high = c.end + 2 * c.beyond if isinstance(c, Descent) else WIDE
-    start = c.end if isinstance(c, Descent) else 0.0
+    high = c.end + 4 * c.beyond if isinstance(c, Descent) else c.reach  # it is over at end + beyond
     return [
-        State(Signal(f"r_{c.coordinate}", "m", -WIDE, high, "set-point of the landing"), start),
+        State(Signal(f"r_{c.coordinate}", "m", -c.reach, high, "set-point of the landing"), 0.0),
         State(Signal(f"dr_{c.coordinate}", "m/s", -WIDE, WIDE, "its rate"), 0.0),
     ]
 
@@ -154,7 +161,8 @@ def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) 
             "demand for each course"
         )
     d = descents[0]
-    values = [*(c.pole for c in courses), *(c.acceleration for c in courses if not isinstance(c, Levelling))]
+    moving = [c for c in courses if not isinstance(c, Levelling)]
+    values = [*(c.pole for c in courses), *(v for c in moving for v in (c.acceleration, c.reach))]
     values += [d.touch, d.press, d.beyond, d.speed - d.touch, float(patience)]
     if not min(values) > 0:
         raise SignalError(

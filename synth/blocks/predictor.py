@@ -100,7 +100,7 @@ def block(
         return Step(dict(zip((s.name for s in signals), (x["q"], q, v, d), strict=True)), next)
 
     states = [
-        State(Signal("q", unit, measured.low, measured.high, "prediction"), _inside(measured)),
+        State(Signal("q", unit, measured.low, measured.high, "prediction"), (measured.low + measured.high) / 2),
         State(Signal("v", f"{unit}/s", -rate, rate, "predicted rate"), 0.0),
         State(Signal("d", f"{unit}/s^2", -disturbance, disturbance, "disturbance"), 0.0),
     ]
@@ -126,10 +126,6 @@ def delay(name: str, time: Discrete, signals: Sequence[Signal]) -> Block:
     outputs = [replace(s, name=f"{s.name}_before") for s in signals]
     states = [State(replace(s, name=f"{s.name}_last", about=f"{s.name} one sample ago"), 0.0) for s in signals]
     return build(name, time, law, inputs=signals, outputs=outputs, states=states, tag="delay of one sample")
-
-
-def _inside(signal: Signal) -> float:
-    return min(max(0.0, signal.low), signal.high)
 
 
 def _check(

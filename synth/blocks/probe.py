@@ -5,7 +5,8 @@
 At rest a working sensor stays in one count only while nothing moves the body. After `quiet` samples without a change
 the probe moves it, at first by `step`, then by 2 `step` and so on, towards the set-point. Each pair runs to its end,
 so it leaves no speed. The first after which the code has changed is the last. Without `attempts` answers the sensor is
-frozen. A body that moves by one `step` more in each pair passes the edge of a count by at most one `step`.
+frozen, and who reads ``unanswered`` decides what follows. A body that moves by one `step` more in each pair passes the
+edge of a count by at most one `step`.
 
 Friction F of a mass m allows no motion while a <= F/m, and viscous friction makes the motion smaller: `attempts` pairs
 must move the body by more than one count in spite of both. A body on a stop is not to be probed: ``free`` is then 0.
@@ -71,9 +72,8 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
         w, still = u[f"{demand.name}_unprobed"], u[f"{sensor}_unchanged"]
         runs, waits = x["sample"] > 0, still >= probe.quiet
         active = ca.logic_or(runs, waits)
-        starts = ca.logic_and(ca.logic_and(waits, u["free"]), x["attempt"] < probe.attempts)
         ends = x["sample"] >= pair
-        sample = ca.if_else(runs, ca.if_else(ends, 0, x["sample"] + 1), ca.if_else(starts, 1, 0))
+        sample = ca.if_else(runs, ca.if_else(ends, 0, x["sample"] + 1), u["free"])
         failures = ca.if_else(x["attempt"] >= probe.attempts, x["attempt"], x["attempt"] + 1)
         after = ca.if_else(ends, ca.if_else(still >= pair, failures, 0), x["attempt"])
         attempt = ca.if_else(runs, after, x["attempt"])
@@ -94,7 +94,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
     states = [
         State(Signal("sample", "1", 0, pair, "sample of the pair, 0 for none"), 0, True),
         State(Signal("attempt", "1", 0, probe.attempts, "pairs without an answer"), 0, True),
-        State(Signal("towards", demand.unit, -a, a, "acceleration of the first pair, towards the set-point"), a),
+        State(Signal("towards", demand.unit, -2 * a, 2 * a, "acceleration of the first pair, to the set-point"), a),
     ]
     unanswered = Signal(f"{sensor}_unanswered", "1", 0, 1, "no pair of the probe was answered")
     free = Signal("free", "1", 0, 1, "the body may move")

@@ -106,7 +106,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             value[n] = ca.if_else(usable[n], y[n], clip(expected, by_name[n]))
             regular = ca.if_else(usable[n], regular, 0)
         degraded = x["degraded"]
-        for flag in (*suspects.values(), *(next[f"excluded_{n}"] for n in names)):
+        for flag in suspects.values():
             degraded = ca.if_else(flag, 1, degraded)
         unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
         unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
@@ -147,62 +147,55 @@ def _vote(
     same: Exprs,
     decision: Decision,
 ) -> _Vote:
-    """Return the readings of a group to use, its suspects and its next states.
+    """Return the readings of a group to use, its suspects and its next states, in one of three cases.
 
-    While all readings are usable and agree, the group is calm: the readings pass, and nothing else is computed.
+    agreeing        all readings are usable and agree: they pass
+    contradictory   all are usable and do not agree: one may be named and replaced
+    incomplete      a reading is refused or excluded
     """
     weights, names = relation.weights, list(relation.weights)
-    y = {n: u[f"{n}_accepted"] for n in names}
+    y, expected = ({n: u[f"{n}_{of}"] for n in names} for of in ("accepted", "expected"))
     r = sum((w * y[n] for n, w in weights.items()), start=ca.SX(0))
     whole = ca.SX(1)
     for n in names:
         whole = ca.logic_and(whole, usable[n])
     agreement = ca.fabs(r) <= relation.threshold
-    calm = ca.logic_and(whole, ca.logic_or(agreement, ca.logic_not(u["ready"])))
-    missing = ca.if_else(whole, 0, sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0)))
-    undecided = x[f"undecided_{i}"]
-    E = {n: ca.if_else(r > 0, w, -w) * (y[n] - u[f"{n}_expected"]) for n, w in weights.items()}
-    chosen, clear = isolation.isolate(names, E, {n: still[f"still_{n}"] for n in names}, ca.fabs(r), undecided)
-    named = {n: ca.if_else(calm, 0, ca.logic_and(whole, ca.logic_and(clear, chosen[n]))) for n in names}
-    value = {}
-    for n, w in weights.items():
-        others = sum((v * y[o] for o, v in weights.items() if o != n), start=ca.SX(0)) / -w
-        predicted = ca.if_else(missing == 1, others, u[f"{n}_expected"])
-        unusual = ca.if_else(usable[n], ca.if_else(named[n], others, y[n]), predicted)
-        value[n] = ca.if_else(calm, y[n], clip(unusual, signals[n]))
-    after = _decide(i, names, x, still, whole, named, u, same, decision)
-    calm_states = {f"contradictions_{i}": ca.SX(0)}
-    next = {n: ca.if_else(calm, calm_states.get(n, x[n]), v) for n, v in after.items()}
-    undecided = next[f"undecided_{i}"]
-    suspects = {n: ca.if_else(ca.logic_or(named[n], undecided), 1, x[f"excluded_{n}"]) for n in names}
-    regular = ca.logic_and(missing <= 1, ca.logic_not(undecided))
-    return _Vote(value, suspects, next, regular, missing <= decision.tolerated, agreement)
+    agrees = ca.logic_or(agreement, ca.logic_not(u["ready"]))
+    count, stuck, undecided = (x[f"{of}_{i}"] for of in ("contradictions", "stuck", "undecided"))
+    excluded = {n: x[f"excluded_{n}"] for n in names}
+    stands = {n: still[f"still_{n}"] for n in names}
 
+    def by_case(agreeing: ca.SX, contradictory: ca.SX, incomplete: ca.SX) -> ca.SX:
+        return ca.if_else(whole, ca.if_else(agrees, agreeing, contradictory), incomplete)
 
-def _decide(
-    i: int,
-    names: Sequence[str],
-    x: Exprs,
-    still: Exprs,
-    whole: ca.SX,
-    named: Exprs,
-    u: Exprs,
-    same: Exprs,
-    decision: Decision,
-) -> dict[str, ca.SX]:
-    """Return the next states of a group that is not calm."""
-    count, stuck, moved = x[f"contradictions_{i}"], x[f"stuck_{i}"], ca.SX(0)
-    final = count >= decision.persistent - 1
-    next: dict[str, ca.SX] = {f"contradictions_{i}": _count(whole, count, decision.undecided)}
+    E = {n: ca.if_else(r > 0, w, -w) * (y[n] - expected[n]) for n, w in weights.items()}
+    score, best, clear = isolation.isolate(names, E, stands, ca.fabs(r), undecided)
+    least = ca.if_else(clear, best, 2 * isolation.PREFERENCE)
+    named = {n: ca.if_else(score[n] >= least, 1.0, 0.0) for n in names}
+    final = ca.if_else(count >= decision.persistent - 1, 1.0, 0.0)
+    by_code = sum((ca.if_else(stands[n] >= FRESH, named[n] * final, 0.0) for n in names), start=ca.SX(0))
+    moved = ca.SX(0)
     for n in names:
-        excluded = ca.logic_and(named[n], final)
-        next[f"excluded_{n}"] = ca.if_else(excluded, 1, x[f"excluded_{n}"])
-        stuck = ca.if_else(ca.logic_and(excluded, still[f"still_{n}"] >= FRESH), 1, stuck)
-        moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(x[f"excluded_{n}"], ca.logic_not(u[f"fault_{n}"])))
+        moves = ca.logic_and(ca.logic_not(same[n]), ca.logic_and(excluded[n], ca.logic_not(u[f"fault_{n}"])))
         moved = ca.if_else(moves, 1, moved)
-    waited = ca.logic_and(whole, count >= decision.undecided - 1)
-    undecided = ca.logic_or(waited, ca.logic_and(x[f"stuck_{i}"], moved))
-    return next | {f"stuck_{i}": stuck, f"undecided_{i}": ca.if_else(undecided, 1, x[f"undecided_{i}"])}
+    missing = sum((ca.if_else(usable[n], 0, 1) for n in names), start=ca.SX(0))
+    waited = ca.if_else(count >= decision.undecided - 1, 1, undecided)
+    doubted = ca.if_else(ca.logic_and(stuck, moved), 1, undecided)
+    value, suspects = {}, {}
+    for n, w in weights.items():
+        predicted = ca.if_else(missing <= 1, y[n] - r / w, expected[n])
+        corrected, replaced = y[n] - named[n] * r / w, ca.if_else(usable[n], y[n], predicted)
+        value[n] = by_case(y[n], clip(corrected, signals[n]), clip(replaced, signals[n]))
+        suspects[n] = ca.if_else(by_case(undecided, named[n] + waited, excluded[n] + doubted) > 0, 1, 0)
+    next = {
+        f"contradictions_{i}": by_case(ca.SX(0), _count(ca.SX(1), count, decision.undecided), ca.SX(0)),
+        f"stuck_{i}": by_case(stuck, ca.if_else(by_code + stuck > 0, 1, 0), stuck),
+        f"undecided_{i}": by_case(undecided, waited, doubted),
+        **{f"excluded_{n}": by_case(excluded[n], named[n] * final, excluded[n]) for n in names},
+    }
+    regular = by_case(ca.logic_not(undecided), ca.logic_not(waited), ca.logic_and(missing <= 1, ca.logic_not(doubted)))
+    sufficient = ca.if_else(whole, 1, missing <= decision.tolerated)
+    return _Vote(value, suspects, next, regular, sufficient, agreement)
 
 
 def _is_frozen(travel: tuple[float, float], y: ca.SX, still: ca.SX, suspicious: ca.SX) -> ca.SX:
@@ -269,7 +262,7 @@ def _states(
 ) -> list[State]:
     states = []
     for s in sensors:
-        start = min(max(0.0, s.low), s.high)
+        start = (s.low + s.high) / 2
         longest = _longest(s.name in singles, decision)
         states.append(State(replace(s, name=f"code_{s.name}", about="accepted reading one sample ago"), start))
         states.append(State(Signal(f"still_{s.name}", "1", 0, longest, "samples without a change"), 0, True))

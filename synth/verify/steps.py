@@ -4,6 +4,7 @@ record          x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
 random_steps    x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
 resampled       existing steps with some entries of x resampled
 fault_steps     every input bad, alone and all at once, for 1 sample up to the latch, and latched until outputs settle
+contradictory   existing steps in which some readings disagree or stand still, with the flags of redundancy resampled
 edge_steps      every input alone at an end of its range, at the next number beyond, or at a special number such as -0
 perturbed       existing steps with x and u perturbed
 rarest          the steps with the least frequent flags
@@ -108,6 +109,28 @@ def resampled(controller: host.Controller, steps: Steps, name: str) -> Steps:
         chosen = rng.uniform(size=n) < share
         states[f["name"]][chosen] = values[chosen]
     return Steps(name, states, steps.inputs)
+
+
+def contradictory(controller: host.Controller, steps: Steps) -> Steps:
+    """Return steps in which some readings differ from the others by any size, or are those of the sample before.
+
+    The whole-number states of `blocks.redundancy`, of the landing and of the probe are resampled. The result is empty
+    for a controller that replaces no readings.
+    """
+    measurements = ((controller.manifest["safety"] or {}).get("judgement") or {}).get("measurements", [])
+    rng, n = np.random.default_rng(SEED + 4), len(steps) if measurements else 0
+    states, inputs = steps.states[:n].copy(), steps.inputs[:n].copy()
+    for f in (f for f in _fields(controller, "input") if f["name"] in measurements):
+        size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** rng.uniform(-4, 0, n)
+        wrong = np.where(rng.uniform(size=n) < 0.25, size, 0)
+        inputs[f["name"]] = np.clip(inputs[f["name"]] + wrong, f["low"], f["high"])
+        stands, code = rng.uniform(size=n) < 0.5, f"redundancy_code_{f['name']}"
+        states[code] = np.where(stands, inputs[f["name"]], _uniform(rng, f, n))
+    for f in _fields(controller, "state"):
+        if f["ctype"] in _INTEGERS and not f["name"].startswith("guard_"):
+            values = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
+            states[f["name"]] = np.where(rng.uniform(size=n) < 0.5, values, states[f["name"]])
+    return Steps("contradictions", states, inputs)
 
 
 def edge_steps(controller: host.Controller, steps: Steps) -> Steps:

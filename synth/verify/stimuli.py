@@ -42,7 +42,8 @@ def closed_loop(rig: Rig, n: int, beyond: float = np.nan) -> Trajectory:
     """Run n samples with set-points that swing about rest, and with bad sensor and set-point samples up to a latch.
 
     The first sensor has one bad sample less than the latch needs, the others have single bad samples, a set-point has
-    ten. The last sensor fails for the last twentieth of the run. A bad sample is beyond the end of its range by the
+    ten. The last sensor fails for the last twentieth of the run, and all of them for the last fortieth: a controller
+    that replaces readings does not latch before. A bad sample is beyond the end of its range by the
     fraction `beyond` of the range, or NaN.
     """
     interface = rig.stage.interface
@@ -69,6 +70,7 @@ def _bad_samples(interface: Interface, k: NDArray[np.int64], loss_start: int, be
     masks = {name: k % (n // 10) == (n // 20 + 7 * i) % (n // 10) for i, name in enumerate(names[1:])}
     masks[names[0]] = (k >= start) & (k < start + interface.bad_samples - 1)
     masks[names[-1]] = masks[names[-1]] | (k >= loss_start)
+    masks |= {name: masks[name] | (k >= loss_start + n // 40) for name in names}
     masks |= {s.name: (k >= (8 * n) // 10) & (k < (8 * n) // 10 + 10) for s in interface.set_points[:1]}
     ends = {name: interface.signals[name] for name in masks}
     values = {name: s.high + beyond * (s.high - s.low) for name, s in ends.items()}
@@ -107,6 +109,7 @@ def excursions(
     resampled = [
         steps.resampled(controller, steps.thinned(p, POOL_STEPS), f"{p.name} states resampled".lstrip()) for p in pools
     ]
+    contradictory = steps.contradictory(controller, resampled[0])
     return [
         *(steps.thinned(each, RANDOM_STEPS) for each in design_steps),
         *latches(controller, SEED),
@@ -115,7 +118,12 @@ def excursions(
         steps.in_range(controller, RANDOM_STEPS),
         random_steps,
         *resampled,
-        *(steps.rarest(controller, each, RAREST_STEPS) for each in (*design_steps, *resampled)),
+        *([contradictory] if len(contradictory) else []),
+        *(
+            steps.rarest(controller, each, RAREST_STEPS)
+            for each in (*design_steps, *resampled, contradictory)
+            if len(each)
+        ),
         steps.at_range_ends(
             controller, steps.concatenate("random", [random_steps, *resampled, *design_steps]), STEPS_PER_RANGE_END
         ),

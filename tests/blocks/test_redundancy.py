@@ -111,7 +111,7 @@ def test_wrong_declarations_are_refused() -> None:
     with pytest.raises(SignalError, match="positive step"):
         probe.block(TIME, "x", ERROR, W, probe.Probe(10, 4, 0.0, 3))
     with pytest.raises(SignalError, match="one descent"):
-        landing.block(TIME, [landing.Braking("x", 1.0, 9.0)], [Signal("w", "m/s^2", -9, 9)], 5)
+        landing.block(TIME, [landing.Braking("x", 1.0, 9.0, 1.0)], [Signal("w", "m/s^2", -9, 9)], 5)
 
 
 W, ERROR = Signal("w", "m/s^2", -9.0, 9.0), Signal("e", "m", -1.0, 1.0)
@@ -170,8 +170,8 @@ def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measureme
 def test_the_landing_touches_slowly_and_levels() -> None:
     w = [Signal(f"w_{n}", unit, -1e3, 1e3) for n, unit in (("y", "m/s^2"), ("x", "m/s^2"), ("t", "rad/s^2"))]
     courses = [
-        landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0),
-        landing.Braking("x", 4.0, 30.0),
+        landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1),
+        landing.Braking("x", 4.0, 30.0, 0.1),
         landing.Levelling("t", 40.0),
     ]
     runner = Runner(landing.block(TIME, courses, w, 5))

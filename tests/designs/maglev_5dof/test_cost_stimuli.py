@@ -41,7 +41,7 @@ def test_the_replay_has_faults_and_latches_at_its_end(controller: host.Controlle
     replay = controller.replay(inputs)
     first = int(np.argmax(replay.faults >> 31))
     assert len(replay.faults) == stimuli.REPLAY_STEPS
-    assert 9500 <= first <= 9510 and np.all(replay.faults[first:] >> 31 == 1)
+    assert 9750 <= first <= 9760 and np.all(replay.faults[first:] >> 31 == 1)
     seen = np.bitwise_or.reduce(replay.faults[:first])
     assert seen & 0x3F == 0x3F and seen & 0x40  # every encoder, and a set-point
     at_rest = {f"i_{axis}{j}": 2.5 if axis == "d" else 0.0 for axis in "dq" for j in range(1, 5)}
