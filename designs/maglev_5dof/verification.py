@@ -126,6 +126,7 @@ def _in_operation(block: Block, n: int) -> tuple[Columns, Columns]:
             states[f"regulator_{name}_{eta}"] = rng.normal(0, NEAR * bound, n)
     states |= {"guard_ready": (rng.uniform(size=n) < 0.98).astype(float), "guard_latched": np.zeros(n)}
     states |= _fault_handling(rng, n, inputs)
+    inputs["y1"] = inputs["y1"] + np.where(rng.uniform(size=n) < RARE, rng.uniform(-1e-3, 1e-3, n), 0.0)
     for s in control.CURRENTS:
         held = holding_current(inputs[f"y{s.name[-1]}"]) if s.name.startswith("i_d") else 0.0
         last = held + rng.uniform(-0.5, 0.5, n)
@@ -150,7 +151,8 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Column
         attempts = reference_faults.ATTEMPTS
         states[f"probe_{name}_attempt"] = np.where(rng.uniform(size=n) < RARE, attempts, rng.integers(0, attempts, n))
     states["redundancy_degraded"] = (rng.uniform(size=n) < RARE).astype(float)
-    states["redundancy_undecided_0"] = states["redundancy_stuck_0"] = np.zeros(n)
+    for flag in ("undecided", "stuck"):
+        states[f"redundancy_{flag}_0"] = (rng.uniform(size=n) < RARE).astype(float)
     states["handover_transfer"] = np.where(rng.uniform(size=n) < RARE, rng.uniform(-1, 1, n), 0.0)
     states["landing_landing"] = (rng.uniform(size=n) < RARE).astype(float)
     for s in ("y", "x", "z"):
