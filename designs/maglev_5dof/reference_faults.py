@@ -31,7 +31,7 @@ NAMES = tuple(LIMITS)[:SENSORS]
 SIGN = np.array([1.0, -1.0, 1.0, -1.0])  # of y1..y4 in the parity relation
 THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encoder
 FRESH, STILL, PERSISTENT, UNDECIDED = 3, 8, 3, 10  # samples
-CANDIDATE, NEXT = 0.4, (0.9, 0.5)  # of |r|, and of the largest innovation
+CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
 QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
 PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
@@ -114,8 +114,8 @@ def _group(
     order = np.sort(score, axis=0)
     alone = (still >= STILL) & (np.sum(still < FRESH, axis=0) == 3)
     second = alone.any(axis=0) & ~first
-    third = (order[-2] < NEXT[1] * order[-1]) & ~undecided
-    first &= order[-2] < NEXT[0] * order[-1]
+    third = (order[-1] - order[-2] > LEAD[1] * np.abs(r)) & ~undecided
+    first &= order[-1] - order[-2] > LEAD[0] * np.abs(r)
     largest = np.arange(4).reshape(by_row(range(4), y).shape) == np.argmax(score, axis=0)
     named = np.where(second, alone, largest) & wrong & (first | second | third)
     replaced = named | (~usable & (missing == 1))

@@ -6,10 +6,9 @@ For one wrong sensor with an error e, r = w e. Its E is |r|, and that of the oth
 not follow the error. The rules, in this order:
 
     1. of the sensors whose code did not change for FRESH samples, the one with the largest E_i > 0.4 |r|, where
-       the next one is below 0.9 of it;
+       the next one is smaller by 0.05 |r|;
     2. the only one whose code stands still, STILL samples or more, while the codes of all others move;
-    3. the one with the largest E_i, where the next one is below half of it. The largest is then more than 0.4 |r|,
-       because predictions satisfy the relation of four sensors, so that the E_i add up to |r|;
+    3. the one with the largest E_i, where the next one is smaller by 0.3 |r|;
     4. otherwise it is not clear. Rule 3 does not hold once a group is undecided.
 
 Source: Isermann, *Fault-Diagnosis Systems*, chapter 10 (parity), with the innovations of chapter 11 as votes.
@@ -23,7 +22,7 @@ from synth.block import Exprs
 
 FRESH, STILL = 3, 8  # samples without a change of the code: fewer, it moves; at least, it stands still
 CANDIDATE = 0.4  # of |r|: least E by rule 1
-NEXT = {"by code": 0.9, "by innovation": 0.5}  # of the largest E: most of the next one, by rules 1 and 2, and by rule 3
+LEAD = {"by code": 0.05, "by innovation": 0.3}  # of |r|: of the largest E over the next one, by rules 1 and 2, and 3
 PREFERENCE = 10.0  # added to E by rules 1 and 2; larger than any reading
 
 
@@ -48,7 +47,7 @@ def isolate(
         next = ca.fmax(next, ca.fmin(best, score[n]))
         best = ca.fmax(best, score[n])
     by_code = candidates + sum(alone.values(), start=ca.SX(0)) > 0
-    distinct = next < ca.if_else(by_code, NEXT["by code"], NEXT["by innovation"]) * best
+    distinct = best - next > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
 
 
