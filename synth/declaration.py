@@ -238,6 +238,7 @@ class Stage:
     recording         inputs (N,) of test vectors from a rig, else of the standard closed loop with faults
     gains             the document of gains.json, else that of the laws
     companions        Blocks that are emitted beside the controller
+    law_alone         the controller without its fault handling, whose cost is shown beside
     drive             Blocks between the controller and the plant in experiments, with the plant that they drive
     substeps          Runge-Kutta steps of a sample in simulation
     faults            motion, magnitudes and limits of the fault campaign
@@ -264,6 +265,7 @@ class Stage:
     recording: Callable[[Any], Mapping[str, Any]] | None = None
     gains: Gains | None = None
     companions: Sequence[Companion] = ()
+    law_alone: Controller | None = None
     drive: Drive | None = None
     substeps: int = 4
     faults: FaultCampaign = field(default_factory=FaultCampaign)

@@ -158,7 +158,11 @@ def cost_stimuli(
         loop = rigs.of_stage(stage, controller)
         return stimuli.sequences(loop, [e.run(loop) for e in stage.experiments], progress, further_steps(controller))
 
-    return CostStimuli(lambda: stage.controller.block, replay, sequences, floor)
+    law = stage.law_alone
+    alone = (
+        None if law is None else lambda: write.emit(law.block, np.float32, error=stage.surrogate_error.get(np.float32))
+    )
+    return CostStimuli(lambda: stage.controller.block, replay, sequences, floor, alone)
 
 
 def report(

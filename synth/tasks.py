@@ -7,7 +7,7 @@ the report the keys of its inputs. An edit of the page rebuilds the page alone; 
 every result that depends on the law.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache as once
 from importlib.util import find_spec
@@ -126,11 +126,19 @@ def brief_cost(design: Design) -> Task[Cost | None]:
     def compute(say: Progress) -> Cost:
         files = emission(design, design.scalar).result(_silent)[design.name]
         say("cost")
-        return meter.brief(
-            files, design.cost_stimuli.block(), design.cost_stimuli.replay(host.load(files.files, files.manifest))
-        )
+        inputs = design.cost_stimuli.replay(host.load(files.files, files.manifest))
+        return _with_law_alone(design, meter.brief(files, design.cost_stimuli.block(), inputs), inputs)
 
-    return Task("cost", compute, (meter.brief, design.emit, design.cost_stimuli.block, design.cost_stimuli.replay))
+    used = (meter.brief, design.emit, design.cost_stimuli.block, design.cost_stimuli.replay)
+    return Task("cost", compute, (*used, meter.with_law_alone, design.cost_stimuli.law_alone))
+
+
+def _with_law_alone(design: Design, cost: Cost, inputs: Mapping[str, Any]) -> Cost:
+    """Return the cost with that of the law without its fault handling, where the design names it."""
+    from synth.verify import meter
+
+    law = design.cost_stimuli.law_alone
+    return meter.with_law_alone(cost, law(), inputs) if law else cost
 
 
 def whole_cost(design: Design) -> Task[Cost]:
@@ -139,10 +147,13 @@ def whole_cost(design: Design) -> Task[Cost]:
 
     def compute(say: Progress) -> Cost:
         files = emission(design, np.float32).result(say)[design.name]
-        sequences = design.cost_stimuli.sequences(host.load(files.files, files.manifest), say)
-        return meter.measure(files, design.cost_stimuli.block(), sequences, say)
+        controller = host.load(files.files, files.manifest)
+        sequences = design.cost_stimuli.sequences(controller, say)
+        cost = meter.measure(files, design.cost_stimuli.block(), sequences, say)
+        return _with_law_alone(design, cost, design.cost_stimuli.replay(controller))
 
-    return Task("cost", compute, (meter.measure, design.emit, design.cost_stimuli.block, design.cost_stimuli.sequences))
+    used = (meter.measure, design.emit, design.cost_stimuli.block, design.cost_stimuli.sequences)
+    return Task("cost", compute, (*used, meter.with_law_alone, design.cost_stimuli.law_alone))
 
 
 def companion_costs(design: Design) -> Task[list[Cost]]:

@@ -36,12 +36,14 @@ class CostStimuli:
     `block` is what is emitted under the design's name. `replay` returns inputs (N,) of a closed loop with faults, and
     `sequences` the steps that look for the costliest one and reach every decision; both take the compiled C. Below
     `floor`, one number or one for each output by name, a difference of outputs is absolute; see `agree.floors`.
+    `law_alone` emits the law without its fault handling, whose cost is shown beside.
     """
 
     block: Callable[[], Block]
     replay: Callable[[host.Controller], Mapping[str, NDArray[np.floating]]]
     sequences: Callable[[host.Controller, Progress], Sequence[Steps]]
     floor: agree.Floor = None
+    law_alone: Callable[[], EmittedCode] | None = None
 
 
 def _no_rows() -> Iterator[Row]:

@@ -47,6 +47,7 @@ DESIGN = stage.design(
     recording=verification.vectors,
     gains=gains.document,
     companions=[Companion(PHASES)],
+    law_alone=control.controller(PLANT),
     drive=Drive(maglev_phases.plant(), (PHASES,)),
     verify=verification.verify,
     audit=rows.rows,

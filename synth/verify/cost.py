@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CLOCK_HZ = 168e6
-SYNTH = "synth"
+SYNTH, LAW_ALONE = "synth", "synth, law alone"
 NOTE = (
     "Instructions, not cycles, counted on the steps that were run; they do not bound the worst case. The share of the "
     "period assumes one cycle per instruction at 168 MHz. The cycles are estimated from the timing table that Arm "

@@ -5,6 +5,7 @@ accumulates. Needs the extra `target`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +18,7 @@ from synth.errors import CompileError
 from synth.execute import cross, elf, host, image, recorder
 from synth.verify import baselines, cost, lines, operations, steps
 from synth.verify.baselines import Candidate
-from synth.verify.cost import Cost, Coverage, Memory, SequenceCost, StepCost
+from synth.verify.cost import LAW_ALONE, Cost, Coverage, Memory, SequenceCost, StepCost
 from synth.verify.steps import Steps
 
 CORE = "cortex-m4f"
@@ -104,6 +105,18 @@ def measure(
         operations.of_program(emitted.program) if emitted.program else operations.of_block(block, np.float32),
         baselines.unmeasured_generators(),
     )
+
+
+def with_law_alone(cost: Cost, law: EmittedCode, inputs: Columns) -> Cost:
+    """Return the cost with that of the C of the law without its fault handling, over steps without a fault.
+
+    Raises as `measure`.
+    """
+    controller, candidate = host.load(law.files, law.manifest), replace(baselines.emitted_c(law), name=LAW_ALONE)
+    recorded = steps.without_faults(controller, steps.record(controller, "law alone", inputs))
+    shared = steps.thinned(recorded, cost.compared[0].steps)
+    alone = [step_cost(candidate, shared, build, controller) for build in builds()]
+    return replace(cost, compared=(*cost.compared, *alone))
 
 
 def brief(emitted: EmittedCode, block: Block, inputs: Columns) -> Cost:
