@@ -45,13 +45,14 @@ LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not pr
 DECISION = redundancy.Decision(
     gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
 )
+PHI_SPRING = maglev_stage.plant().parameter("k_s_phi").value  # 1/s^2
 STOP, REACH = control.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
     "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, REACH),
     "x": landing.Braking("x", 4.0, 30.0, REACH),
     "z": landing.Braking("z", 4.0, 30.0, REACH),
-    "phi": landing.Levelling("phi", 40.0),
-    "theta": landing.Levelling("theta", 40.0),
+    "phi": landing.Release("phi", control.COMPENSATED["k_s_phi"] * PHI_SPRING),
+    "theta": landing.Levelling("theta", 40.0, 14.0),
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
 REASON = (
@@ -129,9 +130,14 @@ def sufficiency() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         one = ca.logic_or(u["x_trusted"], u["z_trusted"])
         free = ca.logic_and(u["regular"], u[height.name] < LIFTED)
-        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free})
+        measured = ca.logic_not(ca.logic_and(u["x_trusted"], u["z_trusted"]))
+        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free, "theta_measured": measured})
 
-    outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled"), Signal("free", "1", 0, 1, "no stop holds it")]
+    outputs = [
+        Signal("sufficient", "1", 0, 1, "it can be controlled"),
+        Signal("free", "1", 0, 1, "no stop holds it"),
+        Signal("theta_measured", "1", 0, 1, "it does not land because of the gap encoders"),
+    ]
     return build("sufficiency", TIME, law, inputs=[*flags, height], outputs=outputs, tag="it can land, is probed")
 
 

@@ -39,7 +39,9 @@ BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
 LEARNING, GAINS = 30.0, (0.8, 1.2)
-POLES = np.array([60.0, 30.0, 30.0, 40.0, 40.0])  # rad/s, of the landing
+POLES = np.array([60.0, 30.0, 30.0, 0.0, 40.0])  # rad/s, of the landing; phi is left to its spring
+WITHOUT_GAPS = np.array([60.0, 30.0, 30.0, 0.0, 14.0])  # rad/s: theta is predicted
+PHI_SPRING = 0.75 * 15_000.0  # 1/s^2, the compensated part
 END, BEYOND, SPEED, TOUCH, PRESS, DESCENT, BRAKE = 0.031, 0.4e-3, 0.08, 5e-3, 1e-3, 2.0, 4.0
 DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
@@ -150,7 +152,7 @@ def observe(state: Columns, q: Array, trusted: Flags, ready: Flags) -> tuple[Arr
 
 
 def land(
-    state: Columns, w: Array, estimate: tuple[Array, Array, Array], regular: Flags
+    state: Columns, w: Array, estimate: tuple[Array, Array, Array], phi: Array, regular: Flags, trusted: Flags
 ) -> tuple[Array, dict[str, Any]]:
     """Return the demands (5, n), the tracking ones w or those of the landing, and the next states with `landed`."""
     q, v, d = estimate
@@ -165,8 +167,9 @@ def land(
     most = by_row([DESCENT * T, BRAKE * T, BRAKE * T], q)
     change = np.clip(np.array([speed - rate[0], -rate[1], -rate[2]]), -most, most)
     full = [np.concatenate([x, np.zeros_like(x[:2])]) for x in (ramp, rate, change / T)]
-    p = by_row(POLES, q)
+    p = np.where(trusted.all(axis=0), by_row(WITHOUT_GAPS, q), by_row(POLES, q))
     demand = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
+    demand[3] = -PHI_SPRING * phi
     high = by_row([END + 4 * BEYOND, REACH, REACH], q)
     ahead = np.clip(np.where(was, ramp + T * rate + T / 2 * change, ramp), -REACH, high)
     for n, x in (("r", ahead), ("dr", np.clip(rate + change, -WIDE, WIDE))):
@@ -227,7 +230,9 @@ def step(
     filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
     e = pose - values[SENSORS:]
     rate, filtered = reference.rate(e, filters, ready, k)
-    w, after_landing = land(state, reference.demand(e, rate, eta, k), (q, v, d), flag["regular"])
+    w, after_landing = land(
+        state, reference.demand(e, rate, eta, k), (q, v, d), pose[3], flag["regular"], flag["trusted"]
+    )
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
     w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))
     computed, excess = reference.currents(w, pose, used[:4], last, k)

@@ -123,52 +123,6 @@ static inline float half_a_over_h2_2_polynomial(float t)
     return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
-typedef struct {
-    float disturbance;
-    float estimate;
-    float rate;
-} maglev_5dof_observer_t;
-
-/* observer_x, observer_z: predictive observer, alpha-beta-gamma
- *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
- *         set, else 0
- *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
- *     x_rate = v + beta * (x_held - q) if guard_ready is set, else 0
- *     q_next = limit(x_estimate + 0.001 * (x_rate + 0.0005 * (g * delay_a_x_last + x_disturbance)), 0.1)
- *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
- *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
- *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
-    bool trusted, float held, float a_before)
-{
-    static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
-    static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
-    static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
-
-    float d_next = 0.0f;
-    float q = held;
-    float rate_part = 0.0f;
-    float g_part = 0.0f;
-    if (ready != 0u) {
-        const float q_2 = state->q;
-        const float nu = held - q_2;
-        if (trusted) {
-            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
-            d_next = d_part;
-            g_part = 0.03f * (a_before * d_part);
-        }
-        q = q_2 + (alpha * nu);
-        rate_part = state->v + (beta * nu);
-    }
-    const float g = state->g;
-    const float a = (g * a_before) + d_next;
-    state->q = maglev_5dof_limit(q + (0.001f * (rate_part + (0.0005f * a))), 0.1f);
-    state->v = maglev_5dof_limit(rate_part + (0.001f * a), 2.0f);
-    state->d = d_next;
-    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
-    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
-}
-
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
  *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
@@ -283,8 +237,8 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
         .observer_y_q = 0.0245f,
-        .observer_x.g = 1.0f,
-        .observer_z.g = 1.0f,
+        .observer_x_g = 1.0f,
+        .observer_z_g = 1.0f,
         .landing_left = 5u,
         .probe_x_towards = 0.46666667f,
         .probe_z_towards = 0.46666667f,
@@ -326,6 +280,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
+    static const float observer_x_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_x_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_x_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_z_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_z_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+    static const float observer_z_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
@@ -370,7 +330,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
      *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_x_q = state->observer_x.q;
+    const float observer_x_q = state->observer_x_q;
 
     /* probe_x: probe at rest
      *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else free) if 0 < sample or 40 <=
@@ -383,9 +343,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool x_unanswered = 5u <= probe_x_attempt;
 
     /* observer_phi: predictive observer, alpha-beta-gamma
-     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
+     *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
      *     q_next = limit(phi_estimate + 0.001 * (phi_rate + 0.0005 * (delay_w_phi_last + phi_disturbance)),
      *         0.02)
      *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 4) */
@@ -418,7 +378,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_z_q = state->observer_z.q;
+    const float observer_z_q = state->observer_z_q;
 
     /* probe_z: probe at rest
      *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else free) if 0 < sample or 40 <=
@@ -734,9 +694,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
 
     /* landing: landing: ramps and state feedback
-     *     w_phi = -(1600 * phi_estimate + (80 * (observer_phi_v + observer_phi_beta * (phi - observer_phi_q))
-     *         if guard_ready is set, else 0) + phi_disturbance) if landing_next is set, else w_phi_tracking;
-     *         likewise w_theta
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
      *     dr_x_next = max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is set, else
@@ -784,13 +741,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
 
-    /* observer_phi: predictive observer, alpha-beta-gamma */
-    const float nu_phi_disturbance = phi - observer_phi_q;
-    const float phi_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_disturbance), 200.0f) : 0.0f;
-    const float phi_estimate = (guard_ready != 0u) ? (observer_phi_q + (observer_phi_alpha * nu_phi_disturbance)) : phi;
-    const float phi_rate_part = state->observer_phi_v + (observer_phi_beta * nu_phi_disturbance);
-    const float phi_rate = (guard_ready != 0u) ? phi_rate_part : 0.0f;
-
     /* observer_theta: predictive observer, alpha-beta-gamma */
     const float nu_theta_disturbance = theta - observer_theta_q;
     const float theta_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance), 200.0f) : 0.0f;
@@ -803,6 +753,45 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f) : 0.0f;
     const float y_estimate = (guard_ready != 0u) ? (observer_y_q + (observer_y_alpha * nu_y_disturbance)) : y;
     const float y_rate = (guard_ready != 0u) ? (state->observer_y_v + (observer_y_beta * nu_y_disturbance)) : 0.0f;
+
+    /* observer_x: predictive observer, alpha-beta-gamma */
+    const float nu_z_disturbance = z_held - observer_z_q;
+    const float delay_a_z_last = state->delay_a_z_last;
+    float z_disturbance_part = 0.0f;
+    float i_d1_computed_part = 0.0f;
+    float observer_z_g_part = 0.0f;
+    if (z_trusted) {
+        const float z_disturbance_part_2 = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
+        z_disturbance_part = z_disturbance_part_2;
+        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part_2);
+    } else {
+        i_d1_computed_part = -1.0f;
+    }
+    const float nu_x_disturbance = x_held - observer_x_q;
+    const float delay_a_x_last = state->delay_a_x_last;
+    float x_disturbance_part = 0.0f;
+    float observer_x_g_part = 0.0f;
+    if (x_trusted) {
+        const float x_disturbance_part_2 = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * nu_x_disturbance), 20.0f);
+        x_disturbance_part = x_disturbance_part_2;
+        observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part_2);
+    } else {
+        i_d1_computed_part = 1.0f;
+    }
+    const float x_disturbance = (guard_ready != 0u) ? x_disturbance_part : 0.0f;
+    const float x_estimate = (guard_ready != 0u) ? (observer_x_q + (observer_x_alpha * nu_x_disturbance)) : x_held;
+    const float x_rate = (guard_ready != 0u) ? (state->observer_x_v + (observer_x_beta * nu_x_disturbance)) : 0.0f;
+
+    /* observer_z: predictive observer, alpha-beta-gamma */
+    const float z_disturbance = (guard_ready != 0u) ? z_disturbance_part : 0.0f;
+    const float z_estimate = (guard_ready != 0u) ? (observer_z_q + (observer_z_alpha * nu_z_disturbance)) : z_held;
+    const float z_rate = (guard_ready != 0u) ? (state->observer_z_v + (observer_z_beta * nu_z_disturbance)) : 0.0f;
+
+    /* observer_phi: predictive observer, alpha-beta-gamma */
+    const float nu_phi_estimate = phi - observer_phi_q;
+    const float phi_estimate = (guard_ready != 0u) ? (observer_phi_q + (observer_phi_alpha * nu_phi_estimate)) : phi;
+    const float phi_rate = (guard_ready != 0u) ? (state->observer_phi_v + (observer_phi_beta * nu_phi_estimate)) : 0.0f;
+    const float phi_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate), 200.0f) : 0.0f;
 
     /* angles: positions for the commutation
      *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
@@ -832,8 +821,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
-    const float w_phi_part = 80.0f * phi_rate_part;
-    const float w_theta_part = 80.0f * theta_rate_part;
+    const float pole = (x_trusted && z_trusted) ? 14.0f : 40.0f;
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -883,8 +871,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         } else {
             landing = landing_landing;
         }
-        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted, x_held, state->delay_a_x_last);
-        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted, z_held, state->delay_a_z_last);
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -894,13 +880,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* observer_z: predictive observer, alpha-beta-gamma */
+            w_phi = -11250.0f * phi;
+            w_theta = -((pole * pole * theta_estimate) + ((guard_ready != 0u) ? (2.0f * (pole * theta_rate_part)) : 0.0f) + theta_disturbance);
             float r_w_y = landing_r_y;
             float w_y_part = y_rate;
-            float w_x_unprobed_part = observer_x.estimate;
-            float w_x_unprobed_part_2 = observer_x.rate;
-            float w_z_unprobed_part = observer_z.estimate;
-            float w_z_unprobed_part_2 = observer_z.rate;
+            float w_x_unprobed_part = x_estimate;
+            float w_x_unprobed_part_2 = x_rate;
+            float w_z_unprobed_part = z_estimate;
+            float w_z_unprobed_part_2 = z_rate;
             if (landing_landing != 0u) {
                 w_y_part = state->landing_dr_y;
                 w_x_unprobed_part = state->landing_r_x;
@@ -913,35 +900,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float w_y_part_2 = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
             const float w_y_part_3 = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + (maglev_5dof_limit(1000.0f * (w_y_part_2 - w_y_part), 2.0f) - y_disturbance);
             w_y = w_y_part_3;
-            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - observer_x.disturbance);
+            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - x_estimate)) + (60.0f * (w_x_unprobed_part_2 - x_rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - x_disturbance);
             w_x_unprobed = w_x_unprobed_part_3;
-            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - observer_z.disturbance);
+            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - z_estimate)) + (60.0f * (w_z_unprobed_part_2 - z_rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - z_disturbance);
             w_z_unprobed = w_z_unprobed_part_3;
             const float landing_dr_y_next = maglev_5dof_slew(w_y_part, w_y_part_2, 0.002f);
             const float landing_r_y_part_2 = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (w_y_part + landing_dr_y_next)), 0.0326f), -0.5f) : y_estimate;
             landing_r_y_part = landing_r_y_part_2;
             state->landing_dr_y = landing_dr_y_next;
-
-            /* landing: landing: ramps and state feedback */
             const float landing_dr_x_next = maglev_5dof_slew(w_x_unprobed_part_2, 0.0f, 0.004f);
-            const float landing_r_x_next = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_dr_x_next)), 0.5f) : observer_x.estimate;
-            state->landing_r_x = landing_r_x_next;
+            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_dr_x_next)), 0.5f) : x_estimate;
             state->landing_dr_x = landing_dr_x_next;
             const float faster = maglev_5dof_slew(w_z_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster)), 0.5f) : observer_z.estimate;
+            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster)), 0.5f) : z_estimate;
             state->landing_dr_z = faster;
-            w_phi = -((1600.0f * phi_estimate) + ((guard_ready != 0u) ? w_phi_part : 0.0f) + phi_disturbance);
-            w_theta = -((1600.0f * theta_estimate) + ((guard_ready != 0u) ? w_theta_part : 0.0f) + theta_disturbance);
-#if defined(MAGLEV_5DOF_DIAGNOSTICS)
-            if (diagnostics != NULL) {
-                diagnostics->x_disturbance = observer_x.disturbance;
-                diagnostics->x_estimate = observer_x.estimate;
-                diagnostics->x_rate = observer_x.rate;
-                diagnostics->z_disturbance = observer_z.disturbance;
-                diagnostics->z_estimate = observer_z.estimate;
-                diagnostics->z_rate = observer_z.rate;
-            }
-#endif
         } else {
             /* regulator_y: F(14)-(16)
              *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
@@ -1094,9 +1066,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
         const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
+        state->safe_output_last_u_x = u_x_computed;
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
 
         /* landing: landing: ramps and state feedback */
         state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
+        state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
         /* probe_z: probe at rest */
         const uint32_t probe_z_sample = state->probe_z_sample;
@@ -1130,27 +1106,32 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
         const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
         const float excess_x = u_x_computed - u_x_demand;
+        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         const float excess_z = u_z_computed - u_z_demand;
+        state->safe_output_last_u_z = u_z_computed;
+        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
 
         /* handover: direct currents without x or z */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             /* safe_output: slew to the safe output once latched */
-            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
-            const float i_d1_computed_part = maglev_5dof_min(transfer, 0.0f);
-            const float i_d1_computed_part_2 = 1.0f + i_d1_computed_part;
+            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : i_d1_computed_part, 0.04f);
+            const float i_d1_computed_part_2 = maglev_5dof_min(transfer, 0.0f);
+            const float i_d1_computed_part_3 = 1.0f + i_d1_computed_part_2;
             const float part_x = maglev_5dof_max(transfer, 0.0f);
             const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = i_d1_computed_part_2 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d1 = i_d1_computed_part_3 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
             out->i_d1 = state->safe_output_last_i_d1;
             const float i_d2_computed_part = 1.0f - part_x;
-            const float i_d2_computed_part_2 = 0.5f * (i_d1_computed_part * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part_2 = 0.5f * (i_d1_computed_part_2 * (i_d1_balanced + i_d3_balanced));
             const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
             state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced - i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = i_d1_computed_part_2 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d3 = i_d1_computed_part_3 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
             out->i_d3 = state->safe_output_last_i_d3;
             state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced - i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d4 = state->safe_output_last_i_d4;
@@ -1178,16 +1159,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
         const float delay_w_y_last = state->delay_w_y_last;
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
-        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
-        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
-        state->safe_output_last_u_x = u_x_computed;
-        state->safe_output_last_u_z = u_z_computed;
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
@@ -1208,9 +1181,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float a_observer_theta_q = delay_w_theta_last + theta_disturbance;
         state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.001f * (theta_rate + (0.0005f * a_observer_theta_q))), 0.031f);
         state->observer_theta_v = maglev_5dof_limit(theta_rate + (0.001f * a_observer_theta_q), 4.0f);
-
-        /* landing: landing: ramps and state feedback */
-        state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
         /* redundancy: parity, innovations, frozen codes */
         state->redundancy_code_y1 = y1_accepted;
@@ -1240,6 +1210,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* observer_y: predictive observer, alpha-beta-gamma */
         state->observer_y_d = y_disturbance;
+
+        /* observer_x: predictive observer, alpha-beta-gamma */
+        const float observer_x_g = state->observer_x_g;
+        const float a_observer_x_q = (observer_x_g * delay_a_x_last) + x_disturbance;
+        state->observer_x_q = maglev_5dof_limit(x_estimate + (0.001f * (x_rate + (0.0005f * a_observer_x_q))), 0.1f);
+        state->observer_x_v = maglev_5dof_limit(x_rate + (0.001f * a_observer_x_q), 2.0f);
+        state->observer_x_d = x_disturbance;
+        state->observer_x_g = maglev_5dof_max(maglev_5dof_min(observer_x_g + ((guard_ready != 0u) ? observer_x_g_part : 0.0f), 1.2f), 0.8f);
+
+        /* observer_z: predictive observer, alpha-beta-gamma */
+        const float observer_z_g = state->observer_z_g;
+        const float a_observer_z_q = (observer_z_g * delay_a_z_last) + z_disturbance;
+        state->observer_z_q = maglev_5dof_limit(z_estimate + (0.001f * (z_rate + (0.0005f * a_observer_z_q))), 0.1f);
+        state->observer_z_v = maglev_5dof_limit(z_rate + (0.001f * a_observer_z_q), 2.0f);
+        state->observer_z_d = z_disturbance;
+        state->observer_z_g = maglev_5dof_max(maglev_5dof_min(observer_z_g + ((guard_ready != 0u) ? observer_z_g_part : 0.0f), 1.2f), 0.8f);
 
         /* observer_phi: predictive observer, alpha-beta-gamma */
         state->observer_phi_d = phi_disturbance;
@@ -1303,15 +1289,21 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y = y;
         diagnostics->phi = phi;
         diagnostics->theta = theta;
-        diagnostics->phi_disturbance = phi_disturbance;
-        diagnostics->phi_estimate = phi_estimate;
-        diagnostics->phi_rate = phi_rate;
         diagnostics->theta_disturbance = theta_disturbance;
         diagnostics->theta_estimate = theta_estimate;
         diagnostics->theta_rate = theta_rate;
         diagnostics->y_disturbance = y_disturbance;
         diagnostics->y_estimate = y_estimate;
         diagnostics->y_rate = y_rate;
+        diagnostics->x_disturbance = x_disturbance;
+        diagnostics->x_estimate = x_estimate;
+        diagnostics->x_rate = x_rate;
+        diagnostics->z_disturbance = z_disturbance;
+        diagnostics->z_estimate = z_estimate;
+        diagnostics->z_rate = z_rate;
+        diagnostics->phi_estimate = phi_estimate;
+        diagnostics->phi_rate = phi_rate;
+        diagnostics->phi_disturbance = phi_disturbance;
     }
 #endif
 

@@ -51,13 +51,6 @@ typedef struct {
 } maglev_5dof_filter_state_t;
 
 typedef struct {
-    float q;                            /* m, -0.1 .. 0.1: prediction */
-    float v;                            /* m/s, -2 .. 2: predicted rate */
-    float d;                            /* m/s^2, -20 .. 20: disturbance */
-    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
-} maglev_5dof_observer_state_t;
-
-typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
     float y2;                           /* m, 0.0124 .. 0.0366: gap of motor 2 */
     float y3;                           /* m, 0.0168 .. 0.0322: gap of motor 3 */
@@ -142,8 +135,14 @@ typedef struct {
     float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
     float observer_y_v;                 /* m/s, -4 .. 4: predicted rate */
     float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
-    maglev_5dof_observer_state_t observer_x;
-    maglev_5dof_observer_state_t observer_z;
+    float observer_x_q;                 /* m, -0.1 .. 0.1: prediction */
+    float observer_x_v;                 /* m/s, -2 .. 2: predicted rate */
+    float observer_x_d;                 /* m/s^2, -20 .. 20: disturbance */
+    float observer_x_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    float observer_z_q;                 /* m, -0.1 .. 0.1: prediction */
+    float observer_z_v;                 /* m/s, -2 .. 2: predicted rate */
+    float observer_z_d;                 /* m/s^2, -20 .. 20: disturbance */
+    float observer_z_g;                 /* 1, 0.8 .. 1.2: learnt gain */
     float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
     float observer_phi_v;               /* rad/s, -4 .. 4: predicted rate */
     float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
@@ -251,9 +250,6 @@ typedef struct {
     float w_z_tracking;                 /* m/s^2: demanded acceleration */
     float w_phi_tracking;               /* rad/s^2: demanded acceleration */
     float w_theta_tracking;             /* rad/s^2: demanded acceleration */
-    float phi_disturbance;              /* rad/s^2: acceleration that the demand lacks */
-    float phi_estimate;                 /* rad: phi after the correction */
-    float phi_rate;                     /* rad/s: rate of phi after the correction */
     float w_phi;                        /* rad/s^2: demanded acceleration */
     float theta_disturbance;            /* rad/s^2: acceleration that the demand lacks */
     float theta_estimate;               /* rad: theta after the correction */
@@ -281,6 +277,9 @@ typedef struct {
     float excess_z;                     /* A: u_z limited less u_z demanded */
     float a_x;                          /* m/s^2: acceleration by u_x */
     float a_z;                          /* m/s^2: acceleration by u_z */
+    float phi_estimate;                 /* rad: phi after the correction */
+    float phi_rate;                     /* rad/s: rate of phi after the correction */
+    float phi_disturbance;              /* rad/s^2: acceleration that the demand lacks */
     uint32_t samples;                   /* steps that had this struct */
     uint32_t faults;                    /* fault word of the last step */
     uint32_t latch_cause;               /* fault word of the step that latched, 0 before */

@@ -7,6 +7,7 @@ From the sample on in which ``regular`` is lost for `patience` samples in a row,
     descent   r' -> max(min(speed, touch + (end - r)/time), press) with |r''| <= acceleration
     braking   r' -> 0 with |r''| <= acceleration
     levelling r = 0
+    release   w = -k q with the coordinate q that the laws behind read: k is the spring that they compensate
 
 in place of the tracking demands. Each r starts at the estimate, with the rate of the estimate. No integrator takes
 part, and the history of the tracking has no influence: the observer's disturbance d does the work of an integrator.
@@ -25,7 +26,7 @@ from synth.errors import SignalError
 from synth.signals import Signal
 from synth.timing import Discrete
 
-__all__ = ["Braking", "Descent", "Levelling", "block"]
+__all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 
 
 @arguments.checked
@@ -61,13 +62,26 @@ class Braking:
 @arguments.checked
 @dataclass(frozen=True)
 class Levelling:
-    """To zero, with the poles at -`pole` rad/s."""
+    """To zero, with the poles at -`pole` rad/s, or -`predicted_pole` without a measurement.
+
+    A fast motion along predictions alone excites what the model does not know.
+    """
 
     coordinate: str
     pole: float
+    predicted_pole: float
 
 
-Course = Descent | Braking | Levelling
+@arguments.checked
+@dataclass(frozen=True)
+class Release:
+    """To its guide spring: `spring` in 1/s^2 is the part of it that the laws behind compensate."""
+
+    coordinate: str
+    spring: float
+
+
+Course = Descent | Braking | Levelling | Release
 
 
 @arguments.checked
@@ -75,13 +89,14 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     """Return the Block from the tracking demands ``<w>_tracking`` to the demands ``<w>``, and ``landed``.
 
     `demands` are those of the `courses`, in the same order. For each coordinate q the Block reads ``<q>_estimate``,
-    ``<q>_rate`` and ``<q>_disturbance``; further ``regular`` and ``ready``.
+    ``<q>_rate`` and ``<q>_disturbance``, for one that is levelled ``<q>_measured`` and for one that is released
+    ``<q>``; further ``regular`` and ``ready``.
 
     Raises SignalError without exactly one descent, for a different number of demands, or for values that are not
     positive.
     """
     _check(courses, demands, patience)
-    T, moving = time.period_s, [c for c in courses if not isinstance(c, Levelling)]
+    T, moving = time.period_s, [c for c in courses if isinstance(c, Descent | Braking)]
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         waiting = ca.logic_and(ca.logic_not(u["regular"]), u["ready"])
@@ -90,8 +105,15 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
         landing = ca.if_else(due, 1, x["landing"])
         output, next = {}, {"left": left, "landing": landing}
         for c, w in zip(courses, demands, strict=True):
+            if isinstance(c, Release):
+                released = -c.spring * u[c.coordinate]
+                output[w.name] = ca.if_else(landing, clip(released, w), u[f"{w.name}_tracking"])
+                continue
             q, v, d = (u[f"{c.coordinate}_{of}"] for of in ("estimate", "rate", "disturbance"))
-            p, r, dr, ddr = c.pole, ca.SX(0), ca.SX(0), ca.SX(0)
+            pole = ca.SX(c.pole)
+            if isinstance(c, Levelling):
+                pole = ca.if_else(u[f"{c.coordinate}_measured"], c.pole, c.predicted_pole)
+            p, r, dr, ddr = pole, ca.SX(0), ca.SX(0), ca.SX(0)
             if not isinstance(c, Levelling):
                 r = ca.if_else(x["landing"], x[f"r_{c.coordinate}"], q)
                 dr = ca.if_else(x["landing"], x[f"dr_{c.coordinate}"], v)
@@ -146,9 +168,14 @@ def _inputs(courses: Sequence[Course], demands: Sequence[Signal]) -> list[Signal
     inputs = []
     for c, w in zip(courses, demands, strict=True):
         unit = w.unit.removesuffix("/s^2")
-        inputs.append(Signal(f"{c.coordinate}_estimate", unit, -WIDE, WIDE))
-        inputs.append(Signal(f"{c.coordinate}_rate", f"{unit}/s", -WIDE, WIDE))
-        inputs.append(Signal(f"{c.coordinate}_disturbance", w.unit, w.low, w.high))
+        if isinstance(c, Release):
+            inputs.append(Signal(c.coordinate, unit, -WIDE, WIDE))
+        else:
+            inputs.append(Signal(f"{c.coordinate}_estimate", unit, -WIDE, WIDE))
+            inputs.append(Signal(f"{c.coordinate}_rate", f"{unit}/s", -WIDE, WIDE))
+            inputs.append(Signal(f"{c.coordinate}_disturbance", w.unit, w.low, w.high))
+        if isinstance(c, Levelling):
+            inputs.append(Signal(f"{c.coordinate}_measured", "1", 0, 1))
         inputs.append(Signal(f"{w.name}_tracking", w.unit, w.low, w.high))
     return [*inputs, Signal("regular", "1", 0, 1), Signal("ready", "1", 0, 1)]
 
@@ -161,11 +188,15 @@ def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) 
             "demand for each course"
         )
     d = descents[0]
-    moving = [c for c in courses if not isinstance(c, Levelling)]
-    values = [*(c.pole for c in courses), *(v for c in moving for v in (c.acceleration, c.reach))]
+    moving = [c for c in courses if isinstance(c, Descent | Braking)]
+    values = [
+        *(c.spring if isinstance(c, Release) else c.pole for c in courses),
+        *(v for c in moving for v in (c.acceleration, c.reach)),
+    ]
+    values += [c.predicted_pole for c in courses if isinstance(c, Levelling)]
     values += [d.touch, d.press, d.beyond, d.speed - d.touch, float(patience)]
     if not min(values) > 0:
         raise SignalError(
-            f"the least value of the landing is {min(values)}: give positive poles, accelerations, speeds and samples, "
-            "and a touch slower than the descent"
+            f"the least value of the landing is {min(values)}: give positive poles, springs, accelerations, speeds and "
+            "samples, and a touch slower than the descent"
         )

@@ -167,27 +167,41 @@ def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measureme
     assert abs(state["v"] - v) < 5e-3  # m/s, after 1 s without a measurement; with the gain 1 it is 12 mm/s and more
 
 
-def test_the_landing_touches_slowly_and_levels() -> None:
-    w = [Signal(f"w_{n}", unit, -1e3, 1e3) for n, unit in (("y", "m/s^2"), ("x", "m/s^2"), ("t", "rad/s^2"))]
+def test_the_landing_touches_slowly_levels_and_leaves_an_axis_to_its_spring() -> None:
+    units = {"y": "m/s^2", "x": "m/s^2", "t": "rad/s^2", "p": "rad/s^2"}
     courses = [
         landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1),
         landing.Braking("x", 4.0, 30.0, 0.1),
-        landing.Levelling("t", 40.0),
+        landing.Levelling("t", 40.0, 20.0),
+        landing.Release("p", 50.0),
     ]
-    runner = Runner(landing.block(TIME, courses, w, 5))
-    q, v, speed, landed = np.array([0.02, 0.01, 5e-3]), np.array([-0.02, 0.14, 0.05]), [], []
+    runner = Runner(landing.block(TIME, courses, [Signal(f"w_{n}", unit, -1e3, 1e3) for n, unit in units.items()], 5))
+    q, v, touch, landed = np.array([0.02, 0.01, 5e-3]), np.array([-0.02, 0.14, 0.05]), [], []
     for k in range(900):
-        names = {"y": 0, "x": 1, "t": 2}
-        inputs = {f"{n}_estimate": q[i] for n, i in names.items()} | {f"{n}_rate": v[i] for n, i in names.items()}
-        inputs |= {f"{n}_disturbance": 0.0 for n in names} | {f"w_{n}_tracking": 7.0 for n in names}
+        inputs = {f"{n}_estimate": x for n, x in zip("yxt", q, strict=True)} | {"p": 3e-3, "t_measured": 1.0}
+        inputs |= {f"{n}_rate": x for n, x in zip("yxt", v, strict=True)} | {f"{n}_disturbance": 0.0 for n in "yxt"}
+        inputs |= {f"w_{n}_tracking": 7.0 for n in units}
         out = runner(**inputs, regular=float(k < 3), ready=1.0)
-        assert k >= 7 or out["w_y"] == 7.0
+        assert (out["w_y"] == 7.0) == (k < 7) and out["w_p"] == (7.0 if k < 7 else pytest.approx(-50 * 3e-3))
         if k >= 7:
-            a = np.array([out[f"w_{n}"] for n in names])
-            q, v = q + T * v + T * T / 2 * a, v + T * a
-        speed.append(v[0] if q[0] < 0.031 else 0.0)
+            q, v = q + T * v + T * T / 2 * (w := np.array([out[f"w_{n}"] for n in "yxt"])), v + T * w
+            assert v[0] < 0.085
+        touch += [v[0]] if q[0] >= 0.031 else []
         landed.append(out["landed"])
         q[0] = min(q[0], 0.031)
-    touch = int(np.argmax(q[0] >= 0.031))
-    assert max(speed) < 0.085 and touch >= 0 and 0.2 < landed.index(1) * T < 0.8
+    assert 0 < touch[0] < 6e-3 and 0.2 < landed.index(1) * T < 0.8  # m/s, s
     assert abs(q[2]) < 1e-4 and abs(v[1]) < 1e-4 and q[1] < 0.015
+
+
+def test_a_coordinate_that_is_only_predicted_is_levelled_more_slowly() -> None:
+    courses = [landing.Descent("y", 0.031, 0.08, 5e-3, 1e-3, 2.0, 4e-4, 60.0, 0.1), landing.Levelling("t", 40.0, 20.0)]
+    block = landing.block(TIME, courses, [Signal("w_y", "m/s^2", -1e3, 1e3), Signal("w_t", "rad/s^2", -1e3, 1e3)], 1)
+    rest = {f"{n}_{of}": 0.0 for n in "yt" for of in ("rate", "disturbance")} | {
+        "w_y_tracking": 0.0,
+        "w_t_tracking": 0.0,
+    }
+    demands = [
+        Runner(block)(**rest, y_estimate=0.02, t_estimate=1e-3, t_measured=measured, regular=0.0, ready=1.0)["w_t"]
+        for measured in (1.0, 0.0)
+    ]
+    assert demands == [pytest.approx(-1.6), pytest.approx(-0.4)]  # rad/s^2: p^2 q
