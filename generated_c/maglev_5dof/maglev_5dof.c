@@ -394,35 +394,49 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     x_unchanged = (still_x if 40 <= still_x, else still_x + 1) if x_accepted == code_x, else 0; likewise
      *         z_unchanged
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
-     *         likewise still_y2_next, still_y3_next, still_y4_next */
+     *         likewise still_y2_next, still_y3_next, still_y4_next
+     *     agreed_x_next = agreed_x if x_accepted == code_x, else (0 if 4e-05 < |observer_x_q - x_accepted|,
+     *         else (agreed_x if 10 <= agreed_x, else agreed_x + 1)); likewise agreed_z_next */
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
     const float r_suspect_y1 = suspect_y1_part - y4_accepted;
     const float size = fabsf(r_suspect_y1);
     const bool agreement = size <= 4.8e-05f;
+    const uint32_t redundancy_agreed_x = state->redundancy_agreed_x;
+    const bool suspect_y1_test = 10u <= redundancy_agreed_x;
     uint32_t x_unchanged = 0u;
     float suspect_y1_part_2 = observer_x_q;
+    uint32_t redundancy_agreed_x_part = redundancy_agreed_x;
     if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
         x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         suspect_y1_part_2 = state->redundancy_before_x;
+    } else {
+        const uint32_t redundancy_agreed_x_next = (4e-05f < fabsf(observer_x_q - x_accepted)) ? 0u : ((suspect_y1_test) ? redundancy_agreed_x : (redundancy_agreed_x + 1u));
+        redundancy_agreed_x_part = redundancy_agreed_x_next;
     }
     const float redundancy_before_x_next = (guard_ready != 0u) ? suspect_y1_part_2 : x_accepted;
-    bool suspect_y1_test = false;
+    bool suspect_y1_test_2 = false;
     if (3u <= x_unchanged) {
-        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && ((4e-05f < fabsf(observer_x_q - redundancy_before_x_next)) || x_unanswered);
+        suspect_y1_test_2 = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - redundancy_before_x_next)) && suspect_y1_test) || x_unanswered);
     }
+    const uint32_t redundancy_agreed_z = state->redundancy_agreed_z;
+    const bool suspect_y1_test_3 = 10u <= redundancy_agreed_z;
     uint32_t z_unchanged = 0u;
     float suspect_y1_part_3 = observer_z_q;
+    uint32_t redundancy_agreed_z_part = redundancy_agreed_z;
     if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
         suspect_y1_part_3 = state->redundancy_before_z;
+    } else {
+        const uint32_t changed = (4e-05f < fabsf(observer_z_q - z_accepted)) ? 0u : ((suspect_y1_test_3) ? redundancy_agreed_z : (redundancy_agreed_z + 1u));
+        redundancy_agreed_z_part = changed;
     }
     const float before = (guard_ready != 0u) ? suspect_y1_part_3 : z_accepted;
-    bool suspect_y1_test_2 = false;
+    bool suspect_y1_test_4 = false;
     if (3u <= z_unchanged) {
-        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && ((4e-05f < fabsf(observer_z_q - before)) || z_unanswered);
+        suspect_y1_test_4 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && suspect_y1_test_3) || z_unanswered);
     }
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -482,7 +496,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_stuck_0_part = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_part = redundancy_undecided_0;
     uint32_t redundancy_degraded_part = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
+    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test_2 && !suspect_y1_test_4)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
         const float phi_2 = 0.397f * observer_phi_q;
@@ -514,22 +528,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 suspect_y4_part = (float)redundancy_undecided_0;
                 regular_2 = agreeing;
             } else {
-                const bool suspect_y1_test_3 = 3u <= still_still_y1;
+                const bool suspect_y1_test_5 = 3u <= still_still_y1;
                 const float suspect_y1_part_5 = 0.4f * size;
-                const bool suspect_y1_test_4 = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_6 = (suspect_y1_test_4) ? 1.0f : -1.0f;
+                const bool suspect_y1_test_6 = 0.0f < r_suspect_y1;
+                const float suspect_y1_part_6 = (suspect_y1_test_6) ? 1.0f : -1.0f;
                 const float E_y1 = suspect_y1_part_6 * (y1_accepted - y1_expected);
-                const bool candidate_y1 = suspect_y1_test_3 && (suspect_y1_part_5 < E_y1);
-                const bool suspect_y1_test_5 = 3u <= still_still_y2;
-                const float suspect_y1_part_7 = (suspect_y1_test_4) ? -1.0f : 1.0f;
+                const bool candidate_y1 = suspect_y1_test_5 && (suspect_y1_part_5 < E_y1);
+                const bool suspect_y1_test_7 = 3u <= still_still_y2;
+                const float suspect_y1_part_7 = (suspect_y1_test_6) ? -1.0f : 1.0f;
                 const float E_y2 = suspect_y1_part_7 * (y2_accepted - y2_expected);
-                const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_5 < E_y2);
-                const bool suspect_y1_test_6 = 3u <= still_still_y3;
+                const bool candidate_y2 = suspect_y1_test_7 && (suspect_y1_part_5 < E_y2);
+                const bool suspect_y1_test_8 = 3u <= still_still_y3;
                 const float E_y3 = suspect_y1_part_6 * (y3_accepted - y3_expected);
-                const bool candidate_y3 = suspect_y1_test_6 && (suspect_y1_part_5 < E_y3);
-                const bool suspect_y1_test_7 = 3u <= still_still_y4;
+                const bool candidate_y3 = suspect_y1_test_8 && (suspect_y1_part_5 < E_y3);
+                const bool suspect_y1_test_9 = 3u <= still_still_y4;
                 const float E_y4 = suspect_y1_part_7 * (y4_accepted - y4_expected);
-                const bool candidate_y4 = suspect_y1_test_7 && (suspect_y1_part_5 < E_y4);
+                const bool candidate_y4 = suspect_y1_test_9 && (suspect_y1_part_5 < E_y4);
                 const float candidates = (candidate_y1 ? 1.0f : 0.0f) + (candidate_y2 ? 1.0f : 0.0f) + (candidate_y3 ? 1.0f : 0.0f) + (candidate_y4 ? 1.0f : 0.0f);
                 const float suspect_y1_part_8 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
                 const bool first = 0.0f < candidates;
@@ -595,8 +609,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y3_part = maglev_5dof_flag(contradictory_3);
                 redundancy_excluded_y4_part = maglev_5dof_flag(contradictory_4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
-                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_3 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_5 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_6 && contradictory_3) ? 1.0f : 0.0f);
-                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_7 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
+                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_5 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_7 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_8 && contradictory_3) ? 1.0f : 0.0f);
+                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_9 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
                 redundancy_undecided_0_part = waited;
             }
         } else {
@@ -649,7 +663,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         suspect_y4 = unusual_suspect_y4;
         gaps_sufficient = sufficient_gaps_sufficient;
         const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
-        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
+        const uint32_t unusual_suspect_x = (suspect_y1_test_2 && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
         bool regular_part = false;
         if (usable_x_suspect_x && !(unusual_suspect_x != 0u)) {
             regular_part = regular_2;
@@ -658,7 +672,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             x_held = observer_x_q;
         }
         const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
-        const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
+        const uint32_t flag_suspect_z = (suspect_y1_test_4 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
         if (usable_z_suspect_z && !(flag_suspect_z != 0u)) {
             regular = regular_part;
         } else {
@@ -1198,10 +1212,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_code_x = x_accepted;
         state->redundancy_still_x = x_unchanged;
         state->redundancy_excluded_x = redundancy_excluded_x_part;
+        state->redundancy_agreed_x = redundancy_agreed_x_part;
         state->redundancy_before_x = redundancy_before_x_next;
         state->redundancy_code_z = z_accepted;
         state->redundancy_still_z = z_unchanged;
         state->redundancy_excluded_z = redundancy_excluded_z_part;
+        state->redundancy_agreed_z = redundancy_agreed_z_part;
         state->redundancy_before_z = before;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_part;

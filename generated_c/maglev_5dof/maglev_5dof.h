@@ -107,10 +107,12 @@ typedef struct {
     float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t redundancy_still_x;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
+    uint32_t redundancy_agreed_x;       /* 1, 0 .. 10: changes in a row that agree with the prediction */
     float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
     float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
+    uint32_t redundancy_agreed_z;       /* 1, 0 .. 10: changes in a row that agree with the prediction */
     float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */
@@ -175,11 +177,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 444u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 452u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_444[(sizeof(maglev_5dof_state_t) == 444u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_452[(sizeof(maglev_5dof_state_t) == 452u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

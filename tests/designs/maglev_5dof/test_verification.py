@@ -83,7 +83,7 @@ def test_the_sound_c_agrees(double: host.Controller, random_steps: Steps) -> Non
     [
         ("y3_held - y1_held", "y1_held - y3_held"),
         ("hold(in->y1, 0.0168, 0.0322", "hold(in->y1, 0.0168, 0.03"),
-        ("11250.0", "-11250.0"),
+        ("= 11250.0", "= -11250.0"),
         ("(sum_excess * excess)", "(-sum_excess * excess)"),
         ("(q1_excess * excess)", "(0.0 * excess)"),
         ("q1 - p1_next", "q1 + p1_next"),
