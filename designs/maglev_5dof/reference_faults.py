@@ -30,7 +30,7 @@ T = 1e-3  # s
 NAMES = tuple(LIMITS)[:SENSORS]
 SIGN = np.array([1.0, -1.0, 1.0, -1.0])  # of y1..y4 in the parity relation
 THRESHOLD = 4 * (5e-6 + 7e-6)  # m: half a count and an offset of each gap encoder
-FRESH, STILL, PERSISTENT, UNDECIDED, AGREED = 3, 8, 3, 10, 10  # samples, changes of a code
+FRESH, STILL, PERSISTENT, UNDECIDED, DOUBTS = 3, 8, 3, 10, 10  # samples, changes of a code
 CANDIDATE, LEAD = 0.4, (0.05, 0.3)  # of |r|
 GATE, TRAVEL, LOST = 40e-6, 0.0499, 0.2  # m, of x and z
 QUIET, QUARTER, STEP, ATTEMPTS, LIFTED = 40, 3, 4.2e-6, 5, 0.0305  # probe: samples, samples, m, pairs, m
@@ -74,11 +74,10 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     undecided = after["waited"] | ((np.asarray(state["redundancy_stuck_0"]) > 0) & moved)
     undecided = undecided | (np.asarray(state["redundancy_undecided_0"]) > 0)
     before = np.where(same[4:], reference.rows(state, ["redundancy_before_x", "redundancy_before_z"]), expected[4:])
-    before = np.where(ready, before, y[4:])
     unanswered = reference.rows(state, ["probe_x_attempt", "probe_z_attempt"]) >= ATTEMPTS
-    agreed = reference.rows(state, ["redundancy_agreed_x", "redundancy_agreed_z"])
-    changed = np.where(np.abs(expected[4:] - y[4:]) > GATE, 0, np.minimum(agreed + 1, AGREED))
-    suspicious = ((agreed >= AGREED) & (np.abs(expected[4:] - before) > GATE)) | unanswered
+    doubts = reference.rows(state, ["redundancy_doubts_x", "redundancy_doubts_z"])
+    changed = np.where(np.abs(expected[4:] - y[4:]) > GATE, DOUBTS, np.maximum(doubts - 1, 0))
+    suspicious = ((doubts == 0) & (np.abs(expected[4:] - before) > GATE)) | unanswered
     stands = (still[4:] >= FRESH) & (np.abs(y[4:]) < TRAVEL) & suspicious
     frozen = (ready & stands & usable[4:]) | excluded[4:]
     trusted = usable[4:] & ~frozen
@@ -89,7 +88,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     next |= {f"redundancy_still_{n}": v for n, v in zip(NAMES, still, strict=True)}
     leave_out = np.concatenate([excluded[:4] | after["excluded"], frozen])
     next |= {"redundancy_before_x": before[0], "redundancy_before_z": before[1]}
-    next |= zip(("redundancy_agreed_x", "redundancy_agreed_z"), np.where(same[4:], agreed, changed), strict=True)
+    next |= zip(("redundancy_doubts_x", "redundancy_doubts_z"), np.where(same[4:], doubts, changed), strict=True)
     degraded = np.asarray(state["redundancy_degraded"]) > 0
     calm = ready & good.all(axis=0) & ~degraded & ~stands.any(axis=0)
     calm &= np.abs(np.sum(by_row(SIGN, y) * y[:4], axis=0)) <= THRESHOLD

@@ -146,6 +146,7 @@ def _fault_handling(rng: np.random.Generator, n: int, inputs: Columns) -> Column
         states[f"redundancy_code_{name}"] = np.where(rng.uniform(size=n) < 0.5, y, _neighbours(rng, y))
         states[f"redundancy_excluded_{name}"] = (rng.uniform(size=n) < RARE).astype(float)
     for name in "xz":
+        states[f"redundancy_doubts_{name}"] = np.where(rng.uniform(size=n) < RARE, rng.integers(0, 11, n), 0)
         states[f"redundancy_before_{name}"] = states[f"observer_{name}_q"] + rng.normal(0, 5e-6, n)
         states[f"probe_{name}_sample"] = np.where(rng.uniform(size=n) < 0.5, 0, rng.integers(0, 16, n))
         attempts = reference_faults.ATTEMPTS

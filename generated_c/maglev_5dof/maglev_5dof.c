@@ -236,6 +236,8 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .redundancy_code_y2 = 0.0245f,
         .redundancy_code_y3 = 0.0245f,
         .redundancy_code_y4 = 0.0245f,
+        .redundancy_doubts_x = 10u,
+        .redundancy_doubts_z = 10u,
         .observer_y_q = 0.0245f,
         .observer_x_g = 1.0f,
         .observer_z_g = 1.0f,
@@ -395,48 +397,58 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *         z_unchanged
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
      *         likewise still_y2_next, still_y3_next, still_y4_next
-     *     agreed_x_next = agreed_x if x_accepted == code_x, else (0 if 4e-05 < |observer_x_q - x_accepted|,
-     *         else (agreed_x if 10 <= agreed_x, else agreed_x + 1)); likewise agreed_z_next */
+     *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if 4e-05 < |observer_x_q - x_accepted|,
+     *         else (doubts_x - 1 if 0 < doubts_x, else 0)); likewise doubts_z_next */
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
     const float r_suspect_y1 = suspect_y1_part - y4_accepted;
     const float size = fabsf(r_suspect_y1);
     const bool agreement = size <= 4.8e-05f;
-    const uint32_t redundancy_agreed_x = state->redundancy_agreed_x;
-    const bool suspect_y1_test = 10u <= redundancy_agreed_x;
+    const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
     float suspect_y1_part_2 = observer_x_q;
-    uint32_t redundancy_agreed_x_part = redundancy_agreed_x;
+    uint32_t redundancy_doubts_x_part = redundancy_doubts_x;
     if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
         x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
         suspect_y1_part_2 = state->redundancy_before_x;
     } else {
-        const uint32_t redundancy_agreed_x_next = (4e-05f < fabsf(observer_x_q - x_accepted)) ? 0u : ((suspect_y1_test) ? redundancy_agreed_x : (redundancy_agreed_x + 1u));
-        redundancy_agreed_x_part = redundancy_agreed_x_next;
+        if (4e-05f < fabsf(observer_x_q - x_accepted)) {
+            redundancy_doubts_x_part = 10u;
+        } else {
+            if (0.0f < (float)redundancy_doubts_x) {
+                redundancy_doubts_x_part = redundancy_doubts_x - 1u;
+            } else {
+                redundancy_doubts_x_part = 0u;
+            }
+        }
     }
-    const float redundancy_before_x_next = (guard_ready != 0u) ? suspect_y1_part_2 : x_accepted;
-    bool suspect_y1_test_2 = false;
+    bool suspect_y1_test = false;
     if (3u <= x_unchanged) {
-        suspect_y1_test_2 = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - redundancy_before_x_next)) && suspect_y1_test) || x_unanswered);
+        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && ((float)redundancy_doubts_x <= 0.0f)) || x_unanswered);
     }
-    const uint32_t redundancy_agreed_z = state->redundancy_agreed_z;
-    const bool suspect_y1_test_3 = 10u <= redundancy_agreed_z;
+    const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
-    float suspect_y1_part_3 = observer_z_q;
-    uint32_t redundancy_agreed_z_part = redundancy_agreed_z;
+    float before = observer_z_q;
+    uint32_t redundancy_doubts_z_part = redundancy_doubts_z;
     if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
-        suspect_y1_part_3 = state->redundancy_before_z;
+        before = state->redundancy_before_z;
     } else {
-        const uint32_t changed = (4e-05f < fabsf(observer_z_q - z_accepted)) ? 0u : ((suspect_y1_test_3) ? redundancy_agreed_z : (redundancy_agreed_z + 1u));
-        redundancy_agreed_z_part = changed;
+        if (4e-05f < fabsf(observer_z_q - z_accepted)) {
+            redundancy_doubts_z_part = 10u;
+        } else {
+            if (0.0f < (float)redundancy_doubts_z) {
+                redundancy_doubts_z_part = redundancy_doubts_z - 1u;
+            } else {
+                redundancy_doubts_z_part = 0u;
+            }
+        }
     }
-    const float before = (guard_ready != 0u) ? suspect_y1_part_3 : z_accepted;
-    bool suspect_y1_test_4 = false;
+    bool suspect_y1_test_2 = false;
     if (3u <= z_unchanged) {
-        suspect_y1_test_4 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && suspect_y1_test_3) || z_unanswered);
+        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && ((float)redundancy_doubts_z <= 0.0f)) || z_unanswered);
     }
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -496,7 +508,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_stuck_0_part = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_part = redundancy_undecided_0;
     uint32_t redundancy_degraded_part = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test_2 && !suspect_y1_test_4)) {
+    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
         const float phi_2 = 0.397f * observer_phi_q;
@@ -513,7 +525,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool usable_y3 = good_y3 && !(redundancy_excluded_y3 != 0u);
         const bool good_y4 = (faults & 0x00000008u) == 0u;
         const bool usable_y4 = good_y4 && !(redundancy_excluded_y4 != 0u);
-        float suspect_y1_part_4;
+        float suspect_y1_part_3;
         float suspect_y2_part;
         float suspect_y3_part;
         float suspect_y4_part;
@@ -522,64 +534,64 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
             const bool agreeing = !(redundancy_undecided_0 != 0u);
             if (agreement || !(guard_ready != 0u)) {
-                suspect_y1_part_4 = (float)redundancy_undecided_0;
+                suspect_y1_part_3 = (float)redundancy_undecided_0;
                 suspect_y2_part = (float)redundancy_undecided_0;
                 suspect_y3_part = (float)redundancy_undecided_0;
                 suspect_y4_part = (float)redundancy_undecided_0;
                 regular_2 = agreeing;
             } else {
-                const bool suspect_y1_test_5 = 3u <= still_still_y1;
-                const float suspect_y1_part_5 = 0.4f * size;
-                const bool suspect_y1_test_6 = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_6 = (suspect_y1_test_6) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_6 * (y1_accepted - y1_expected);
-                const bool candidate_y1 = suspect_y1_test_5 && (suspect_y1_part_5 < E_y1);
-                const bool suspect_y1_test_7 = 3u <= still_still_y2;
-                const float suspect_y1_part_7 = (suspect_y1_test_6) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_7 * (y2_accepted - y2_expected);
-                const bool candidate_y2 = suspect_y1_test_7 && (suspect_y1_part_5 < E_y2);
-                const bool suspect_y1_test_8 = 3u <= still_still_y3;
-                const float E_y3 = suspect_y1_part_6 * (y3_accepted - y3_expected);
-                const bool candidate_y3 = suspect_y1_test_8 && (suspect_y1_part_5 < E_y3);
-                const bool suspect_y1_test_9 = 3u <= still_still_y4;
-                const float E_y4 = suspect_y1_part_7 * (y4_accepted - y4_expected);
-                const bool candidate_y4 = suspect_y1_test_9 && (suspect_y1_part_5 < E_y4);
+                const bool suspect_y1_test_3 = 3u <= still_still_y1;
+                const float suspect_y1_part_4 = 0.4f * size;
+                const bool suspect_y1_test_4 = 0.0f < r_suspect_y1;
+                const float suspect_y1_part_5 = (suspect_y1_test_4) ? 1.0f : -1.0f;
+                const float E_y1 = suspect_y1_part_5 * (y1_accepted - y1_expected);
+                const bool candidate_y1 = suspect_y1_test_3 && (suspect_y1_part_4 < E_y1);
+                const bool suspect_y1_test_5 = 3u <= still_still_y2;
+                const float suspect_y1_part_6 = (suspect_y1_test_4) ? -1.0f : 1.0f;
+                const float E_y2 = suspect_y1_part_6 * (y2_accepted - y2_expected);
+                const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_4 < E_y2);
+                const bool suspect_y1_test_6 = 3u <= still_still_y3;
+                const float E_y3 = suspect_y1_part_5 * (y3_accepted - y3_expected);
+                const bool candidate_y3 = suspect_y1_test_6 && (suspect_y1_part_4 < E_y3);
+                const bool suspect_y1_test_7 = 3u <= still_still_y4;
+                const float E_y4 = suspect_y1_part_6 * (y4_accepted - y4_expected);
+                const bool candidate_y4 = suspect_y1_test_7 && (suspect_y1_part_4 < E_y4);
                 const float candidates = (candidate_y1 ? 1.0f : 0.0f) + (candidate_y2 ? 1.0f : 0.0f) + (candidate_y3 ? 1.0f : 0.0f) + (candidate_y4 ? 1.0f : 0.0f);
-                const float suspect_y1_part_8 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
+                const float suspect_y1_part_7 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
                 const bool first = 0.0f < candidates;
+                float suspect_y1_part_8 = 0.0f;
                 float suspect_y1_part_9 = 0.0f;
                 float suspect_y1_part_10 = 0.0f;
                 float suspect_y1_part_11 = 0.0f;
                 float suspect_y1_part_12 = 0.0f;
-                float suspect_y1_part_13 = 0.0f;
-                if (maglev_5dof_equal(suspect_y1_part_8 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f)) {
+                if (maglev_5dof_equal(suspect_y1_part_7 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f)) {
                     const bool flag_suspect_y1 = 8u <= still_still_y1;
                     const bool flag_suspect_y1_2 = 8u <= still_still_y2;
                     const bool flag_suspect_y1_3 = 8u <= still_still_y3;
                     const bool flag_suspect_y1_4 = 8u <= still_still_y4;
-                    suspect_y1_part_9 = (flag_suspect_y1 ? 1.0f : 0.0f) + (flag_suspect_y1_2 ? 1.0f : 0.0f) + (flag_suspect_y1_3 ? 1.0f : 0.0f) + (flag_suspect_y1_4 ? 1.0f : 0.0f);
-                    const float suspect_y1_part_14 = 1.0f - (first ? 1.0f : 0.0f);
-                    suspect_y1_part_10 = (flag_suspect_y1) ? suspect_y1_part_14 : 0.0f;
-                    suspect_y1_part_11 = (flag_suspect_y1_2) ? suspect_y1_part_14 : 0.0f;
-                    suspect_y1_part_12 = (flag_suspect_y1_3) ? suspect_y1_part_14 : 0.0f;
-                    suspect_y1_part_13 = (flag_suspect_y1_4) ? suspect_y1_part_14 : 0.0f;
+                    suspect_y1_part_8 = (flag_suspect_y1 ? 1.0f : 0.0f) + (flag_suspect_y1_2 ? 1.0f : 0.0f) + (flag_suspect_y1_3 ? 1.0f : 0.0f) + (flag_suspect_y1_4 ? 1.0f : 0.0f);
+                    const float suspect_y1_part_13 = 1.0f - (first ? 1.0f : 0.0f);
+                    suspect_y1_part_9 = (flag_suspect_y1) ? suspect_y1_part_13 : 0.0f;
+                    suspect_y1_part_10 = (flag_suspect_y1_2) ? suspect_y1_part_13 : 0.0f;
+                    suspect_y1_part_11 = (flag_suspect_y1_3) ? suspect_y1_part_13 : 0.0f;
+                    suspect_y1_part_12 = (flag_suspect_y1_4) ? suspect_y1_part_13 : 0.0f;
                 }
-                const bool by_code_suspect_y1 = 0.0f < (candidates + suspect_y1_part_9);
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
-                const float suspect_y1_part_15 = maglev_5dof_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
-                const float suspect_y1_part_16 = maglev_5dof_max(suspect_y1_part_15, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_12));
-                const float suspect_y1_part_17 = maglev_5dof_max(suspect_y1_part_16, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_13));
-                const float best = maglev_5dof_max(suspect_y1_part_17, score_y4);
-                const float suspect_y1_part_18 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_15, score_y2)), maglev_5dof_min(suspect_y1_part_16, score_y3)), maglev_5dof_min(suspect_y1_part_17, score_y4));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - suspect_y1_part_18)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const bool by_code_suspect_y1 = 0.0f < (candidates + suspect_y1_part_8);
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_9));
+                const float suspect_y1_part_14 = maglev_5dof_max(-10.0f, score_y1);
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
+                const float suspect_y1_part_15 = maglev_5dof_max(suspect_y1_part_14, score_y2);
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
+                const float suspect_y1_part_16 = maglev_5dof_max(suspect_y1_part_15, score_y3);
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_12));
+                const float best = maglev_5dof_max(suspect_y1_part_16, score_y4);
+                const float suspect_y1_part_17 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_14, score_y2)), maglev_5dof_min(suspect_y1_part_15, score_y3)), maglev_5dof_min(suspect_y1_part_16, score_y4));
+                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - suspect_y1_part_17)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
                 const bool least_upto_score_y1 = least <= score_y1;
-                const bool suspect_y1_part_19 = least_upto_score_y1;
+                const bool suspect_y1_part_18 = least_upto_score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                suspect_y1_part_4 = (suspect_y1_part_19 ? 1.0f : 0.0f) + (float)waited;
+                suspect_y1_part_3 = (suspect_y1_part_18 ? 1.0f : 0.0f) + (float)waited;
                 const bool least_upto_score_y2 = least <= score_y2;
                 const bool suspect_y2_part_2 = least_upto_score_y2;
                 suspect_y2_part = (suspect_y2_part_2 ? 1.0f : 0.0f) + (float)waited;
@@ -594,7 +606,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
                 y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
                 regular_2 = !(waited != 0u);
-                bool contradictory = suspect_y1_part_19;
+                bool contradictory = suspect_y1_part_18;
                 bool contradictory_2 = suspect_y2_part_2;
                 bool contradictory_3 = suspect_y3_part_2;
                 bool contradictory_4 = suspect_y4_part_2;
@@ -609,8 +621,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y3_part = maglev_5dof_flag(contradictory_3);
                 redundancy_excluded_y4_part = maglev_5dof_flag(contradictory_4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
-                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_5 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_7 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_8 && contradictory_3) ? 1.0f : 0.0f);
-                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_9 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
+                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_3 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_5 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_6 && contradictory_3) ? 1.0f : 0.0f);
+                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_7 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
                 redundancy_undecided_0_part = waited;
             }
         } else {
@@ -624,7 +636,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             }
             const uint32_t doubted = ((redundancy_stuck_0 != 0u) && moved) ? 1u : redundancy_undecided_0;
             const uint32_t incomplete_suspect_y1 = redundancy_excluded_y1 + doubted;
-            suspect_y1_part_4 = (float)incomplete_suspect_y1;
+            suspect_y1_part_3 = (float)incomplete_suspect_y1;
             const uint32_t incomplete_suspect_y2 = redundancy_excluded_y2 + doubted;
             suspect_y2_part = (float)incomplete_suspect_y2;
             const uint32_t incomplete_suspect_y3 = redundancy_excluded_y3 + doubted;
@@ -653,7 +665,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             regular_2 = y1_held_test && !(doubted != 0u);
             redundancy_undecided_0_part = doubted;
         }
-        const bool unusual_suspect_y1 = 0.0f < suspect_y1_part_4;
+        const bool unusual_suspect_y1 = 0.0f < suspect_y1_part_3;
         suspect_y1 = unusual_suspect_y1;
         const bool unusual_suspect_y2 = 0.0f < suspect_y2_part;
         suspect_y2 = unusual_suspect_y2;
@@ -663,7 +675,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         suspect_y4 = unusual_suspect_y4;
         gaps_sufficient = sufficient_gaps_sufficient;
         const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
-        const uint32_t unusual_suspect_x = (suspect_y1_test_2 && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
+        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
         bool regular_part = false;
         if (usable_x_suspect_x && !(unusual_suspect_x != 0u)) {
             regular_part = regular_2;
@@ -672,7 +684,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             x_held = observer_x_q;
         }
         const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
-        const uint32_t flag_suspect_z = (suspect_y1_test_4 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
+        const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
         if (usable_z_suspect_z && !(flag_suspect_z != 0u)) {
             regular = regular_part;
         } else {
@@ -716,14 +728,88 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
 
-    /* sufficiency: it can land, is probed
-     *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
-    const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
-
     /* guard: range acceptance, hold, latch */
+    const float y2_minus_y4 = y2_held - y4_held;
+    const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
+    const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
+    const float nu_z_disturbance = z_held - observer_z_q;
+    const float delay_a_z_last = state->delay_a_z_last;
+    float z_disturbance = 0.0f;
+    float i_d1_computed_part = 0.0f;
+    float observer_z_g_part = 0.0f;
+    if (z_trusted) {
+        const float z_disturbance_part = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
+        z_disturbance = z_disturbance_part;
+        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part);
+    } else {
+        i_d1_computed_part = -1.0f;
+    }
+    const float nu_x_disturbance = x_held - observer_x_q;
+    const float delay_a_x_last = state->delay_a_x_last;
+    float x_disturbance = 0.0f;
+    float observer_x_g_part = 0.0f;
+    if (x_trusted) {
+        const float x_disturbance_part = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * nu_x_disturbance), 20.0f);
+        x_disturbance = x_disturbance_part;
+        observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part);
+    } else {
+        i_d1_computed_part = 1.0f;
+    }
+    const float y3_minus_y1 = y3_held - y1_held;
+    const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
+    const float pole = (x_trusted && z_trusted) ? 14.0f : 40.0f;
+    bool enough = complete;
+    float theta_disturbance = 0.0f;
+    float theta_estimate = theta;
+    float theta_rate = 0.0f;
+    float w_theta_part = 0.0f;
+    float y_disturbance = 0.0f;
+    float y_estimate = y;
+    float y_rate = 0.0f;
+    float x_estimate = x_held;
+    float x_rate = 0.0f;
+    float z_estimate = z_held;
+    float z_rate = 0.0f;
+    float phi_estimate = phi;
+    float phi_rate = 0.0f;
+    float phi_disturbance = 0.0f;
+    if (guard_ready != 0u) {
+        /* sufficiency: it can land, is probed
+         *     sufficient = gaps_sufficient and (x_trusted or z_trusted) */
+        const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
+        enough = sufficient;
+        const float nu_theta_disturbance = theta - observer_theta_q;
+        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance), 200.0f);
+        theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
+        const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
+        theta_rate = theta_rate_part;
+        w_theta_part = 2.0f * (pole * theta_rate_part);
+        const float nu_y_disturbance = y - observer_y_q;
+        y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
+        y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
+        y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
+        x_estimate = observer_x_q + (observer_x_alpha * nu_x_disturbance);
+        x_rate = state->observer_x_v + (observer_x_beta * nu_x_disturbance);
+        z_estimate = observer_z_q + (observer_z_alpha * nu_z_disturbance);
+        z_rate = state->observer_z_v + (observer_z_beta * nu_z_disturbance);
+        const float nu_phi_estimate = phi - observer_phi_q;
+        phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
+        phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
+        phi_disturbance = maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate), 200.0f);
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+        if (diagnostics != NULL) {
+            diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
+        }
+#endif
+    } else {
+        x_disturbance = 0.0f;
+        z_disturbance = 0.0f;
+        observer_x_g_part = 0.0f;
+        observer_z_g_part = 0.0f;
+    }
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
-    if ((guard_ready != 0u) ? sufficient : complete) {
+    if (enough) {
         state->guard_left = 5u;
     } else {
         const uint32_t guard_left = state->guard_left;
@@ -738,15 +824,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->guard_ready = 1u;
     }
 
-    /* kinematics: pose from the gaps, F(5)
-     *     y = 0.25 * (y1_held + y2_held + y3_held + y4_held)
-     *     phi = asin(1.25945 * (y3_held - y1_held)); likewise theta */
-    const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-    const float y3_minus_y1 = y3_held - y1_held;
-    const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-    const float y2_minus_y4 = y2_held - y4_held;
-    const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
-
     /* safe_output: slew to the safe output once latched */
     const float safe_output_last_i_d1 = state->safe_output_last_i_d1;
     const float safe_output_last_i_d2 = state->safe_output_last_i_d2;
@@ -754,58 +831,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float safe_output_last_i_d4 = state->safe_output_last_i_d4;
     const float safe_output_last_u_x = state->safe_output_last_u_x;
     const float safe_output_last_u_z = state->safe_output_last_u_z;
-
-    /* observer_theta: predictive observer, alpha-beta-gamma */
-    const float nu_theta_disturbance = theta - observer_theta_q;
-    const float theta_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance), 200.0f) : 0.0f;
-    const float theta_estimate = (guard_ready != 0u) ? (observer_theta_q + (observer_theta_alpha * nu_theta_disturbance)) : theta;
-    const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
-    const float theta_rate = (guard_ready != 0u) ? theta_rate_part : 0.0f;
-
-    /* observer_y: predictive observer, alpha-beta-gamma */
-    const float nu_y_disturbance = y - observer_y_q;
-    const float y_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f) : 0.0f;
-    const float y_estimate = (guard_ready != 0u) ? (observer_y_q + (observer_y_alpha * nu_y_disturbance)) : y;
-    const float y_rate = (guard_ready != 0u) ? (state->observer_y_v + (observer_y_beta * nu_y_disturbance)) : 0.0f;
-
-    /* observer_x: predictive observer, alpha-beta-gamma */
-    const float nu_z_disturbance = z_held - observer_z_q;
-    const float delay_a_z_last = state->delay_a_z_last;
-    float z_disturbance_part = 0.0f;
-    float i_d1_computed_part = 0.0f;
-    float observer_z_g_part = 0.0f;
-    if (z_trusted) {
-        const float z_disturbance_part_2 = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
-        z_disturbance_part = z_disturbance_part_2;
-        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part_2);
-    } else {
-        i_d1_computed_part = -1.0f;
-    }
-    const float nu_x_disturbance = x_held - observer_x_q;
-    const float delay_a_x_last = state->delay_a_x_last;
-    float x_disturbance_part = 0.0f;
-    float observer_x_g_part = 0.0f;
-    if (x_trusted) {
-        const float x_disturbance_part_2 = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * nu_x_disturbance), 20.0f);
-        x_disturbance_part = x_disturbance_part_2;
-        observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part_2);
-    } else {
-        i_d1_computed_part = 1.0f;
-    }
-    const float x_disturbance = (guard_ready != 0u) ? x_disturbance_part : 0.0f;
-    const float x_estimate = (guard_ready != 0u) ? (observer_x_q + (observer_x_alpha * nu_x_disturbance)) : x_held;
-    const float x_rate = (guard_ready != 0u) ? (state->observer_x_v + (observer_x_beta * nu_x_disturbance)) : 0.0f;
-
-    /* observer_z: predictive observer, alpha-beta-gamma */
-    const float z_disturbance = (guard_ready != 0u) ? z_disturbance_part : 0.0f;
-    const float z_estimate = (guard_ready != 0u) ? (observer_z_q + (observer_z_alpha * nu_z_disturbance)) : z_held;
-    const float z_rate = (guard_ready != 0u) ? (state->observer_z_v + (observer_z_beta * nu_z_disturbance)) : 0.0f;
-
-    /* observer_phi: predictive observer, alpha-beta-gamma */
-    const float nu_phi_estimate = phi - observer_phi_q;
-    const float phi_estimate = (guard_ready != 0u) ? (observer_phi_q + (observer_phi_alpha * nu_phi_estimate)) : phi;
-    const float phi_rate = (guard_ready != 0u) ? (state->observer_phi_v + (observer_phi_beta * nu_phi_estimate)) : 0.0f;
-    const float phi_disturbance = (guard_ready != 0u) ? maglev_5dof_limit(state->observer_phi_d + (observer_phi_gamma * nu_phi_estimate), 200.0f) : 0.0f;
 
     /* angles: positions for the commutation
      *     x_commutation = 0.2 if latched and not x_trusted, else x_held; likewise z_commutation */
@@ -835,7 +860,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     if (suspect_z != 0u) {
         faults |= 0x00010000u;
     }
-    const float pole = (x_trusted && z_trusted) ? 14.0f : 40.0f;
     if (latched != 0u) {
         state->safe_output_last_i_d1 = maglev_5dof_slew(safe_output_last_i_d1, safe_i_d1, slew_i_d1);
         out->i_d1 = state->safe_output_last_i_d1;
@@ -895,7 +919,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
             w_phi = -11250.0f * phi;
-            w_theta = -((pole * pole * theta_estimate) + ((guard_ready != 0u) ? (2.0f * (pole * theta_rate_part)) : 0.0f) + theta_disturbance);
+            w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
             float r_w_y = landing_r_y;
             float w_y_part = y_rate;
             float w_x_unprobed_part = x_estimate;
@@ -1212,12 +1236,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->redundancy_code_x = x_accepted;
         state->redundancy_still_x = x_unchanged;
         state->redundancy_excluded_x = redundancy_excluded_x_part;
-        state->redundancy_agreed_x = redundancy_agreed_x_part;
-        state->redundancy_before_x = redundancy_before_x_next;
+        state->redundancy_doubts_x = redundancy_doubts_x_part;
+        state->redundancy_before_x = suspect_y1_part_2;
         state->redundancy_code_z = z_accepted;
         state->redundancy_still_z = z_unchanged;
         state->redundancy_excluded_z = redundancy_excluded_z_part;
-        state->redundancy_agreed_z = redundancy_agreed_z_part;
+        state->redundancy_doubts_z = redundancy_doubts_z_part;
         state->redundancy_before_z = before;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
         state->redundancy_stuck_0 = redundancy_stuck_0_part;
@@ -1233,7 +1257,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_x_q = maglev_5dof_limit(x_estimate + (0.001f * (x_rate + (0.0005f * a_observer_x_q))), 0.1f);
         state->observer_x_v = maglev_5dof_limit(x_rate + (0.001f * a_observer_x_q), 2.0f);
         state->observer_x_d = x_disturbance;
-        state->observer_x_g = maglev_5dof_max(maglev_5dof_min(observer_x_g + ((guard_ready != 0u) ? observer_x_g_part : 0.0f), 1.2f), 0.8f);
+        state->observer_x_g = maglev_5dof_max(maglev_5dof_min(observer_x_g + observer_x_g_part, 1.2f), 0.8f);
 
         /* observer_z: predictive observer, alpha-beta-gamma */
         const float observer_z_g = state->observer_z_g;
@@ -1241,7 +1265,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->observer_z_q = maglev_5dof_limit(z_estimate + (0.001f * (z_rate + (0.0005f * a_observer_z_q))), 0.1f);
         state->observer_z_v = maglev_5dof_limit(z_rate + (0.001f * a_observer_z_q), 2.0f);
         state->observer_z_d = z_disturbance;
-        state->observer_z_g = maglev_5dof_max(maglev_5dof_min(observer_z_g + ((guard_ready != 0u) ? observer_z_g_part : 0.0f), 1.2f), 0.8f);
+        state->observer_z_g = maglev_5dof_max(maglev_5dof_min(observer_z_g + observer_z_g_part, 1.2f), 0.8f);
 
         /* observer_phi: predictive observer, alpha-beta-gamma */
         state->observer_phi_d = phi_disturbance;
@@ -1301,10 +1325,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y4_held = y4_held;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->landed = landed ? 1.0f : 0.0f;
-        diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
+        diagnostics->theta = theta;
         diagnostics->y = y;
         diagnostics->phi = phi;
-        diagnostics->theta = theta;
         diagnostics->theta_disturbance = theta_disturbance;
         diagnostics->theta_estimate = theta_estimate;
         diagnostics->theta_rate = theta_rate;

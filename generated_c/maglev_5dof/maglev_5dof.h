@@ -107,12 +107,12 @@ typedef struct {
     float redundancy_code_x;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t redundancy_still_x;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_x;     /* 1, 0 .. 1: wrong until init */
-    uint32_t redundancy_agreed_x;       /* 1, 0 .. 10: changes in a row that agree with the prediction */
+    uint32_t redundancy_doubts_x;       /* 1, 0 .. 10: changes until its prediction is believed */
     float redundancy_before_x;          /* m, -0.1 .. 0.1: prediction at the last change */
     float redundancy_code_z;            /* m, -0.1 .. 0.1: accepted reading one sample ago */
     uint32_t redundancy_still_z;        /* 1, 0 .. 40: samples without a change */
     uint32_t redundancy_excluded_z;     /* 1, 0 .. 1: wrong until init */
-    uint32_t redundancy_agreed_z;       /* 1, 0 .. 10: changes in a row that agree with the prediction */
+    uint32_t redundancy_doubts_z;       /* 1, 0 .. 10: changes until its prediction is believed */
     float redundancy_before_z;          /* m, -0.1 .. 0.1: prediction at the last change */
     uint32_t redundancy_contradictions_0;/* 1, 0 .. 10: samples in a row */
     uint32_t redundancy_stuck_0;        /* 1, 0 .. 1: the excluded sensor stood still */

@@ -11,7 +11,7 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
     contradiction   |r| > threshold, r = sum_i w_i y_i. It says that a sensor is wrong, and `isolation` which one; where
                     that is not clear, all of the group are suspects after `undecided` samples, and all stay in use.
     frozen          of a sensor without a group: its code does not change for FRESH samples or more while its
-                    prediction, which agreed with it at the last AGREED changes, moves by more than `gate`; or a
+                    prediction, which agreed with it at the last DOUBTS changes, moves by more than `gate`; or a
                     `probe` says that its code did not answer.
 
 A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
@@ -40,7 +40,7 @@ from synth.timing import Discrete
 
 __all__ = ["Decision", "block"]
 
-AGREED = 10  # changes of a code: after calls were missing the prediction is wrong until so many agree with it
+DOUBTS = 10  # changes of a code that agree until its prediction is believed, at first and after missing calls
 
 
 @arguments.checked
@@ -98,11 +98,10 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         for n in singles:
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
-            next[f"before_{n}"] = before = ca.if_else(u["ready"], before, y[n])
-            gate, agreed = decision.gate[n], x[f"agreed_{n}"]
-            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, 0, ca.if_else(agreed >= AGREED, agreed, agreed + 1))
-            next[f"agreed_{n}"] = ca.if_else(same[n], agreed, changed)
-            moves = ca.logic_and(ca.fabs(expected - before) > gate, agreed >= AGREED)
+            gate, doubts = decision.gate[n], x[f"doubts_{n}"]
+            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts > 0, doubts - 1, 0))
+            next |= {f"before_{n}": before, f"doubts_{n}": ca.if_else(same[n], doubts, changed)}
+            moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts <= 0)
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
@@ -120,7 +119,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
-        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "agreed_"))}
+        decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "doubts_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
         return Step(output, next)
@@ -274,8 +273,8 @@ def _states(
         states.append(State(Signal(f"still_{s.name}", "1", 0, longest, "samples without a change"), 0, True))
         states.append(State(_flag(f"excluded_{s.name}", "wrong until init"), 0, True))
         if s.name in singles:
-            agreed = Signal(f"agreed_{s.name}", "1", 0, AGREED, "changes in a row that agree with the prediction")
-            states.append(State(agreed, 0, True))
+            doubts = Signal(f"doubts_{s.name}", "1", 0, DOUBTS, "changes until its prediction is believed")
+            states.append(State(doubts, DOUBTS, True))
             states.append(State(replace(s, name=f"before_{s.name}", about="prediction at the last change"), start))
     for i in range(len(relations)):
         count = Signal(f"contradictions_{i}", "1", 0, decision.undecided, "samples in a row")
