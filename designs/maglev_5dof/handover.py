@@ -32,7 +32,8 @@ def next_transfer(transfer: ca.SX, x_lost: ca.SX, z_lost: ca.SX) -> ca.SX:
 
 def parts(transfer: ca.SX) -> dict[str, ca.SX]:
     """Return the part of their direct currents that the motors along each axis hand over."""
-    return {"x": ca.fmax(transfer, 0), "z": -ca.fmin(transfer, 0)}
+    of_x, part = transfer > 0, ca.fabs(transfer)
+    return {"x": ca.if_else(of_x, part, 0), "z": ca.if_else(of_x, 0, part)}
 
 
 def with_taken_over(

@@ -1157,21 +1157,23 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             /* safe_output: slew to the safe output once latched */
             const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : i_d1_computed_part, 0.04f);
-            const float i_d1_computed_part_2 = maglev_5dof_min(transfer, 0.0f);
-            const float i_d1_computed_part_3 = 1.0f + i_d1_computed_part_2;
-            const float part_x = maglev_5dof_max(transfer, 0.0f);
+            const bool of_x = 0.0f < transfer;
+            const float part = fabsf(transfer);
+            const float part_z = (of_x) ? 0.0f : part;
+            const float i_d1_computed_part_2 = 1.0f - part_z;
+            const float part_x = (of_x) ? part : 0.0f;
             const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = i_d1_computed_part_3 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d1 = i_d1_computed_part_2 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
             out->i_d1 = state->safe_output_last_i_d1;
             const float i_d2_computed_part = 1.0f - part_x;
-            const float i_d2_computed_part_2 = 0.5f * (i_d1_computed_part_2 * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part_2 = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
             const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced - i_d2_computed_part_2, i_d2_computed_part_3);
+            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = i_d1_computed_part_3 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d3 = i_d1_computed_part_2 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced - i_d2_computed_part_2, i_d2_computed_part_3);
+            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {

@@ -19,11 +19,6 @@ static inline float maglev_5dof_phase_min(float a, float b)
     return (a < b) ? a : b;
 }
 
-static inline float maglev_5dof_phase_max(float a, float b)
-{
-    return (a > b) ? a : b;
-}
-
 /* Return max(min(x, high), -high): x limited to -high .. high, and -high for a negative high. */
 static inline float maglev_5dof_phase_limit(float x, float high)
 {
@@ -197,21 +192,23 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
             target = (lost_x) ? 1.0f : i_a1_part;
         }
         const float transfer = maglev_5dof_phase_slew(commutation_transfer, target, 0.04f);
-        const float part_x = maglev_5dof_phase_max(transfer, 0.0f);
+        const bool of_x = 0.0f < transfer;
+        const float part = fabsf(transfer);
+        const float part_x = (of_x) ? part : 0.0f;
         const float handed = 0.5f * (part_x * (i_d2_held + i_d4_held));
         cosine_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed, 4.9497476f - fabsf(i_q1_held));
         const float whole = maglev_5dof_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
-        const float i_a1_part_2 = maglev_5dof_phase_min(transfer, 0.0f);
-        const float share = whole * (1.0f + i_a1_part_2);
+        const float part_z = (of_x) ? 0.0f : part;
+        const float share = whole * (1.0f - part_z);
         waves_z_cosine = share * turned_sine;
         waves_z_sine = share * turned_cosine;
-        const float i_a2_part = 0.5f * (i_a1_part_2 * (i_d1_held + i_d3_held));
-        cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held - i_a2_part, 4.9497476f - fabsf(i_q2_held));
+        const float i_a2_part = 0.5f * (part_z * (i_d1_held + i_d3_held));
+        cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held + i_a2_part, 4.9497476f - fabsf(i_q2_held));
         const float i_a2_part_2 = whole * (1.0f - part_x);
         waves_x_cosine_i_a2_2 = i_a2_part_2 * waves_x_cosine_i_a2;
         waves_x_sine_i_a2_2 = i_a2_part_2 * waves_x_sine_i_a2;
         cosine_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed, 4.9497476f - fabsf(i_q3_held));
-        cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held - i_a2_part, 4.9497476f - fabsf(i_q4_held));
+        cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held + i_a2_part, 4.9497476f - fabsf(i_q4_held));
         state->commutation_transfer = transfer;
         state->commutation_unknown = unknown;
     } else {
