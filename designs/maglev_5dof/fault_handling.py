@@ -46,11 +46,11 @@ DECISION = redundancy.Decision(
     gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
 )
 PHI_SPRING = maglev_stage.plant().parameter("k_s_phi").value  # 1/s^2
-STOP, REACH = control.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
+STOP, RAMP_BOUND = control.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
-    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, REACH),
-    "x": landing.Braking("x", 4.0, 30.0, REACH),
-    "z": landing.Braking("z", 4.0, 30.0, REACH),
+    "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, RAMP_BOUND),
+    "x": landing.Braking("x", 4.0, 30.0, RAMP_BOUND),
+    "z": landing.Braking("z", 4.0, 30.0, RAMP_BOUND),
     "phi": landing.Release("phi", control.COMPENSATED["k_s_phi"] * PHI_SPRING),
     "theta": landing.Levelling("theta", 40.0, 14.0),
 }

@@ -34,7 +34,7 @@ __all__ = ["Braking", "Descent", "Levelling", "Release", "block"]
 class Descent:
     """To the stop at `end`: speed, touch and press in m/s, acceleration in m/s^2, `beyond` in m, p in rad/s.
 
-    `reach` in m bounds the set-point below 0.
+    `bound` in m bounds the set-point below 0.
     """
 
     coordinate: str
@@ -45,18 +45,18 @@ class Descent:
     acceleration: float
     beyond: float
     pole: float
-    reach: float
+    bound: float
 
 
 @arguments.checked
 @dataclass(frozen=True)
 class Braking:
-    """To rest within +-`reach`, with at most `acceleration`; the poles are at -`pole` rad/s."""
+    """To rest within +-`bound`, with at most `acceleration`; the poles are at -`pole` rad/s."""
 
     coordinate: str
     acceleration: float
     pole: float
-    reach: float
+    bound: float
 
 
 @arguments.checked
@@ -157,9 +157,9 @@ WIDE = 10.0  # m or rad, m/s or rad/s: bound of estimates and rates
 
 
 def _states(c: Descent | Braking) -> list[State]:
-    high = c.end + 4 * c.beyond if isinstance(c, Descent) else c.reach  # it is over at end + beyond
+    high = c.end + 4 * c.beyond if isinstance(c, Descent) else c.bound  # it is over at end + beyond
     return [
-        State(Signal(f"r_{c.coordinate}", "m", -c.reach, high, "set-point of the landing"), 0.0),
+        State(Signal(f"r_{c.coordinate}", "m", -c.bound, high, "set-point of the landing"), 0.0),
         State(Signal(f"dr_{c.coordinate}", "m/s", -WIDE, WIDE, "its rate"), 0.0),
     ]
 
@@ -191,7 +191,7 @@ def _check(courses: Sequence[Course], demands: Sequence[Signal], patience: int) 
     moving = [c for c in courses if isinstance(c, Descent | Braking)]
     values = [
         *(c.spring if isinstance(c, Release) else c.pole for c in courses),
-        *(v for c in moving for v in (c.acceleration, c.reach)),
+        *(v for c in moving for v in (c.acceleration, c.bound)),
     ]
     values += [c.predicted_pole for c in courses if isinstance(c, Levelling)]
     values += [d.touch, d.press, d.beyond, d.speed - d.touch, float(patience)]
