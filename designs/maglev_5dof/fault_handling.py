@@ -130,14 +130,9 @@ def sufficiency() -> Block:
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         one = ca.logic_or(u["x_trusted"], u["z_trusted"])
         free = ca.logic_and(u["regular"], u[height.name] < LIFTED)
-        measured = ca.logic_not(ca.logic_and(u["x_trusted"], u["z_trusted"]))
-        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free, "theta_measured": measured})
+        return Step({"sufficient": ca.logic_and(u["gaps_sufficient"], one), "free": free})
 
-    outputs = [
-        Signal("sufficient", "1", 0, 1, "it can be controlled"),
-        Signal("free", "1", 0, 1, "no stop holds it"),
-        Signal("theta_measured", "1", 0, 1, "it does not land because of the gap encoders"),
-    ]
+    outputs = [Signal("sufficient", "1", 0, 1, "it can be controlled"), Signal("free", "1", 0, 1, "no stop holds it")]
     return build("sufficiency", TIME, law, inputs=[*flags, height], outputs=outputs, tag="it can land, is probed")
 
 
@@ -164,7 +159,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
     readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
     descent = landing.block(TIME, [COURSES[a.name] for a in AXES], [a.demand for a in AXES], control.BAD_SAMPLES)
     return [
-        readings.renamed({"sufficient": "gaps_sufficient"}),
+        readings.renamed({"sufficient": "gaps_sufficient", "determined": "theta_measured"}),
         sufficiency(),
         predict_gaps(plant),
         *(b.renamed(changed.get(b.name, {})) for b in law),

@@ -98,8 +98,14 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
     next |= {n: np.where(calm, np.asarray(state[n]) > 0, v) for n, v in decisions.items()}
     next["redundancy_contradictions_0"] = np.where(calm, 0, after["count"])
     missing = np.sum(~usable[:4], axis=0)
-    regular = (missing <= 1) & ~undecided & trusted.all(axis=0)
-    next |= {"regular": calm | regular, "sufficient": calm | (missing <= 2), "trusted": calm | trusted}
+    determined = (missing <= 1) & ~undecided
+    regular = determined & trusted.all(axis=0)
+    next |= {
+        "determined": calm | determined,
+        "regular": calm | regular,
+        "sufficient": calm | (missing <= 2),
+        "trusted": calm | trusted,
+    }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, next
 
 
@@ -154,7 +160,7 @@ def observe(state: Columns, q: Array, trusted: Flags, ready: Flags) -> tuple[Arr
 
 
 def land(
-    state: Columns, w: Array, estimate: tuple[Array, Array, Array], phi: Array, regular: Flags, trusted: Flags
+    state: Columns, w: Array, estimate: tuple[Array, Array, Array], phi: Array, regular: Flags, determined: Flags
 ) -> tuple[Array, dict[str, Any]]:
     """Return the demands (5, n), the tracking ones w or those of the landing, and the next states with `landed`."""
     q, v, d = estimate
@@ -169,7 +175,7 @@ def land(
     most = by_row([DESCENT * T, BRAKE * T, BRAKE * T], q)
     change = np.clip(np.array([speed - rate[0], -rate[1], -rate[2]]), -most, most)
     full = [np.concatenate([x, np.zeros_like(x[:2])]) for x in (ramp, rate, change / T)]
-    p = np.where(trusted.all(axis=0), by_row(WITHOUT_GAPS, q), by_row(POLES, q))
+    p = np.where(determined, by_row(POLES, q), by_row(WITHOUT_GAPS, q))
     demand = p**2 * (full[0] - q) + 2 * p * (full[1] - v) + (full[2] - d)
     demand[3] = -PHI_SPRING * phi
     high = by_row([END + 4 * BEYOND, REACH, REACH], q)
@@ -225,7 +231,7 @@ def step(
     ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
     q = reference.rows(state, [f"observer_{s}_q" for s in AXES])
     used, suspects, after_readings = readings(state, values[:SENSORS], good, q)
-    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted")}
+    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined")}
     pose = reference.pose(used, k.parameters.r)
     q, v, d, after_observers = observe(state, pose, flag["trusted"], ready)
     memory, last = reference.rows(state, MEMORY), reference.rows(state, LAST)
@@ -233,7 +239,7 @@ def step(
     e = pose - values[SENSORS:]
     rate, filtered = reference.rate(e, filters, ready, k)
     w, after_landing = land(
-        state, reference.demand(e, rate, eta, k), (q, v, d), pose[3], flag["regular"], flag["trusted"]
+        state, reference.demand(e, rate, eta, k), (q, v, d), pose[3], flag["regular"], flag["determined"]
     )
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
     w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))

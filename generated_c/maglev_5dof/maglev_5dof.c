@@ -498,6 +498,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float x_held = x_accepted;
     float z_held = z_accepted;
     bool regular = true;
+    bool theta_measured = true;
     uint32_t redundancy_excluded_y1_part = redundancy_excluded_y1;
     uint32_t redundancy_excluded_y2_part = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_part = redundancy_excluded_y3;
@@ -676,12 +677,12 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         gaps_sufficient = sufficient_gaps_sufficient;
         const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
         const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
-        bool regular_part = false;
-        if (usable_x_suspect_x && !(unusual_suspect_x != 0u)) {
-            regular_part = regular_2;
-        } else {
+        const bool determined = regular_2;
+        bool regular_part = determined;
+        if (!(usable_x_suspect_x && !(unusual_suspect_x != 0u))) {
             x_trusted = false;
             x_held = observer_x_q;
+            regular_part = false;
         }
         const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
         const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
@@ -692,6 +693,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             z_held = observer_z_q;
             regular = false;
         }
+        theta_measured = determined;
         if (flag_suspect_z != 0u) {
             redundancy_degraded_part = 1u;
         } else {
@@ -757,7 +759,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
-    const float pole = (x_trusted && z_trusted) ? 14.0f : 40.0f;
+    const float pole = (theta_measured) ? 40.0f : 14.0f;
     bool enough = complete;
     float theta_disturbance = 0.0f;
     float theta_estimate = theta;
@@ -1326,6 +1328,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y3_held = y3_held;
         diagnostics->y4_held = y4_held;
         diagnostics->regular = regular ? 1.0f : 0.0f;
+        diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
         diagnostics->landed = landed ? 1.0f : 0.0f;
         diagnostics->theta = theta;
         diagnostics->y = y;

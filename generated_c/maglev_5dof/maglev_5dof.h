@@ -238,6 +238,7 @@ typedef struct {
     float x_unchanged;                  /* 1: samples without a change of the code */
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */
+    float theta_measured;               /* 1: every coordinate of the groups is measured */
     float free;                         /* 1: no stop holds it */
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */

@@ -17,8 +17,9 @@ A relation sum_i w_i y_i = 0 holds for the sensors of a group, at most one relat
 A sensor that is named for `persistent` samples in a row is excluded until init. One that was excluded because its
 code stood still, and whose code then moves, makes the group undecided: the choice was wrong.
 
-``regular`` says that every coordinate is measured: no reading without a group is replaced, at most one of each group,
-and nothing is undecided. ``sufficient`` says that at most `tolerated` readings of each group are replaced.
+``determined`` says that the groups measure their coordinates: at most one reading of each is replaced, and nothing is
+undecided. ``regular`` says that further no reading without a group is replaced. ``sufficient`` says that at most
+`tolerated` readings of each group are replaced.
 
 Source: Isermann, *Fault-Diagnosis Systems*, chapters 10 (parity) and 11 (observers); Patton, Chen, "Review of parity
 space approaches to fault diagnosis", 1994.
@@ -67,9 +68,9 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
 
     For each sensor s it reads ``<s>_accepted`` and ``fault_<s>`` of the guard, and ``<s>_expected``; further ``ready``
     and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
-    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular`` and
-    ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they pass, and nothing else
-    is computed.
+    ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular``,
+    ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they
+    pass, and nothing else is computed.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, or numbers of samples below 1.
@@ -95,6 +96,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             regular = ca.if_else(vote.regular, regular, 0)
             sufficient = ca.if_else(vote.sufficient, sufficient, 0)
             calm = ca.logic_and(calm, vote.agreement)
+        determined = regular
         for n in singles:
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
@@ -115,7 +117,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             degraded = ca.if_else(flag, 1, degraded)
         unusual = {f"{n}_held": value[n] for n in names} | {f"suspect_{n}": suspects[n] for n in names}
         unusual |= {f"{n}_trusted": ca.if_else(usable[n], 1, 0) for n in singles}
-        unusual |= {"regular": regular, "sufficient": sufficient}
+        unusual |= {"regular": regular, "sufficient": sufficient, "determined": determined}
         usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
@@ -259,6 +261,7 @@ def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
     return [
         *held, *flags, *unchanged,
         _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
+        _flag("determined", "every coordinate of the groups is measured"),
     ]  # fmt: skip
 
 

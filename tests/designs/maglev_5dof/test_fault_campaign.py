@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from designs.maglev_5dof import control
+from designs.maglev_5dof import control, experiments
 from designs.maglev_5dof.design import DESIGN
 from models import maglev_stage
 from synth import standard_tasks
@@ -103,6 +103,35 @@ def test_without_two_gap_encoders_the_platen_lands_below_a_tenth_of_a_metre_per_
         lost = {name: Override(k >= onset, np.full(len(k), np.nan)) for name in pair}
         run = perturbed.run(motion.duration_s, motion.start, motion.references, overrides=lost)
         assert 0 < run.impacts["y"] < 0.1 and run["y"][-1] == pytest.approx(control.GAP[1])  # m/s
+        assert max(run.impacts["phi"], run.impacts["theta"]) < 0.25  # rad/s, 0.10 m/s at the motors
+
+
+@pytest.mark.parametrize("plant", [8, 11, 14, 15])
+def test_calls_that_are_missing_at_rest_end_in_no_contact_and_no_fault_bit(plant: int) -> None:
+    """A pair of the probe that pushes meanwhile moves the platen far, and its code stands still as it turns."""
+    faults = replace(DESIGN.stage.faults, durations_s=(0.05, 0.06))
+    rig = campaign.with_stops(standard_tasks.rig(replace(DESIGN.stage, faults=faults), DESIGN.scalar))
+    missing = [i for i in injections.derive(rig.stage) if i.kind == "missing" and i.duration.endswith(" s")]
+    rest = next(c for c in campaign.motion_and_standstill(rig) if c.name == campaign.AT_REST)
+    _, ended = campaign.run(rig, plant, rest, silent, missing)
+    assert len(ended) == 2 and not any(any(run.impacts.values()) for run in ended)
+    assert all(math.isinf(run.notice_s) for run in ended)
+
+
+@pytest.mark.parametrize("plant", [0, 5, 12])
+@pytest.mark.parametrize("friction", [False, True])
+def test_a_minute_of_tracking_a_step_and_a_lift_off_have_no_false_alarm(plant: int, friction: bool) -> None:
+    rig = campaign.with_stops(standard_tasks.rig(DESIGN.stage, DESIGN.scalar))
+    true = campaign.plant_number(rig.plant, plant)
+    guides = maglev_stage.guide_disturbance(true, {"x": 1.8, "z": 1.3}, 3) if friction else None
+    rig = replace(rig, plant=true, disturbance=guides)
+    lift_off = 0.031 - 0.006 * np.clip(np.arange(6000) * rig.period_s - 1.0, 0.0, 1.0)
+    healthy = [
+        experiments.tracking(rig, True)[0],
+        *(experiments.step(rig, axis, -0.05, 0.05, gap=0.030).trajectory for axis in "xz"),
+        rig.run(6.0, {"y": control.GAP[1]}, {"y_ref": lift_off}),
+    ]
+    assert not any(run.faults.any() for run in healthy)
 
 
 def test_without_its_detection_a_frozen_encoder_of_x_harms_the_machine() -> None:
