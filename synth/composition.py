@@ -114,7 +114,7 @@ def _safety(name: str, blocks: Sequence[Block], origin: Mapping[str, str]) -> Sa
     rates = {n: v for _, s in declared for n, v in s.slew_per_s.items()}
     reasons = [s.reason for _, s in declared if s.safe_output] or [safety.reason]
     values, rates = ({o: by_signal[s] for o, s in origin.items() if s in by_signal} for by_signal in (values, rates))
-    return Safety(safety.bad_samples, values, rates, "; ".join(dict.fromkeys(reasons)))
+    return Safety(safety.bad_samples, values, rates, "; ".join(dict.fromkeys(reasons)), safety.braking)
 
 
 def _with_prefix(block: Block) -> Block:

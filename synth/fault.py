@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from synth import arguments
 
 LATCH_BIT = 31  # of the fault word: it has latched
+BRAKING_BIT = 30  # it brakes before the latch
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,11 @@ class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
     Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
-    these values.
+    these values. `braking` of these samples are the last before the latch, in which the step brakes.
     """
 
     bad_samples: int
     safe_output: Mapping[str, float]
     slew_per_s: Mapping[str, float]
     reason: str
+    braking: int = 0

@@ -19,7 +19,7 @@ import numpy as np
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array, measured_positions
-from models import hall_calibration, planar_stage
+from models import hall_calibration, hall_contradictions, planar_stage
 from models import hall_sections as sensing
 from synth.check import Check
 from synth.simulate import failure
@@ -90,7 +90,7 @@ def residuals(loop: Rig, run: Trajectory) -> Array:
     """Return rho (N,) of `hall_sections`, 0 once the fault word names a channel."""
     measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {
-        s.name: sensing.EXCESS_BOUND * A**2 if s.unit == "V^2" else sensing.RESIDUAL_BOUND * A
+        s.name: hall_contradictions.EXCESS_BOUND * A**2 if s.unit == "V^2" else hall_contradictions.RESIDUAL_BOUND * A
         for s in sensing.RESIDUALS
     }
     rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))

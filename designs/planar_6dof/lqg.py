@@ -29,7 +29,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import interface, vertical
+from designs.planar_6dof import interface, motion, vertical
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
@@ -210,10 +210,11 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
 
 
 def sensing_blocks(plant: Plant) -> list[Block]:
-    """Return the Blocks from Hall voltages to measured positions."""
-    return [sensing.sensing(plant, TIME, predicted=False)]
+    """Return the Blocks from Hall voltages and achieved demands to measured positions and their predictions."""
+    return [sensing.sensing(plant, TIME, reckoned=True), motion.prediction(plant, TIME)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), law(plant, variant, regulate))
+    blocks = motion.add_braking(plant, TIME, law(plant, variant, regulate))
+    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)

@@ -11,6 +11,10 @@ never causes a latch.
                  ^ |------------------------- latched -------------------------------^
                  '-- suspected, suspect_<name> <---- [ states of a Block that compares measurements ]
 
+A guard with `braking` samples latches that much later. From the `bad_samples`-th bad sample on the output ``braking``
+is 1 and every sample counts as bad, so the latch is certain; a law that reads it brings the machine to rest before the
+outputs go to their safe values.
+
 A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
 sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
 is ``complete`` while `suspected` is set, so a persistent suspicion causes a latch.
@@ -25,11 +29,12 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
 from synth.errors import SignalError
+from synth.fault import BRAKING_BIT
 from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = [
-    *("GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
+    *("BRAKING_BIT", "GUARD", "LATCH_BIT", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
     *("GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
@@ -57,6 +62,7 @@ def guard(
     bad_samples: int,
     suspected: Sequence[str] = (),
     reason: str = NO_SAFE_OUTPUT,
+    braking: int = 0,
 ) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -66,14 +72,18 @@ def guard(
     ``suspect_<name>``, and an output ``fault_suspect_<name>`` for each: ``suspected`` and ``suspect_<name>`` are both
     set. ``complete`` then depends on these measurements alone, so they are compared even while others are refused.
 
-    `reason` explains why there is no safe output, for a guard that is composed with none.
+    `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
+    between the last of the bad samples and the latch there is also the output ``braking``.
 
-    The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, and LATCH_BIT.
+    The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, BRAKING_BIT with
+    `braking`, and LATCH_BIT.
 
-    Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for an
-    initial value outside its range, or for a suspected name that is not a measurement or is listed twice.
+    Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for
+    negative `braking` or any without a measurement, for an initial value outside its range, or for a suspected name
+    that is not a measurement or is listed twice.
     """
-    _check_guard(inputs, bad_samples, suspected)
+    _check_guard(inputs, bad_samples, suspected, braking)
+    samples = bad_samples + braking
     held_inputs = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
     suspects = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
@@ -94,20 +104,24 @@ def guard(
             for n in (n for n in measured if suspects and n not in suspected):
                 others = ca.if_else(good[n], others, 0)
             every = ca.logic_and(complete, others) if suspects else complete
+            if braking:
+                every = ca.if_else(x["left"] <= braking, 0, every)
+                output["braking"] = ca.if_else(every, 0, x["left"] <= braking + 1)
             latched = ca.if_else(every, x["latched"], ca.if_else(final, 1, x["latched"]))
-            next["left"] = ca.if_else(every, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
+            next["left"] = ca.if_else(every, samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
 
     states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in held_inputs]
-    left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
+    left = Signal("left", "1", 1, max(samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
-    states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if measured else []
+    states += [State(left, samples, True), *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
+    outputs += [_flag("braking", "too many bad samples in a row: a latch follows")] if braking else []
     block = build(
         GUARD,
         time,
@@ -123,8 +137,10 @@ def guard(
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
+    faults += [Fault(BRAKING_BIT, "braking", about="brakes, a latch follows")] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
-    return replace(block, faults=tuple(faults), safety=Safety(bad_samples, {}, {}, reason) if measured else None)
+    safety = Safety(samples, {}, {}, reason, braking) if measured else None
+    return replace(block, faults=tuple(faults), safety=safety)
 
 
 @arguments.checked
@@ -221,15 +237,21 @@ def without_latch(block: Block) -> Block:
     return replace(block, next={**block.next, left: ca.SX(states[left].signal.high), latched: ca.SX(0)})
 
 
-def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str]) -> None:
-    if len(inputs) + len(suspected) > LATCH_BIT:
+def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str], braking: int) -> None:
+    bits = BRAKING_BIT if braking else LATCH_BIT
+    if len(inputs) + len(suspected) > bits:
         raise SignalError(
             f"{len(inputs)} inputs are guarded and {len(suspected)} may be suspects, but the fault word has "
-            f"{LATCH_BIT} bits: split the Block"
+            f"{bits} bits: split the Block"
         )
     if bad_samples < 1:
         raise SignalError(f"bad_samples is {bad_samples}: a latch needs at least 1 bad sample")
     measured = [g.signal.name for g in inputs if g.measurement]
+    if braking < 0 or (braking and not measured):
+        raise SignalError(
+            f"the guard of {len(measured)} measurements brakes for {braking} samples: give 0 or more, and 0 without a "
+            "measurement, which alone causes a latch"
+        )
     for name in suspected:
         if name not in measured or len(set(suspected)) < len(suspected):
             raise SignalError(
