@@ -71,6 +71,14 @@ def test_each_loop_is_the_analytic_one(
     assert distance(parts_of[name], cases[name], axis) < NEAR
 
 
+def test_a_yaw_that_is_predicted_to_stay_is_another_loop(
+    cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The planted defect: the written-out prediction takes no demands."""
+    monkeypatch.setattr(analytic, "reckoning", lambda plant, axis, time, z: (1 / z, 0 * z))
+    assert distance(parts_of["lqg"], cases["lqg"], "phi") > 1e4 * NEAR
+
+
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])
 def test_the_loop_at_the_currents_is_the_analytic_one(
     cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], name: str
