@@ -61,8 +61,9 @@ def squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> 
     return r1**2 + r2**2 + (RESIDUAL_BOUND / (EXCESS_BOUND * A)) ** 2 * (m_x**2 + m_y**2)
 
 
-def is_common_amplitude(m_x: ca.SX, m_y: ca.SX, r_1: ca.SX, r_2: ca.SX, A: float) -> ca.SX:
-    """Return whether another amplitude of all voltages explains a contradiction, 0 or 1."""
+def is_common_amplitude(x: Exprs, A: float) -> ca.SX:
+    """Return whether another amplitude of all voltages explains the first contradiction, 0 or 1."""
+    m_x, m_y, r_1, r_2 = (x[f"first_{name}"] for name in ("m_x", "m_y", "r_1", "r_2"))
     least_m, least_r = SIGNIFICANT["m"] * EXCESS_BOUND * A**2, SIGNIFICANT["r"] * RESIDUAL_BOUND * A
     both_m_exceed = ca.logic_and(ca.fabs(m_x) > least_m, ca.fabs(m_y) > least_m)
     no_r_exceeds = ca.logic_and(ca.fabs(r_1) <= least_r, ca.fabs(r_2) <= least_r)

@@ -107,7 +107,6 @@ SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each ot
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
 AMPLITUDE_FAULTS = (Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),)
-COMMON = Signal("common", "1", 0, 1, "the first contradiction was one of the amplitude of all voltages")
 SQUARED_AMPLITUDE = Signal("power", "1", *SQUARED_AMPLITUDE_RANGE, "estimated squared amplitude over the nominal one")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
@@ -136,7 +135,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
         numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
         yaw_correction = numerator / information
-        known, squared = ca.logic_and(u["ready"], u["complete"]), contradictions.squared_residual(r1, r2, X.m, Y.m, A)
+        squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if reckoned:
             innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
             squared += (contradictions.RESIDUAL_BOUND * A / INNOVATION_BOUND["x"]) ** 2 * (
@@ -144,37 +143,41 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             )
             squared += (contradictions.RESIDUAL_BOUND / INNOVATION_BOUND["phi"]) ** 2 * (yaw_correction * numerator)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
-        contradicts = ca.if_else(
-            known, ca.logic_and(squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2, exceeds), 0
-        )
-        accept = ca.logic_and(ca.logic_not(contradicts), u["complete"])
-        output = {yaw: clip(phi + ca.if_else(accept, yaw_correction, 0), RAW["phi"])}
+        confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
+        # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
+        contradicts = ca.logic_and(u["ready"], ca.logic_and(confirms, exceeds))
+
+        def by_case(accepted: ca.SX, contradicted: ca.SX, incomplete: ca.SX) -> ca.SX:
+            return ca.if_else(u["complete"], ca.if_else(contradicts, contradicted, accepted), incomplete)
+
+        left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
+        output = {yaw: clip(phi + by_case(yaw_correction, ca.SX(0), ca.SX(0)), RAW["phi"])}
         next: dict[str, ca.SX] = {}
-        first = ca.logic_and(contradicts, ca.logic_not(x["contradiction_left"]))
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
-            next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
+            last = x[f"first_{name}"]
+            next[f"first_{name}"] = by_case(last, ca.if_else(left, last, value), last)
         for axis, position in within.items():
-            next[f"offset_{axis}"] = ca.if_else(accept, offset[axis], x[f"offset_{axis}"])
+            next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
             passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
-            output[f"within_{axis}"] = ca.if_else(accept, position, passed)
+            accepted = by_case(ca.SX(1), ca.SX(0), ca.SX(0))
+            output[f"within_{axis}"] = ca.if_else(accepted, by_case(position, ca.SX(0), ca.SX(0)), passed)
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
-            output[f"{axis}_raw"] = ca.if_else(accept, position + offset[axis], held)
+            output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
         next |= {} if predicted else {yaw: output[yaw]}
         if reckoned:
-            share = ca.if_else(u["ready"], k["power_gain"], k["first_power_gain"])
-            next["power"] = ca.if_else(accept, clip(x["power"] + share * (X.m + Y.m), SQUARED_AMPLITUDE), x["power"])
-            next["common"] = ca.if_else(first, contradictions.is_common_amplitude(X.m, Y.m, r1, r2, A), x["common"])
-        left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
-        remembered = ca.if_else(ca.logic_and(accept, left), left - 1, left)
-        next["contradiction_left"] = ca.if_else(contradicts, MEMORY, remembered)
-        next["contradiction_confirmed"] = ca.if_else(ca.logic_and(contradicts, left), 1, confirmed)
+            share = ca.if_else(u["ready"] < 1, k["first_power_gain"], k["power_gain"])
+            power = clip(x["power"] + share * (X.m + Y.m), SQUARED_AMPLITUDE)
+            next["power"] = by_case(power, x["power"], x["power"])
+        next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
+        next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
         flags = contradictions.suspects(x, A)
         output |= {SUSPECTED.name: confirmed}
         if reckoned:
-            flags = {name: ca.logic_and(flag, ca.logic_not(x["common"])) for name, flag in flags.items()}
-            output[OTHER_AMPLITUDE.name] = ca.logic_and(confirmed, x["common"])
+            common = contradictions.is_common_amplitude(x, A)
+            flags = {name: ca.logic_and(flag, ca.logic_not(common)) for name, flag in flags.items()}
+            output[OTHER_AMPLITUDE.name] = ca.if_else(confirmed, common, 0)
         output |= {f"suspect_{name}": one for name, one in flags.items()}
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
@@ -182,10 +185,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, *([OTHER_AMPLITUDE] if reckoned else [])]
-    states = [
-        *_states(predicted, reckoned),
-        *([State(COMMON, 0, True), State(SQUARED_AMPLITUDE, 1.0)] if reckoned else []),
-    ]
+    states = [*_states(predicted, reckoned), *([State(SQUARED_AMPLITUDE, 1.0)] if reckoned else [])]
     constants = [*_constants(cal), *(_power_gains(cal) if reckoned else [])]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)

@@ -121,26 +121,29 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 
 
 def reduced_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis with a reduced-order observer of its rate; x3 is in units of demand."""
+    """Return the regulator of one axis with a reduced-order observer of its rate; x3 is in units of demand.
+
+    G q = F L q - L q, because A11 = 1 and A21 = 0.
+    """
     observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
     rate_gain, achieved_gain = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
-    F, G, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
-    x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
+    F, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.H, observed.L))
+    x3 = MARGIN * ((1 + abs(F)) * L * q.high + abs(H) * f1) / (1 - abs(F))
     per = per_position(axis.name)
     constants = [
         Constant("achieved_gain", achieved_gain, "1", "(49): b T (k1 T / 2 + k2)"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
         Constant("F", F, "1", "(35): A22 - L A12"),
-        Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
         Constant("H", H, "1", "(33): (k1 T + k2) (B2 - L B1)"),
     ]
 
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
         seen = k["L"] * u[q.name]
         now = ca.if_else(u[READY.name], x["x3"], -seen)
-        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
-        return -(now + seen + k["achieved_gain"] * x["achieved"]), {"x3": after}
+        rate = now + seen
+        after = k["F"] * rate - seen + k["H"] * x["achieved"]
+        return -(rate + k["achieved_gain"] * x["achieved"]), {"x3": after}
 
     unit = vertical.DEMAND[axis.name].unit
     state = State(Signal("x3", unit, -x3, x3, "estimated rate less L times the position, as a demand"), 0.0)
@@ -159,6 +162,7 @@ def regulator(
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
+    acting = motion.ACTING[axis.name]
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
     largest_error = ERROR.get(axis.name)
@@ -176,7 +180,7 @@ def regulator(
             integral = ca.if_else(is_small, integral, c["integral_decay"] * x["integral"])
         demand = c["error_gain"] * error + (w + x["integral"])
         next = after | {"integral": integral, "achieved": u[achieved.name]}
-        return Step({demand_signal.name: demand}, next, numbers=numbers)
+        return Step({demand_signal.name: demand, acting.name: x["achieved"]}, next, numbers=numbers)
 
     all_constants = [
         Constant("error_gain", k, per_position(axis.name), "(49): k1 + k3 T"),
@@ -191,10 +195,9 @@ def regulator(
             Signal("achieved", demand_signal.unit, -f1, f1, "achieved demand, which acts until the next sample"), 0.0
         ),
     ]
-    inputs, tag, name = [q, r, achieved, READY], "reduced-order LQG, (28)-(35), (49)", f"lqg_{axis.name}"
-    return build(
-        name, TIME, law, inputs=inputs, outputs=[demand_signal], states=all_states, constants=all_constants, tag=tag
-    )
+    inputs, outputs = [q, r, achieved, READY], [demand_signal, acting]
+    tag, name = "reduced-order LQG, (28)-(35), (49)", f"lqg_{axis.name}"
+    return build(name, TIME, law, inputs=inputs, outputs=outputs, states=all_states, constants=all_constants, tag=tag)
 
 
 def per_position(axis: str) -> str:
@@ -210,7 +213,7 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
 
 
 def sensing_blocks(plant: Plant) -> list[Block]:
-    """Return the Blocks from Hall voltages and achieved demands to measured positions and their predictions."""
+    """Return the Blocks from Hall voltages and acting demands to measured positions and their predictions."""
     return [sensing.sensing(plant, TIME, reckoned=True), motion.prediction(plant, TIME)]
 
 

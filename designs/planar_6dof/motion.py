@@ -1,14 +1,16 @@
 """Prediction of x, y and phi from the achieved demands, and braking before the latch.
 
-    raw positions ----->[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, yaw, innovation
-    achieved demands ---^          '---------> predicted rates -------> [ braking ]---> demands
+    raw positions ---->[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, yaw, innovation
+    acting demands ----^          '---------> predicted rates -------> [ braking ]---> demands
 
-Each axis is q'' = b d with the achieved demand d in A; b follows from force constant, arm and inertia. The poles are a
+The demand d that was achieved in the sample before acts until the next one; the law has it as a state. Each axis is
+q'' = b d with d in A; b follows from force constant, arm and inertia. The poles are a
 compromise: a faster filter has forgotten the motion when a channel that sticks is noticed, a slower one contradicts a
 sound measurement where the force differs from its model. Figures: docs/decisions/planar_faults.md.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from designs.planar_6dof import vertical
 from models import hall_sections as sensing
@@ -23,6 +25,10 @@ from synth.timing import Discrete
 POLE = {"x": 0.9, "y": 0.9, "phi": 0.95}
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
 SHARE = 0.5  # of the rates, removed in a braking sample
+ACTING = {
+    axis: replace(vertical.ACHIEVED_DEMAND[axis], name=f"acting_{axis}", about="demand that acts until the next sample")
+    for axis in HORIZONTAL
+}
 INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
 
 
@@ -34,7 +40,7 @@ def axes(plant: Plant) -> list[dead_reckoning.Axis]:
             axis,
             sensing.RAW[axis],
             sensing.PREDICTED[axis],
-            vertical.ACHIEVED_DEMAND[axis],
+            ACTING[axis],
             scales[axis] / plant.parameter(INERTIA[axis]).value,
             FASTEST[axis],
             POLE[axis],
@@ -44,7 +50,7 @@ def axes(plant: Plant) -> list[dead_reckoning.Axis]:
 
 
 def prediction(plant: Plant, time: Discrete) -> Block:
-    """Return the Block from raw positions and achieved demands to predicted positions and rates."""
+    """Return the Block from raw positions and acting demands to predicted positions and rates."""
     return dead_reckoning.block("reckoning", time, axes(plant))
 
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import cost_stimuli
+from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
-from models import planar_stage
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -26,6 +26,7 @@ from synth.verify.sampling import Columns
 SEED = 20_060_711
 INSIDE = sampling.MARGIN
 UNREADY, SUSPECTED, FAILED, COUNTING = 0.02, 0.02, 0.1, 0.02  # shares of samples; the last counts bad samples
+OTHER_AMPLITUDE, ALIKE = 0.02, 0.5  # share of samples; of first residuals that another amplitude explains
 WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it contradicts the others
 AMPLITUDE = 0.15  # standard deviation of the relative error of all voltages
 PART = 0.3  # of the size of demands: standard deviation of each of its terms
@@ -42,7 +43,6 @@ PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
     1e-5,
     1e-6,
 )  # m, rad: deviations of position, T velocity, T^2/2 acceleration
-ACTING = 0.3  # A: standard deviation of an achieved demand
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ def _samples_left(block: Block, states: Columns, rng: np.random.Generator) -> ND
 def _with_wrong_voltage(columns: Columns, rng: np.random.Generator, n: int) -> Columns:
     """Return sensor values (N,) with one wrong Hall voltage in some samples, and another amplitude of all in others."""
     wrong, channel = _random_flags(rng, n, FAILED) * rng.normal(0, WRONG, n), rng.integers(0, len(planar_stage.HALL), n)
-    amplitude = 1 + _random_flags(rng, n, FAILED) * rng.normal(0, AMPLITUDE, n)
+    amplitude = 1 + _random_flags(rng, n, OTHER_AMPLITUDE) * rng.normal(0, AMPLITUDE, n)
     off = {name: np.where(channel == i, wrong, 0.0) for i, name in enumerate(planar_stage.HALL)}
     limit = sensing.VOLTAGE * (1 - INSIDE)
     return columns | {name: np.clip(amplitude * columns[name] + by, -limit, limit) for name, by in off.items()}
@@ -110,7 +110,7 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
     columns |= {
         f"sensing_within_{a}": np.clip(predicted[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"
     }
-    columns |= {"sensing_power": rng.uniform(0.98, 1.02, n), "sensing_common": _random_flags(rng, n, SUSPECTED)}
+    columns |= {"sensing_power": rng.uniform(0.98, 1.02, n)} | _first_residuals(rng, n)
     for a in allocation.HORIZONTAL:
         columns |= {
             f"filter_{a}_p": predicted[a],
@@ -118,9 +118,17 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
             f"filter_{a}_h": rng.normal(0, ACCELERATION_STEP, n),
             f"reckoning_{a}_position": predicted[a],
             f"reckoning_{a}_rate": rng.normal(0, VELOCITY_STEP, n),
-            f"reckoning_{a}_acting": rng.normal(0, ACTING, n),
         }
     return columns
+
+
+def _first_residuals(rng: np.random.Generator, n: int) -> Columns:
+    """Return the residuals of first contradictions, by one voltage or by another amplitude of all."""
+    alike, A = _random_flags(rng, n, ALIKE), hall_calibration.of(planar_stage.plant()).amplitude
+    m = 0.3 * A**2 * rng.normal(size=n)
+    columns = {"m_x": m, "m_y": np.where(alike > 0, m * rng.uniform(0.5, 1.5, n), rng.normal(0, 0.3 * A**2, n))}
+    columns |= {r: np.where(alike > 0, 0.01, 0.1) * A * rng.normal(size=n) for r in ("r_1", "r_2")}
+    return {f"sensing_first_{name}": values for name, values in columns.items()}
 
 
 def edge_steps(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:

@@ -140,7 +140,8 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
-    common = np.asarray(state["sensing_common"]) > 0 if braking else np.zeros_like(confirmed)
+    amplitude = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
+    common = amplitude if braking else np.zeros_like(confirmed)
     flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] & ~common for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
     word = word + (1 << 29) * (confirmed & common)

@@ -30,7 +30,7 @@ REMAINING = 0.5  # of the rate, after a braking sample
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [f"reckoning_{axis}_{part}" for axis in POLE for part in ("position", "rate", "acting")]
+    names = [f"reckoning_{axis}_{part}" for axis in POLE for part in ("position", "rate")]
     return {name: np.array(0.0) for name in (*names, "braking_active")}
 
 
@@ -62,7 +62,7 @@ def next_rates(state: Columns, measured: Columns, ready: Array, T: float) -> dic
     rates = {}
     for axis, q in measured.items():
         _, v = correct(axis, state, q, ready, T)
-        rates[axis] = v + acceleration(axis) * T * state[f"reckoning_{axis}_acting"]
+        rates[axis] = v + acceleration(axis) * T * state[f"lqg_{axis}_achieved"]
     return rates
 
 
@@ -76,14 +76,13 @@ def brake(demands: Columns, rates: Columns, state: Columns, T: float) -> dict[st
     return after
 
 
-def next_state(state: Columns, measured: Columns, ready: Array, achieved: Columns, T: float) -> dict[str, Array]:
-    """Return the next predictions; `achieved` are the achieved demands in N and N m."""
+def next_state(state: Columns, measured: Columns, ready: Array, T: float) -> dict[str, Array]:
+    """Return the next predictions; what the law achieved in the sample before acts until the next one."""
     after: dict[str, Array] = {}
     for axis, q in measured.items():
         at, v = correct(axis, state, q, ready, T)
-        acting = acceleration(axis) * state[f"reckoning_{axis}_acting"]
+        acting = acceleration(axis) * state[f"lqg_{axis}_achieved"]
         values = {"position": at + T * v + acting * T**2 / 2, "rate": (v + acting * T) * T}
         bounds = {"position": FARTHEST[axis], "rate": FASTEST[axis] * T}
         after |= {f"reckoning_{axis}_{n}": np.clip(u, -bounds[n], bounds[n]) for n, u in values.items()}
-        after[f"reckoning_{axis}_acting"] = achieved[axis] / control.scales()[axis]
     return after

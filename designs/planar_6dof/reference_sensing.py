@@ -129,7 +129,7 @@ def initial_state() -> dict[str, Array]:
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
-    return rest | {"sensing_power": np.array(1.0), "sensing_common": np.array(0.0)}
+    return rest | {"sensing_power": np.array(1.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -215,8 +215,6 @@ def sense(
         ),
     }
     if reckoned:
-        common = np.where(is_amplitude(residuals, A), 1.0, 0.0)
-        after["sensing_common"] = np.where(contradiction & (before == 0), common, state["sensing_common"])
         pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (2 * k.power[0])
         after["sensing_power"] = np.where(accepted, np.clip(scale + pace * (x.m + y.m), *SCALE), scale)
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
@@ -263,9 +261,9 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
     return {name: flag | is_ambiguous for name, flag in wrong.items()}
 
 
-def is_amplitude(residuals: Columns, A: float) -> Array:
-    """Return whether the amplitude of all voltages explains a contradiction; then none is wrong by itself."""
-    m_x, m_y, r_1, r_2 = (np.asarray(residuals[name]) for name in ("m_x", "m_y", "r_1", "r_2"))
+def is_amplitude(state: Columns, A: float) -> Array:
+    """Return whether the amplitude of all voltages explains the first contradiction; then none is wrong by itself."""
+    m_x, m_y, r_1, r_2 = (np.asarray(state[f"sensing_first_{name}"]) for name in ("m_x", "m_y", "r_1", "r_2"))
     is_large = np.minimum(np.abs(m_x), np.abs(m_y)) > SIGNIFICANT_M * EXCESS_BOUND * A**2
     is_yaw = np.maximum(np.abs(r_1), np.abs(r_2)) > SIGNIFICANT_R * RESIDUAL_BOUND * A
     return np.asarray(is_large & ~is_yaw & (np.abs(m_x - m_y) < MAX_SPREAD * np.abs(m_x + m_y)))

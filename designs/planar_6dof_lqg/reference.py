@@ -152,6 +152,6 @@ def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, A
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
     after |= after_sensing | {"braking_active": np.where(guarded.braking, 1.0, 0.0)}
-    after |= motion.next_state(state, {a: pose[f"{a}_raw"] for a in HORIZONTAL}, ready, achieved, float(PERIOD))
+    after |= motion.next_state(state, {a: pose[f"{a}_raw"] for a in HORIZONTAL}, ready, float(PERIOD))
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

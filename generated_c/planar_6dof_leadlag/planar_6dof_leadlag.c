@@ -412,148 +412,154 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float filter_x_p = state->filter_x.p;
 
         /* sensing: position and yaw, (1)-(5) */
-        const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
-        const float X_c = filter_phi_p_times_V_ay - V_bx_held;
-        const float X_s = V_ax_held - filter_phi_p_times_V_ay;
-        const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
-        const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
-        const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-        const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
-        const float Y_s_squared = Y_s * Y_s;
-        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
-        const float X_c_squared = X_c * X_c;
-        const float X_s_squared = X_s * X_s;
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
-        const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
-        const float X_s_times_X_c = X_s * X_c;
-        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-        const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
-        const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
-        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        bool contradicts = false;
-        if ((guard_ready != 0u) && complete) {
-            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
-            contradicts = (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
-        }
-        const bool accept = !contradicts && complete;
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
         float phi_raw_part = 0.0f;
-        float within_x;
-        float within_y;
-        if (accept) {
-            const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
-            /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-            float sensing_within_x_next;
-            if (X_s_squared <= X_c_squared) {
-                if (X_c < 0.0f) {
-                    if (0.0f < f_x_raw) {
-                        sensing_within_x_next = f_x_raw - half_pitch;
-                    } else {
-                        sensing_within_x_next = f_x_raw + half_pitch;
-                    }
+        bool accepted_within_x = false;
+        float sensing_within_x_next = 0.0f;
+        float sensing_within_y_next = 0.0f;
+        if (complete) {
+            const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
+            const float X_s = V_ax_held - filter_phi_p_times_V_ay;
+            const float X_s_squared = X_s * X_s;
+            const float X_c = filter_phi_p_times_V_ay - V_bx_held;
+            const float X_c_squared = X_c * X_c;
+            const float X_s_times_X_c = X_s * X_c;
+            const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+            const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
+            const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
+            const float Y_s_squared = Y_s * Y_s;
+            const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
+            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
+            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+            const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
+            const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
+            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
+            const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
+            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
+                state->sensing_contradiction_left = 4u;
+                if (sensing_contradiction_left != 0u) {
+                    state->sensing_contradiction_confirmed = 1u;
                 } else {
-                    sensing_within_x_next = f_x_raw;
+                    state->sensing_first_m_x = m_x;
+                    state->sensing_first_m_y = m_y;
+                    state->sensing_first_r_1 = r_1;
+                    state->sensing_first_r_2 = r_2;
+                    state->sensing_first_s_x = X_s;
+                    state->sensing_first_s_y = Y_s;
+                    state->sensing_first_phi = filter_phi_p;
                 }
             } else {
-                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
-            }
-            const float sensing_offset_x = state->sensing_offset_x;
-            const float off_x_raw = sensing_within_x_next - (filter_x_p - sensing_offset_x);
-            float offset_x = sensing_offset_x;
-            if (half_pitch < fabsf(off_x_raw)) {
-                if (0.0f < off_x_raw) {
-                    if (-pitch <= sensing_offset_x) {
-                        const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                        offset_x = sensing_offset_x_minus_pitch;
-                        state->sensing_offset_x = sensing_offset_x_minus_pitch;
-                    }
-                } else {
-                    if (sensing_offset_x <= pitch) {
-                        const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                        offset_x = sensing_offset_x_plus_pitch;
-                        state->sensing_offset_x = sensing_offset_x_plus_pitch;
-                    }
-                }
-            }
-            x_raw = sensing_within_x_next + offset_x;
-            within_x = sensing_within_x_next;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
-            /*@ admit -1.0f <= ratio_y <= 1.0f; */
-            const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-            float at;
-            if (Y_s_squared <= ratio_y_part_squared) {
-                if (-ratio_y_part < 0.0f) {
-                    if (0.0f < f_y_raw) {
-                        at = f_y_raw - half_pitch;
+                const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
+                /*@ admit -1.0f <= ratio_x <= 1.0f; */
+                const float ratio_x_squared = ratio_x * ratio_x;
+                const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+                float within_x_2;
+                if (X_s_squared <= X_c_squared) {
+                    if (X_c < 0.0f) {
+                        if (0.0f < f_x_raw) {
+                            within_x_2 = f_x_raw - half_pitch;
+                        } else {
+                            within_x_2 = f_x_raw + half_pitch;
+                        }
                     } else {
-                        at = f_y_raw + half_pitch;
+                        within_x_2 = f_x_raw;
                     }
                 } else {
-                    at = f_y_raw;
+                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
                 }
-            } else {
-                at = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
-            }
-            const float sensing_offset_y = state->sensing_offset_y;
-            const float off_y_raw = at - (filter_y_p - sensing_offset_y);
-            float offset_y = sensing_offset_y;
-            if (half_pitch < fabsf(off_y_raw)) {
-                if (0.0f < off_y_raw) {
-                    if (-pitch <= sensing_offset_y) {
-                        const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                        offset_y = sensing_offset_y_minus_pitch;
-                        state->sensing_offset_y = sensing_offset_y_minus_pitch;
+                const float sensing_offset_x = state->sensing_offset_x;
+                const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
+                float offset_x = sensing_offset_x;
+                if (half_pitch < fabsf(off_x_raw)) {
+                    if (0.0f < off_x_raw) {
+                        if (-pitch <= sensing_offset_x) {
+                            const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
+                            offset_x = sensing_offset_x_minus_pitch;
+                            state->sensing_offset_x = sensing_offset_x_minus_pitch;
+                        }
+                    } else {
+                        if (sensing_offset_x <= pitch) {
+                            const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
+                            offset_x = sensing_offset_x_plus_pitch;
+                            state->sensing_offset_x = sensing_offset_x_plus_pitch;
+                        }
+                    }
+                }
+                x_raw = within_x_2 + offset_x;
+                sensing_within_x_next = within_x_2;
+                const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
+                /*@ admit -1.0f <= ratio_y <= 1.0f; */
+                const float ratio_y_squared = ratio_y * ratio_y;
+                const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+                float position;
+                if (Y_s_squared <= ratio_y_part_squared) {
+                    if (-ratio_y_part < 0.0f) {
+                        if (0.0f < f_y_raw) {
+                            position = f_y_raw - half_pitch;
+                        } else {
+                            position = f_y_raw + half_pitch;
+                        }
+                    } else {
+                        position = f_y_raw;
                     }
                 } else {
-                    if (sensing_offset_y <= pitch) {
-                        const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                        offset_y = sensing_offset_y_plus_pitch;
-                        state->sensing_offset_y = sensing_offset_y_plus_pitch;
+                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                }
+                const float sensing_offset_y = state->sensing_offset_y;
+                const float off_y_raw = position - (filter_y_p - sensing_offset_y);
+                float offset_y = sensing_offset_y;
+                if (half_pitch < fabsf(off_y_raw)) {
+                    if (0.0f < off_y_raw) {
+                        if (-pitch <= sensing_offset_y) {
+                            const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
+                            offset_y = sensing_offset_y_minus_pitch;
+                            state->sensing_offset_y = sensing_offset_y_minus_pitch;
+                        }
+                    } else {
+                        if (sensing_offset_y <= pitch) {
+                            const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
+                            offset_y = sensing_offset_y_plus_pitch;
+                            state->sensing_offset_y = sensing_offset_y_plus_pitch;
+                        }
                     }
                 }
+                y_raw = position + offset_y;
+                sensing_within_y_next = position;
+                if (1u <= sensing_contradiction_left) {
+                    state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+                }
+                const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+                const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+                phi_raw_part = yaw_correction;
+                accepted_within_x = true;
             }
-            y_raw = at + offset_y;
-            state->sensing_within_x = sensing_within_x_next;
-            within_y = at;
-            state->sensing_within_y = at;
-            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-            phi_raw_part = phi_raw_part_2;
-        } else {
-            within_x = state->sensing_within_x;
-            within_y = state->sensing_within_y;
-        }
-        const float phi_raw = planar_6dof_leadlag_limit(filter_phi_p + phi_raw_part, max_yaw);
-        if (contradicts) {
-            state->sensing_contradiction_left = 4u;
-        } else {
-            if (accept && (sensing_contradiction_left != 0u)) {
-                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->m_x = m_x;
+                diagnostics->m_y = m_y;
+                diagnostics->r_1 = r_1;
+                diagnostics->r_2 = r_2;
             }
+#endif
         }
-        if (contradicts && (sensing_contradiction_left != 0u)) {
-            state->sensing_contradiction_confirmed = 1u;
-        }
-        if (contradicts && !(sensing_contradiction_left != 0u)) {
-            state->sensing_first_m_x = m_x;
-            state->sensing_first_m_y = m_y;
-            state->sensing_first_r_1 = r_1;
-            state->sensing_first_r_2 = r_2;
-            state->sensing_first_s_x = X_s;
-            state->sensing_first_s_y = Y_s;
-            state->sensing_first_phi = filter_phi_p;
-        }
-        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
+        const float phi_raw = planar_6dof_leadlag_limit(filter_phi_p + phi_raw_part, max_yaw);
+        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
+        if (accepted_within_x) {
+            state->sensing_within_x = sensing_within_x_next;
+            state->sensing_within_y = sensing_within_y_next;
+        } else {
+            sensing_within_x_next = state->sensing_within_x;
+            sensing_within_y_next = state->sensing_within_y;
+        }
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -631,9 +637,9 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-        const float distance_rear = within_x - (c * sin_i_CQ);
+        const float distance_rear = sensing_within_x_next - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
+        const float distance_front = sensing_within_y_next - ((b * cos_i_CQ) - quarter_pitch);
         const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
@@ -697,15 +703,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
-            diagnostics->r_1 = r_1;
-            diagnostics->r_2 = r_2;
-            diagnostics->m_x = m_x;
-            diagnostics->m_y = m_y;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
-            diagnostics->within_x = within_x;
-            diagnostics->within_y = within_y;
             diagnostics->phi_raw = phi_raw;
+            diagnostics->within_x = sensing_within_x_next;
+            diagnostics->within_y = sensing_within_y_next;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;

@@ -199,7 +199,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float lqg_x_achieved_gain = 0.319009f;         /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_x_L = 5126.1787f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_x_F = 0.7f;                          /* 1; (35): A22 - L A12 */
-    static const float lqg_x_G = -1537.8536f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_x_H = 0.28662756f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
     static const float lqg_y_error_gain = 1117.0514f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_y_integral_decay = 0.953085f;        /* 1; (49): 1 - k3 T / (k1 + k3 T) */
@@ -207,7 +206,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float lqg_y_achieved_gain = 0.22358753f;       /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_y_L = 3558.6274f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_y_F = 0.7f;                          /* 1; (35): A22 - L A12 */
-    static const float lqg_y_G = -1067.5883f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_y_H = 0.19897877f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
     static const float lqg_phi_error_gain = 550.31274f;         /* A/rad; (49): k1 + k3 T */
     static const float lqg_phi_integral_decay = 0.9013263f;     /* 1; (49): 1 - k3 T / (k1 + k3 T) */
@@ -215,7 +213,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float lqg_phi_achieved_gain = 0.87617064f;     /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_phi_L = 275.96594f;                  /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_phi_F = 0.9f;                        /* 1; (35): A22 - L A12 */
-    static const float lqg_phi_G = -27.596594f;                 /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_phi_H = 0.9145512f;                  /* 1; (33): (k1 T + k2) (B2 - L B1) */
     static const float loop_z_gain = 4023.7034f;                /* A/m; (23): gain on the error */
     static const float loop_z_lead_input = -3537.3835f;         /* A/m; (23): gain times (lead_pole - zero) */
@@ -266,22 +263,24 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
 
     /* guard: range acceptance, hold, latch */
     const uint32_t guard_left = state->guard_left;
-    const float sensing_first_r_1 = state->sensing_first_r_1;
-    const float sensing_first_r_2 = state->sensing_first_r_2;
-    const float sensing_first_m_x = state->sensing_first_m_x;
-    const float sensing_first_m_y = state->sensing_first_m_y;
-    const uint32_t sensing_common = state->sensing_common;
     bool complete = false;
+    bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */
+        const float sensing_first_r_1 = state->sensing_first_r_1;
+        const float sensing_first_r_2 = state->sensing_first_r_2;
+        const float sensing_first_m_x = state->sensing_first_m_x;
+        const float sensing_first_m_y = state->sensing_first_m_y;
         const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const bool r_exceeds_x = significant_r < fabsf(sensing_first_r_2);
-        const bool r_exceeds_y = significant_r < fabsf(sensing_first_r_1);
+        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
+        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
+        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
+        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
         bool suspect_V_ax_test;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = m_exceeds_x;
@@ -306,8 +305,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y && !is_jump);
-        const bool suspect_V_ax_test_2 = !(sensing_common != 0u);
+        const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
+        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump);
+        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) && (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool suspect_V_ax_test_2 = !common;
         const bool suspect_V_ax = (suspect_V_ax_test || is_ambiguous) && suspect_V_ax_test_2;
         const bool suspect_V_ay = (suspect_V_ay_test || is_ambiguous) && suspect_V_ax_test_2;
         const bool suspect_V_bx = (suspect_V_bx_test || is_ambiguous) && suspect_V_ax_test_2;
@@ -332,6 +333,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+        other_amplitude = common;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -391,156 +393,161 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     } else {
         /* reckoning: alpha-beta filter, dead reckoning
          *     x_advance = x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
-         *         x_half_step * x_acting + x_half_step * x_acting; likewise y_advance, phi_advance
-         *     x_position_next = limit(x_position + (x_position_gain if guard_ready is set, else 1) * (x_raw -
-         *         x_position) + x_rate + (x_rate_gain * (x_raw - x_position) if guard_ready is set, else 0) +
-         *         x_half_step * x_acting, 0.2); likewise y_position_next */
+         *         x_half_step * lqg_x_achieved + x_half_step * lqg_x_achieved; likewise y_advance, phi_advance */
         const float reckoning_phi_position = state->reckoning_phi_position;
         const float reckoning_x_position = state->reckoning_x_position;
         const float reckoning_y_position = state->reckoning_y_position;
 
         /* sensing: position and yaw, (1)-(5) */
-        const float ratio_x_part = reckoning_phi_position * V_ay_held;
-        const float X_s = V_ax_held - ratio_x_part;
-        const float X_c = ratio_x_part - V_bx_held;
-        const float X_s_times_X_c = X_s * X_c;
-        const float X_s_squared = X_s * X_s;
-        const float X_c_squared = X_c * X_c;
-        const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
-        /*@ admit -1.0f <= ratio_x <= 1.0f; */
-        const float ratio_y_part = reckoning_phi_position * V_ax_held;
-        const float Y_s = V_ay_held + ratio_y_part;
-        const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
-        const float ratio_y_part_2 = Y_s * V_cy_plus_ratio_y_part;
-        const float Y_s_squared = Y_s * Y_s;
-        const float ratio_y_part_3 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
-        const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_3) + least_square));
-        /*@ admit -1.0f <= ratio_y <= 1.0f; */
-        const float h1 = X_c + X_s - (V_cy_plus_ratio_y_part * ratio_y_part_3 * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-        const float r_1 = V_by_held - V_ay_held - (h1 * reckoning_phi_position);
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - V_cy_plus_ratio_y_part);
-        const float r_2 = V_cx_held - V_ax_held + (h2 * reckoning_phi_position);
-        const float sensing_power = state->sensing_power;
-        const float power = sensing_power * sensing_power_0;
-        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (power + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-        const float product_m_y = ratio_y_part_2 * ratio_y_part_2;
-        const float m_y = Y_s_squared + ratio_y_part_3 - (power + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
-        const float ratio_x_squared = ratio_x * ratio_x;
-        const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-        float within_x_2;
-        if (X_s_squared <= X_c_squared) {
-            if (X_c < 0.0f) {
-                if (0.0f < f_x_raw) {
-                    within_x_2 = f_x_raw - half_pitch;
-                } else {
-                    within_x_2 = f_x_raw + half_pitch;
-                }
-            } else {
-                within_x_2 = f_x_raw;
-            }
-        } else {
-            within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
-        }
         const float sensing_offset_x = state->sensing_offset_x;
         const float expected_x = reckoning_x_position - sensing_offset_x;
-        const float off_x_raw = within_x_2 - expected_x;
-        float offset_x = sensing_offset_x;
-        if (half_pitch < fabsf(off_x_raw)) {
-            if (0.0f < off_x_raw) {
-                if (-pitch <= sensing_offset_x) {
-                    offset_x = sensing_offset_x - pitch;
-                }
-            } else {
-                if (sensing_offset_x <= pitch) {
-                    offset_x = sensing_offset_x + pitch;
-                }
-            }
-        }
-        const float within_x_2_plus_offset_x = within_x_2 + offset_x;
-        const float ratio_y_squared = ratio_y * ratio_y;
-        const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-        float position;
-        if (Y_s_squared <= ratio_y_part_3) {
-            if (-V_cy_plus_ratio_y_part < 0.0f) {
-                if (0.0f < f_x_raw_2) {
-                    position = f_x_raw_2 - half_pitch;
-                } else {
-                    position = f_x_raw_2 + half_pitch;
-                }
-            } else {
-                position = f_x_raw_2;
-            }
-        } else {
-            position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
-        }
         const float sensing_offset_y = state->sensing_offset_y;
         const float expected_y = reckoning_y_position - sensing_offset_y;
-        const float off_x_raw_2 = position - expected_y;
-        float offset_y = sensing_offset_y;
-        if (half_pitch < fabsf(off_x_raw_2)) {
-            if (0.0f < off_x_raw_2) {
-                if (-pitch <= sensing_offset_y) {
-                    offset_y = sensing_offset_y - pitch;
+        float x_raw = reckoning_x_position;
+        float y_raw = reckoning_y_position;
+        float phi_raw_part = 0.0f;
+        bool accepted_within_x = false;
+        float within_x_part = 0.0f;
+        float within_y_part = 0.0f;
+        if (complete) {
+            const float ratio_x_part = reckoning_phi_position * V_ay_held;
+            const float X_s = V_ax_held - ratio_x_part;
+            const float X_c = ratio_x_part - V_bx_held;
+            const float X_s_times_X_c = X_s * X_c;
+            const float X_s_squared = X_s * X_s;
+            const float X_c_squared = X_c * X_c;
+            const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
+            /*@ admit -1.0f <= ratio_x <= 1.0f; */
+            const float ratio_y_part = reckoning_phi_position * V_ax_held;
+            const float Y_s = V_ay_held + ratio_y_part;
+            const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
+            const float ratio_y_part_2 = Y_s * V_cy_plus_ratio_y_part;
+            const float Y_s_squared = Y_s * Y_s;
+            const float ratio_y_part_3 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
+            const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_3) + least_square));
+            /*@ admit -1.0f <= ratio_y <= 1.0f; */
+            const float sensing_power = state->sensing_power;
+            const float power_m_x = sensing_power * sensing_power_0;
+            const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+            const float m_x = X_s_squared + X_c_squared - (power_m_x + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+            const float product_m_y = ratio_y_part_2 * ratio_y_part_2;
+            const float m_y = Y_s_squared + ratio_y_part_3 - (power_m_x + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s - (V_cy_plus_ratio_y_part * ratio_y_part_3 * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+            const float r_1 = V_by_held - V_ay_held - (h1 * reckoning_phi_position);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - V_cy_plus_ratio_y_part);
+            const float r_2 = V_cx_held - V_ax_held + (h2 * reckoning_phi_position);
+            const float ratio_x_squared = ratio_x * ratio_x;
+            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            float within_x_2;
+            if (X_s_squared <= X_c_squared) {
+                if (X_c < 0.0f) {
+                    if (0.0f < f_x_raw) {
+                        within_x_2 = f_x_raw - half_pitch;
+                    } else {
+                        within_x_2 = f_x_raw + half_pitch;
+                    }
+                } else {
+                    within_x_2 = f_x_raw;
                 }
             } else {
-                if (sensing_offset_y <= pitch) {
-                    offset_y = sensing_offset_y + pitch;
+                within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+            }
+            const float off_x_raw = within_x_2 - expected_x;
+            float offset_x = sensing_offset_x;
+            if (half_pitch < fabsf(off_x_raw)) {
+                if (0.0f < off_x_raw) {
+                    if (-pitch <= sensing_offset_x) {
+                        offset_x = sensing_offset_x - pitch;
+                    }
+                } else {
+                    if (sensing_offset_x <= pitch) {
+                        offset_x = sensing_offset_x + pitch;
+                    }
                 }
             }
-        }
-        const float position_plus_offset_y = position + offset_y;
-        const float h3 = (X_s * (Y_s + V_cy_plus_ratio_y_part)) + (Y_s * (X_s - X_c));
-        const float m_x_minus_m_y = m_x - m_y;
-        const float numerator = (h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * m_x_minus_m_y));
-        const float yaw_correction = numerator / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        bool contradicts = false;
-        if ((guard_ready != 0u) && complete) {
-            const float innovation_x = within_x_2_plus_offset_x - reckoning_x_position;
-            const float innovation_y = position_plus_offset_y - reckoning_y_position;
+            const float accepted_x_raw = within_x_2 + offset_x;
+            const float innovation_x = accepted_x_raw - reckoning_x_position;
+            const float ratio_y_squared = ratio_y * ratio_y;
+            const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            float position;
+            if (Y_s_squared <= ratio_y_part_3) {
+                if (-V_cy_plus_ratio_y_part < 0.0f) {
+                    if (0.0f < f_x_raw_2) {
+                        position = f_x_raw_2 - half_pitch;
+                    } else {
+                        position = f_x_raw_2 + half_pitch;
+                    }
+                } else {
+                    position = f_x_raw_2;
+                }
+            } else {
+                position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw_2;
+            }
+            const float off_x_raw_2 = position - expected_y;
+            float offset_y = sensing_offset_y;
+            if (half_pitch < fabsf(off_x_raw_2)) {
+                if (0.0f < off_x_raw_2) {
+                    if (-pitch <= sensing_offset_y) {
+                        offset_y = sensing_offset_y - pitch;
+                    }
+                } else {
+                    if (sensing_offset_y <= pitch) {
+                        offset_y = sensing_offset_y + pitch;
+                    }
+                }
+            }
+            const float accepted_x_raw_2 = position + offset_y;
+            const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
             const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
+            const float h3 = (X_s * (Y_s + V_cy_plus_ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float numerator = (h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)));
+            const float yaw_correction = numerator / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
             const float squared = x_raw_part + (yaw_correction * numerator);
-            contradicts = (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
-        }
-        const bool accept = !contradicts && complete;
-        float x_raw = within_x_2_plus_offset_x;
-        float y_raw = position_plus_offset_y;
-        float phi_raw_part = yaw_correction;
-        float within_x = within_x_2;
-        float within_y = position;
-        if (accept) {
-            state->sensing_offset_x = offset_x;
-            state->sensing_offset_y = offset_y;
-        } else {
-            x_raw = reckoning_x_position;
-            y_raw = reckoning_y_position;
-            phi_raw_part = 0.0f;
-            within_x = planar_6dof_lqg_limit(expected_x, half_pitch);
-            within_y = planar_6dof_lqg_limit(expected_y, half_pitch);
+            const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
+            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
+                state->sensing_contradiction_left = 4u;
+                if (sensing_contradiction_left != 0u) {
+                    state->sensing_contradiction_confirmed = 1u;
+                } else {
+                    state->sensing_first_m_x = m_x;
+                    state->sensing_first_m_y = m_y;
+                    state->sensing_first_r_1 = r_1;
+                    state->sensing_first_r_2 = r_2;
+                    state->sensing_first_s_x = X_s;
+                    state->sensing_first_s_y = Y_s;
+                    state->sensing_first_phi = reckoning_phi_position;
+                }
+            } else {
+                x_raw = accepted_x_raw;
+                y_raw = accepted_x_raw_2;
+                phi_raw_part = yaw_correction;
+                accepted_within_x = true;
+                within_x_part = within_x_2;
+                within_y_part = position;
+                if (1u <= sensing_contradiction_left) {
+                    state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+                }
+                state->sensing_offset_x = offset_x;
+                state->sensing_offset_y = offset_y;
+                const float sensing_power_part = planar_6dof_lqg_min(sensing_power + (((guard_ready < 1u) ? sensing_first_power_gain : sensing_power_gain) * (m_x + m_y)), 1.3f);
+                state->sensing_power = planar_6dof_lqg_max(sensing_power_part, 0.75f);
+            }
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->m_x = m_x;
+                diagnostics->m_y = m_y;
+                diagnostics->r_1 = r_1;
+                diagnostics->r_2 = r_2;
+            }
+#endif
         }
         const float phi_raw = planar_6dof_lqg_limit(reckoning_phi_position + phi_raw_part, max_yaw);
-        if (contradicts) {
-            state->sensing_contradiction_left = 4u;
-        } else {
-            if (accept && (sensing_contradiction_left != 0u)) {
-                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
-            }
-        }
-        if (contradicts && (sensing_contradiction_left != 0u)) {
-            state->sensing_contradiction_confirmed = 1u;
-        }
-        const float m_x_plus_m_y = m_x + m_y;
-        if (contradicts && !(sensing_contradiction_left != 0u)) {
-            state->sensing_first_m_x = m_x;
-            state->sensing_first_m_y = m_y;
-            state->sensing_first_r_1 = r_1;
-            state->sensing_first_r_2 = r_2;
-            state->sensing_first_s_x = X_s;
-            state->sensing_first_s_y = Y_s;
-            state->sensing_first_phi = reckoning_phi_position;
-            state->sensing_common = planar_6dof_lqg_flag((significant_m < fabsf(m_x)) && (significant_m < fabsf(m_y)) && (fabsf(r_1) <= significant_r) && (fabsf(r_2) <= significant_r) && (fabsf(m_x_minus_m_y) < (0.25f * fabsf(m_x_plus_m_y))));
-        }
+        const float within_x = (accepted_within_x) ? within_x_part : planar_6dof_lqg_limit(expected_x, half_pitch);
+        const float within_y = (accepted_within_x) ? within_y_part : planar_6dof_lqg_limit(expected_y, half_pitch);
+
+        /* lqg_x: reduced-order LQG, (28)-(35), (49)
+         *     x3_next = F * ((x3 if guard_ready is set, else -(L * x_raw)) + L * x_raw) - L * x_raw + H * achieved */
+        const float lqg_x_achieved = state->lqg_x_achieved;
         const float x_advance_part = x_raw - reckoning_x_position;
         const float y_advance_part = y_raw - reckoning_y_position;
         const float e = phi_raw - reckoning_phi_position;
@@ -553,7 +560,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float now_law_x;
         float now_law_y;
         float now_law_phi;
-        float share = sensing_power_gain;
         float reckoning_x_position_part = reckoning_x_position_gain;
         float reckoning_y_position_part = reckoning_y_position_gain;
         float M_1 = reckoning_phi_position_gain;
@@ -568,40 +574,42 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             now_law_x = -seen_law_x;
             now_law_y = -seen_law_y;
             now_law_phi = -seen_law_phi;
-            share = sensing_first_power_gain;
             reckoning_x_position_part = 1.0f;
             reckoning_y_position_part = 1.0f;
             M_1 = 1.0f;
         }
-        state->sensing_power = (accept) ? planar_6dof_lqg_max(planar_6dof_lqg_min(sensing_power + (share * m_x_plus_m_y), 1.3f), 0.75f) : sensing_power;
+        const float rate_law_x = now_law_x + seen_law_x;
+        state->lqg_x_x3 = (lqg_x_F * rate_law_x) - seen_law_x + (lqg_x_H * lqg_x_achieved);
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
-        const float lqg_x_achieved = state->lqg_x_achieved;
-        state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
+        /* reckoning: alpha-beta filter, dead reckoning */
+        const float x_advance_part_3 = reckoning_x_half_step * lqg_x_achieved;
+        const float x_advance_part_4 = state->reckoning_x_rate + x_advance_part_2 + x_advance_part_3;
+        const float x_advance = x_advance_part_4 + x_advance_part_3;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
+         *     x3_next = F * ((x3 if guard_ready is set, else -(L * y_raw)) + L * y_raw) - L * y_raw + H * achieved */
         const float lqg_y_achieved = state->lqg_y_achieved;
-        state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
+        const float rate_law_y = now_law_y + seen_law_y;
+        state->lqg_y_x3 = (lqg_y_F * rate_law_y) - seen_law_y + (lqg_y_H * lqg_y_achieved);
+
+        /* reckoning: alpha-beta filter, dead reckoning */
+        const float y_advance_part_3 = reckoning_y_half_step * lqg_y_achieved;
+        const float y_advance_part_4 = state->reckoning_y_rate + y_advance_part_2 + y_advance_part_3;
+        const float y_advance = y_advance_part_4 + y_advance_part_3;
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
          *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
+         *     x3_next = F * ((x3 if guard_ready is set, else -(L * phi_raw)) + L * phi_raw) - L * phi_raw + H *
+         *         achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float lqg_phi_achieved = state->lqg_phi_achieved;
-        state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
+        const float rate_law_phi = now_law_phi + seen_law_phi;
+        state->lqg_phi_x3 = (lqg_phi_F * rate_law_phi) - seen_law_phi + (lqg_phi_H * lqg_phi_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning */
-        const float x_advance_part_3 = reckoning_x_half_step * state->reckoning_x_acting;
-        const float x_advance_part_4 = state->reckoning_x_rate + x_advance_part_2 + x_advance_part_3;
-        const float x_advance = x_advance_part_4 + x_advance_part_3;
-        const float y_advance_part_3 = reckoning_y_half_step * state->reckoning_y_acting;
-        const float y_advance_part_4 = state->reckoning_y_rate + y_advance_part_2 + y_advance_part_3;
-        const float y_advance = y_advance_part_4 + y_advance_part_3;
-        const float a = reckoning_phi_half_step * state->reckoning_phi_acting;
+        const float a = reckoning_phi_half_step * lqg_phi_achieved;
         const float middle = state->reckoning_phi_rate + phi_advance_part + a;
         const float phi_advance = middle + a;
         state->reckoning_x_position = planar_6dof_lqg_limit(reckoning_x_position + (reckoning_x_position_part * x_advance_part) + x_advance_part_4, 0.2f);
@@ -646,13 +654,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool is_small_law_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float law_x_part = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float law_x_part = rate_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool is_small_law_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
-        const float law_y_part = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float law_y_part = rate_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
         const float lqg_phi_integral = state->lqg_phi_integral;
-        const float law_phi_part = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float law_phi_part = rate_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
         float d_phi;
         float d_x;
         float d_y;
@@ -711,9 +719,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float achieved_phi = yaw - i_CQ;
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
-        state->reckoning_x_acting = achieved_x;
-        state->reckoning_y_acting = achieved_y;
-        state->reckoning_phi_acting = achieved_phi;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
@@ -812,15 +817,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
         if (diagnostics != NULL) {
-            diagnostics->r_1 = r_1;
-            diagnostics->r_2 = r_2;
-            diagnostics->m_x = m_x;
-            diagnostics->m_y = m_y;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
+            diagnostics->phi_raw = phi_raw;
             diagnostics->within_x = within_x;
             diagnostics->within_y = within_y;
-            diagnostics->phi_raw = phi_raw;
             diagnostics->x_advance = x_advance;
             diagnostics->y_advance = y_advance;
             diagnostics->phi_advance = phi_advance;
@@ -851,19 +852,22 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
 #endif
     }
-    uint32_t value = faults;
-    if (sensing_common != 0u) {
-        value = faults | 0x20000000u;
+    if (other_amplitude) {
+        faults |= 0x20000000u;
     }
-    const uint32_t fault_word = (sensing_contradiction_confirmed != 0u) ? value : faults;
+#if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
+    }
+#endif
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
     if (diagnostics != NULL) {
-        diagnostics->faults = fault_word;
-        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = fault_word;
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
         }
     }
 #endif
-    return fault_word;
+    return faults;
 }

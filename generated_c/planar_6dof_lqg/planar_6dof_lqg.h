@@ -96,25 +96,21 @@ typedef struct {
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    uint32_t sensing_common;            /* 1, 0 .. 1: the first contradiction was one of the amplitude of all voltages */
     float sensing_power;                /* 1, 0.75 .. 1.3: estimated squared amplitude over the nominal one */
     float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
     float reckoning_x_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
-    float reckoning_x_acting;           /* A, -100000 .. 100000: effort that acts until the next sample */
     float reckoning_y_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
     float reckoning_y_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
-    float reckoning_y_acting;           /* A, -100000 .. 100000: effort that acts until the next sample */
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.05 .. 0.05: predicted rate times the sample period */
-    float reckoning_phi_acting;         /* A, -100000 .. 100000: effort that acts until the next sample */
-    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
-    float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
+    float lqg_x_x3;                     /* A, -11736.9 .. 11736.9: estimated rate less L times the position, as a demand */
+    float lqg_x_integral;               /* A, -13927.2 .. 13927.2: integral of the error */
     float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
-    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
-    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: integral of the error */
+    float lqg_y_x3;                     /* A, -8148.64 .. 8148.64: estimated rate less L times the position, as a demand */
+    float lqg_y_integral;               /* A, -9671.04 .. 9671.04: integral of the error */
     float lqg_y_achieved;               /* A, -2.6145 .. 2.6145: achieved demand, which acts until the next sample */
-    float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
-    float lqg_phi_integral;             /* A, -84.309 .. 84.309: integral of the error */
+    float lqg_phi_x3;                   /* A, -552.856 .. 552.856: estimated rate less L times the position, as a demand */
+    float lqg_phi_integral;             /* A, -591.032 .. 591.032: integral of the error */
     float lqg_phi_achieved;             /* A, -2.52 .. 2.52: achieved demand, which acts until the next sample */
     float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
     float loop_z_lead;                  /* A, -2.50093 .. 2.50093: state of the lead filter */
@@ -138,11 +134,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
 _Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
-_Static_assert(sizeof(planar_6dof_lqg_state_t) == 236u, "size of planar_6dof_lqg_state_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 220u, "size of planar_6dof_lqg_state_t");
 #else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_236[(sizeof(planar_6dof_lqg_state_t) == 236u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_220[(sizeof(planar_6dof_lqg_state_t) == 220u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -196,6 +192,7 @@ typedef struct {
     float m_y;                          /* V^2: squared amplitude of the pair of y, less that of the field */
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
+    float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
     float x_advance;                    /* m: predicted rate times the sample period */
     float y_advance;                    /* m: predicted rate times the sample period */
     float phi_advance;                  /* rad: predicted rate times the sample period */

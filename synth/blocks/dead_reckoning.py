@@ -1,9 +1,9 @@
 """Alpha-beta filter with known input for each axis: predicts the motion, without measurements too (dead reckoning).
 
-    q'' = b f      f_k acts from sample k + 1 to k + 2: one sample of computation delay
+    q'' = b f      f acts from this sample to the next; with one sample of delay it is the effort of the sample before
 
-With p and s the position and T times the rate that are predicted for this sample, a = b T^2/2 f_{k-1}, and the
-innovation e = q - p:
+With p and s the position and T times the rate that are predicted for this sample, a = b T^2/2 f, and the innovation
+e = q - p:
 
     q^ = p + (1 - r^2) e,   s^ = s + (1 - r)^2 e,   p+ = q^ + (s^ + a),   s+ = (s^ + a) + a
 
@@ -36,7 +36,8 @@ class Axis:
 
     name          prefix of the states and constants of the axis
     measured      the signal q; `predicted` is the one of its prediction, a state, in the same unit
-    effort        the achieved effort f; `acceleration` is b, in units of acceleration per unit of f
+    effort        the achieved effort f that acts from this sample to the next
+    acceleration  b, in units of acceleration per unit of f
     fastest       bound of the rate, in the unit of q per s
     pole          r, between 0 and 1
     """
@@ -71,14 +72,13 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
         output: dict[str, ca.SX] = {}
         next: dict[str, ca.SX] = {}
         for axis in axes:
-            p, s, f = (x[f"{axis.name}_{what}"] for what in ("position", "rate", "acting"))
-            q = u[axis.measured.name]
+            p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
+            q, f = u[axis.measured.name], u[axis.effort.name]
             e, a = q - p, k[f"{axis.name}_half_step"] * f
             M = [ca.if_else(u[READY.name], k[f"{axis.name}_{what}_gain"], start) for what, start in STARTS.items()]
             middle = s + M[1] * e + a
             output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
             next |= {f"{axis.name}_position": p + M[0] * e + middle, f"{axis.name}_rate": middle + a}
-            next[f"{axis.name}_acting"] = u[axis.effort.name]
         return Step(output, next)
 
     inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
@@ -90,10 +90,9 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
 
 
 def _states(axis: Axis, time: Discrete) -> list[State]:
-    acting = replace(axis.effort, name=f"{axis.name}_acting", about="effort that acts until the next sample")
     predicted = replace(axis.predicted, name=f"{axis.name}_position", about="position predicted for this sample")
     rate = replace(axis.advance(time), name=f"{axis.name}_rate")
-    return [State(predicted, 0.0), State(rate, 0.0), State(acting, 0.0)]
+    return [State(predicted, 0.0), State(rate, 0.0)]
 
 
 def _constants(axis: Axis, time: Discrete) -> list[Constant]:

@@ -19,16 +19,16 @@ from synth.timing import Discrete
 TIME = Discrete(1e-3)
 T, B, R = TIME.period_s, 13.0, 0.9
 Q = Signal("q", "m", -0.1, 0.1)
-F = Signal("f", "A", -2.0, 2.0, "achieved effort")
+F = Signal("f", "A", -2.0, 2.0, "effort that acts until the next sample")
 PREDICTED = replace(Q, name="q_predicted", low=-0.2, high=0.2)
 AXIS = Axis("q", Q, PREDICTED, F, B, fastest=2.0, pole=R)
 LAW, PASSED = Signal("law_f", "A", -1e3, 1e3), Signal("d_f", "A", -1e5, 1e5)
 
 
 def motion(f: Array, q: float = 0.02, v: float = 0.1) -> Array:
-    """Return the positions (N,) of the axis, each effort acting one sample late."""
+    """Return the positions (N,) of the axis."""
     positions = []
-    for acting in np.append(0.0, f[:-1]):
+    for acting in f:
         positions.append(q)
         q, v = q + T * v + B * acting * T**2 / 2, v + B * acting * T
     return np.array(positions)
@@ -80,11 +80,11 @@ def test_a_planted_constant_is_detected(defect: str) -> None:
 
 def loop(share: float = 0.5, change: float = 1.0) -> Block:
     """Return reckoning and braking of an axis whose effort is limited to 1 A; `change` scales the braking gain."""
-    axis = replace(AXIS, effort=replace(F, name="achieved", low=-1.0, high=1.0))
+    axis = replace(AXIS, effort=replace(F, name="acting", low=-1.0, high=1.0))
     block = braking.block("braking", TIME, [axis], {"q": (LAW, PASSED)}, share)
     block = replace(block, constants=tuple(replace(c, value=change * c.value) for c in block.constants))
     return compose("loop", [dead_reckoning.block("reckoning", TIME, [axis]), block],
-                   inputs=["q", "achieved", "ready", "law_f", "braking"], outputs=["d_f", "q_predicted"])  # fmt: skip
+                   inputs=["q", "acting", "ready", "law_f", "braking"], outputs=["d_f", "q_predicted"])  # fmt: skip
 
 
 def brake(block: Block, v: float, samples: int = 60) -> Array:
@@ -92,10 +92,9 @@ def brake(block: Block, v: float, samples: int = 60) -> Array:
     step, x, q, acting, rates, predicted = block.function(), block.initial, 0.0, 0.0, [], 0.0
     for k in range(200 + samples):
         blind = k >= 200
-        inputs = [predicted if blind else q, 0.0, float(k > 0), 0.0, float(blind)]
-        f = float(np.clip(np.asarray(step(x, inputs)[1]).ravel()[0], -1, 1))
-        inputs[1] = f
-        x = np.asarray(step(x, inputs)[0]).ravel()
+        inputs = [predicted if blind else q, acting, float(k > 0), 0.0, float(blind)]
+        x, y = (np.asarray(v).ravel() for v in step(x, inputs))
+        f = float(np.clip(y[0], -1, 1))
         predicted = float(x[0])
         q, v = q + T * v + B * acting * T**2 / 2, v + B * acting * T
         acting = f
