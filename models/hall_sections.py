@@ -35,11 +35,10 @@ complete, and the guard latches in the fifth.
 
 The following holds with predictions that are `reckoned` from the forces.
 
-Amplitude. The nominal value of m is that of the field times an estimate of the squared amplitude, within
-SQUARED_AMPLITUDE_RANGE. The first good sample sets it and later ones correct it by AMPLITUDE_GAIN. Temperature, height
-and amplifiers change it slowly; a failed sensor changes m_x or m_y at once. The position does not depend on the
-amplitude. The yaw is computed with the nominal slope: where all amplitudes are off by a tenth, it is off by up to a
-fifth. A contradiction that another amplitude of all voltages explains sets only its own bit.
+Amplitude. The voltages are multiplied by a scale, the nominal amplitude over the estimated one, within SCALE_RANGE. The
+first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m_y is 0. Temperature, height and
+amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
+amplitude of all voltages explains sets only its own bit.
 
 Motion. The raw pose less the predicted one, over INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
 that the currents do not explain, long before the voltages contradict each other.
@@ -74,8 +73,8 @@ REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predic
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
 # m; of A, for the yaw's error times the root of its sum of squares: 7 times the noise
 INNOVATION_BOUND = {"x": 5e-4, "phi": 0.08}
-SQUARED_AMPLITUDE_RANGE = 0.75, 1.3  # of the nominal one
-AMPLITUDE_GAIN = 1e-3  # of the squared amplitude, what a sample corrects
+SCALE_RANGE = 0.84, 1.2  # of voltages
+SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
 
@@ -95,11 +94,11 @@ WITHIN = tuple(
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
     *(
-        Signal(f"m_{a}", "V^2", -1000, 1000, f"squared amplitude of the pair of {a}, less that of the field")
+        Signal(f"m_{a}", "V^2", -1e4, 1e4, f"squared amplitude of the pair of {a}, less that of the field")
         for a in "xy"
     ),
     *(
-        Signal(f"r_{i}", "V", -50, 50, f"{difference}, less what the predicted yaw makes of it")
+        Signal(f"r_{i}", "V", -200, 200, f"{difference}, less what the predicted yaw makes of it")
         for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
     ),
 )
@@ -107,7 +106,7 @@ SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each ot
 AMPLITUDE_BIT = 29
 OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
 AMPLITUDE_FAULTS = (Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),)
-SQUARED_AMPLITUDE = Signal("power", "1", *SQUARED_AMPLITUDE_RANGE, "estimated squared amplitude over the nominal one")
+SCALE = Signal("scale", "1", *SCALE_RANGE, "nominal amplitude of the voltages over the estimated one")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
@@ -123,13 +122,13 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
+        scale = x["scale"] if reckoned else ca.SX(1)
         phi = u["phi_predicted"] if predicted else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        power = x["power"] * k["power_0"] if reckoned else k["power_0"]
-        X, Y = pairs.pair(ax, -bx, ay, phi, k, power), pairs.pair(ay, -cy, -ax, phi, k, power)
+        X, Y = pairs.pair(ax, -bx, ay, phi, k, scale), pairs.pair(ay, -cy, -ax, phi, k, scale)
         h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
-        r1, r2 = by - ay - h1 * phi, cx - ax + h2 * phi
+        r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
         within = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
         offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
@@ -167,9 +166,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
         next |= {} if predicted else {yaw: output[yaw]}
         if reckoned:
-            share = ca.if_else(u["ready"] < 1, k["first_power_gain"], k["power_gain"])
-            power = clip(x["power"] + share * (X.m + Y.m), SQUARED_AMPLITUDE)
-            next["power"] = by_case(power, x["power"], x["power"])
+            gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
+            scale = clip(x["scale"] - gain * (X.m + Y.m), SCALE)
+            next["scale"] = by_case(scale, x["scale"], x["scale"])
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
         flags = contradictions.suspects(x, A)
@@ -185,8 +184,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, *([OTHER_AMPLITUDE] if reckoned else [])]
-    states = [*_states(predicted, reckoned), *([State(SQUARED_AMPLITUDE, 1.0)] if reckoned else [])]
-    constants = [*_constants(cal), *(_power_gains(cal) if reckoned else [])]
+    states = [*_states(predicted, reckoned), *([State(SCALE, 1.0)] if reckoned else [])]
+    constants = [*_constants(cal), *(_scale_gains(cal) if reckoned else [])]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
     return replace(block, faults=AMPLITUDE_FAULTS) if reckoned else block
@@ -219,11 +218,11 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     return [*fits, Constant("amplitude_weight", 2 * EXCESS_WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
 
 
-def _power_gains(cal: hall_calibration.Calibration) -> list[Constant]:
-    per_power = 1 / (2 * cal.power[0])
+def _scale_gains(cal: hall_calibration.Calibration) -> list[Constant]:
+    per_scale = 1 / (4 * cal.power[0])
     return [
-        Constant("first_power_gain", per_power, "1/V^2", "1 / (2 g_0 A^2)"),
-        Constant("power_gain", AMPLITUDE_GAIN * per_power, "1/V^2", f"{AMPLITUDE_GAIN:g} / (2 g_0 A^2)"),
+        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 g_0 A^2)"),
+        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 g_0 A^2)"),
     ]
 
 

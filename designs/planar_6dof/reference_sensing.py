@@ -43,7 +43,7 @@ INNOVATION, YAW_INNOVATION = 5e-4, 0.08  # m; of A, times the square root of the
 CONFIRMATION = 0.5  # of rho
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
-SCALE, SCALE_SHARE = (0.75, 1.3), 1e-3  # of the squared amplitude; corrected in a sample
+SCALE, SCALE_SHARE = (0.84, 1.2), 1e-3  # of the voltages; of its error, corrected in a sample
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
@@ -129,7 +129,7 @@ def initial_state() -> dict[str, Array]:
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
     rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
-    return rest | {"sensing_power": np.array(1.0)}
+    return rest | {"sensing_scale": np.array(1.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -144,13 +144,12 @@ class Pair:
     s: Array
     c: Array
     k: Constants
-    scale: Array
 
     @property
     def m(self) -> Array:
         """The sum of squares less that of the field, V^2."""
         product, q = (self.s * self.c) ** 2, self.k.power
-        return self.s**2 + self.c**2 - (q[0] * self.scale + q[1] * product + q[2] * product**2)
+        return self.s**2 + self.c**2 - (q[0] + q[1] * product + q[2] * product**2)
 
     @property
     def slope(self) -> Array:
@@ -187,9 +186,10 @@ def sense(
     Source: Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
-    scale = state["sensing_power"] if reckoned else np.array(1.0)
-    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k, scale)
-    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k, scale)
+    scale = state["sensing_scale"] if reckoned else np.array(1.0)
+    v = {name: scale * v[name] for name in HALL}
+    x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
+    y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
     h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
     r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
@@ -215,8 +215,8 @@ def sense(
         ),
     }
     if reckoned:
-        pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (2 * k.power[0])
-        after["sensing_power"] = np.where(accepted, np.clip(scale + pace * (x.m + y.m), *SCALE), scale)
+        pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
+        after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):

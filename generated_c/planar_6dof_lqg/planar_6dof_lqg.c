@@ -125,7 +125,7 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_lqg_state_t){
         .guard_left = 29u,
-        .sensing_power = 1.0f,
+        .sensing_scale = 1.0f,
     };
 }
 
@@ -182,8 +182,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
-    static const float sensing_first_power_gain = 0.064388156f; /* 1/V^2; 1 / (2 g_0 A^2) */
-    static const float sensing_power_gain = 6.438816e-05f;      /* 1/V^2; 0.001 / (2 g_0 A^2) */
+    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
+    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
     static const float reckoning_x_position_gain = 0.19f;       /* 1; 1 - r^2, r = 0.9 */
     static const float reckoning_x_rate_gain = 0.01f;           /* 1; (1 - r)^2, r = 0.9 */
     static const float reckoning_x_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
@@ -410,32 +410,31 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         float within_x_part = 0.0f;
         float within_y_part = 0.0f;
         if (complete) {
+            const float sensing_scale = state->sensing_scale;
             const float ratio_x_part = reckoning_phi_position * V_ay_held;
-            const float X_s = V_ax_held - ratio_x_part;
-            const float X_c = ratio_x_part - V_bx_held;
+            const float X_s = sensing_scale * (V_ax_held - ratio_x_part);
+            const float X_c = sensing_scale * (ratio_x_part - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
             const float X_s_squared = X_s * X_s;
             const float X_c_squared = X_c * X_c;
             const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_y_part = reckoning_phi_position * V_ax_held;
-            const float Y_s = V_ay_held + ratio_y_part;
-            const float V_cy_plus_ratio_y_part = V_cy_held + ratio_y_part;
-            const float ratio_y_part_2 = Y_s * V_cy_plus_ratio_y_part;
+            const float Y_s = sensing_scale * (V_ay_held + ratio_y_part);
+            const float ratio_y_part_2 = sensing_scale * (V_cy_held + ratio_y_part);
+            const float Y_s_times_ratio_y_part_2 = Y_s * ratio_y_part_2;
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part_3 = V_cy_plus_ratio_y_part * V_cy_plus_ratio_y_part;
-            const float ratio_y = -(ratio_y_part_2 / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_3) + least_square));
+            const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
+            const float ratio_y = -(Y_s_times_ratio_y_part_2 / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_2_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
-            const float sensing_power = state->sensing_power;
-            const float power_m_x = sensing_power * sensing_power_0;
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-            const float m_x = X_s_squared + X_c_squared - (power_m_x + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float product_m_y = ratio_y_part_2 * ratio_y_part_2;
-            const float m_y = Y_s_squared + ratio_y_part_3 - (power_m_x + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (V_cy_plus_ratio_y_part * ratio_y_part_3 * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-            const float r_1 = V_by_held - V_ay_held - (h1 * reckoning_phi_position);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - V_cy_plus_ratio_y_part);
-            const float r_2 = V_cx_held - V_ax_held + (h2 * reckoning_phi_position);
+            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+            const float product_m_y = Y_s_times_ratio_y_part_2 * Y_s_times_ratio_y_part_2;
+            const float m_y = Y_s_squared + ratio_y_part_2_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s - (ratio_y_part_2 * ratio_y_part_2_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * reckoning_phi_position);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part_2);
+            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * reckoning_phi_position);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float within_x_2;
@@ -470,8 +469,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float position;
-            if (Y_s_squared <= ratio_y_part_3) {
-                if (-V_cy_plus_ratio_y_part < 0.0f) {
+            if (Y_s_squared <= ratio_y_part_2_squared) {
+                if (-ratio_y_part_2 < 0.0f) {
                     if (0.0f < f_x_raw_2) {
                         position = f_x_raw_2 - half_pitch;
                     } else {
@@ -499,7 +498,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float accepted_x_raw_2 = position + offset_y;
             const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
             const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
-            const float h3 = (X_s * (Y_s + V_cy_plus_ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float h3 = (X_s * (Y_s + ratio_y_part_2)) + (Y_s * (X_s - X_c));
             const float numerator = (h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)));
             const float yaw_correction = numerator / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
             const float squared = x_raw_part + (yaw_correction * numerator);
@@ -529,8 +528,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                 }
                 state->sensing_offset_x = offset_x;
                 state->sensing_offset_y = offset_y;
-                const float sensing_power_part = planar_6dof_lqg_min(sensing_power + (((guard_ready < 1u) ? sensing_first_power_gain : sensing_power_gain) * (m_x + m_y)), 1.3f);
-                state->sensing_power = planar_6dof_lqg_max(sensing_power_part, 0.75f);
+                const float sensing_scale_part = planar_6dof_lqg_min(sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
+                state->sensing_scale = planar_6dof_lqg_max(sensing_scale_part, 0.84f);
             }
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
             if (diagnostics != NULL) {

@@ -90,7 +90,7 @@ def test_a_wrong_section_in_the_reference_is_reported(at: WitnessSteps, monkeypa
     assert place is not None
 
     def late(self: reference_sensing.Pair) -> Any:
-        return place(reference_sensing.Pair(self.s / 1.01, self.c, self.k, self.scale))
+        return place(reference_sensing.Pair(self.s / 1.01, self.c, self.k))
 
     monkeypatch.setattr(reference_sensing.Pair, "place", property(late))
     assert planted.is_detected(at, agree.reference(reference.step))
