@@ -71,8 +71,8 @@ EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise an
 # Of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails.
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predictions that are reckoned from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
-# m; of A, for the yaw's error times the root of its sum of squares: 7 times the noise
-INNOVATION_BOUND = {"x": 5e-4, "phi": 0.08}
+# m; of A, for the yaw's error times the root of its sum of squares: 9 times the noise
+INNOVATION_BOUND = {"x": 6e-4, "phi": 0.1}
 SCALE_RANGE = 0.84, 1.2  # of voltages
 SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
@@ -137,10 +137,9 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
         if reckoned:
             innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
-            squared += (contradictions.RESIDUAL_BOUND * A / INNOVATION_BOUND["x"]) ** 2 * (
-                innovation["x"] ** 2 + innovation["y"] ** 2
-            )
-            squared += (contradictions.RESIDUAL_BOUND / INNOVATION_BOUND["phi"]) ** 2 * (yaw_correction * numerator)
+            x_weight, yaw_weight = _innovation_weights(A)
+            squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
+            squared += yaw_weight * (yaw_correction * numerator)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -180,7 +179,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         output |= {f"suspect_{name}": one for name, one in flags.items()}
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
-        return Step(output | residuals, next, named, certified, _numbers(A, l, regularisation))
+        numbers = [*_numbers(A, l, regularisation), *(_innovation_numbers(A) if reckoned else [])]
+        return Step(output | residuals, next, named, certified, numbers)
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
     outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, *([OTHER_AMPLITUDE] if reckoned else [])]
@@ -237,6 +237,21 @@ def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
         Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} A^2: keeps a divisor from 0"),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
     ]
+
+
+def _innovation_numbers(A: float) -> list[Constant]:
+    bound, (x_weight, yaw_weight) = contradictions.RESIDUAL_BOUND, _innovation_weights(A)
+    x_bound, yaw_bound = INNOVATION_BOUND.values()
+    return [
+        Constant("innovation_weight", x_weight, "V^2/m^2", f"({bound:g} A / {x_bound:g} m)^2"),
+        Constant("yaw_innovation_weight", yaw_weight, "1", f"({bound:g} / {yaw_bound:g})^2"),
+    ]
+
+
+def _innovation_weights(A: float) -> tuple[float, float]:
+    """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
+    bound = contradictions.RESIDUAL_BOUND
+    return (bound * A / INNOVATION_BOUND["x"]) ** 2, (bound / INNOVATION_BOUND["phi"]) ** 2
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:

@@ -98,10 +98,10 @@ typedef struct {
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
     uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
-    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
-    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
-    float sensing_first_r_1;            /* V, -50 .. 50: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_2;            /* V, -50 .. 50: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_m_x;            /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float sensing_first_m_y;            /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float sensing_first_r_1;            /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_2;            /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
     float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
     float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */

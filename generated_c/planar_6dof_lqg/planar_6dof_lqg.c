@@ -152,7 +152,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
+    static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
     static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
+    static const float yaw_innovation_weight = 0.64f;           /* 1; (0.08 / 0.1)^2 */
     static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
     static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
@@ -184,14 +186,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
     static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
     static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
-    static const float reckoning_x_position_gain = 0.19f;       /* 1; 1 - r^2, r = 0.9 */
-    static const float reckoning_x_rate_gain = 0.01f;           /* 1; (1 - r)^2, r = 0.9 */
+    static const float reckoning_x_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
+    static const float reckoning_x_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
     static const float reckoning_x_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_y_position_gain = 0.19f;       /* 1; 1 - r^2, r = 0.9 */
-    static const float reckoning_y_rate_gain = 0.01f;           /* 1; (1 - r)^2, r = 0.9 */
+    static const float reckoning_y_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
+    static const float reckoning_y_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
     static const float reckoning_y_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_phi_position_gain = 0.0975f;   /* 1; 1 - r^2, r = 0.95 */
-    static const float reckoning_phi_rate_gain = 0.0025f;       /* 1; (1 - r)^2, r = 0.95 */
+    static const float reckoning_phi_position_gain = 0.0396f;   /* 1; 1 - r^2, r = 0.98 */
+    static const float reckoning_phi_rate_gain = 0.0004f;       /* 1; (1 - r)^2, r = 0.98 */
     static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
     static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
@@ -497,11 +499,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
             const float accepted_x_raw_2 = position + offset_y;
             const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
-            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (220492.73f * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
+            const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
             const float h3 = (X_s * (Y_s + ratio_y_part_2)) + (Y_s * (X_s - X_c));
             const float numerator = (h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)));
             const float yaw_correction = numerator / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-            const float squared = x_raw_part + (yaw_correction * numerator);
+            const float squared = x_raw_part + (yaw_innovation_weight * (yaw_correction * numerator));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
