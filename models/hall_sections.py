@@ -33,14 +33,13 @@ the first such sample determine the suspects, because no state has followed a wr
 CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
 complete, and the guard latches in the fifth.
 
-The following holds with predictions that are `reckoned` from the forces.
-
 Amplitude. The voltages are multiplied by a scale, the nominal amplitude over the estimated one, within SCALE_RANGE. The
 first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m_y is 0. Temperature, height and
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
 amplitude of all voltages explains sets only its own bit.
 
-Motion. The raw pose less the predicted one, over INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
+Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
+INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
 that the currents do not explain, long before the voltages contradict each other.
 
 Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
@@ -114,7 +113,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
     """Return the Block from held voltages to the raw position, the position within the pitch, residuals and suspects.
 
     Predictions are inputs, or else the raw position of the previous sample. Where they are `reckoned` from the forces,
-    the raw position less the prediction counts as a residual, too, and the amplitude of all voltages is estimated.
+    the raw position less the prediction counts as a residual, too.
     """
     cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
@@ -122,7 +121,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
-        scale = x["scale"] if reckoned else ca.SX(1)
+        scale = x["scale"]
         phi = u["phi_predicted"] if predicted else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
@@ -164,31 +163,25 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
             output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
         next |= {} if predicted else {yaw: output[yaw]}
-        if reckoned:
-            gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
-            scale = clip(x["scale"] - gain * (X.m + Y.m), SCALE)
-            next["scale"] = by_case(scale, x["scale"], x["scale"])
+        gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
+        next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
         next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
-        flags = contradictions.suspects(x, A)
-        output |= {SUSPECTED.name: confirmed}
-        if reckoned:
-            common = contradictions.is_common_amplitude(x, A)
-            flags = {name: ca.logic_and(flag, ca.logic_not(common)) for name, flag in flags.items()}
-            output[OTHER_AMPLITUDE.name] = ca.if_else(confirmed, common, 0)
-        output |= {f"suspect_{name}": one for name, one in flags.items()}
+        common = contradictions.is_common_amplitude(x, A)
+        output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}
+        for name, flag in contradictions.suspects(x, A).items():
+            output[f"suspect_{name}"] = ca.logic_and(flag, ca.logic_not(common))
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
         numbers = [*_numbers(A, l, regularisation), *(_innovation_numbers(A) if reckoned else [])]
         return Step(output | residuals, next, named, certified, numbers)
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
-    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, *([OTHER_AMPLITUDE] if reckoned else [])]
-    states = [*_states(predicted, reckoned), *([State(SCALE, 1.0)] if reckoned else [])]
-    constants = [*_constants(cal), *(_scale_gains(cal) if reckoned else [])]
+    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
+    states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
     tag = "position and yaw, (1)-(5)"
     block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
-    return replace(block, faults=AMPLITUDE_FAULTS) if reckoned else block
+    return replace(block, faults=AMPLITUDE_FAULTS)
 
 
 def _states(predicted: bool, reckoned: bool) -> list[State]:

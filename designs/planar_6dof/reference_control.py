@@ -132,7 +132,7 @@ class Guarded:
 
 
 def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
-    """Return the guarded inputs; NaN is outside every range. Those that brake know the amplitude of all voltages."""
+    """Return the guarded inputs; NaN is outside every range."""
     with np.errstate(invalid="ignore"):
         read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
         good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
@@ -140,8 +140,7 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
-    amplitude = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
-    common = amplitude if braking else np.zeros_like(confirmed)
+    common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
     flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] & ~common for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
     word = word + (1 << 29) * (confirmed & common)

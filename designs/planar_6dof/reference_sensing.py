@@ -123,13 +123,12 @@ def initial_state() -> dict[str, Array]:
         "sensing_contradiction_confirmed",
         *(f"sensing_first_{name}" for name in FIRST),
     ]
-    return {name: np.array(0.0) for name in names}
+    return {name: np.array(0.0) for name in names} | {"sensing_scale": np.array(1.0)}
 
 
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
-    rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
-    return rest | {"sensing_scale": np.array(1.0)}
+    return {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -182,11 +181,11 @@ def sense(
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
     `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
-    predictions a measured motion that differs is a contradiction, too, and the amplitude is estimated.
+    predictions a measured motion that differs is a contradiction, too.
     Source: Y(1)-(5), Fig. 4.
     """
     A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
-    scale = state["sensing_scale"] if reckoned else np.array(1.0)
+    scale = state["sensing_scale"]
     v = {name: scale * v[name] for name in HALL}
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
     y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
@@ -214,9 +213,8 @@ def sense(
             contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
         ),
     }
-    if reckoned:
-        pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
-        after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
+    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
+    after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):

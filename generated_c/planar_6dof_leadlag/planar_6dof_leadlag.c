@@ -14,6 +14,11 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
+static inline float planar_6dof_leadlag_min(float a, float b)
+{
+    return (a < b) ? a : b;
+}
+
 static inline float planar_6dof_leadlag_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -171,6 +176,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_leadlag_state_t){
         .guard_left = 5u,
+        .sensing_scale = 1.0f,
     };
 }
 
@@ -225,6 +231,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
+    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
+    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
     static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
     static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
     static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
@@ -278,17 +286,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     const float theta_ref_held = planar_6dof_leadlag_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
     const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
 
-    /* sensing: position and yaw, (1)-(5)
-     *     ratio_x = limit((V_ax_held - filter_phi_p * V_ay_held) * (filter_phi_p * V_ay_held - V_bx_held) /
-     *         (max((V_ax_held - filter_phi_p * V_ay_held)^2, (filter_phi_p * V_ay_held - V_bx_held)^2) +
-     *         least_square), 1)
-     *     ratio_y = limit(-((V_ay_held + filter_phi_p * V_ax_held) * (V_cy_held + filter_phi_p * V_ax_held) /
-     *         (max((V_ay_held + filter_phi_p * V_ax_held)^2, (V_cy_held + filter_phi_p * V_ax_held)^2) +
-     *         least_square)), 1) */
+    /* sensing: position and yaw, (1)-(5) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
     /* guard: range acceptance, hold, latch */
     bool complete = false;
+    bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
         /* sensing: position and yaw, (1)-(5) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
@@ -301,8 +304,10 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const bool r_exceeds_x = significant_r < fabsf(sensing_first_r_2);
-        const bool r_exceeds_y = significant_r < fabsf(sensing_first_r_1);
+        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
+        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
+        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
+        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
         bool suspect_V_ax_test;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = m_exceeds_x;
@@ -327,13 +332,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y && !is_jump);
-        const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
-        const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
-        const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
-        const bool suspect_V_by = suspect_V_by_test || is_ambiguous;
-        const bool suspect_V_cx = suspect_V_cx_test || is_ambiguous;
-        const bool suspect_V_cy = suspect_V_cy_test || is_ambiguous;
+        const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
+        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump);
+        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) && (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
+        const bool suspect_V_ax_test_2 = !common;
+        const bool suspect_V_ax = (suspect_V_ax_test || is_ambiguous) && suspect_V_ax_test_2;
+        const bool suspect_V_ay = (suspect_V_ay_test || is_ambiguous) && suspect_V_ax_test_2;
+        const bool suspect_V_bx = (suspect_V_bx_test || is_ambiguous) && suspect_V_ax_test_2;
+        const bool suspect_V_by = (suspect_V_by_test || is_ambiguous) && suspect_V_ax_test_2;
+        const bool suspect_V_cx = (suspect_V_cx_test || is_ambiguous) && suspect_V_ax_test_2;
+        const bool suspect_V_cy = (suspect_V_cy_test || is_ambiguous) && suspect_V_ax_test_2;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -352,6 +360,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
+        other_amplitude = common;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -420,26 +429,27 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         float sensing_within_x_next = 0.0f;
         float sensing_within_y_next = 0.0f;
         if (complete) {
+            const float sensing_scale = state->sensing_scale;
             const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
-            const float X_s = V_ax_held - filter_phi_p_times_V_ay;
+            const float X_s = sensing_scale * (V_ax_held - filter_phi_p_times_V_ay);
             const float X_s_squared = X_s * X_s;
-            const float X_c = filter_phi_p_times_V_ay - V_bx_held;
+            const float X_c = sensing_scale * (filter_phi_p_times_V_ay - V_bx_held);
             const float X_c_squared = X_c * X_c;
             const float X_s_times_X_c = X_s * X_c;
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
             const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
-            const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
+            const float Y_s = sensing_scale * (V_ay_held + filter_phi_p_times_V_ax);
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
+            const float ratio_y_part = sensing_scale * (V_cy_held + filter_phi_p_times_V_ax);
             const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
             const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
             const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
             const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-            const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
+            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * filter_phi_p);
             const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
-            const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
+            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * filter_phi_p);
             const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
@@ -535,6 +545,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
                 if (1u <= sensing_contradiction_left) {
                     state->sensing_contradiction_left = sensing_contradiction_left - 1u;
                 }
+                const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
+                state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
                 const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
                 const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
                 phi_raw_part = yaw_correction;
@@ -738,6 +750,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         }
 #endif
     }
+    if (other_amplitude) {
+        faults |= 0x20000000u;
+    }
+#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
+    if (diagnostics != NULL) {
+        diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
+    }
+#endif
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {

@@ -109,6 +109,7 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
+    float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;
     planar_6dof_leadlag_filter_state_t filter_phi;
@@ -133,11 +134,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
 _Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
-_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 220u, "size of planar_6dof_leadlag_state_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 224u, "size of planar_6dof_leadlag_state_t");
 #else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_220[(sizeof(planar_6dof_leadlag_state_t) == 220u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_224[(sizeof(planar_6dof_leadlag_state_t) == 224u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -167,6 +168,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
  *   bit 31  latched: safe output until init
+ *   bit 29  all Hall voltages have another amplitude than the field
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
 
@@ -189,6 +191,7 @@ typedef struct {
     float m_y;                          /* V^2: squared amplitude of the pair of y, less that of the field */
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
+    float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
     float x;                            /* m: filtered */
     float y;                            /* m: filtered */
     float phi;                          /* rad: filtered */
