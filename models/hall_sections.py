@@ -8,8 +8,9 @@
     V_bx = -A C(t_x) + phi A S(t_y)        V_by = V_ay + phi h_1,      h_1 = A (D S'(t_y) + C(t_x) + S(t_x))
     V_cy = -A C(t_y) - phi A S(t_x)        V_cx = V_ax - phi h_2,      h_2 = A (D S'(t_x) + C(t_y) + S(t_y))
 
-With `phi_predicted`, a state of the Kalman filter or the raw yaw of the previous sample, the voltages are rotated back:
-s and c of each axis are A S(t) and A C(t).
+With `phi_predicted`, a state of the Kalman filter or the raw yaw of the previous sample, the voltages are rotated back.
+Predictions that are reckoned from the forces are not used for that: they depend on the demands, and the yaw on them, so
+the controller by itself would have an unstable mode. s and c of each axis are A S(t) and A C(t).
 
 Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltage nearer to zero over the other,
 
@@ -122,7 +123,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
         scale = x["scale"]
-        phi = u["phi_predicted"] if predicted else x[yaw]
+        phi = u["phi_predicted"] if predicted and not reckoned else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
         X, Y = pairs.pair(ax, -bx, ay, phi, k, scale), pairs.pair(ay, -cy, -ax, phi, k, scale)
@@ -138,7 +139,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
             x_weight, yaw_weight = _innovation_weights(A)
             squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
-            squared += yaw_weight * (yaw_correction * numerator)
+            squared += yaw_weight * (information * (phi + yaw_correction - u["phi_predicted"]) ** 2)
         exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
         confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
         # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
@@ -148,7 +149,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             return ca.if_else(u["complete"], ca.if_else(contradicts, contradicted, accepted), incomplete)
 
         left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
-        output = {yaw: clip(phi + by_case(yaw_correction, ca.SX(0), ca.SX(0)), RAW["phi"])}
+        held_yaw = u["phi_predicted"] if predicted else phi
+        output = {yaw: clip(by_case(phi + yaw_correction, held_yaw, held_yaw), RAW["phi"])}
         next: dict[str, ca.SX] = {}
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
@@ -162,7 +164,7 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
             next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
             output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
-        next |= {} if predicted else {yaw: output[yaw]}
+        next |= {} if predicted and not reckoned else {yaw: output[yaw]}
         gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
         next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
         next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
@@ -193,7 +195,7 @@ def _states(predicted: bool, reckoned: bool) -> list[State]:
     ]
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
-    last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
+    last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
     reals = (*shown, *OFFSETS, *(() if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 

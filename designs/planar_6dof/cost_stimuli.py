@@ -63,6 +63,7 @@ def _record(controller: host.Controller, name: str, rng: np.random.Generator, ya
     healthy |= {"sensing_contradiction_left": 0, "sensing_contradiction_confirmed": 0}
     consistent = {f"reckoning_{axis}_position": pose[axis] for axis in allocation.HORIZONTAL}
     consistent |= {f"sensing_offset_{axis}": pitch * np.round(pose[axis] / pitch) for axis in "xy"}
+    consistent["sensing_phi_raw"] = pose["phi"]
     for field, values in {**healthy, **consistent}.items():
         states[field][1:] = values if np.ndim(values) == 0 else np.asarray(values)[1:]
     return replace(recorded, states=states)

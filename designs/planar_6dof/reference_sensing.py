@@ -128,7 +128,8 @@ def initial_state() -> dict[str, Array]:
 
 def initial_reckoned_state() -> dict[str, Array]:
     """Return the state after init where predictions come from the demands."""
-    return {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
+    rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
+    return rest | {"sensing_phi_raw": np.array(0.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -184,7 +185,8 @@ def sense(
     predictions a measured motion that differs is a contradiction, too.
     Source: Y(1)-(5), Fig. 4.
     """
-    A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
+    A, (ready, complete) = k.amplitude, flags
+    phi = state["sensing_phi_raw"] if reckoned else predicted["phi"]
     scale = state["sensing_scale"]
     v = {name: scale * v[name] for name in HALL}
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
@@ -197,14 +199,14 @@ def sense(
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
     counted = {a: count_pitches(p.place, state[f"sensing_offset_{a}"], predicted[a]) for a, p in (("x", x), ("y", y))}
     off = [(p.place + counted[a] - predicted[a]) / INNOVATION for a, p in (("x", x), ("y", y))]
-    motion = off[0] ** 2 + off[1] ** 2 + information * (step / (YAW_INNOVATION * A)) ** 2
+    motion = off[0] ** 2 + off[1] ** 2 + information * ((phi + step - predicted["phi"]) / (YAW_INNOVATION * A)) ** 2
     squared = (r1**2 + r2**2) / (RESIDUAL_BOUND * A) ** 2 + (x.m**2 + y.m**2) / (EXCESS_BOUND * A**2) ** 2
     rho = np.sqrt(squared + motion if reckoned else squared)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -MAX_RAW_YAW, MAX_RAW_YAW)}
+    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, predicted["phi"]), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
             contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
@@ -215,6 +217,7 @@ def sense(
     }
     pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
     after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
+    after |= {"sensing_phi_raw": out["phi_raw"]} if reckoned else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):

@@ -141,6 +141,7 @@ uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const pl
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
 #endif
 {
+    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
     static const float squared_jump = 0.12402716f;              /* V^2; rho = 1.5: a voltage jumped */
     static const float significant_r = 0.07043498f;             /* V; 0.024 A */
@@ -148,7 +149,6 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
     static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
     static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
-    static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
@@ -407,36 +407,37 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float expected_y = reckoning_y_position - sensing_offset_y;
         float x_raw = reckoning_x_position;
         float y_raw = reckoning_y_position;
-        float phi_raw_part = 0.0f;
+        float phi_raw_part = reckoning_phi_position;
         bool accepted_within_x = false;
         float within_x_part = 0.0f;
         float within_y_part = 0.0f;
         if (complete) {
             const float sensing_scale = state->sensing_scale;
-            const float ratio_x_part = reckoning_phi_position * V_ay_held;
-            const float X_s = sensing_scale * (V_ax_held - ratio_x_part);
-            const float X_c = sensing_scale * (ratio_x_part - V_bx_held);
+            const float sensing_phi_raw = state->sensing_phi_raw;
+            const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
+            const float X_s = sensing_scale * (V_ax_held - sensing_phi_raw_times_V_ay);
+            const float X_c = sensing_scale * (sensing_phi_raw_times_V_ay - V_bx_held);
             const float X_s_times_X_c = X_s * X_c;
             const float X_s_squared = X_s * X_s;
             const float X_c_squared = X_c * X_c;
             const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
-            const float ratio_y_part = reckoning_phi_position * V_ax_held;
-            const float Y_s = sensing_scale * (V_ay_held + ratio_y_part);
-            const float ratio_y_part_2 = sensing_scale * (V_cy_held + ratio_y_part);
-            const float Y_s_times_ratio_y_part_2 = Y_s * ratio_y_part_2;
+            const float sensing_phi_raw_times_V_ax = sensing_phi_raw * V_ax_held;
+            const float Y_s = sensing_scale * (V_ay_held + sensing_phi_raw_times_V_ax);
+            const float ratio_y_part = sensing_scale * (V_cy_held + sensing_phi_raw_times_V_ax);
+            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
             const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part_2_squared = ratio_y_part_2 * ratio_y_part_2;
-            const float ratio_y = -(Y_s_times_ratio_y_part_2 / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_2_squared) + least_square));
+            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float product_m_x = X_s_times_X_c * X_s_times_X_c;
             const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float product_m_y = Y_s_times_ratio_y_part_2 * Y_s_times_ratio_y_part_2;
-            const float m_y = Y_s_squared + ratio_y_part_2_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (ratio_y_part_2 * ratio_y_part_2_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * reckoning_phi_position);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part_2);
-            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * reckoning_phi_position);
+            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
+            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * sensing_phi_raw);
+            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
+            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * sensing_phi_raw);
             const float ratio_x_squared = ratio_x * ratio_x;
             const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float within_x_2;
@@ -471,8 +472,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float ratio_y_squared = ratio_y * ratio_y;
             const float f_x_raw_2 = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float position;
-            if (Y_s_squared <= ratio_y_part_2_squared) {
-                if (-ratio_y_part_2 < 0.0f) {
+            if (Y_s_squared <= ratio_y_part_squared) {
+                if (-ratio_y_part < 0.0f) {
                     if (0.0f < f_x_raw_2) {
                         position = f_x_raw_2 - half_pitch;
                     } else {
@@ -500,10 +501,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float accepted_x_raw_2 = position + offset_y;
             const float innovation_y = accepted_x_raw_2 - reckoning_y_position;
             const float x_raw_part = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y))) + (innovation_weight * ((innovation_x * innovation_x) + (innovation_y * innovation_y)));
-            const float h3 = (X_s * (Y_s + ratio_y_part_2)) + (Y_s * (X_s - X_c));
-            const float numerator = (h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)));
-            const float yaw_correction = numerator / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-            const float squared = x_raw_part + (yaw_innovation_weight * (yaw_correction * numerator));
+            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float information = (h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information;
+            const float accepted_x_raw_3 = sensing_phi_raw + (((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / information);
+            const float x_raw_part_2 = accepted_x_raw_3 - reckoning_phi_position;
+            const float squared = x_raw_part + (yaw_innovation_weight * (information * (x_raw_part_2 * x_raw_part_2)));
             const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
             if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
                 state->sensing_contradiction_left = 4u;
@@ -516,12 +518,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
                     state->sensing_first_r_2 = r_2;
                     state->sensing_first_s_x = X_s;
                     state->sensing_first_s_y = Y_s;
-                    state->sensing_first_phi = reckoning_phi_position;
+                    state->sensing_first_phi = sensing_phi_raw;
                 }
             } else {
                 x_raw = accepted_x_raw;
                 y_raw = accepted_x_raw_2;
-                phi_raw_part = yaw_correction;
+                phi_raw_part = accepted_x_raw_3;
                 accepted_within_x = true;
                 within_x_part = within_x_2;
                 within_y_part = position;
@@ -542,9 +544,10 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
 #endif
         }
-        const float phi_raw = planar_6dof_lqg_limit(reckoning_phi_position + phi_raw_part, max_yaw);
+        const float phi_raw = planar_6dof_lqg_limit(phi_raw_part, max_yaw);
         const float within_x = (accepted_within_x) ? within_x_part : planar_6dof_lqg_limit(expected_x, half_pitch);
         const float within_y = (accepted_within_x) ? within_y_part : planar_6dof_lqg_limit(expected_y, half_pitch);
+        state->sensing_phi_raw = phi_raw;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
          *     x3_next = F * ((x3 if guard_ready is set, else -(L * x_raw)) + L * x_raw) - L * x_raw + H * achieved */

@@ -1,13 +1,11 @@
 """The planar positioner's loops written out, for comparison: no Block, no linearisation, no state-space algebra.
 
 L(z) = C(z) g X(z) / (1 - rho P(z)) z^-1 G(z)                 rest at the middle of the travel
-L(z) = C(z) g / (1 - rho (P(z) - F(z) C(z))) z^-1 G(z)        unfiltered, with the prediction from the demands
 
 G      q'' = b f - k q with f held:  b T^2/2 (z + 1)/(z - 1)^2,  b (1 - cos wT)/w^2 (z + 1)/(z^2 - 2 cos wT z + 1)
 z^-1   a sample of computation
 g, rho raw = g q + rho predicted: what the calibration makes of the slope of the field, and of the predicted yaw
-X, P   the filter (6)-(16) from raw to its position and to its prediction
-P, F   the alpha-beta filter from raw and from the demand to its prediction
+X, P   the filter (6)-(16) from raw to its position and to its prediction, or 1 and 1/z
 C      the compensator
 """
 
@@ -16,7 +14,7 @@ from collections.abc import Callable, Mapping
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import filtering, lqg, motion, vertical
+from designs.planar_6dof import filtering, lqg, vertical
 from designs.planar_6dof.paper import rows
 from designs.planar_6dof_leadlag import control as leadlag
 from models import halbach, hall_calibration
@@ -36,13 +34,9 @@ def loop(plant: Plant, axis: str, C: Transfer, time: Discrete, filtered: bool, d
     def L(z: Array) -> Array:
         if axis in SPRING:
             return C(z) * z**-delay * held_plant(plant, axis, time.period_s, z)
-        held = z**-delay * held_plant(plant, axis, time.period_s, z)
-        if filtered:
-            (g, rho), (X, P) = sensor_slopes(plant, axis, sensing.REGULARISATION), kalman(axis, time, z)
-            return C(z) * g * X / (1 - rho * P) * held
-        g, rho = sensor_slopes(plant, axis, sensing.RECKONED_REGULARISATION)
-        P, F = reckoning(plant, axis, time, z)
-        return C(z) * g / (1 - rho * (P - F * C(z))) * held
+        g, rho = sensor_slopes(plant, axis, sensing.REGULARISATION if filtered else sensing.RECKONED_REGULARISATION)
+        X, P = kalman(axis, time, z) if filtered else (np.ones_like(z), 1 / z)
+        return C(z) * g * X / (1 - rho * P) * z**-delay * held_plant(plant, axis, time.period_s, z)
 
     return L
 
@@ -61,7 +55,7 @@ def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
 
 
 def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float, float]:
-    """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0."""
+    """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0, in two samples of the scale."""
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
@@ -69,7 +63,10 @@ def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float
     if axis != "phi":
         r = slope * level / (level**2 + sensing.SQUARE_FLOOR * cal.amplitude**2)
         return cal.position[0] * 2 * np.pi / cal.pitch * r, 0.0
-    h, true = cal.slope[0] * level**3 + level, 1.5 * np.pi * slope + level
+    scale = 1.0
+    for share in (1.0, sensing.SCALE_GAIN):
+        scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
+    h, true = cal.slope[0] * (scale * level) ** 3 + scale * level, scale * (1.5 * np.pi * slope + level)
     information = 2 * h**2 + regularisation * cal.amplitude**2
     return 2 * h * true / information, 1 - 2 * h**2 / information
 
@@ -79,15 +76,6 @@ def kalman(axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
     A, C = np.array([[1, T, T * T / 2], [0, 1, T], [0, 0, 1]]), np.eye(1, 3)
     predicted = np.array([np.linalg.solve(v * np.eye(3) - A @ (np.eye(3) - K @ C), A @ K)[:, 0] for v in z])
     return predicted[:, 0] + K[0, 0] * (1 - predicted[:, 0]), predicted[:, 0]
-
-
-def reckoning(plant: Plant, axis: str, time: Discrete, z: Array) -> tuple[Array, Array]:
-    """Return P and F: p, s <- (p + s + 2 (1 - r) e + a, s + (1 - r)^2 e + 2 a),  e = raw - p,  a = b T^2/2 f/z."""
-    T, r, b = time.period_s, motion.POLE[axis], 1 / plant.parameter(INERTIA[axis]).value
-    M, N = np.array([2 * (1 - r), (1 - r) ** 2]), np.array([1, 2]) * b * T**2 / 2
-    A = np.array([[1 - M[0], 1], [-M[1], 1]])
-    P, F = np.array([np.linalg.solve(v * np.eye(2) - A, np.column_stack([M, N / v]))[0] for v in z]).T
-    return P, F
 
 
 def lead_lag(axis: str, time: Discrete, published: bool = False) -> Transfer:
