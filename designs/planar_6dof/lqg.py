@@ -121,29 +121,26 @@ def observer(axis: Axis, pole: float | None = None) -> reduced_observer.ReducedO
 
 
 def reduced_order(plant: Plant, axis: Axis) -> Block:
-    """Return the regulator of one axis with a reduced-order observer of its rate; x3 is in units of demand.
-
-    G q = F L q - L q, because A11 = 1 and A21 = 0.
-    """
+    """Return the regulator of one axis with a reduced-order observer of its rate; x3 is in units of demand."""
     observed, T = observer(axis), TIME.period_s
     q, f1 = MEASURED[axis.name], allocation.achievable_bound(plant)[axis.name]
     rate_gain, achieved_gain = axis.k1 * T + axis.k2, axis.b * T * (axis.k1 * T / 2 + axis.k2)
-    F, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.H, observed.L))
-    x3 = MARGIN * ((1 + abs(F)) * L * q.high + abs(H) * f1) / (1 - abs(F))
+    F, G, H, L = float(observed.F[0, 0]), *(rate_gain * float(m[0, 0]) for m in (observed.G, observed.H, observed.L))
+    x3 = MARGIN * (abs(G) * q.high + abs(H) * f1) / (1 - abs(F))
     per = per_position(axis.name)
     constants = [
         Constant("achieved_gain", achieved_gain, "1", "(49): b T (k1 T / 2 + k2)"),
         Constant("L", L, per, "(33): (k1 T + k2) L, L = (1 - p) / T"),
         Constant("F", F, "1", "(35): A22 - L A12"),
+        Constant("G", G, per, "(33): (k1 T + k2) (F L + A21 - L A11)"),
         Constant("H", H, "1", "(33): (k1 T + k2) (B2 - L B1)"),
     ]
 
     def estimate(u: Exprs, x: Exprs, k: Exprs) -> tuple[ca.SX, dict[str, ca.SX]]:
         seen = k["L"] * u[q.name]
         now = ca.if_else(u[READY.name], x["x3"], -seen)
-        rate = now + seen
-        after = k["F"] * rate - seen + k["H"] * x["achieved"]
-        return -(rate + k["achieved_gain"] * x["achieved"]), {"x3": after}
+        after = k["F"] * now + k["G"] * u[q.name] + k["H"] * x["achieved"]
+        return -(now + seen + k["achieved_gain"] * x["achieved"]), {"x3": after}
 
     unit = vertical.DEMAND[axis.name].unit
     state = State(Signal("x3", unit, -x3, x3, "estimated rate less L times the position, as a demand"), 0.0)

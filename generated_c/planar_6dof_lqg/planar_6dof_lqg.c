@@ -201,6 +201,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float lqg_x_achieved_gain = 0.319009f;         /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_x_L = 5126.1787f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_x_F = 0.7f;                          /* 1; (35): A22 - L A12 */
+    static const float lqg_x_G = -1537.8536f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_x_H = 0.28662756f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
     static const float lqg_y_error_gain = 1117.0514f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_y_integral_decay = 0.953085f;        /* 1; (49): 1 - k3 T / (k1 + k3 T) */
@@ -208,6 +209,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float lqg_y_achieved_gain = 0.22358753f;       /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_y_L = 3558.6274f;                    /* A/m; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_y_F = 0.7f;                          /* 1; (35): A22 - L A12 */
+    static const float lqg_y_G = -1067.5883f;                   /* A/m; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_y_H = 0.19897877f;                   /* 1; (33): (k1 T + k2) (B2 - L B1) */
     static const float lqg_phi_error_gain = 550.31274f;         /* A/rad; (49): k1 + k3 T */
     static const float lqg_phi_integral_decay = 0.9013263f;     /* 1; (49): 1 - k3 T / (k1 + k3 T) */
@@ -215,6 +217,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float lqg_phi_achieved_gain = 0.87617064f;     /* 1; (49): b T (k1 T / 2 + k2) */
     static const float lqg_phi_L = 275.96594f;                  /* A/rad; (33): (k1 T + k2) L, L = (1 - p) / T */
     static const float lqg_phi_F = 0.9f;                        /* 1; (35): A22 - L A12 */
+    static const float lqg_phi_G = -27.596594f;                 /* A/rad; (33): (k1 T + k2) (F L + A21 - L A11) */
     static const float lqg_phi_H = 0.9145512f;                  /* 1; (33): (k1 T + k2) (B2 - L B1) */
     static const float loop_z_gain = 4023.7034f;                /* A/m; (23): gain on the error */
     static const float loop_z_lead_input = -3537.3835f;         /* A/m; (23): gain times (lead_pole - zero) */
@@ -550,7 +553,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->sensing_phi_raw = phi_raw;
 
         /* lqg_x: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * ((x3 if guard_ready is set, else -(L * x_raw)) + L * x_raw) - L * x_raw + H * achieved */
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * x_raw)) + G * x_raw + H * achieved */
         const float lqg_x_achieved = state->lqg_x_achieved;
         const float x_advance_part = x_raw - reckoning_x_position;
         const float y_advance_part = y_raw - reckoning_y_position;
@@ -582,8 +585,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             reckoning_y_position_part = 1.0f;
             M_1 = 1.0f;
         }
-        const float rate_law_x = now_law_x + seen_law_x;
-        state->lqg_x_x3 = (lqg_x_F * rate_law_x) - seen_law_x + (lqg_x_H * lqg_x_achieved);
+        state->lqg_x_x3 = (lqg_x_F * now_law_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning */
         const float x_advance_part_3 = reckoning_x_half_step * lqg_x_achieved;
@@ -591,10 +593,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float x_advance = x_advance_part_4 + x_advance_part_3;
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
-         *     x3_next = F * ((x3 if guard_ready is set, else -(L * y_raw)) + L * y_raw) - L * y_raw + H * achieved */
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * y_raw)) + G * y_raw + H * achieved */
         const float lqg_y_achieved = state->lqg_y_achieved;
-        const float rate_law_y = now_law_y + seen_law_y;
-        state->lqg_y_x3 = (lqg_y_F * rate_law_y) - seen_law_y + (lqg_y_H * lqg_y_achieved);
+        state->lqg_y_x3 = (lqg_y_F * now_law_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning */
         const float y_advance_part_3 = reckoning_y_half_step * lqg_y_achieved;
@@ -604,13 +605,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
          *     law_phi = error_gain * (phi_ref_held - phi_raw) + integral - ((x3 if guard_ready is set, else -(L *
          *         phi_raw)) + L * phi_raw + achieved_gain * achieved)
-         *     x3_next = F * ((x3 if guard_ready is set, else -(L * phi_raw)) + L * phi_raw) - L * phi_raw + H *
-         *         achieved
+         *     x3_next = F * (x3 if guard_ready is set, else -(L * phi_raw)) + G * phi_raw + H * achieved
          *     integral_next = integral_decay * integral + integral_input * (achieved_phi + (x3 if guard_ready is
          *         set, else -(L * phi_raw)) + L * phi_raw + achieved_gain * achieved) */
         const float lqg_phi_achieved = state->lqg_phi_achieved;
-        const float rate_law_phi = now_law_phi + seen_law_phi;
-        state->lqg_phi_x3 = (lqg_phi_F * rate_law_phi) - seen_law_phi + (lqg_phi_H * lqg_phi_achieved);
+        state->lqg_phi_x3 = (lqg_phi_F * now_law_phi) + (lqg_phi_G * phi_raw) + (lqg_phi_H * lqg_phi_achieved);
 
         /* reckoning: alpha-beta filter, dead reckoning */
         const float a = reckoning_phi_half_step * lqg_phi_achieved;
@@ -658,13 +657,13 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float x_ref_minus_x_raw = x_ref_held - x_raw;
         const bool is_small_law_x = fabsf(x_ref_minus_x_raw) <= lqg_x_largest_error;
         const float lqg_x_integral = state->lqg_x_integral;
-        const float law_x_part = rate_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
+        const float law_x_part = now_law_x + seen_law_x + (lqg_x_achieved_gain * lqg_x_achieved);
         const float y_ref_minus_y_raw = y_ref_held - y_raw;
         const bool is_small_law_y = fabsf(y_ref_minus_y_raw) <= lqg_y_largest_error;
         const float lqg_y_integral = state->lqg_y_integral;
-        const float law_y_part = rate_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
+        const float law_y_part = now_law_y + seen_law_y + (lqg_y_achieved_gain * lqg_y_achieved);
         const float lqg_phi_integral = state->lqg_phi_integral;
-        const float law_phi_part = rate_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
+        const float law_phi_part = now_law_phi + seen_law_phi + (lqg_phi_achieved_gain * lqg_phi_achieved);
         float d_phi;
         float d_x;
         float d_y;

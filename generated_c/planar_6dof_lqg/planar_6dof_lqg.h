@@ -104,14 +104,14 @@ typedef struct {
     float reckoning_y_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
     float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
     float reckoning_phi_rate;           /* rad, -0.05 .. 0.05: predicted rate times the sample period */
-    float lqg_x_x3;                     /* A, -11736.9 .. 11736.9: estimated rate less L times the position, as a demand */
-    float lqg_x_integral;               /* A, -13927.2 .. 13927.2: integral of the error */
+    float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
+    float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
     float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
-    float lqg_y_x3;                     /* A, -8148.64 .. 8148.64: estimated rate less L times the position, as a demand */
-    float lqg_y_integral;               /* A, -9671.04 .. 9671.04: integral of the error */
+    float lqg_y_x3;                     /* A, -1439.44 .. 1439.44: estimated rate less L times the position, as a demand */
+    float lqg_y_integral;               /* A, -2894.75 .. 2894.75: integral of the error */
     float lqg_y_achieved;               /* A, -2.6145 .. 2.6145: achieved demand, which acts until the next sample */
-    float lqg_phi_x3;                   /* A, -552.856 .. 552.856: estimated rate less L times the position, as a demand */
-    float lqg_phi_integral;             /* A, -591.032 .. 591.032: integral of the error */
+    float lqg_phi_x3;                   /* A, -51.1497 .. 51.1497: estimated rate less L times the position, as a demand */
+    float lqg_phi_integral;             /* A, -84.309 .. 84.309: integral of the error */
     float lqg_phi_achieved;             /* A, -2.52 .. 2.52: achieved demand, which acts until the next sample */
     float loop_z_integral;              /* A, -1.2726 .. 1.2726: integral of the error */
     float loop_z_lead;                  /* A, -2.50093 .. 2.50093: state of the lead filter */

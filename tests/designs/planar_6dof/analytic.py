@@ -55,7 +55,7 @@ def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
 
 
 def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float, float]:
-    """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0, in two samples of the scale."""
+    """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle (S is 0), after two samples of the scale."""
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
