@@ -196,7 +196,7 @@ def test_a_decision_that_nothing_takes_is_reported() -> None:
     """The planted defect: a branch on a value that no step has."""
     (emitted, _, _), every, build = subject("planar_6dof_lqg"), subject("planar_6dof_lqg").every, BUILDS[FIRST]
     text = emitted.files["planar_6dof_lqg.c"].replace(
-        "    return fault_word;", "    if (in->V_ax == 1.2345678f) { state->guard_ready = 0u; }\n    return fault_word;"
+        "    return faults;", "    if (in->V_ax == 1.2345678f) { state->guard_ready = 0u; }\n    return faults;"
     )
     candidate = baselines.emitted_c(EmittedCode({**emitted.files, "planar_6dof_lqg.c": text}, emitted.manifest))
     coverage = meter.coverage(candidate, meter.run(candidate, steps.thinned(every, 300), build), build)
