@@ -19,7 +19,7 @@ are suspected if both m_x and m_y are significant, or if the yaw is beyond MAX_K
 
 Common amplitude. Where m_x and m_y are significant and differ by less than MAX_SPREAD of their sum, and r_1 and r_2 are
 not significant, no single voltage explains the contradiction: the amplitude of all voltages differs from that of the
-field.
+field. All six are suspected: every cause of a latch is in the fault word.
 
 Source: Yu, Kim, section 3.1, which detects no failures.
 """
@@ -71,8 +71,11 @@ def is_common_amplitude(x: Exprs, A: float) -> ca.SX:
     return ca.if_else(ca.logic_and(ca.logic_and(both_m_exceed, no_r_exceeds), are_similar), 1, 0)
 
 
-def suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
-    """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction."""
+def suspects(x: Exprs, A: float, common: ca.SX) -> dict[str, ca.SX]:
+    """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction.
+
+    `common` says whether the amplitude of all voltages differs.
+    """
     m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
     size = {a: ca.fabs(m[a]) for a in "xy"}
     m_exceeds = {a: size[a] > SIGNIFICANT["m"] * EXCESS_BOUND * A**2 for a in "xy"}
@@ -81,6 +84,7 @@ def suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
     is_jump = squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (JUMP * RESIDUAL_BOUND * A) ** 2
     both_m_exceed = ca.logic_and(ca.logic_and(m_exceeds["x"], m_exceeds["y"]), ca.logic_not(is_jump))
     is_ambiguous = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both_m_exceed)
+    is_any = ca.logic_or(is_ambiguous, common)
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly_zero, change = size[a] < NEARLY_ZERO * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
@@ -92,5 +96,5 @@ def suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
         }
         after_drift = {s: ca.logic_or(any_r_exceeds, m_exceeds[a]), c: m_exceeds[a], other: any_r_exceeds}
         for name, jumped in after_jump.items():
-            flags[name] = ca.logic_or(ca.if_else(is_jump, jumped, after_drift[name]), is_ambiguous)
+            flags[name] = ca.logic_or(ca.if_else(is_jump, jumped, after_drift[name]), is_any)
     return flags

@@ -37,7 +37,7 @@ complete, and the guard latches in the fifth.
 Amplitude. The voltages are multiplied by a scale, the nominal amplitude over the estimated one, within SCALE_RANGE. The
 first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m_y is 0. Temperature, height and
 amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
-amplitude of all voltages explains sets only its own bit.
+amplitude of all voltages explains has its own bit and suspects all six.
 
 Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
 INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
@@ -171,8 +171,8 @@ def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool
         next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
         common = contradictions.is_common_amplitude(x, A)
         output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}
-        for name, flag in contradictions.suspects(x, A).items():
-            output[f"suspect_{name}"] = ca.logic_and(flag, ca.logic_not(common))
+        for name, flag in contradictions.suspects(x, A, common).items():
+            output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
         numbers = [*_numbers(A, l, regularisation), *(_innovation_numbers(A) if reckoned else [])]

@@ -141,7 +141,7 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
     suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
     common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
-    flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] & ~common for s in HALL]
+    flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
     word = word + (1 << 29) * (confirmed & common)
     complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed

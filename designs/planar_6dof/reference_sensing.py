@@ -259,11 +259,12 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    return {name: flag | is_ambiguous for name, flag in wrong.items()}
+    is_any = is_ambiguous | is_amplitude(state, A)
+    return {name: flag | is_any for name, flag in wrong.items()}
 
 
 def is_amplitude(state: Columns, A: float) -> Array:
-    """Return whether the amplitude of all voltages explains the first contradiction; then none is wrong by itself."""
+    """Return whether the amplitude of all voltages explains the first contradiction; then all are wrong."""
     m_x, m_y, r_1, r_2 = (np.asarray(state[f"sensing_first_{name}"]) for name in ("m_x", "m_y", "r_1", "r_2"))
     is_large = np.minimum(np.abs(m_x), np.abs(m_y)) > SIGNIFICANT_M * EXCESS_BOUND * A**2
     is_yaw = np.maximum(np.abs(r_1), np.abs(r_2)) > SIGNIFICANT_R * RESIDUAL_BOUND * A

@@ -333,15 +333,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             suspect_V_cx_test = any_r_exceeds;
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump);
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) && (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool suspect_V_ax_test_2 = !common;
-        const bool suspect_V_ax = (suspect_V_ax_test || is_ambiguous) && suspect_V_ax_test_2;
-        const bool suspect_V_ay = (suspect_V_ay_test || is_ambiguous) && suspect_V_ax_test_2;
-        const bool suspect_V_bx = (suspect_V_bx_test || is_ambiguous) && suspect_V_ax_test_2;
-        const bool suspect_V_by = (suspect_V_by_test || is_ambiguous) && suspect_V_ax_test_2;
-        const bool suspect_V_cx = (suspect_V_cx_test || is_ambiguous) && suspect_V_ax_test_2;
-        const bool suspect_V_cy = (suspect_V_cy_test || is_ambiguous) && suspect_V_ax_test_2;
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump) || common;
+        const bool suspect_V_ax = suspect_V_ax_test || is_any;
+        const bool suspect_V_ay = suspect_V_ay_test || is_any;
+        const bool suspect_V_bx = suspect_V_bx_test || is_any;
+        const bool suspect_V_by = suspect_V_by_test || is_any;
+        const bool suspect_V_cx = suspect_V_cx_test || is_any;
+        const bool suspect_V_cy = suspect_V_cy_test || is_any;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
