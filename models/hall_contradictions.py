@@ -21,6 +21,9 @@ Common amplitude. Where m_x and m_y are significant and differ by less than MAX_
 not significant, no single voltage explains the contradiction: the amplitude of all voltages differs from that of the
 field. All six are suspected: every cause of a latch is in the fault word.
 
+Motion alone. Where innovations of predictions from the forces raise rho above 1 and the four residuals do not, all six
+are suspected: residuals within their bounds do not tell which voltage is wrong.
+
 Source: Yu, Kim, section 3.1, which detects no failures.
 """
 
@@ -71,10 +74,16 @@ def is_common_amplitude(x: Exprs, A: float) -> ca.SX:
     return ca.if_else(ca.logic_and(ca.logic_and(both_m_exceed, no_r_exceeds), are_similar), 1, 0)
 
 
-def suspects(x: Exprs, A: float, common: ca.SX) -> dict[str, ca.SX]:
+def is_motion_alone(x: Exprs, A: float) -> ca.SX:
+    """Return whether the voltages of the first contradiction agree, so that only the motion contradicts, 0 or 1."""
+    m_x, m_y, r_1, r_2 = (x[f"first_{name}"] for name in ("m_x", "m_y", "r_1", "r_2"))
+    return squared_residual(r_1, r_2, m_x, m_y, A) <= (RESIDUAL_BOUND * A) ** 2
+
+
+def suspects(x: Exprs, A: float, unassigned: ca.SX) -> dict[str, ca.SX]:
     """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction.
 
-    `common` says whether the amplitude of all voltages differs.
+    `unassigned` says whether the contradiction cannot be assigned to single voltages: then all six are suspected.
     """
     m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
     size = {a: ca.fabs(m[a]) for a in "xy"}
@@ -84,7 +93,7 @@ def suspects(x: Exprs, A: float, common: ca.SX) -> dict[str, ca.SX]:
     is_jump = squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (JUMP * RESIDUAL_BOUND * A) ** 2
     both_m_exceed = ca.logic_and(ca.logic_and(m_exceeds["x"], m_exceeds["y"]), ca.logic_not(is_jump))
     is_ambiguous = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both_m_exceed)
-    is_any = ca.logic_or(is_ambiguous, common)
+    is_any = ca.logic_or(is_ambiguous, unassigned)
     flags: dict[str, ca.SX] = {}
     for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
         nearly_zero, change = size[a] < NEARLY_ZERO * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))

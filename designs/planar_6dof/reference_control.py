@@ -139,7 +139,7 @@ def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
     values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
-    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
+    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), braking > 0)
     common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
     flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)

@@ -39,7 +39,7 @@ EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
 RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 SIGNIFICANT_M, SIGNIFICANT_R, JUMP, MAX_KNOWN_YAW = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
-INNOVATION, YAW_INNOVATION = 6e-4, 0.1  # m; of A, times the square root of the yaw's information
+INNOVATION, YAW_INNOVATION = 6e-4, 0.5  # m; of A, times the square root of the yaw's information
 CONFIRMATION = 0.5  # of rho
 MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
@@ -239,8 +239,8 @@ def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
     return np.where(np.abs(counted) <= COUNT * PITCH, counted, offset)
 
 
-def suspects(state: Columns, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
+def suspects(state: Columns, A: float, reckoned: bool = False) -> dict[str, Array]:
+    """Return whether each voltage may be wrong, from the first contradiction; in `reckoned` motion alone, all may."""
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = (
         SIGNIFICANT_R * RESIDUAL_BOUND * A,
@@ -250,7 +250,8 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
     )
     m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
     m_exceeds, r_exceeds = m > least_m, np.abs(r) > least_r
-    is_jump = np.sqrt(np.sum((r / (RESIDUAL_BOUND * A)) ** 2 + (m / (EXCESS_BOUND * A**2)) ** 2, axis=0)) > JUMP
+    rho = np.sqrt(np.sum((r / (RESIDUAL_BOUND * A)) ** 2 + (m / (EXCESS_BOUND * A**2)) ** 2, axis=0))
+    is_jump = rho > JUMP
     is_ambiguous = (np.abs(first["phi"]) > MAX_KNOWN_YAW) | (~is_jump & np.all(m_exceeds, axis=0))
     any_r_exceeds, wrong = np.any(r_exceeds, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
@@ -259,7 +260,7 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    is_any = is_ambiguous | is_amplitude(state, A)
+    is_any = is_ambiguous | is_amplitude(state, A) | (reckoned & (rho <= 1))
     return {name: flag | is_any for name, flag in wrong.items()}
 
 

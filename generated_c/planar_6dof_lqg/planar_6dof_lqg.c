@@ -149,14 +149,14 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float small_m = 2.5838993f;                    /* V^2; 0.3 A^2 */
     static const float significant_m = 0.25838992f;             /* V^2; 0.03 A^2 */
     static const float max_known_yaw = 0.01f;                   /* rad; beyond it every voltage is suspected */
+    static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
     static const float half_pitch = 0.0254f;                    /* m; half of the pitch */
     static const float quarter_pitch = 0.0127f;                 /* m; a quarter of the pitch */
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
     static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
     static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
-    static const float yaw_innovation_weight = 0.64f;           /* 1; (0.08 / 0.1)^2 */
+    static const float yaw_innovation_weight = 0.0256f;         /* 1; (0.08 / 0.5)^2 */
     static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
-    static const float squared_residual_limit = 0.055123184f;   /* V^2; (0.08 A)^2: rho = 1 */
     static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
     static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
     static const float lqg_x_largest_error = 0.0015f;           /* m; a larger error counts as this */
@@ -192,8 +192,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float reckoning_y_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
     static const float reckoning_y_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
     static const float reckoning_y_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_phi_position_gain = 0.0396f;   /* 1; 1 - r^2, r = 0.98 */
-    static const float reckoning_phi_rate_gain = 0.0004f;       /* 1; (1 - r)^2, r = 0.98 */
+    static const float reckoning_phi_position_gain = 0.0199f;   /* 1; 1 - r^2, r = 0.99 */
+    static const float reckoning_phi_rate_gain = 1e-04f;        /* 1; (1 - r)^2, r = 0.99 */
     static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
     static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
@@ -312,7 +312,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
         const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) && (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump) || common;
+        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump) || common || (suspect_V_ax_part <= squared_residual_limit);
         const bool suspect_V_ax = suspect_V_ax_test || is_any;
         const bool suspect_V_ay = suspect_V_ay_test || is_any;
         const bool suspect_V_bx = suspect_V_bx_test || is_any;
