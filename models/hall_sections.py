@@ -72,7 +72,7 @@ EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise an
 REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predictions that are reckoned from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
 # m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
-INNOVATION_BOUND = {"x": 6e-4, "phi": 0.5}
+INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
 SCALE_RANGE = 0.84, 1.2  # of voltages
 SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction

@@ -22,7 +22,7 @@ from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
 
-POLE = {"x": 0.94, "y": 0.94, "phi": 0.99}
+POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
 SHARE = 0.5  # of the rates, removed in a braking sample
 ACTING = {

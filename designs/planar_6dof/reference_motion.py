@@ -19,7 +19,7 @@ from designs.planar_6dof import reference_control as control
 Array = NDArray[Any]
 Columns = Mapping[str, Array]
 
-POLE = {"x": 0.94, "y": 0.94, "phi": 0.99}
+POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
 MASS, INERTIA = 1.52, 0.0022  # kg, kg m^2
 INERTIAS = {"x": MASS, "y": MASS, "phi": INERTIA}
 FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s

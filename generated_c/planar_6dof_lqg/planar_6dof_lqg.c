@@ -155,7 +155,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float pitch = 0.0508f;                         /* m; pitch of the matrix */
     static const float innovation_weight = 153119.95f;          /* V^2/m^2; (0.08 A / 0.0006 m)^2 */
     static const float least_information = 0.00021532494f;      /* V^2; 2.5e-05 A^2: keeps a divisor from 0 */
-    static const float yaw_innovation_weight = 0.0256f;         /* 1; (0.08 / 0.5)^2 */
+    static const float yaw_innovation_weight = 0.04f;           /* 1; (0.08 / 0.4)^2 */
     static const float squared_confirmation = 0.013780796f;     /* V^2; rho = 0.5 */
     static const float max_yaw = 0.025f;                        /* rad; limit of the raw yaw */
     static const float half_over_laser_arm = 8.333333f;         /* 1/m; 1 / (2 laser_arm), laser_arm = 0.06 m */
@@ -192,8 +192,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     static const float reckoning_y_position_gain = 0.1164f;     /* 1; 1 - r^2, r = 0.94 */
     static const float reckoning_y_rate_gain = 0.0036f;         /* 1; (1 - r)^2, r = 0.94 */
     static const float reckoning_y_half_step = 9.867259e-06f;   /* m/(A); b T^2 / 2 */
-    static const float reckoning_phi_position_gain = 0.0199f;   /* 1; 1 - r^2, r = 0.99 */
-    static const float reckoning_phi_rate_gain = 1e-04f;        /* 1; (1 - r)^2, r = 0.99 */
+    static const float reckoning_phi_position_gain = 0.029775f; /* 1; 1 - r^2, r = 0.985 */
+    static const float reckoning_phi_rate_gain = 0.000225f;     /* 1; (1 - r)^2, r = 0.985 */
     static const float reckoning_phi_half_step = 0.00017442106f; /* rad/(A); b T^2 / 2 */
     static const float lqg_x_error_gain = 1955.8091f;           /* A/m; (49): k1 + k3 T */
     static const float lqg_x_integral_decay = 0.9430741f;       /* 1; (49): 1 - k3 T / (k1 + k3 T) */
