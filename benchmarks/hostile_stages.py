@@ -106,6 +106,7 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
         "landing.Descent": vars(descent),
         "landing.Braking": {"coordinate": "q", "acceleration": 1.0, "pole": 30.0, "bound": 1.0},
         "landing.Levelling": {"coordinate": "q", "pole": 30.0, "predicted_pole": 20.0},
+        "landing.Release": {"coordinate": "q", "spring": 50.0},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
         "probe.Probe": {"quiet": 100, "quarter": 4, "step": 1e-5, "attempts": 3},
         "probe.block": {"time": time, "sensor": "q", "error": e, "demand": w, "probe": tried},
