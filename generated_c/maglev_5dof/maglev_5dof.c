@@ -721,7 +721,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 #endif
     }
 
-    /* landing: landing: ramps and state feedback
+    /* landing: ramps and state feedback
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
      *     dr_x_next = max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is set, else
@@ -901,7 +901,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
         const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
 
-        /* landing: landing: ramps and state feedback */
+        /* landing: ramps and state feedback */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
         const bool w_phi_test = landing_left <= 1u;
@@ -1110,7 +1110,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_q2 = u_x_computed;
         out->i_q4 = u_x_computed;
 
-        /* landing: landing: ramps and state feedback */
+        /* landing: ramps and state feedback */
         state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 

@@ -140,7 +140,7 @@ def block(time: Discrete, courses: Sequence[Course], demands: Sequence[Signal], 
     return build(
         safety.LANDING, time, law, inputs=_inputs(courses, demands),
         outputs=[*demands, Signal("landed", "1", 0, 1, "the landing is over")], states=states,
-        tag="landing: ramps and state feedback",
+        tag="ramps and state feedback",
     )  # fmt: skip
 
 

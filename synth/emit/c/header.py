@@ -84,14 +84,17 @@ def _safe_output(block: Block) -> list[str]:
     bad = f"When a measurement is refused in {safety.bad_samples} samples in a row,"
     if not safety.safe_output:
         return [f"{bad} the last of them sets the latch bit until init. {safety.reason}."]
+    latches = f"{bad} the step latches in the last of them until init"
+    if safety.judgement:
+        judged = f"When the readings do not suffice in {safety.bad_samples} samples in a row, or a landing is over,"
+        latches = f"{judged} the step latches until init"
     units = {s.name: s.unit for s in block.outputs}
     ends: dict[tuple[float, float, str], list[str]] = {}
     for name, value in safety.safe_output.items():
         ends.setdefault((value, safety.slew_per_s[name], units[name]), []).append(name)
     slews = "; ".join(f"{', '.join(names)} to {v:g} {u} at {rate:g} {u}/s" for (v, rate, u), names in ends.items())
     return [
-        f"{bad} the step latches in the last of them until init: the outputs move to the safe output "
-        f"({safety.reason}): {slews}.",
+        f"{latches}: the outputs move to the safe output ({safety.reason}): {slews}.",
         "Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only "
         "with the machine at rest: the outputs of the first step after it are not slewed.",
     ]
