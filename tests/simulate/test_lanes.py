@@ -105,7 +105,7 @@ def test_a_drive_runs_behind_the_controller(scalar: type) -> None:
     rig = standard_tasks.rig(design.DESIGN.stage, scalar)
     plants, scenario = wrong_plants(rig, 3), replace(course(rig, 0.5), encoders={}, substeps=1)
     lost = Override(np.arange(500) > 400, np.full(500, np.nan))
-    for case in (scenario, replace(scenario, overrides={"x": lost})):
+    for case in (scenario, replace(scenario, overrides=dict.fromkeys(("x", "y1", "y2", "y3"), lost))):
         fast = lanes.compile_loop(rig.plant, rig.controller, rig.drive).simulate(plants, [case] * 3)[2]
         assert fast is not None and rig.drive
         exact = closed_loop.simulate(plants[2], rig.controller, replace(case, substeps=16), drive=rig.drive)
