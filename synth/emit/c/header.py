@@ -86,8 +86,8 @@ def _safe_output(block: Block) -> list[str]:
         return [f"{bad} the last of them sets the latch bit until init. {safety.reason}."]
     latches = f"{bad} the step latches in the last of them until init"
     if safety.judgement:
-        judged = f"When the readings do not suffice in {safety.bad_samples} samples in a row, or a landing is over,"
-        latches = f"{judged} the step latches until init"
+        reason = f"When the readings do not suffice in {safety.bad_samples} samples in a row, or a landing is over,"
+        latches = f"{reason} the step latches until init"
     units = {s.name: s.unit for s in block.outputs}
     ends: dict[tuple[float, float, str], list[str]] = {}
     for name, value in safety.safe_output.items():
