@@ -45,13 +45,11 @@ LIFTED = 0.0305  # m: at larger gaps a stop may hold the platen, so it is not pr
 DECISION = redundancy.Decision(
     gate=dict.fromkeys("xz", 40e-6), travel=dict.fromkeys("xz", (-TRAVEL, TRAVEL)), at_rest=PROBE.count_limit
 )
-PHI_SPRING = maglev_stage.plant().parameter("k_s_phi").value  # 1/s^2
 STOP, RAMP_BOUND = control.GAP[1], 0.5  # m: the stop, and a bound of the ramps that is wider than any estimate
 COURSES: dict[str, landing.Course] = {
     "y": landing.Descent("y", STOP, 0.08, 5e-3, 1e-3, 2.0, 0.4e-3, 60.0, RAMP_BOUND),
     "x": landing.Braking("x", 4.0, 30.0, RAMP_BOUND),
     "z": landing.Braking("z", 4.0, 30.0, RAMP_BOUND),
-    "phi": landing.Release("phi", control.COMPENSATED["k_s_phi"] * PHI_SPRING),
     "theta": landing.Levelling("theta", 40.0, 14.0),
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
@@ -60,6 +58,12 @@ REASON = (
     "latches on the stop; without three it latches as said above; "
 )
 INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason)
+
+
+def courses(plant: Plant) -> list[landing.Course]:
+    """Return the course of each axis of a landing; phi is left to the guide spring that the law compensates."""
+    spring = control.COMPENSATED["k_s_phi"] * plant.parameter("k_s_phi").value
+    return [COURSES.get(a.name, landing.Release(a.name, spring)) for a in AXES]
 
 
 def relations(plant: Plant) -> tuple[parity.Relation, ...]:
@@ -157,7 +161,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
     law = control.laws(plant, corrected, anti_windup)
     changed = {"decoupling": handover.BALANCED, **{f"regulator_{a.name}": tracking for a in AXES}}
     readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
-    descent = landing.block(TIME, [COURSES[a.name] for a in AXES], [a.demand for a in AXES], control.BAD_SAMPLES)
+    descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], control.BAD_SAMPLES)
     return [
         readings.renamed({"sufficient": "gaps_sufficient", "determined": "theta_measured"}),
         sufficiency(),

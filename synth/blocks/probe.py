@@ -91,6 +91,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
 
     unchanged = Signal(f"{sensor}_unchanged", "1", 0, 1e6, "samples without a change of the code")
     plain = Signal(f"{demand.name}_unprobed", demand.unit, demand.low, demand.high, demand.about)
+    # `towards` is +-a by its law; a bound at a itself would look like a state at its limit.
     states = [
         State(Signal("sample", "1", 0, pair, "sample of the pair, 0 for none"), 0, True),
         State(Signal("attempt", "1", 0, probe.attempts, "pairs without an answer"), 0, True),
