@@ -121,7 +121,7 @@ def observer(axis: Axis) -> Block:
         bandwidth=BANDWIDTH[axis.name],
         rate=RATES[axis.name],
         disturbance=DISTURBANCES[axis.name],
-        trusted=f"{axis.name}_trusted" if axis.excess else None,
+        flags=predictor.Flags(f"{axis.name}_trusted", f"{axis.name}_unchanged") if axis.excess else None,
         gain=THRUST_GAIN if axis.excess else None,
     )
 

@@ -51,6 +51,14 @@ typedef struct {
 } maglev_5dof_filter_state_t;
 
 typedef struct {
+    float q;                            /* m, -0.1 .. 0.1: prediction */
+    float v;                            /* m/s, -2 .. 2: predicted rate */
+    float d;                            /* m/s^2, -20 .. 20: disturbance */
+    float learnt;                       /* m/s, -510.804 .. 510.804: rate learnt since its code changed */
+    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
+} maglev_5dof_observer_state_t;
+
+typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
     float y2;                           /* m, 0.0124 .. 0.0366: gap of motor 2 */
     float y3;                           /* m, 0.0168 .. 0.0322: gap of motor 3 */
@@ -137,14 +145,8 @@ typedef struct {
     float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
     float observer_y_v;                 /* m/s, -4 .. 4: predicted rate */
     float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
-    float observer_x_q;                 /* m, -0.1 .. 0.1: prediction */
-    float observer_x_v;                 /* m/s, -2 .. 2: predicted rate */
-    float observer_x_d;                 /* m/s^2, -20 .. 20: disturbance */
-    float observer_x_g;                 /* 1, 0.8 .. 1.2: learnt gain */
-    float observer_z_q;                 /* m, -0.1 .. 0.1: prediction */
-    float observer_z_v;                 /* m/s, -2 .. 2: predicted rate */
-    float observer_z_d;                 /* m/s^2, -20 .. 20: disturbance */
-    float observer_z_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    maglev_5dof_observer_state_t observer_x;
+    maglev_5dof_observer_state_t observer_z;
     float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
     float observer_phi_v;               /* rad/s, -4 .. 4: predicted rate */
     float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
@@ -177,11 +179,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 452u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 460u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_452[(sizeof(maglev_5dof_state_t) == 452u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_460[(sizeof(maglev_5dof_state_t) == 460u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */

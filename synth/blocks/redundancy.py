@@ -101,9 +101,9 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts = decision.gate[n], x[f"doubts_{n}"]
-            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts > 0, doubts - 1, 0))
+            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
             next |= {f"before_{n}": before, f"doubts_{n}": ca.if_else(same[n], doubts, changed)}
-            moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts <= 0)
+            moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
