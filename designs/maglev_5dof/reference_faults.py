@@ -105,6 +105,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
         "regular": calm | regular,
         "sufficient": calm | (missing <= 2),
         "trusted": calm | trusted,
+        "degraded": ~calm & ready,
     }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, next
 
@@ -240,7 +241,7 @@ def step(
     ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
     q = reference.rows(state, [f"observer_{s}_q" for s in AXES])
     used, suspects, after_readings = readings(state, values[:SENSORS], good, q)
-    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined")}
+    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined", "degraded")}
     pose = reference.pose(used, k.parameters.r)
     still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
     q, v, d, after_observers = observe(state, pose, flag["trusted"], still, ready)
@@ -275,7 +276,12 @@ def step(
     after |= {n: np.where(latched, state[n], x) for n, x in next.items()}
     out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
     after |= zip(LAST, out, strict=True)
-    word = (word & 0x7FF) | (1 << np.arange(11, 17)) @ suspects | (latched.astype(np.uint32) << 31)
+    word = (
+        (word & 0x7FF)
+        | (1 << np.arange(11, 17)) @ suspects
+        | (flag["degraded"].astype(np.uint32) << 17)
+        | (latched.astype(np.uint32) << 31)
+    )
     outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))
     positions = np.where(latched & ~flag["trusted"], LOST, used[4:])
     outputs |= {"x_commutation": positions[0], "z_commutation": positions[1]}

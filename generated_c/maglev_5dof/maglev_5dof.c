@@ -564,6 +564,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float z_held = z_accepted;
     bool regular = true;
     bool theta_measured = true;
+    uint32_t degraded = 0u;
     uint32_t redundancy_excluded_y1_part = redundancy_excluded_y1;
     uint32_t redundancy_excluded_y2_part = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_part = redundancy_excluded_y3;
@@ -774,6 +775,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
         suspect_x = unusual_suspect_x;
         suspect_z = flag_suspect_z;
+        degraded = guard_ready;
         redundancy_excluded_x_part = unusual_suspect_x;
         redundancy_excluded_z_part = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -1338,6 +1340,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
@@ -1359,6 +1364,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y4_held = y4_held;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
+        diagnostics->degraded = (float)degraded;
         diagnostics->landed = landed ? 1.0f : 0.0f;
         diagnostics->theta = theta;
         diagnostics->y = y;

@@ -209,6 +209,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 15  x: contradicts the others
  *   bit 16  z: contradicts the others
  *   bit 31  latched: safe output until init
+ *   bit 17  readings are refused, replaced or contradict each other
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
 
@@ -241,6 +242,7 @@ typedef struct {
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */
     float theta_measured;               /* 1: every coordinate of the groups is measured */
+    float degraded;                     /* 1: a reading is refused, replaced or contradicted, or a sensor was a suspect */
     float free;                         /* 1: no stop holds it */
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */
