@@ -83,6 +83,7 @@ class Interface:
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor
     the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares.
+    `missed_calls` is the input that counts missing calls, if there is one.
     """
 
     plant: Plant
@@ -95,6 +96,7 @@ class Interface:
     bad_samples: int
     reason: str
     suspected: tuple[str, ...] = ()
+    missed_calls: Signal | None = None
 
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges."""
@@ -108,8 +110,9 @@ class Interface:
 
     @property
     def inputs(self) -> tuple[Signal, ...]:
-        """The controller's inputs: sensors, then set-points."""
-        return tuple(self.signals[n] for n in (*(s.name for s in self.sensors), *(s.name for s in self.set_points)))
+        """The controller's inputs: sensors, then set-points, then the count of missed calls if there is one."""
+        names = (*(s.name for s in self.sensors), *(s.name for s in self.set_points))
+        return (*(self.signals[n] for n in names), *((self.missed_calls,) if self.missed_calls else ()))
 
     @property
     def outputs(self) -> tuple[Signal, ...]:

@@ -13,7 +13,7 @@ class Fault:
     """One bit of the word that a step returns: `output` is the flag signal.
 
     `input` is the input that is out of range, `suspect` the one that contradicts others. `about` is the meaning of a
-    bit that concerns no single input. Without any of them the bit reports the latch.
+    bit that concerns no single input, or of one that is more than a range. Without any the bit reports the latch.
     """
 
     bit: int

@@ -19,6 +19,7 @@ import numpy as np
 from synth import standard_tasks
 from synth.analyse import robustness
 from synth.block import Block, Exprs, Step, build, clip
+from synth.blocks import missed_calls as calls
 from synth.blocks import safety
 from synth.campaign import FaultCampaign, FaultLimit, read_safe_output
 from synth.composition import compose
@@ -48,21 +49,9 @@ from synth.verify.evidence import Evidence
 from synth.workspace import CostStimuli, Design
 
 __all__ = [
-    "Actuator",
-    "Companion",
-    "Drive",
-    "FaultCampaign",
-    "FaultLimit",
-    "Interface",
-    "Law",
-    "Sensor",
-    "SetPoint",
-    "Stage",
-    "controller",
-    "design",
-    "interface",
-    "read_safe_output",
-]
+    "Actuator", "Companion", "Drive", "FaultCampaign", "FaultLimit", "Interface", "Law", "Sensor", "SetPoint", "Stage",
+    "controller", "design", "interface", "read_safe_output",
+]  # fmt: skip
 
 
 def interface(
@@ -76,11 +65,14 @@ def interface(
     bad_samples: int = 5,
     reason: str = "",
     suspected: Sequence[str] = (),
+    missed_calls: float | None = None,
 ) -> Interface:
     """Return the interface, completed with the names, units and ranges of the plant's signals.
 
     `delay` counts samples from measurement to actuation. After `bad_samples` in a row with a bad sensor the actuators
     go to their safe values, for a `reason` that the C header states. `suspected` are sensors that a law compares.
+    With `missed_calls`, the largest number of calls that may be missing in a row, the controller has an input of this
+    name and a fault bit above that number.
 
     Raises SignalError for a name that the plant does not have or that is declared twice, and for a plant input without
     an actuator or a disturbance, and for a `delay` that is not a whole number of samples from 0.
@@ -109,7 +101,7 @@ def interface(
     named = dict(zip(signal_names(signals), signals, strict=True))
     return Interface(
         plant, done_sensors, done_set_points, done_actuators, named, tuple(disturbances), delay, bad_samples, reason,
-        tuple(suspected),
+        tuple(suspected), None if missed_calls is None else calls.signal(missed_calls),
     )  # fmt: skip
 
 
@@ -240,11 +232,19 @@ def _composition(
         *([safety.safe_output(time, interface.outputs, safe(interface))] if interface.actuators else []),
         *behind,
     )
+    if interface.missed_calls:
+        parts += (calls.block(time, interface.missed_calls, _free_bit(parts)),)
     driven_outputs = list(actuators) or [s.name for block in blocks for s in block.outputs]
     block = compose(
         name, parts, inputs=signal_names(interface.inputs), outputs=driven_outputs if outputs is None else list(outputs)
     )
     return Composition(resolved, parts, safety.frozen(block) if interface.actuators else block)
+
+
+def _free_bit(blocks: Sequence[Block]) -> int:
+    """Return the lowest bit of the fault word that no Block sets, or the latch bit if there is none."""
+    used = {f.bit for block in blocks for f in block.faults}
+    return min({*range(safety.LATCH_BIT)} - used, default=safety.LATCH_BIT)
 
 
 def _law(law: Law | Synthesis | Block, time: Discrete, interface: Interface) -> Law:

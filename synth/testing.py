@@ -140,4 +140,7 @@ def _interfaces(controller: Controller) -> Iterator[tuple[str, Interface]]:
     limited = [s for s in interface.outputs if f"{s.name}_demand" in driven]  # the laws limit the others
     for s in (*limited, *interface.inputs):
         wider = replace(s, high=s.high + (WIDER - 1) * (s.high - s.low))
-        yield f"range of {s.name} wider", replace(interface, signals={**interface.signals, s.name: wider})
+        if s is interface.missed_calls:
+            yield "missed_calls", replace(interface, missed_calls=wider)
+        else:
+            yield f"range of {s.name} wider", replace(interface, signals={**interface.signals, s.name: wider})

@@ -30,7 +30,7 @@ from models import maglev_stage, pmlsm
 from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Exprs, Step, build
-from synth.blocks import landing, predictor, probe, redundancy
+from synth.blocks import landing, missed_calls, predictor, probe, redundancy
 from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
@@ -54,6 +54,7 @@ COURSES: dict[str, landing.Course] = {
     "theta": landing.Levelling("theta", 40.0, 14.0),
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
+MISSED_CALLS = 40  # without contact from rest and in motion on 17 plants; after more theta may reach its stop
 REASON = (
     "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
     "latches on the stop; without three it latches as said above; "
@@ -61,7 +62,9 @@ REASON = (
 DEGRADED = Fault(
     len(INTERFACE.inputs) + len(SENSORS), "degraded", about="readings are refused, replaced or contradict each other"
 )
-INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason)
+INTERFACE_OF_ALL = replace(
+    INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason, missed_calls=missed_calls.signal(MISSED_CALLS)
+)
 
 
 def courses(plant: Plant) -> list[landing.Course]:

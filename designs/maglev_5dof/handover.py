@@ -64,7 +64,7 @@ def block() -> Block:
         taken = with_taken_over(direct, quadrature, part)
         kept = {j: (1 - part[n]) * taken[j] for n, motors in OF_AXIS.items() for j in motors}
         output = {s.name: ca.if_else(active, kept[j], direct[j]) for j, s in zip(MOTORS, DIRECT, strict=True)}
-        return Step(output, {"transfer": ca.if_else(active, transfer, 0)})
+        return Step(output, {"transfer": ca.if_else(active, transfer, x["transfer"])})
 
     inputs = [*(_balanced(s) for s in DIRECT), *thrust, *trusted]
     states, tag = [State(TRANSFER, 0.0)], "direct currents without x or z"

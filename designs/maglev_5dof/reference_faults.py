@@ -47,6 +47,7 @@ DELAYED = 1e6  # m/s^2, rad/s^2: bound of the accelerations of one sample ago
 DEMANDS = {"y": "w_y", "x": "a_x", "z": "a_z", "phi": "w_phi", "theta": "w_theta"}
 WIDE, REACH = 10.0, 0.5  # m/s, m: bounds of the ramps
 MEMORY_OF_PROBE = ("sample", "attempt", "towards")
+MISSED_CALLS = 40
 
 
 def by_row(values: Any, like: Array) -> Array:
@@ -231,6 +232,12 @@ def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[
     return np.where(active, transfer, 0), np.concatenate([kept, computed[4:]])
 
 
+def too_many_missed(count: Any) -> Flags:
+    """Return whether too many calls are missing, or their count is negative or NaN."""
+    with np.errstate(invalid="ignore"):
+        return ~((np.asarray(count) >= 0) & (np.asarray(count) <= MISSED_CALLS))
+
+
 def step(
     state: Columns, inputs: Columns, k: reference.Constants | None = None
 ) -> tuple[dict[str, Array], dict[str, Array], NDArray[Any]]:
@@ -280,6 +287,7 @@ def step(
         (word & 0x7FF)
         | (1 << np.arange(11, 17)) @ suspects
         | (flag["degraded"].astype(np.uint32) << 17)
+        | (too_many_missed(inputs["missed_calls"]).astype(np.uint32) << 18)
         | (latched.astype(np.uint32) << 31)
     )
     outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))

@@ -70,6 +70,7 @@ typedef struct {
     float z_ref;                        /* m, -0.05 .. 0.05: set-point along Z */
     float phi_ref;                      /* rad, -0.003 .. 0.003: set-point of the rotation about X */
     float theta_ref;                    /* rad, -0.014 .. 0.014: set-point of the rotation about Z */
+    float missed_calls;                 /* 1, 0 .. 40: calls missed since the last one, 0 if not known */
 } maglev_5dof_input_t;
 
 typedef struct {
@@ -177,11 +178,11 @@ typedef struct {
 
 /* The layout is the same on every target. */
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
-_Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
+_Static_assert(sizeof(maglev_5dof_input_t) == 48u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
 _Static_assert(sizeof(maglev_5dof_state_t) == 460u, "size of maglev_5dof_state_t");
 #else
-extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
+extern char maglev_5dof_input_size_is_48[(sizeof(maglev_5dof_input_t) == 48u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
 extern char maglev_5dof_state_size_is_460[(sizeof(maglev_5dof_state_t) == 460u) ? 1 : -1];
 #endif
@@ -210,6 +211,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 16  z: contradicts the others
  *   bit 31  latched: safe output until init
  *   bit 17  readings are refused, replaced or contradict each other
+ *   bit 18  missed_calls: more than 40 calls missed, or no count
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
 

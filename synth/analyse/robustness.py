@@ -206,6 +206,7 @@ def equilibrium_at(loops: Loops, point: str, case: Case = NOMINAL) -> Equilibriu
     )
     values |= {sensor: values[output] for sensor, output in closed.sensors.items()}
     references = {s.name: values[s.of] for s in loops.interface.set_points}
+    references |= {s.name: 0.0 for s in (loops.interface.missed_calls,) if s}
     return equilibrium.solve(replace(closed, plant=plant), references, trimmed)
 
 

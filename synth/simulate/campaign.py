@@ -171,7 +171,8 @@ def inject(
     bits_to_latch = int(np.bitwise_or.reduce(new_bits[: None if latch is None else latch + 1], initial=0))
     input_bits = _input_bits(rig)
     named = {name for name, bits in input_bits.items() if bits_to_latch & bits}
-    identified = set(injection.targets) & set(input_bits)
+    targets = {*injection.targets, *_count_of_calls(rig, injection)}
+    identified = targets & set(input_bits)
     impacts = {q: v if v > healthy.impacts[q] else 0.0 for q, v in faulty.impacts.items()}
     same = np.array_equal(healthy.faults, faulty.faults) and all(
         np.array_equal(healthy.states[s], faulty.states[s]) for s in healthy.states
@@ -189,7 +190,7 @@ def inject(
         notice_s,
         latch_s,
         named=named.issuperset(identified) and bool(identified),
-        wrong_names=tuple(sorted(named.difference(injection.targets))),
+        wrong_names=tuple(sorted(named - targets)),
         effect=not same,
     )
 
@@ -206,6 +207,12 @@ def _input_bits(rig: Rig) -> dict[str, int]:
         if name := fault.get("input") or fault.get("suspect"):
             words[name] = words.get(name, 0) | 1 << fault["bit"]
     return words
+
+
+def _count_of_calls(rig: Rig, injection: Injection) -> tuple[str, ...]:
+    """Return the input that counts missed calls, for a fault of the calls."""
+    count = rig.stage.interface.missed_calls
+    return (count.name,) if count and injection.group == injections.CALLS else ()
 
 
 def _first(flags: NDArray[Any]) -> int | None:

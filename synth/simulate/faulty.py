@@ -5,6 +5,8 @@
     actuator  u_j(t) = gain_k (M c_{k-delay})_j + bias_k + forcing_j(t)    of each input that an actuator drives
     call      c_k = c_{k-1}, the state and the fault word stay             in a missed sample, except the first
 
+    count     n_k = n_{k-1} + 1 after a missed sample, else 0              `Rig` gives it to a controller that reads it
+
 A lag that grows by one in each sample freezes a reading; a constant one makes it late. Sensors that show samples of
 their own are `Scenario.overrides`, and disturbed ones `Scenario.noise`.
 """
@@ -16,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from synth.errors import SignalError
 from synth.plant import Plant
-from synth.simulate.scenario import Scenario
+from synth.simulate.scenario import Array, Scenario
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -74,6 +76,13 @@ def _input_faults(plant: Plant, scenario: Scenario, n: int) -> Arrays:
         gain[:, inputs.index(name)] = _column("gain", name, fault.gain, n)
         bias[:, inputs.index(name)] = _column("bias", name, fault.bias, n)
     return {"input_gain": gain, "input_bias": bias}
+
+
+def missed_counts(missed: NDArray[np.bool_]) -> Array:
+    """Return for each sample (N,) the number of calls that are missing between the last one and this sample."""
+    k = np.arange(len(missed))
+    calls = np.maximum.accumulate(np.where(missed, 0, k))  # the last call up to each sample; the first is never missed
+    return np.asarray(k - 1 - np.concatenate([[-1], calls[:-1]]), dtype=np.float64)
 
 
 def _missed_calls(scenario: Scenario, n: int) -> Arrays:

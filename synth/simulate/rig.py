@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from synth.declaration import Stage
 from synth.execute import build, host
 from synth.plant import Plant
-from synth.simulate import closed_loop
+from synth.simulate import closed_loop, faulty
 from synth.simulate.scenario import Array, Scenario, Trajectory, sample_times
 from synth.simulate.sensors import Encoder
 
@@ -117,17 +117,19 @@ class Rig:
         """Simulate from rest at `start` (plant states; others start as declared by the stage) under set-points by name.
 
         A set-point is a constant or (N,); a missing one stays at the initial position. `options` are further fields of
-        `Scenario`.
+        `Scenario`. A controller that reads the number of missed calls gets that of `missed`.
 
         Raises SignalError and WiringError as `closed_loop.simulate`.
         """
         interface, start = self.stage.interface, {**self.stage.start, **(start or {})}
         n = len(sample_times(duration_s, self.period_s))
         default_set_points = {s.name: start.get(s.of, s.initial) for s in interface.set_points}
+        missed = options.get("missed")
+        counts = 0.0 if missed is None else faulty.missed_counts(missed)
         fields: dict[str, Any] = {
             "sensors": {s.name: s.of for s in interface.sensors},
             "actuators": self.connections,
-            "references": default_set_points | dict(references or {}),
+            "references": dict.fromkeys(self.call_counts, counts) | default_set_points | dict(references or {}),
             "encoders": self._encoders(),
             "noise": self.sensor_noise(n),
             "hold": self._first_commands(start),
@@ -152,6 +154,7 @@ class Rig:
         positions = self.plant.output_values(start)
         known: dict[str, Any] = {s.name: float(positions[s.of][0]) for s in interface.sensors}
         known |= {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
+        known |= self.call_counts
         first = self.controller.step(self.controller.init(), {n: known[n] for n in self.controller.inputs.names or ()})
         known |= first.outputs | safe
         for block in self.drive:
@@ -171,7 +174,14 @@ class Rig:
         interface, start = self.stage.interface, self.stage.start
         outputs = self.plant.output_values(start)
         sensors = {s.name: float(outputs[s.of][0]) for s in interface.sensors}
-        return sensors | {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
+        points = {s.name: float(start.get(s.of, s.initial or 0.0)) for s in interface.set_points}
+        return sensors | points | self.call_counts
+
+    @property
+    def call_counts(self) -> dict[str, float]:
+        """The number of missed calls while none is missing, for a controller that reads it."""
+        count = self.stage.interface.missed_calls
+        return {count.name: 0.0} if count and count.name in (self.controller.inputs.names or ()) else {}
 
     def _encoders(self) -> dict[str, Encoder]:
         resolutions = {s.name: s.resolution if self.quantised else 0.0 for s in self.stage.interface.sensors}

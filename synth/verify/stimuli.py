@@ -87,7 +87,8 @@ def sequences(
     progress("sequences")
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY_STEPS)}
-    loops = [steps.record(controller, name, run.measured, closed_loop=True) for name, run in runs.items()]
+    columns = {name: {**rig.call_counts, **run.measured} for name, run in runs.items()}  # a variant may not read them
+    loops = [steps.record(controller, name, inputs, closed_loop=True) for name, inputs in columns.items()]
     return [
         *(steps.thinned(loop, LOOP_STEPS) for loop in loops),
         *excursions(controller, rig.at_rest(), loops, design_steps),

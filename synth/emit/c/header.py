@@ -107,6 +107,8 @@ def _faults(block: Block) -> list[str]:
 
 
 def _meaning(fault: Fault) -> str:
+    if fault.input and fault.about:
+        return f"{fault.input}: {fault.about}"
     if fault.input:
         return f"{fault.input}: not finite or outside its range"
     return f"{fault.suspect}: contradicts the others" if fault.suspect else fault.about or LATCHED
