@@ -54,7 +54,7 @@ typedef struct {
     float q;                            /* m, -0.1 .. 0.1: prediction */
     float v;                            /* m/s, -2 .. 2: predicted rate */
     float d;                            /* m/s^2, -20 .. 20: disturbance */
-    float learnt;                       /* m/s, -99.7664 .. 99.7664: rate learnt since its code changed */
+    float learnt;                       /* m/s, -63.8505 .. 63.8505: rate learnt since its code changed */
     float g;                            /* 1, 0.8 .. 1.2: learnt gain */
 } maglev_5dof_observer_state_t;
 
