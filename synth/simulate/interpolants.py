@@ -1,9 +1,9 @@
 """A plant for fast simulation: polynomials, fitted to each set of parameters, for its functions of one variable.
 
-`univariate_fits` states the polynomials. Their variable is an expression that every path from the states to the function
-passes through, such as the gap of a motor; their degree is chosen on plants at the corners of their tolerances. Functions
-that are the same but for their variable share coefficients. Expressions of the parameters alone are evaluated once for
-each plant. The rest of the plant is left as it is.
+`univariate_fits` states the polynomials. Their variable is an expression that every path from the states to the
+function passes through, such as the gap of a motor; their degree is chosen on plants at the corners of their
+tolerances. Functions that are the same but for their variable share coefficients. Expressions of the parameters alone
+are evaluated once for each plant. The rest of the plant is left as it is.
 """
 
 from collections.abc import Mapping, Sequence
