@@ -138,7 +138,7 @@ typedef struct {
  *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
  *         x_disturbance)), 0.1)
  *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
- *     learnt_next = ((0.98 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
+ *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
  *         set, else 0) if guard_ready is set, else 0
  *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
  *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
@@ -164,7 +164,7 @@ MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_obser
             const float correction = beta * nu;
             rate_part = v + correction;
             if (1u <= unchanged) {
-                state->learnt = (0.98f * learnt) + correction;
+                state->learnt = (0.96875f * learnt) + correction;
             } else {
                 state->learnt = 0.0f;
             }
@@ -389,7 +389,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
      *         x_disturbance)), 0.1)
      *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
-     *     learnt_next = ((0.98 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
+     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
@@ -441,7 +441,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
      *         z_disturbance)), 0.1)
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
-     *     learnt_next = ((0.98 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
+     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
@@ -973,9 +973,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float w_y_part_3 = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + (maglev_5dof_limit(1000.0f * (w_y_part_2 - w_y_part), 2.0f) - y_disturbance);
             w_y = w_y_part_3;
             const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - observer_x.disturbance);
-            w_x_unprobed = maglev_5dof_limit(w_x_unprobed_part_3, 10000.0f);
+            w_x_unprobed = w_x_unprobed_part_3;
             const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - observer_z.disturbance);
-            w_z_unprobed = maglev_5dof_limit(w_z_unprobed_part_3, 10000.0f);
+            w_z_unprobed = w_z_unprobed_part_3;
             const float landing_dr_y_next = maglev_5dof_slew(w_y_part, w_y_part_2, 0.002f);
             const float landing_r_y_part_2 = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (w_y_part + landing_dr_y_next)), 0.0326f), -0.5f) : y_estimate;
             landing_r_y_part = landing_r_y_part_2;

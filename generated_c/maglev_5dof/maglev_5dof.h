@@ -10,8 +10,8 @@
  * outputs move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap
  * encoders the platen lands and then latches on the stop; without three it latches as said above; zero current pulls
  * the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in
- * turn: at rest the machine reaches 0.00041 m/s (x) and hits a stop at 0.0055 m/s (y); in motion the machine reaches
- * 0.0041 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
+ * turn: at rest the machine reaches 0.00051 m/s (x) and hits a stop at 0.0055 m/s (y); in motion the machine reaches
+ * 0.004 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
  * i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
@@ -54,7 +54,7 @@ typedef struct {
     float q;                            /* m, -0.1 .. 0.1: prediction */
     float v;                            /* m/s, -2 .. 2: predicted rate */
     float d;                            /* m/s^2, -20 .. 20: disturbance */
-    float learnt;                       /* m/s, -99.7664 .. 99.7664: rate learnt since its code changed */
+    float learnt;                       /* m/s, -63.8505 .. 63.8505: rate learnt since its code changed */
     float g;                            /* 1, 0.8 .. 1.2: learnt gain */
 } maglev_5dof_observer_state_t;
 

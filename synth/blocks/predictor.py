@@ -40,7 +40,7 @@ from synth.timing import Discrete
 
 __all__ = ["Flags", "Gain", "block", "delay"]
 
-LEAK = 1 / 50  # of the learnt rate, in a sample: a code that is frozen in motion is noticed within 20 samples
+LEAK = 1 / 32  # of the learnt rate, in a sample: a code that is frozen in motion is noticed within 20 samples
 
 
 @arguments.checked
