@@ -7,7 +7,7 @@ import casadi as ca
 from benchmarks.hostile_examples import Call, usual
 from synth import stage
 from synth.analyse import parity, robustness
-from synth.blocks import axis, glsdc_estimator, landing, probe, redundancy
+from synth.blocks import axis, glsdc_estimator, landing, missed_calls, probe, redundancy
 from synth.blocks.glsdc_model import Unknown
 from synth.plant import Plant
 from synth.signals import Signal
@@ -109,6 +109,8 @@ def _redundancy(maglev: Plant) -> Mapping[str, Call]:
         "landing.Levelling": {"coordinate": "q", "pole": 30.0, "predicted_pole": 20.0},
         "landing.Release": {"coordinate": "q", "spring": 50.0},
         "landing.block": {"time": time, "courses": [descent], "demands": [w], "patience": 5},
+        "missed_calls.signal": {"limit": 40.0},
+        "missed_calls.block": {"time": time, "count": missed_calls.signal(40.0), "bit": 3},
         "probe.Probe": {"quiet": 100, "quarter": 4, "step": 1e-5, "attempts": 3},
         "probe.block": {"time": time, "sensor": "q", "error": e, "demand": w, "probe": tried},
     }

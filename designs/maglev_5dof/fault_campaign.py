@@ -21,6 +21,7 @@ LIMITS = (  # one encoder that fails does not harm the machine; docs/decisions/m
     *(FaultLimit(f"excursion_{s}", 10e-3, s, "frozen", "at rest") for s in "xz"),  # m
     *(FaultLimit(f"excursion_{s}", 1e-3, s, "not finite", "at rest") for s in "xz"),
     *(FaultLimit(f"impact_{s}", 0.0, s, kind) for s in "xz" for kind in GONE),
+    FaultLimit("notice_s", 0.051, "calls", "missing", duration="0.05 s"),  # at the next call
 )
 INERTIAS = {"y": "M_y", "x": "M_x", "z": "M_z", "phi": "I_x", "theta": "I_z"}
 FAULTS = FaultCampaign(

@@ -54,7 +54,7 @@ COURSES: dict[str, landing.Course] = {
     "theta": landing.Levelling("theta", 40.0, 14.0),
 }
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
-MISSED_CALLS = 40  # without contact from rest and in motion on 17 plants; after more theta may reach its stop
+MISSED_CALLS = 40  # from 45 on theta may reach its stop in motion, on one of 17 plants; up to 44 on none
 REASON = (
     "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
     "latches on the stop; without three it latches as said above; "

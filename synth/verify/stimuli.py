@@ -14,7 +14,7 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from synth.declaration import Interface, SetPoint
 from synth.execute import host
@@ -87,7 +87,10 @@ def sequences(
     progress("sequences")
     controller = rig.controller
     runs = {e.name: e.trajectory for e in experiments} | {"faults in motion": closed_loop(rig, REPLAY_STEPS)}
-    columns = {name: {**rig.call_counts, **run.measured} for name, run in runs.items()}  # a variant may not read them
+    columns: dict[str, dict[str, ArrayLike]] = {
+        name: {**rig.call_counts, **run.measured}  # an experiment's variant of the controller may not read the count
+        for name, run in runs.items()
+    }
     loops = [steps.record(controller, name, inputs, closed_loop=True) for name, inputs in columns.items()]
     return [
         *(steps.thinned(loop, LOOP_STEPS) for loop in loops),
