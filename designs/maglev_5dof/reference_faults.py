@@ -232,7 +232,7 @@ def without_positions(state: Columns, computed: Array, trusted: Flags) -> tuple[
     return np.where(active, transfer, 0), np.concatenate([kept, computed[4:]])
 
 
-def too_many_missed(count: Any) -> Flags:
+def exceeds_limit(count: Any) -> Flags:
     """Return whether too many calls are missing, or their count is negative or NaN."""
     with np.errstate(invalid="ignore"):
         return ~((np.asarray(count) >= 0) & (np.asarray(count) <= MISSED_CALLS))
@@ -287,7 +287,7 @@ def step(
         (word & 0x7FF)
         | (1 << np.arange(11, 17)) @ suspects
         | (flag["degraded"].astype(np.uint32) << 17)
-        | (too_many_missed(inputs["missed_calls"]).astype(np.uint32) << 18)
+        | (exceeds_limit(inputs["missed_calls"]).astype(np.uint32) << 18)
         | (latched.astype(np.uint32) << 31)
     )
     outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))
