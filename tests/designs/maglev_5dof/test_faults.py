@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from designs.maglev_5dof import control, experiments
 from designs.maglev_5dof.design import DESIGN
-from designs.maglev_5dof.fault_handling import DEGRADED
+from designs.maglev_5dof.fault_handling import DEGRADED, MISSED_CALLS
 from synth import stage as stages
 from synth.emit import write
 from synth.execute import host
@@ -23,6 +23,7 @@ INPUTS = stages.guarded_inputs(control.INTERFACE)
 NAMES = [g.signal.name for g in INPUTS]
 MEASURED = [g.signal.name for g in INPUTS if g.measurement]
 LATCHED = 1 << 31
+NONE_MISSED = {"missed_calls": 0.0}
 BAD = (np.nan, np.inf, -np.inf, 1e30, -1e30, 5e-324, -1.0)
 LIMIT = 4.950
 
@@ -48,7 +49,7 @@ def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None
     n = 40
     seed = data.draw(st.integers(0, 2**32 - 1))
     rng = np.random.default_rng(seed)
-    words = {name: bits(rng.integers(0, 2**32, n, dtype=np.uint64).tolist()) for name in NAMES}
+    words = {name: bits(rng.integers(0, 2**32, n, dtype=np.uint64).tolist()) for name in (*NAMES, *NONE_MISSED)}
     for name in data.draw(st.sets(st.sampled_from(NAMES))):
         signal = next(g.signal for g in INPUTS if g.signal.name == name)
         words[name] = rng.uniform(signal.low, signal.high, n).astype(np.float32)
@@ -59,6 +60,9 @@ def test_any_bits_for_ever(single: host.Controller, data: st.DataObject) -> None
         with np.errstate(invalid="ignore"):
             good = (words[g.signal.name] >= low) & (words[g.signal.name] <= high)
         np.testing.assert_array_equal((replay.faults >> i) & 1, ~good)
+    with np.errstate(invalid="ignore"):
+        tolerated = (words["missed_calls"] >= 0) & (words["missed_calls"] <= MISSED_CALLS)
+    np.testing.assert_array_equal((replay.faults >> DEGRADED.bit + 1) & 1, ~tolerated)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -109,7 +113,7 @@ def test_three_lost_gap_encoders_latch_at_once(emitted_rig: Rig) -> None:
 
 
 def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Controller) -> None:
-    good = {g.signal.name: np.full(12, g.initial) for g in INPUTS}
+    good = NONE_MISSED | {g.signal.name: np.full(12, g.initial) for g in INPUTS}
     turns = {name: good[name].copy() for name in MEASURED}
     for k, name in enumerate(MEASURED):
         turns[name][k] = np.nan
@@ -122,6 +126,7 @@ def test_bad_samples_of_several_measurements_in_a_row_latch(single: host.Control
 def test_once_latched_filters_and_internal_models_stand_still(single: host.Controller) -> None:
     n, k = 400, 200
     inputs = {g.signal.name: np.full(n, g.initial) for g in INPUTS} | {"x_ref": np.linspace(0, 0.05, n)}
+    inputs["missed_calls"] = np.zeros(n)
     bad = (np.arange(n) >= k) & (np.arange(n) < k + control.BAD_SAMPLES)
     inputs |= {name: np.where(bad, np.nan, inputs[name]) for name in ("y1", "y2", "y3")}
     at = [single.replay({name: v[:stop] for name, v in inputs.items()}).state for stop in (k + 4, k + 5, k + 6, n)]
@@ -135,7 +140,7 @@ def test_once_latched_filters_and_internal_models_stand_still(single: host.Contr
 
 
 def test_a_latch_stays_until_init(single: host.Controller) -> None:
-    good = {g.signal.name: np.full(50, g.initial) for g in INPUTS}
+    good = NONE_MISSED | {g.signal.name: np.full(50, g.initial) for g in INPUTS}
     lost = dict(good) | {"z": np.where(np.arange(50) < 5, np.nan, 0.0)}
     latched = single.replay(lost)
     after = single.replay(good, latched.state)
