@@ -82,7 +82,8 @@ class Interface:
 
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor
-    the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares.
+    the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares. A law
+    that reads ``braking`` has that many samples more to stop the machine before.
     """
 
     plant: Plant
@@ -95,6 +96,7 @@ class Interface:
     bad_samples: int
     reason: str
     suspected: tuple[str, ...] = ()
+    braking: int = 0
 
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges."""

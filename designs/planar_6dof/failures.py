@@ -19,9 +19,10 @@ import numpy as np
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array, measured_positions
-from models import hall_calibration, planar_stage
+from models import hall_calibration, hall_contradictions, planar_stage
 from models import hall_sections as sensing
 from synth.check import Check
+from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate import failure
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
@@ -60,14 +61,20 @@ class Failed:
         return tuple(name for name in self.failure.misidentified_sensors if name in HALL)
 
     @property
+    def samples_to_reaction(self) -> int | None:
+        """Samples from the failure until it latches, or until it brakes, which a latch always follows."""
+        f = self.failure
+        return f.first(f.run.faults >> LATCH_BIT & 1 | f.run.faults >> BRAKING_BIT & 1)
+
+    @property
     def isolation_delay(self) -> float:
         """Samples from the first residual out of bounds to the isolation of the channel or the latch, inf without both.
 
-        A latch does not count when only sound channels are named.
+        The latch counts from the braking before it, and not when only sound channels are named.
         """
         if self.contradicted is None:
             return 0.0
-        answers = [self.failure.samples_to_detection, None if self.others else self.failure.samples_to_latch]
+        answers = [self.failure.samples_to_detection, None if self.others else self.samples_to_reaction]
         return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
 
     @property
@@ -90,7 +97,7 @@ def residuals(loop: Rig, run: Trajectory) -> Array:
     """Return rho (N,) of `hall_sections`, 0 once the fault word names a channel."""
     measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {
-        s.name: sensing.EXCESS_BOUND * A**2 if s.unit == "V^2" else sensing.RESIDUAL_BOUND * A
+        s.name: hall_contradictions.EXCESS_BOUND * A**2 if s.unit == "V^2" else hall_contradictions.RESIDUAL_BOUND * A
         for s in sensing.RESIDUALS
     }
     rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
@@ -142,8 +149,9 @@ def checks(runs: Sequence[Failed], kind: str, moving: bool) -> list[Check]:
         Check("current left at the end after a latch", max(f.final_command() for f in each), 0.0, "A"),
     ]
     if kind == "nan":
-        late = max(_or_never(f.samples_to_latch) for f in each)
-        return [*rows, Check("samples until the latch", late, interface.BAD_SAMPLES - 1.0, "1", "every channel")]
+        late = max(_or_never(f.samples_to_reaction) for f in runs)
+        limit, about = interface.BAD_SAMPLES - 1.0, "or until the braking before it; every channel"
+        return [*rows, Check("samples until the latch", late, limit, "1", about)]
     rows.append(_isolation_check(runs))
     if kind == "zero" or moving:
         undetected = float(sum(f.samples_to_latch is None for f in each))
