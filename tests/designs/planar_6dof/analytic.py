@@ -59,14 +59,14 @@ def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
-    slope, level = sum(n * a for n, a in A.items()), sum(A.values())
+    slope, level, scale = sum(n * a for n, a in A.items()), sum(A.values()), 1.0
+    for share in (1.0, sensing.SCALE_GAIN):
+        scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
+    slope, level = scale * slope, scale * level
     if axis != "phi":
         r = slope * level / (level**2 + sensing.SQUARE_FLOOR * cal.amplitude**2)
         return cal.position[0] * 2 * np.pi / cal.pitch * r, 0.0
-    scale = 1.0
-    for share in (1.0, sensing.SCALE_GAIN):
-        scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
-    h, true = cal.slope[0] * (scale * level) ** 3 + scale * level, scale * (1.5 * np.pi * slope + level)
+    h, true = cal.slope[0] * level**3 + level, 1.5 * np.pi * slope + level
     information = 2 * h**2 + regularisation * cal.amplitude**2
     return 2 * h * true / information, 1 - 2 * h**2 / information
 
