@@ -173,3 +173,9 @@ def test_a_guard_without_measurements_does_not_brake() -> None:
         safety.guard(TIME, [replace(READING, measurement=False)], 3, braking=4)
     with pytest.raises(SignalError, match="brakes for -1"):
         safety.guard(TIME, [READING], 3, braking=-1)
+
+
+def test_a_redundant_guard_does_not_brake() -> None:
+    """Its law lands the machine before the latch, so both would decide on the same samples."""
+    with pytest.raises(SignalError, match="redundant and brakes for 4 samples: give 0"):
+        safety.guard(TIME, [READING], 3, redundant=True, braking=4)
