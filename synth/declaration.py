@@ -106,6 +106,7 @@ class Interface:
             "actuator": self.outputs,
         }
         line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
+        line += f" and {self.braking} more in which it brakes" if self.braking else ""
         return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
 
     @property
