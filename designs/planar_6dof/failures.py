@@ -23,7 +23,7 @@ from designs.planar_6dof.loop import Array, measured_positions
 from models import hall_calibration, hall_contradictions, planar_stage
 from models import hall_sections as sensing
 from synth.check import Check
-from synth.fault import BRAKING_BIT, LATCH_BIT
+from synth.fault import BRAKING_BIT
 from synth.simulate import failure
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
@@ -164,16 +164,20 @@ def checks(runs: Sequence[Failed], kind: str, moving: bool) -> list[Check]:
         Check("current left at the end after a latch", max(f.final_command() for f in each), 0.0, "A"),
     ]
     if kind == "nan":
-        limit = interface.BAD_SAMPLES - 1.0
-        late = max(_or_never(f.failure.samples_to_latch) - f.braking for f in runs)
-        rows.append(Check("samples until the latch", late, limit, "1", "without those of braking; every channel"))
-        braked = [_or_never(f.samples_to_braking) for f in runs if f.braking]
-        return [*rows, *([Check("samples until it brakes", max(braked), limit, "1", "every channel")] if braked else [])]
+        return [*rows, *_latch_checks(runs)]
     rows.extend(_isolation_checks(runs))
     if kind == "zero" or moving:
         undetected = float(sum(f.samples_to_latch is None for f in each))
         rows.append(Check("channels whose failure is not noticed", undetected, 0.0, "1", "in 1 s"))
     return rows
+
+
+def _latch_checks(runs: Sequence[Failed]) -> list[Check]:
+    limit, late = interface.BAD_SAMPLES - 1.0, max(_or_never(f.failure.samples_to_latch) - f.braking for f in runs)
+    checks = [Check("samples until the latch", late, limit, "1", "without those of braking; every channel")]
+    if braked := [_or_never(f.samples_to_braking) for f in runs if f.braking]:
+        checks.append(Check("samples until it brakes", max(braked), limit, "1", "every channel"))
+    return checks
 
 
 def _slew_check(runs: Sequence[Failed]) -> Check:
