@@ -93,7 +93,7 @@ def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
 def _states(axis: Axis, time: Discrete) -> list[State]:
     predicted = replace(axis.predicted, name=f"{axis.name}_position", about="position predicted for this sample")
     rate = replace(axis.advance(time), name=f"{axis.name}_rate")
-    return [State(predicted, 0.0), State(rate, 0.0)]
+    return [State(predicted, min(max(0.0, predicted.low), predicted.high)), State(rate, 0.0)]
 
 
 def _constants(axis: Axis, time: Discrete) -> list[Constant]:

@@ -179,3 +179,8 @@ def test_a_redundant_guard_does_not_brake() -> None:
     """Its law lands the machine before the latch, so both would decide on the same samples."""
     with pytest.raises(SignalError, match="redundant and brakes for 4 samples: give 0"):
         safety.guard(TIME, [READING], 3, redundant=True, braking=4)
+
+
+def test_a_prediction_whose_range_excludes_0_starts_at_its_nearest_end() -> None:
+    gap = replace(AXIS, predicted=replace(PREDICTED, low=0.01, high=0.03))
+    assert dead_reckoning.block("reckoning", TIME, [gap]).initial.tolist() == [0.01, 0.0]
