@@ -1,13 +1,14 @@
 """Valid calls of the functions on a declared stage: its controller, its loops, its control axes."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import casadi as ca
 
-from benchmarks.hostile_examples import Call, usual
+from benchmarks.hostile_examples import GAP, Call, U, fields, usual
 from synth import stage
 from synth.analyse import parity, robustness
-from synth.blocks import axis, glsdc_estimator, landing, missed_calls, probe, redundancy
+from synth.blocks import axis, dead_reckoning, glsdc_estimator, landing, missed_calls, probe, redundancy
 from synth.blocks.glsdc_model import Unknown
 from synth.plant import Plant
 from synth.signals import Signal
@@ -37,6 +38,7 @@ def examples() -> Mapping[str, Call]:
     )
     controller = stage.controller("held", Discrete(1e-3), interface, [axis.servo(**asked)])
     loops = robustness.of_controller(controller, maglev, POINTS)
+    moving = dead_reckoning.Axis("gap", GAP, replace(GAP, name="predicted"), U, 0.5, 1.0, 0.9)
     angle = Unknown(Signal("angle", "rad", -1, 1), largest_deviation=0.5, step=0.5)
     coils = [Signal(name, "V", -2, 2) for name in ("a", "b")]
     resolver: Call = {
@@ -49,6 +51,9 @@ def examples() -> Mapping[str, Call]:
     }
     guarded = {"block": glsdc_estimator.estimator(**resolver), "name": "pose", "channels": coils, "bad_samples": 3}
     return {
+        "braking.block": {"axes": [moving], "demands": {"gap": (replace(U, name="law"), U)}, "share": 0.5},
+        "dead_reckoning.Axis": fields(moving),
+        "dead_reckoning.block": {"axes": [moving]},
         "glsdc_estimator.estimator": resolver,
         "glsdc_estimator.guarded": guarded,
         "glsdc_model.covariance": {"noise": [1e-3, 1e-3], "model_error": [1e-3, 0.0]},

@@ -8,8 +8,9 @@
     V_bx = -A C(t_x) + phi A S(t_y)        V_by = V_ay + phi h_1,      h_1 = A (D S'(t_y) + C(t_x) + S(t_x))
     V_cy = -A C(t_y) - phi A S(t_x)        V_cx = V_ax - phi h_2,      h_2 = A (D S'(t_x) + C(t_y) + S(t_y))
 
-With `phi_predicted`, a state of the Kalman filter or the raw yaw of the previous sample, the voltages are rotated back:
-s and c of each axis are A S(t) and A C(t).
+With `phi_predicted`, a state of the Kalman filter or the raw yaw of the previous sample, the voltages are rotated back.
+Predictions that are reckoned from the forces are not used for that: they depend on the demands, and the yaw on them, so
+the controller by itself would have an unstable mode. s and c of each axis are A S(t) and A C(t).
 
 Position, (1)-(5). With r = s c / max(s^2, c^2), which is s/c or c/s, the voltage nearer to zero over the other,
 
@@ -28,38 +29,36 @@ r_1 = e_1 - h_1 phi_predicted, r_2 = e_2 + h_2 phi_predicted and r_3 = m_x - m_y
 where W is EXCESS_WEIGHT and R is REGULARISATION.
 
 Contradictions. m_x, m_y, r_1 and r_2 are near 0 unless a sensor fails. A sample changes neither position nor yaw if the
-guard refuses one of its voltages, or if its residual exceeds 1:
+guard refuses one of its voltages, or if its residual rho of `models.hall_contradictions` exceeds 1. The residuals of
+the first such sample determine the suspects, because no state has followed a wrong value yet. A second one, above
+CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no sample is
+complete, and the guard latches in the fifth.
 
-    rho = ((m_x^2 + m_y^2) / (EXCESS_BOUND A^2)^2 + (r_1^2 + r_2^2) / (RESIDUAL_BOUND A)^2)^(1/2)
+Amplitude. The voltages are multiplied by a scale, the nominal amplitude over the estimated one, within SCALE_RANGE. The
+first good sample sets it and later ones correct it by SCALE_GAIN, until m_x + m_y is 0. Temperature, height and
+amplifiers change the amplitude slowly; a failed sensor changes m_x or m_y at once. A contradiction that another
+amplitude of all voltages explains has its own bit and suspects all six.
 
-The residuals of the first such sample determine the suspects, because no state has followed a wrong value yet. A second
-one, above CONFIRMATION and within MEMORY samples, confirms it. From the next sample on the voltages are `suspected`, no
-sample is complete, and the guard latches in the fifth.
+Motion. With predictions that are `reckoned` from the forces, the raw pose less the predicted one, over
+INNOVATION_BOUND, counts in rho: a channel that sticks shows a motion
+that the currents do not explain, long before the voltages contradict each other.
 
-A residual is significant if it exceeds the fraction SIGNIFICANT of its bound. If the first rho exceeds JUMP, a voltage
-has jumped. An error -r_2 of V_ax reduces s_x^2 by d_x = r_2 (2 s_x + r_2), and a wrong V_bx shows in r_2 through h_2.
-Therefore these are suspected, and the other three likewise with r_1, m_y, s_y:
-
-    V_ax, V_ay   if r_2 is significant, and m_x is not nearly zero or d_x is small
-    V_bx, V_cy   if |m_x| exceeds |d_x| by more than NEARLY_ZERO A^2
-    V_cx, V_by   if r_2 is significant, and m_x is nearly zero
-
-Otherwise the error has grown slowly and the yaw has followed it, which distributes the error of one sensor over r_1 and
-r_2. Then the four voltages of r_1 and r_2 are all suspected, and V_ax and V_bx by m_x, V_ay and V_cy by m_y. All six
-are suspected if both m_x and m_y are significant, or if the yaw is beyond MAX_KNOWN_YAW. Errors, noise and undetected
-failures are listed in docs/decisions/planar_sensing.md.
+Errors, noise and undetected failures are listed in docs/decisions/planar_sensing.md and planar_faults.md.
 
 Source: Yu, Kim, section 3.1, Figs. 3 and 4; Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using
 Two-Axis Hall-Effect Sensors".
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 
 from models import hall_calibration, planar_stage
+from models import hall_contradictions as contradictions
+from models import hall_pairs as pairs
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
 from synth.blocks import safety
+from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal
 from synth.timing import Discrete
@@ -69,15 +68,13 @@ VOLTAGE = 5.0  # V: 1.7 times the amplitude of 2.93 V
 PITCHES = 2  # counted to either side: 2.5 pitches are 127 mm, the travel is 110 mm
 MAX_RAW_YAW = 0.025  # rad: the stage rotates by 0.02 at most; a larger raw yaw is clipped
 EXCESS_WEIGHT = 0.1  # of m_x - m_y in the yaw: a larger one means less noise and more influence of lift and tilt
-REGULARISATION = 0.01  # of A^2, added to the yaw's sum of squares of at least 0.27 A^2
+# Of A^2, added to the yaw's sum of squares of at least 0.27 A^2 unless a sensor fails.
+REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # the latter with predictions that are reckoned from the forces
 SQUARE_FLOOR = 1e-6  # of A^2, added to a square of at least A^2/2 unless a sensor fails
-# Noise of 5e-5 m rms in a position is 0.62 % of A in a voltage, 1.0 % in r_1, r_2 and 1.1 % in m_x, m_y.
-RESIDUAL_BOUND = 0.08  # of A: six times the noise, and 2 % for unequal sensors and heights
-EXCESS_BOUND = 0.15  # of A^2: five times the noise, 5 % for a lift by 0.2 mm and 4 % for the sensors' height
-SIGNIFICANT = {"m": 0.2, "r": 0.3}  # of EXCESS_BOUND and of RESIDUAL_BOUND
-JUMP = 1.5  # of rho: a larger one at once means that a voltage jumped
-NEARLY_ZERO, SMALL_CHANGE = 0.1, 0.3  # of A^2: of m, and of the change of s^2 that r explains
-MAX_KNOWN_YAW = 0.01  # rad
+# m; of A, for the yaw's error times the root of its sum of squares: rated amplifiers at rest lead to 0.3 to 0.4
+INNOVATION_BOUND = {"x": 6e-4, "phi": 0.4}
+SCALE_RANGE = 0.84, 1.2  # of voltages
+SCALE_GAIN = 1e-3  # of the error of the scale, what a sample corrects
 CONFIRMATION = 0.5  # of rho, to confirm a contradiction
 MEMORY = 4  # samples for which a contradiction is remembered
 
@@ -97,86 +94,100 @@ WITHIN = tuple(
 RATIOS = tuple(Signal(f"ratio_{a}", "1", -1, 1, "of the smaller voltage of a pair to the larger one") for a in "xy")
 RESIDUALS = (
     *(
-        Signal(f"m_{a}", "V^2", -1000, 1000, f"squared amplitude of the pair of {a}, less that of the field")
+        Signal(f"m_{a}", "V^2", -1e4, 1e4, f"squared amplitude of the pair of {a}, less that of the field")
         for a in "xy"
     ),
     *(
-        Signal(f"r_{i}", "V", -50, 50, f"{difference}, less what the predicted yaw makes of it")
+        Signal(f"r_{i}", "V", -200, 200, f"{difference}, less what the predicted yaw makes of it")
         for i, difference in (("1", "V_by - V_ay"), ("2", "V_cx - V_ax"))
     ),
 )
 SUSPECTED = Signal(safety.SUSPECTED, "1", 0, 1, "the voltages contradict each other")
+AMPLITUDE_BIT = 29
+OTHER_AMPLITUDE = Signal("other_amplitude", "1", 0, 1, "all Hall voltages have another amplitude than the field")
+AMPLITUDE_FAULTS = (Fault(AMPLITUDE_BIT, OTHER_AMPLITUDE.name, about=OTHER_AMPLITUDE.about),)
+SCALE = Signal("scale", "1", *SCALE_RANGE, "nominal amplitude of the voltages over the estimated one")
 SUSPECTS = tuple(Signal(f"suspect_{name}", "1", 0, 1, f"{name} contradicts the others") for name in HALL)
 
 
-@dataclass(frozen=True, eq=False)
-class _Pair:
-    """One axis' voltages with the yaw turned back, s = A S and c = A C, and the excess m of s^2 + c^2."""
-
-    s: ca.SX
-    c: ca.SX
-    m: ca.SX
-
-
-def sensing(plant: Plant, time: Discrete, predicted: bool = True) -> Block:
+def sensing(plant: Plant, time: Discrete, predicted: bool = True, reckoned: bool = False) -> Block:
     """Return the Block from held voltages to the raw position, the position within the pitch, residuals and suspects.
 
-    Predictions are inputs, or else the raw position of the previous sample.
+    Predictions are inputs, or else the raw position of the previous sample. Where they are `reckoned` from the forces,
+    the raw position less the prediction counts as a residual, too.
     """
     cal = hall_calibration.of(plant)
     A, l = cal.amplitude, cal.pitch
-    yaw = RAW["phi"].name
+    yaw, regularisation = RAW["phi"].name, RECKONED_REGULARISATION if reckoned else REGULARISATION
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         ax, ay, bx, by, cx, cy = (u[s.name] for s in HELD)
-        phi = u["phi_predicted"] if predicted else x[yaw]
+        scale = x["scale"]
+        phi = u["phi_predicted"] if predicted and not reckoned else x[yaw]
         # within the pitch that is counted
         expected = {a: u[f"{a}_predicted"] - x[f"offset_{a}"] if predicted else x[f"within_{a}"] for a in "xy"}
-        X, Y = _pair(ax, -bx, ay, phi, k), _pair(ay, -cy, -ax, phi, k)
-        h1, h2 = _slope(Y, k) + (X.c + X.s), _slope(X, k) + (Y.c + Y.s)
-        r1, r2 = by - ay - h1 * phi, cx - ax + h2 * phi
+        X, Y = pairs.pair(ax, -bx, ay, phi, k, scale), pairs.pair(ay, -cy, -ax, phi, k, scale)
+        h1, h2 = pairs.slope(Y, k) + (X.c + X.s), pairs.slope(X, k) + (Y.c + Y.s)
+        r1, r2 = scale * (by - ay) - h1 * phi, scale * (cx - ax) + h2 * phi
         ratio = {"x": _ratio(X, A), "y": _ratio(Y, A)}
-        within = {axis: _place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
-        offset = {axis: _nearest(at, x[f"offset_{axis}"], expected[axis], l) for axis, at in within.items()}
-        known, squared = ca.logic_and(u["ready"], u["complete"]), _squared_residual(r1, r2, X.m, Y.m, A)
-        exceeds = ca.logic_or(x["contradiction_left"], squared > (RESIDUAL_BOUND * A) ** 2)
-        contradicts = ca.if_else(known, ca.logic_and(squared > (CONFIRMATION * RESIDUAL_BOUND * A) ** 2, exceeds), 0)
-        accept = ca.logic_and(ca.logic_not(contradicts), u["complete"])
-        output = {yaw: clip(phi + ca.if_else(accept, _yaw_correction(X, Y, (h1, h2), (r1, r2), k, A), 0), RAW["phi"])}
+        within = {axis: pairs.place(pair, ratio[axis], k, cal) for axis, pair in (("x", X), ("y", Y))}
+        offset = {axis: _nearest(position, x[f"offset_{axis}"], expected[axis], l) for axis, position in within.items()}
+        numerator, information = pairs.yaw_equation(X, Y, (h1, h2), (r1, r2), k, regularisation * A**2)
+        yaw_correction = numerator / information
+        squared = contradictions.squared_residual(r1, r2, X.m, Y.m, A)
+        if reckoned:
+            innovation = {a: within[a] + offset[a] - u[f"{a}_predicted"] for a in within}
+            x_weight, yaw_weight = _innovation_weights(A)
+            squared += x_weight * (innovation["x"] ** 2 + innovation["y"] ** 2)
+            squared += yaw_weight * (information * (phi + yaw_correction - u["phi_predicted"]) ** 2)
+        exceeds = ca.logic_or(x["contradiction_left"], squared > (contradictions.RESIDUAL_BOUND * A) ** 2)
+        confirms = squared > (CONFIRMATION * contradictions.RESIDUAL_BOUND * A) ** 2
+        # Not behind `complete`, unlike its uses: an incomplete sample skips all that is computed from its voltages.
+        contradicts = ca.logic_and(u["ready"], ca.logic_and(confirms, exceeds))
+
+        def by_case(accepted: ca.SX, contradicted: ca.SX, incomplete: ca.SX) -> ca.SX:
+            return ca.if_else(u["complete"], ca.if_else(contradicts, contradicted, accepted), incomplete)
+
+        left, confirmed = x["contradiction_left"], x["contradiction_confirmed"]
+        held_yaw = u["phi_predicted"] if predicted else phi
+        output = {yaw: clip(by_case(phi + yaw_correction, held_yaw, held_yaw), RAW["phi"])}
         next: dict[str, ca.SX] = {}
-        first = ca.logic_and(contradicts, ca.logic_not(x["contradiction_left"]))
         residuals = {"m_x": X.m, "m_y": Y.m, "r_1": r1, "r_2": r2}
         for name, value in (residuals | {"s_x": X.s, "s_y": Y.s, "phi": phi}).items():
-            next[f"first_{name}"] = ca.if_else(first, value, x[f"first_{name}"])
-        for axis, at in within.items():
-            next[f"offset_{axis}"] = ca.if_else(accept, offset[axis], x[f"offset_{axis}"])
-            next[f"within_{axis}"] = ca.if_else(accept, at, x[f"within_{axis}"])
+            last = x[f"first_{name}"]
+            next[f"first_{name}"] = by_case(last, ca.if_else(left, last, value), last)
+        for axis, position in within.items():
+            next[f"offset_{axis}"] = by_case(offset[axis], x[f"offset_{axis}"], x[f"offset_{axis}"])
+            passed = clip(expected[axis], WITHIN[0]) if reckoned else x[f"within_{axis}"]
+            accepted = by_case(ca.SX(1), ca.SX(0), ca.SX(0))
+            output[f"within_{axis}"] = ca.if_else(accepted, by_case(position, ca.SX(0), ca.SX(0)), passed)
+            next |= {} if reckoned else {f"within_{axis}": output[f"within_{axis}"]}
             held = u[f"{axis}_predicted"] if predicted else x[f"within_{axis}"] + x[f"offset_{axis}"]
-            output[f"{axis}_raw"] = ca.if_else(accept, at + offset[axis], held)
-            output[f"within_{axis}"] = next[f"within_{axis}"]
-        next |= {} if predicted else {yaw: output[yaw]}
-        confirmed = ca.logic_and(contradicts, x["contradiction_left"])
-        remembered = ca.if_else(
-            ca.logic_and(accept, x["contradiction_left"]), x["contradiction_left"] - 1, x["contradiction_left"]
-        )
-        next |= {
-            "contradiction_left": ca.if_else(contradicts, MEMORY, remembered),
-            "contradiction_confirmed": ca.if_else(confirmed, 1, x["contradiction_confirmed"]),
-        }
-        output |= {f"suspect_{name}": one for name, one in _suspects(x, A).items()} | {
-            SUSPECTED.name: x["contradiction_confirmed"]
-        }
+            output[f"{axis}_raw"] = by_case(position + offset[axis], held, held)
+        next |= {} if predicted and not reckoned else {yaw: output[yaw]}
+        gain = ca.if_else(u["ready"] < 1, k["first_scale_gain"], k["scale_gain"])
+        next["scale"] = by_case(clip(scale - gain * (X.m + Y.m), SCALE), scale, scale)
+        next["contradiction_left"] = by_case(ca.if_else(left >= 1, left - 1, left), ca.SX(MEMORY), left)
+        next["contradiction_confirmed"] = by_case(confirmed, ca.if_else(left, 1, confirmed), confirmed)
+        common = contradictions.is_common_amplitude(x, A)
+        output |= {SUSPECTED.name: confirmed, OTHER_AMPLITUDE.name: ca.if_else(confirmed, common, 0)}
+        unassigned = ca.logic_or(common, contradictions.is_motion_alone(x, A)) if reckoned else common
+        for name, flag in contradictions.suspects(x, A, unassigned).items():
+            output[f"suspect_{name}"] = flag
         named = list(zip(RATIOS, ratio.values(), strict=True))
         certified = {s.name: lambda u, e: RATIOS[0].high for s in RATIOS}
-        return Step(output | residuals, next, named, certified, _numbers(A, l))
+        numbers = [*_numbers(A, l, regularisation), *(_innovation_numbers(A) if reckoned else [])]
+        return Step(output | residuals, next, named, certified, numbers)
 
     inputs = [*HELD, *(PREDICTED.values() if predicted else ()), READY, COMPLETE]
-    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS]
-    states, constants, tag = _states(predicted), _constants(cal), "position and yaw, (1)-(5)"
-    return build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
+    outputs = [*RAW.values(), *WITHIN, *RESIDUALS, SUSPECTED, *SUSPECTS, OTHER_AMPLITUDE]
+    states, constants = [*_states(predicted, reckoned), State(SCALE, 1.0)], [*_constants(cal), *_scale_gains(cal)]
+    tag = "position and yaw, (1)-(5)"
+    block = build("sensing", time, law, inputs=inputs, outputs=outputs, states=states, constants=constants, tag=tag)
+    return replace(block, faults=AMPLITUDE_FAULTS)
 
 
-def _states(predicted: bool) -> list[State]:
+def _states(predicted: bool, reckoned: bool) -> list[State]:
     memory = Signal("contradiction_left", "1", 0, MEMORY, "samples for which a contradiction is still remembered")
     confirmed = Signal("contradiction_confirmed", "1", 0, 1, "1 once a second contradiction has confirmed the first")
     first = [
@@ -185,15 +196,17 @@ def _states(predicted: bool) -> list[State]:
     ]
     first.append(replace(PREDICTED["phi"], name="phi", about="predicted yaw"))
     shown = [replace(s, name=f"first_{s.name}", about=f"{s.about}, at the first contradiction") for s in first]
-    last = [] if predicted else [replace(RAW["phi"], about="raw yaw of the sample before")]
-    reals = (*shown, *OFFSETS, *WITHIN, *last)
+    last = [] if predicted and not reckoned else [replace(RAW["phi"], about="raw yaw of the sample before")]
+    reals = (*shown, *OFFSETS, *(() if reckoned else WITHIN), *last)
     return [*(State(s, 0, True) for s in (memory, confirmed)), *(State(s, 0.0) for s in reals)]
 
 
 def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     position = [(f"position_{2 * n + 1}", v, "m") for n, v in enumerate(cal.position)]
     slope = [(f"slope_{n}", v, f"1/V^{2 * n + 2}") for n, v in enumerate(cal.slope)]
-    power = [(f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, _POWERS, strict=True))]
+    power = [
+        (f"power_{n}", v, unit) for n, (v, unit) in enumerate(zip(cal.power, ("V^2", "1/V^2", "1/V^6"), strict=True))
+    ]
     fits = [
         Constant(name, v, unit, f"fit of the {name.partition('_')[0]} in the calculated field")
         for name, v, unit in (*position, *slope, *power)
@@ -201,64 +214,40 @@ def _constants(cal: hall_calibration.Calibration) -> list[Constant]:
     return [*fits, Constant("amplitude_weight", 2 * EXCESS_WEIGHT / cal.amplitude**2, "1/V^2", "2 W / A^2")]
 
 
-def _numbers(A: float, l: float) -> list[Constant]:
+def _scale_gains(cal: hall_calibration.Calibration) -> list[Constant]:
+    per_scale = 1 / (4 * cal.power[0])
+    return [
+        Constant("first_scale_gain", per_scale, "1/V^2", "1 / (4 g_0 A^2)"),
+        Constant("scale_gain", SCALE_GAIN * per_scale, "1/V^2", f"{SCALE_GAIN:g} / (4 g_0 A^2)"),
+    ]
+
+
+def _numbers(A: float, l: float, regularisation: float) -> list[Constant]:
     """Return the numbers that the C names."""
-    amplitude, ratio = f"A = {A:.6g} V", RESIDUAL_BOUND / (EXCESS_BOUND * A)
-    least_m, least_r = SIGNIFICANT["m"] * EXCESS_BOUND, SIGNIFICANT["r"] * RESIDUAL_BOUND
     return [
         Constant("pitch", l, "m", "pitch of the matrix"),
         Constant("half_pitch", l / 2, "m", "half of the pitch"),
         Constant("quarter_pitch", l / 4, "m", "a quarter of the pitch"),
-        Constant("m_weight", ratio**2, "1/V^2", f"({RESIDUAL_BOUND:g} / ({EXCESS_BOUND:g} A))^2, {amplitude}"),
-        Constant("squared_residual_limit", (RESIDUAL_BOUND * A) ** 2, "V^2", f"({RESIDUAL_BOUND:g} A)^2: rho = 1"),
-        Constant("squared_confirmation", (CONFIRMATION * RESIDUAL_BOUND * A) ** 2, "V^2", f"rho = {CONFIRMATION:g}"),
-        Constant("squared_jump", (JUMP * RESIDUAL_BOUND * A) ** 2, "V^2", f"rho = {JUMP:g}: a voltage jumped"),
-        Constant("significant_m", least_m * A**2, "V^2", f"{least_m:g} A^2"),
-        Constant("significant_r", least_r * A, "V", f"{least_r:g} A"),
-        Constant("nearly_zero_m", NEARLY_ZERO * A**2, "V^2", f"{NEARLY_ZERO:g} A^2"),
-        Constant("small_m", SMALL_CHANGE * A**2, "V^2", f"{SMALL_CHANGE:g} A^2"),
+        *contradictions.numbers(A, CONFIRMATION),
         Constant("least_square", SQUARE_FLOOR * A**2, "V^2", f"{SQUARE_FLOOR:g} A^2: keeps a divisor from 0"),
-        Constant("least_information", REGULARISATION * A**2, "V^2", f"{REGULARISATION:g} A^2: keeps a divisor from 0"),
-        Constant("max_known_yaw", MAX_KNOWN_YAW, "rad", "beyond it every voltage is suspected"),
+        Constant("least_information", regularisation * A**2, "V^2", f"{regularisation:g} A^2: keeps a divisor from 0"),
         Constant("max_yaw", MAX_RAW_YAW, "rad", "limit of the raw yaw"),
     ]
 
 
-_POWERS = ("V^2", "1/V^2", "1/V^6")
+def _innovation_numbers(A: float) -> list[Constant]:
+    bound, (x_weight, yaw_weight) = contradictions.RESIDUAL_BOUND, _innovation_weights(A)
+    x_bound, yaw_bound = INNOVATION_BOUND.values()
+    return [
+        Constant("innovation_weight", x_weight, "V^2/m^2", f"({bound:g} A / {x_bound:g} m)^2"),
+        Constant("yaw_innovation_weight", yaw_weight, "1", f"({bound:g} / {yaw_bound:g})^2"),
+    ]
 
 
-def _pair(s: ca.SX, c: ca.SX, other: ca.SX, phi: ca.SX, k: Exprs) -> _Pair:
-    s, c = s - phi * other, c + phi * other
-    product = (s * c) ** 2
-    return _Pair(s, c, s**2 + c**2 - (k["power_0"] + product * (k["power_1"] + product * k["power_2"])))
-
-
-def _slope(p: _Pair, k: Exprs) -> ca.SX:
-    """Return 3 pi/2 A S'."""
-    return p.c * p.c**2 * (k["slope_0"] + p.s**2 * k["slope_1"])
-
-
-def _yaw_correction(X: _Pair, Y: _Pair, h: tuple[ca.SX, ca.SX], r: tuple[ca.SX, ca.SX], k: Exprs, A: float) -> ca.SX:
-    """Return the yaw less the predicted one, rad; h3 is half of h_3."""
-    h3 = X.s * (Y.s - Y.c) + Y.s * (X.s - X.c)
-    (h1, h2), (r1, r2) = h, r
-    information = h1**2 + h2**2 + 2 * k["amplitude_weight"] * h3**2 + REGULARISATION * A**2
-    return (h1 * r1 - h2 * r2 + k["amplitude_weight"] * (h3 * (X.m - Y.m))) / information
-
-
-def _place(p: _Pair, r: ca.SX, k: Exprs, cal: hall_calibration.Calibration) -> ca.SX:
-    """Return the position within the pitch, m, from the ratio r of the pair."""
-    l, f = cal.pitch, ca.SX(0)
-    for n in reversed(range(len(cal.position))):
-        f = k[f"position_{2 * n + 1}"] + r**2 * f
-    f = r * f
-    near = ca.if_else(p.c < 0, ca.if_else(f > 0, f - l / 2, f + l / 2), f)
-    return ca.if_else(p.s**2 <= p.c**2, near, ca.if_else(p.s < 0, -l / 4, l / 4) - f)
-
-
-def _ratio(p: _Pair, A: float) -> ca.SX:
-    """Return r. The clip is inactive: the rounded product never exceeds the rounded square of the larger factor."""
-    return clip(p.s * p.c / (ca.fmax(p.s**2, p.c**2) + SQUARE_FLOOR * A**2), RATIOS[0])
+def _innovation_weights(A: float) -> tuple[float, float]:
+    """Return the weights of squared innovations, V^2/m^2 and 1, beside those of the residuals of voltages."""
+    bound = contradictions.RESIDUAL_BOUND
+    return (bound * A / INNOVATION_BOUND["x"]) ** 2, (bound / INNOVATION_BOUND["phi"]) ** 2
 
 
 def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
@@ -269,31 +258,6 @@ def _nearest(within: ca.SX, offset: ca.SX, expected: ca.SX, l: float) -> ca.SX:
     return ca.if_else(beyond, ca.if_else(off > 0, down, up), offset)
 
 
-def _squared_residual(r1: ca.SX, r2: ca.SX, m_x: ca.SX, m_y: ca.SX, A: float) -> ca.SX:
-    """Return (RESIDUAL_BOUND A rho)^2."""
-    return r1**2 + r2**2 + (RESIDUAL_BOUND / (EXCESS_BOUND * A)) ** 2 * (m_x**2 + m_y**2)
-
-
-def _suspects(x: Exprs, A: float) -> dict[str, ca.SX]:
-    """Return for each voltage whether it is suspected, from the residuals that first showed a contradiction."""
-    m, r = {a: x[f"first_m_{a}"] for a in "xy"}, {"x": x["first_r_2"], "y": x["first_r_1"]}
-    size = {a: ca.fabs(m[a]) for a in "xy"}
-    m_exceeds = {a: size[a] > SIGNIFICANT["m"] * EXCESS_BOUND * A**2 for a in "xy"}
-    r_exceeds = {a: ca.fabs(r[a]) > SIGNIFICANT["r"] * RESIDUAL_BOUND * A for a in "xy"}
-    any_r_exceeds = ca.logic_or(r_exceeds["x"], r_exceeds["y"])
-    is_jump = _squared_residual(r["y"], r["x"], m["x"], m["y"], A) > (JUMP * RESIDUAL_BOUND * A) ** 2
-    both_m_exceed = ca.logic_and(ca.logic_and(m_exceeds["x"], m_exceeds["y"]), ca.logic_not(is_jump))
-    is_ambiguous = ca.logic_or(ca.fabs(x["first_phi"]) > MAX_KNOWN_YAW, both_m_exceed)
-    flags: dict[str, ca.SX] = {}
-    for a, (s, c, other) in (("x", ("V_ax", "V_bx", "V_cx")), ("y", ("V_ay", "V_cy", "V_by"))):
-        nearly_zero, change = size[a] < NEARLY_ZERO * A**2, ca.fabs(r[a] * (2 * x[f"first_s_{a}"] + r[a]))
-        explains = ca.logic_or(ca.logic_not(nearly_zero), change < SMALL_CHANGE * A**2)
-        after_jump = {
-            s: ca.logic_and(r_exceeds[a], explains),
-            c: size[a] > change + NEARLY_ZERO * A**2,
-            other: ca.logic_and(r_exceeds[a], nearly_zero),
-        }
-        after_drift = {s: ca.logic_or(any_r_exceeds, m_exceeds[a]), c: m_exceeds[a], other: any_r_exceeds}
-        for name, jumped in after_jump.items():
-            flags[name] = ca.logic_or(ca.if_else(is_jump, jumped, after_drift[name]), is_ambiguous)
-    return flags
+def _ratio(p: pairs.Pair, A: float) -> ca.SX:
+    """Return r. The clip is inactive: the rounded product never exceeds the rounded square of the larger factor."""
+    return clip(p.s * p.c / (ca.fmax(p.s**2, p.c**2) + SQUARE_FLOOR * A**2), RATIOS[0])

@@ -82,8 +82,9 @@ class Interface:
 
     `signals` are those of sensors, set-points and actuators by name. `delay` counts samples between measurement and
     actuation; `disturbances` are plant inputs that no actuator drives. After `bad_samples` in a row with a bad sensor
-    the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares.
-    `missed_calls` is the input that counts missing calls, if there is one.
+    the actuators go to their safe values, for the `reason` given. `suspected` are sensors that a law compares. A law
+    that reads ``braking`` has that many samples more to stop the machine before. `missed_calls` is the input that
+    counts missing calls, if there is one.
     """
 
     plant: Plant
@@ -97,6 +98,7 @@ class Interface:
     reason: str
     suspected: tuple[str, ...] = ()
     missed_calls: Signal | None = None
+    braking: int = 0
 
     def sheet(self) -> show.Sheet:
         """Return the signals with their ranges."""
@@ -106,6 +108,7 @@ class Interface:
             "actuator": self.outputs,
         }
         line = f"delay of {self.delay} samples; safe output after {self.bad_samples} bad samples in a row"
+        line += f" and {self.braking} more in which it brakes" if self.braking else ""
         return show.Sheet(f"Interface to the plant {self.plant.name}", (line,), (show.signals(groups),))
 
     @property

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from synth import arguments
 
 LATCH_BIT = 31  # of the fault word: it has latched
+BRAKING_BIT = 30  # it brakes before the latch
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,8 @@ class Safety:
     """After `bad_samples` samples in a row with a bad measurement the outputs slew to `safe_output`.
 
     Both mappings have the outputs of a Block as keys; an output in neither stays as computed. `reason` explains
-    these values. With a `judgement` a law decides which samples count.
+    these values. With a `judgement` a law decides which samples count. `braking` of these samples are the last before
+    the latch, in which the step brakes.
     """
 
     bad_samples: int
@@ -56,6 +58,7 @@ class Safety:
     slew_per_s: Mapping[str, float]
     reason: str
     judgement: Judgement | None = None
+    braking: int = 0
 
     def renamed(self, names: Mapping[str, str]) -> "Safety":
         """Return the safety with outputs and measurements renamed, old name to new; other names stay."""

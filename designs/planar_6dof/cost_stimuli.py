@@ -4,15 +4,17 @@ travel      through all pitches and sections in both directions, over the whole 
 saturated   the same with demands beyond the current limits, at large and small yaws
 failures    from states of the travel: a Hall channel, a sensor, an axis or all channels wrong in one of six ways,
             in one sample, in two in a row (again), and after the fault is isolated (named)
+braking     from states of the travel, with any number of bad samples behind it
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array
-from models import hall_calibration, planar_stage
+from models import hall_calibration, hall_contradictions, planar_stage
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from synth.execute import host
@@ -33,18 +35,47 @@ GROUPS = (
     *(tuple(n for n in HALL if n[3] == axis) for axis in "xy"),
     HALL,
 )
-BOUND = sensing.RESIDUAL_BOUND * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
+BOUND = hall_contradictions.RESIDUAL_BOUND * hall_calibration.of(planar_stage.plant()).amplitude  # V, of a residual
 
 
 def stimuli(controller: host.Controller) -> list[Steps]:
     """Return the travel, the saturated travel, and the failures from states of the travel."""
     rng = np.random.default_rng(SEED)
-    along = steps.record(controller, "travel", travel(rng))
-    saturated = steps.concatenate("saturated", [steps.record(controller, "", travel(rng, yaw)) for yaw in YAWS])
+    along = _record(controller, "travel", rng)
+    saturated = steps.concatenate("saturated", [_record(controller, "", rng, yaw) for yaw in YAWS])
     once = failures(along, rng)
     again = Steps("failures again", steps.evaluate(controller, once).states, once.inputs)
     isolated = Steps("failures named", steps.evaluate(controller, again).states, once.inputs)
-    return [along, saturated, once, again, isolated]
+    return [along, saturated, once, again, isolated, _braking(along, rng)]
+
+
+def _record(controller: host.Controller, name: str, rng: np.random.Generator, yaw_share: float | None = None) -> Steps:
+    """Return the steps of a travel, with predictions that agree with it.
+
+    The recorded demands do not move the platen, so a controller that predicts from them would refuse the voltages.
+    """
+    pose = poses(rng, 1.0 if yaw_share is None else yaw_share)
+    recorded = steps.record(controller, name, travel(rng, pose, yaw_share))
+    if "reckoning_x_position" not in (recorded.states.dtype.names or ()):
+        return recorded
+    states, pitch = recorded.states.copy(), planar_stage.plant().parameter("l").value
+    healthy = {"guard_latched": 0, "guard_ready": 1, "guard_left": states["guard_left"].max(), "braking_active": 0}
+    healthy |= {"sensing_contradiction_left": 0, "sensing_contradiction_confirmed": 0}
+    consistent = {f"reckoning_{axis}_position": pose[axis] for axis in allocation.HORIZONTAL}
+    consistent |= {f"sensing_offset_{axis}": pitch * np.round(pose[axis] / pitch) for axis in "xy"}
+    consistent["sensing_phi_raw"] = pose["phi"]
+    for field, values in {**healthy, **consistent}.items():
+        states[field][1:] = values if np.ndim(values) == 0 else np.asarray(values)[1:]
+    return replace(recorded, states=states)
+
+
+def _braking(sound: Steps, rng: np.random.Generator) -> Steps:
+    """Return steps of the travel in which too many bad samples have been counted, at any number of those left."""
+    states = sound.states.copy()
+    states["guard_left"] = rng.integers(1, int(states["guard_left"].max()) + 1, len(sound))
+    if "braking_active" in (states.dtype.names or ()):
+        states["braking_active"] = rng.integers(0, 2, len(sound))
+    return Steps("braking", states, sound.inputs)
 
 
 def sensor_values(pose: Mapping[str, Array]) -> Columns:
@@ -64,13 +95,13 @@ def poses(rng: np.random.Generator, yaw: float = 1.0) -> dict[str, Array]:
     return columns | {"phi": yaw * columns["phi"]}
 
 
-def travel(rng: np.random.Generator, yaw_share: float | None = None) -> Columns:
-    """Return noisy inputs (N,) along a travel; errors have random orders of magnitude, half of them equal in all axes.
+def travel(rng: np.random.Generator, pose: Mapping[str, Array], yaw_share: float | None = None) -> Columns:
+    """Return noisy inputs (N,) along poses (N,); errors have random orders of magnitude, half equal in all axes.
 
     With `yaw_share`, a part of the yaw's range, the errors of z, theta and psi exceed what the motors can achieve, and
     in half of the samples those of all axes do.
     """
-    pose, noise = poses(rng, 1.0 if yaw_share is None else yaw_share), interface.INTERFACE.sensors[0].noise
+    noise = interface.INTERFACE.sensors[0].noise
     columns = sensor_values(pose)
     for name in HALL:
         columns[name] = columns[name] + rng.normal(0, noise, TRAVEL)

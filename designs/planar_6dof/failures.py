@@ -6,8 +6,9 @@ from START report each channel, a survey over PLACES reports counts. After the l
 SLEW.
 
 Within ISOLATION_LIMIT samples of the first residual out of bounds, the failed channel is isolated (named in the fault
-word), alone or with others that could cause the same residuals, or the controller has latched: a platen that a failure
-carries away may tilt until the lasers are out of range. A failure without such a residual is not detected; its share is
+word), alone or with others that could cause the same residuals, or the controller brakes, or has latched where it does
+not brake: a platen that a failure carries away may tilt until the lasers are out of range. The latch follows within
+BAD_SAMPLES - 1 more samples and those of braking. A failure without such a residual is not detected; its share is
 reported.
 """
 
@@ -19,9 +20,10 @@ import numpy as np
 
 from designs.planar_6dof import interface
 from designs.planar_6dof.loop import Array, measured_positions
-from models import hall_calibration, planar_stage
+from models import hall_calibration, hall_contradictions, planar_stage
 from models import hall_sections as sensing
 from synth.check import Check
+from synth.fault import BRAKING_BIT
 from synth.simulate import failure
 from synth.simulate.experiment import Experiment
 from synth.simulate.experiments import Run
@@ -48,11 +50,13 @@ FAULT_TEXTS = {"nan": "reads NaN", "zero": "drops to zero", "stuck": "sticks"}
 class Failed:
     """A failure of a channel, and the samples from it to the first residual out of bounds, None without one.
 
-    Only residuals before the latch count, and only while no channel is named.
+    Only residuals before the latch count, and only while no channel is named. The controller brakes for `braking`
+    samples before the latch.
     """
 
     failure: Failure
     contradicted: int | None
+    braking: int
 
     @property
     def others(self) -> tuple[str, ...]:
@@ -60,15 +64,32 @@ class Failed:
         return tuple(name for name in self.failure.misidentified_sensors if name in HALL)
 
     @property
-    def isolation_delay(self) -> float:
-        """Samples from the first residual out of bounds to the isolation of the channel or the latch, inf without both.
+    def samples_to_braking(self) -> int | None:
+        """Samples from the failure until it brakes, None if it does not before the latch."""
+        return self.failure.first(self.failure.words >> BRAKING_BIT & 1)
 
-        A latch does not count when only sound channels are named.
+    @property
+    def samples_to_reaction(self) -> int | None:
+        """Samples from the failure until it brakes, or until it latches where it does not brake."""
+        return self.samples_to_braking if self.braking else self.failure.samples_to_latch
+
+    @property
+    def isolation_delay(self) -> float:
+        """Samples from the first residual out of bounds to the channel's name or the reaction, inf without both.
+
+        A reaction does not count when only sound channels are named.
         """
         if self.contradicted is None:
             return 0.0
-        answers = [self.failure.samples_to_detection, None if self.others else self.failure.samples_to_latch]
+        answers = [self.failure.samples_to_detection, None if self.others else self.samples_to_reaction]
         return min((float(n - self.contradicted) for n in answers if n is not None), default=np.inf)
+
+    @property
+    def latch_delay(self) -> float:
+        """Samples from the first residual out of bounds to the latch, without those of braking; inf without a latch."""
+        if self.contradicted is None:
+            return 0.0
+        return _or_never(self.failure.samples_to_latch) - self.braking - self.contradicted
 
     @property
     def coasting_speed(self) -> float:
@@ -83,14 +104,14 @@ def fail(loop: Rig, channel: str, kind: str, start: Place = START, speed: Place 
     references = {f"{axis}_ref": at + speed[axis] * moving_s for axis, at in start.items()}
     f = failure.fail(loop, channel, FAULT_VALUES[kind], FAILURE, DURATION, references, start)
     beyond = (residuals(loop, f.run) > 1) & (np.arange(len(moving_s)) >= f.sample)
-    return Failed(f, f.first(beyond[: len(f.words)]))
+    return Failed(f, f.first(beyond[: len(f.words)]), loop.stage.interface.braking)
 
 
 def residuals(loop: Rig, run: Trajectory) -> Array:
     """Return rho (N,) of `hall_sections`, 0 once the fault word names a channel."""
     measured, A = measured_positions(loop, run), hall_calibration.of(loop.plant).amplitude
     bounds = {
-        s.name: sensing.EXCESS_BOUND * A**2 if s.unit == "V^2" else sensing.RESIDUAL_BOUND * A
+        s.name: hall_contradictions.EXCESS_BOUND * A**2 if s.unit == "V^2" else hall_contradictions.RESIDUAL_BOUND * A
         for s in sensing.RESIDUALS
     }
     rho = np.sqrt(np.sum([(measured[name] / bound) ** 2 for name, bound in bounds.items()], axis=0))
@@ -120,6 +141,7 @@ def _figures(runs: Sequence[Failed]) -> dict[str, float]:
         figures |= {
             f"samples until {f.sensor} is contradicted": _or_never(each.contradicted),
             f"samples until {f.sensor} is named": _or_never(f.samples_to_detection),
+            **({f"samples until it brakes, {f.sensor}": _or_never(each.samples_to_braking)} if each.braking else {}),
             f"samples until the latch, {f.sensor}": _or_never(f.samples_to_latch),
             f"sound channels named, {f.sensor}": len(each.others),
             f"largest excursion before the latch, {f.sensor}, um": 1e6 * f.excursion,
@@ -142,13 +164,20 @@ def checks(runs: Sequence[Failed], kind: str, moving: bool) -> list[Check]:
         Check("current left at the end after a latch", max(f.final_command() for f in each), 0.0, "A"),
     ]
     if kind == "nan":
-        late = max(_or_never(f.samples_to_latch) for f in each)
-        return [*rows, Check("samples until the latch", late, interface.BAD_SAMPLES - 1.0, "1", "every channel")]
-    rows.append(_isolation_check(runs))
+        return [*rows, *_latch_checks(runs)]
+    rows.extend(_isolation_checks(runs))
     if kind == "zero" or moving:
         undetected = float(sum(f.samples_to_latch is None for f in each))
         rows.append(Check("channels whose failure is not noticed", undetected, 0.0, "1", "in 1 s"))
     return rows
+
+
+def _latch_checks(runs: Sequence[Failed]) -> list[Check]:
+    limit, late = interface.BAD_SAMPLES - 1.0, max(_or_never(f.failure.samples_to_latch) - f.braking for f in runs)
+    checks = [Check("samples until the latch", late, limit, "1", "without those of braking; every channel")]
+    if braked := [_or_never(f.samples_to_braking) for f in runs if f.braking]:
+        checks.append(Check("samples until it brakes", max(braked), limit, "1", "every channel"))
+    return checks
 
 
 def _slew_check(runs: Sequence[Failed]) -> Check:
@@ -156,11 +185,14 @@ def _slew_check(runs: Sequence[Failed]) -> Check:
     return Check("change of a current from the latch on", fastest, SLEW, "A/s", "declared: 126")
 
 
-def _isolation_check(runs: Sequence[Failed]) -> Check:
-    slowest = max(f.isolation_delay for f in runs)
-    return Check(
-        "samples from a residual out of bounds to the channel's name or the latch", slowest, ISOLATION_LIMIT, "1"
-    )
+def _isolation_checks(runs: Sequence[Failed]) -> list[Check]:
+    of = "samples from a residual out of bounds to the"
+    slowest, latest = max(f.isolation_delay for f in runs), max(f.latch_delay for f in runs)
+    limit = ISOLATION_LIMIT + interface.BAD_SAMPLES - 1.0
+    return [
+        Check(f"{of} channel's name, braking or the latch", slowest, ISOLATION_LIMIT, "1"),
+        Check(f"{of} latch", latest, limit, "1", "without those of braking"),
+    ]
 
 
 @cache
@@ -198,7 +230,7 @@ def survey(loop: Rig, name: str, kind: str, speeds: Sequence[float] = SPEEDS) ->
     at = ", ".join(f"{1e3 * v:g}" for v in speeds)
     about = f"each channel at {PLACES} places, at {at} mm/s; shown is "
     title = f"A Hall channel {FAULT_TEXTS[kind]}, anywhere"
-    return _experiment(name, title, about, runs, figures, (_isolation_check(runs), _slew_check(runs)))
+    return _experiment(name, title, about, runs, figures, (*_isolation_checks(runs), _slew_check(runs)))
 
 
 ALL = (

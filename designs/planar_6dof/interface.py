@@ -8,6 +8,7 @@ by 22 %, so the raw position is noisier than s.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,7 +18,7 @@ from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from synth import stage
 from synth.block import Block
-from synth.declaration import Actuator, Composition, Controller, Sensor, SetPoint
+from synth.declaration import Actuator, Composition, Controller, Interface, Sensor, SetPoint
 from synth.plant import Plant
 from synth.signals import signal_names
 from synth.timing import Discrete
@@ -28,6 +29,7 @@ RANGE, BITS = 20.0, 16  # V, section 4.2
 ADC = RANGE / 2**BITS
 LASER_RESOLUTION = 2 * vertical.LASER / 2**BITS  # m: the range of a distance over the converter's
 BAD_SAMPLES = 5
+BRAKING = 24  # samples
 SLEW = 126.0  # A/s: from the limit to 0 in 10 ms, three times L/R; a winding needs 2 V for it beside R i = 6.3 V
 # Relative error of the polynomials, which only occur in allocation and commutation. In single precision it rotates a
 # motor's current by at most 9 urad of electrical angle, like 0.07 um of position. The raw position has 4.3 um rms.
@@ -55,20 +57,30 @@ INTERFACE = stage.interface(
     reason="the air bearings carry the platen, and without current no force acts on it",
     suspected=planar_stage.HALL,
 )
+BRAKED = replace(INTERFACE, braking=BRAKING)
 SENSORS = tuple(s.name for s in INTERFACE.sensors)
 INPUTS, OUTPUTS = stage.guarded_inputs(INTERFACE), INTERFACE.outputs
 
 
-def controller(name: str, plant: Plant, time: Discrete, sensing_blocks: Sequence[Block], law: Sequence[Block]) -> Block:
+def controller(
+    name: str,
+    plant: Plant,
+    time: Discrete,
+    sensing_blocks: Sequence[Block],
+    law: Sequence[Block],
+    interface: Interface = INTERFACE,
+) -> Block:
     """Return the whole controller, from six Hall voltages, three distances and six set-points to nine currents.
 
     The sensing Blocks lead from held voltages to positions, `law` from positions and held set-points to currents.
     """
     return stage.controller(
-        name, time, INTERFACE, [*sensing_blocks, vertical.vertical_kinematics(plant, time), *law]
+        name, time, interface, [*sensing_blocks, vertical.vertical_kinematics(plant, time), *law]
     ).block
 
 
-def declare_controller(name: str, time: Discrete, block: Callable[[], Block]) -> Controller:
+def declare_controller(
+    name: str, time: Discrete, block: Callable[[], Block], interface: Interface = INTERFACE
+) -> Controller:
     """Return the declaration of a controller with this interface; its Block is built on first use."""
-    return Controller(name, time, INTERFACE, lambda: Composition((), (), block()))
+    return Controller(name, time, interface, lambda: Composition((), (), block()))

@@ -35,7 +35,8 @@ SUBSTEPS = 2  # of a sample: psi oscillates at 214 rad/s, 0.13 rad in half of 1.
 def of(block: Block, controller: host.Controller | None = None) -> Rig:
     """Return the closed loop of a controller, compiled here or given, on motors that see the field's harmonics."""
     plant = planar_stage.plant(halbach.HARMONICS)
-    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block)
+    chosen = interface.BRAKED if block.safety and block.safety.braking else interface.INTERFACE
+    declared = interface.declare_controller(block.name, Discrete(period(block.time)), lambda: block, chosen)
     return Rig(Stage(declared, plant, substeps=SUBSTEPS), plant, controller or compile_block(block))
 
 
@@ -68,19 +69,40 @@ def position_noise(rig: Rig) -> float:
 
 def measured_positions(rig: Rig, trajectory: Trajectory) -> dict[str, Array]:
     """Return the raw and filtered positions of a run, ``x_raw`` and ``x``, as its controller computes them."""
-    predicted = any(s.name.startswith("filter_") for s in rig.stage.controller.block.states)
-    return positions_of_run(trajectory, rig.period_s, predicted)
+    return positions_of_run(trajectory, rig.stage.controller.block)
 
 
-def positions_of_run(run: Trajectory, period_s: float, predicted: bool = True) -> dict[str, Array]:
-    """Return the positions of a run at a period in s by a controller whose filters predict, or without filters."""
-    columns = _position_controller(period_s, predicted).replay(run.measured).outputs
+def positions_of_run(run: Trajectory, block: Block) -> dict[str, Array]:
+    """Return the raw positions and residuals of a run as its controller computes them, and filtered ones with filters.
+
+    A controller without filters predicts from its demands: its own Block shows them, up to the latch.
+    """
+    view = _position_controller(block.time) if filters_positions(block) else _inner_signals(block)
+    columns = view.replay(run.measured).outputs
     return {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
 
 
+def filters_positions(block: Block) -> bool:
+    """Return whether the law of a controller works behind filters of the positions."""
+    return any(s.name.startswith("filter_") for s in block.states)
+
+
 @cache
-def _position_controller(period_s: float, predicted: bool) -> host.Controller:
-    return compile_block(position_block(Discrete(period_s), predicted))
+def _position_controller(time: Discrete) -> host.Controller:
+    return compile_block(position_block(time))
+
+
+@cache
+def _inner_signals(block: Block) -> host.Controller:
+    """Return the controller with raw positions, residuals, and positions behind filters as outputs."""
+    inside = {named.signal.name: (named.signal, expr) for named, expr in block.computed_signals}
+    names = [s.name for s in (*sensing.RAW.values(), *sensing.RESIDUALS)]
+    chosen = [inside[name] for name in (*names, sensing.READY.name)]
+    output = {**block.output, **{signal.name: expr for signal, expr in chosen}}
+    shown = replace(block, outputs=tuple(signal for signal, _ in chosen), output=output, faults=(), safety=None)
+    parts = [shown, *filtering.blocks(block.time)]
+    view = compose("view", parts, inputs=[s.name for s in block.inputs], outputs=[*names, *filtering.AXES])
+    return compile_block(unranged(view))
 
 
 def position_block(time: Discrete, predicted: bool = True) -> Block:

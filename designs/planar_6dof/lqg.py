@@ -29,7 +29,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from designs.planar_6dof import interface, vertical
+from designs.planar_6dof import interface, motion, vertical
 from designs.planar_6dof.vertical import MARGIN, POSITIONS, REFERENCES, Variant
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
@@ -159,6 +159,7 @@ def regulator(
     """
     q, r = MEASURED[axis.name], REFERENCES[axis.name]
     demand_signal, achieved = vertical.DEMAND[axis.name], vertical.ACHIEVED_DEMAND[axis.name]
+    acting = motion.ACTING[axis.name]
     k, f1 = axis.k1 + axis.k3, allocation.achievable_bound(plant)[axis.name]
     integral, g = MARGIN * (most + f1), axis.k3 / k
     largest_error = ERROR.get(axis.name)
@@ -176,7 +177,7 @@ def regulator(
             integral = ca.if_else(is_small, integral, c["integral_decay"] * x["integral"])
         demand = c["error_gain"] * error + (w + x["integral"])
         next = after | {"integral": integral, "achieved": u[achieved.name]}
-        return Step({demand_signal.name: demand}, next, numbers=numbers)
+        return Step({demand_signal.name: demand, acting.name: x["achieved"]}, next, numbers=numbers)
 
     all_constants = [
         Constant("error_gain", k, per_position(axis.name), "(49): k1 + k3 T"),
@@ -191,10 +192,9 @@ def regulator(
             Signal("achieved", demand_signal.unit, -f1, f1, "achieved demand, which acts until the next sample"), 0.0
         ),
     ]
-    inputs, tag, name = [q, r, achieved, READY], "reduced-order LQG, (28)-(35), (49)", f"lqg_{axis.name}"
-    return build(
-        name, TIME, law, inputs=inputs, outputs=[demand_signal], states=all_states, constants=all_constants, tag=tag
-    )
+    inputs, outputs = [q, r, achieved, READY], [demand_signal, acting]
+    tag, name = "reduced-order LQG, (28)-(35), (49)", f"lqg_{axis.name}"
+    return build(name, TIME, law, inputs=inputs, outputs=outputs, states=all_states, constants=all_constants, tag=tag)
 
 
 def per_position(axis: str) -> str:
@@ -210,10 +210,11 @@ def law(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced
 
 
 def sensing_blocks(plant: Plant) -> list[Block]:
-    """Return the Blocks from Hall voltages to measured positions."""
-    return [sensing.sensing(plant, TIME, predicted=False)]
+    """Return the Blocks from Hall voltages and acting demands to measured positions and their predictions."""
+    return [sensing.sensing(plant, TIME, reckoned=True), motion.prediction(plant, TIME)]
 
 
 def controller(plant: Plant, variant: Variant = "shipped", regulate: Regulate = reduced_order) -> Block:
     """Return the whole controller, from Hall voltages, distances and set-points to the motors' phase currents."""
-    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), law(plant, variant, regulate))
+    blocks = motion.add_braking(plant, TIME, law(plant, variant, regulate))
+    return interface.controller(NAME, plant, TIME, sensing_blocks(plant), blocks, interface.BRAKED)

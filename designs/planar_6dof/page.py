@@ -90,7 +90,7 @@ def report(
     computed = {
         **_stage(plant, block, design.filters_positions),
         **_at_rest(runs, time, design),
-        **_run_figures(runs, time, design),
+        **_run_figures(runs, design),
     }
     values = captions.with_captions(computed, data["blocks"])
     equations = (*design.equations, *map(tuple, data["equations"]["upright"]))
@@ -155,13 +155,13 @@ def _at_rest(runs: Sequence[Experiment], time: Discrete, design: Contents) -> di
     if not rest:
         return {"sensing.filtered": "No run at rest was handed in.", "sensing.left": np.nan}
     window = slice(*(round(t / time.period_s) for t in WINDOW_S))
-    measured = simulated.positions_of_run(rest[0], time.period_s)
+    measured = simulated.positions_of_run(rest[0], design.block)
     raw, filtered = measured["x_raw"][window], measured["x"][window]
     figure = drawings.before_and_after(rest[0].time[window], raw, filtered)
     return {"sensing.filtered": figure, "sensing.left": 100 * float(np.std(filtered) / np.std(raw))}
 
 
-def _run_figures(runs: Sequence[Experiment], time: Discrete, design: Contents) -> dict[str, Content]:
+def _run_figures(runs: Sequence[Experiment], design: Contents) -> dict[str, Content]:
     """Return the paths of circles, and the spectrum of a step where the paper shows one."""
     rest = [e.trajectory for e in runs if e.name == REST]
     figures: dict[str, Content] = {}
@@ -170,15 +170,15 @@ def _run_figures(runs: Sequence[Experiment], time: Discrete, design: Contents) -
             paths = ([np.asarray(source[n]) for n in "xy"] for source in (e.references, e.trajectory))
             figures[f"{OF_RUN}{e.name}"] = drawings.circle(*paths)
         if design.spectrum and e.name == SPECTRUM:
-            figures[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, time, design.filters_positions)
+            figures[f"{OF_RUN}{e.name}"] = _spectrum(e.trajectory, rest, design.block)
     return figures
 
 
-def _spectrum(step: Trajectory, rest: Sequence[Trajectory], time: Discrete, filtered: bool) -> Figure:
-    records, part = {}, round(SETTLING_S / time.period_s)
+def _spectrum(step: Trajectory, rest: Sequence[Trajectory], block: Block) -> Figure:
+    records, part = {}, round(SETTLING_S / block.time.period_s)
     for label, run in zip(("step of x", "at rest"), (step, *rest), strict=False):
-        records[label] = simulated.positions_of_run(run, time.period_s, filtered)["x_raw"][part:]
-    return drawings.spectra(records, time.period_s)
+        records[label] = simulated.positions_of_run(run, block)["x_raw"][part:]
+    return drawings.spectra(records, block.time.period_s)
 
 
 def experiments(

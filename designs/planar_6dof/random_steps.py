@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import cost_stimuli
+from models import hall_calibration, planar_stage
 from models import hall_sections as sensing
 from models import planar_allocation as allocation
-from models import planar_stage
 from synth.block import Block
 from synth.errors import SignalError
 from synth.plant import Plant
@@ -25,15 +25,17 @@ from synth.verify.sampling import Columns
 
 SEED = 20_060_711
 INSIDE = sampling.MARGIN
-UNREADY, SUSPECTED, FAILED = 0.02, 0.02, 0.1  # shares of samples
+UNREADY, SUSPECTED, FAILED, COUNTING = 0.02, 0.02, 0.1, 0.02  # shares of samples; the last counts bad samples
+OTHER_AMPLITUDE, ALIKE = 0.02, 0.5  # share of samples; of first residuals that another amplitude explains
 WRONG = 0.6  # V: standard deviation of a failed voltage; from some 0.2 V on it contradicts the others
+AMPLITUDE = 0.15  # standard deviation of the relative error of all voltages
 PART = 0.3  # of the size of demands: standard deviation of each of its terms
 ENDS, DEAD = 0.25, 0.02  # shares: inputs at a special value, and samples with one special value in all Hall voltages
 RESTING = 0.2  # share of edge steps with a flag that suppresses the control law
 TINY = 1e-100  # V: the square of a smaller voltage may underflow
 LAW = ("loop_", "lqg_")  # its Blocks
 SENSING, UNCONSTRAINED = (
-    ("sensing_", "filter_"),
+    ("sensing_", "filter_", "reckoning_"),
     ("sensing_contradiction_left", "sensing_first_"),
 )  # prefixes of states; any value of the latter is plausible
 PREDICTED, VELOCITY_STEP, ACCELERATION_STEP = (
@@ -70,6 +72,7 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
     middle = {a: ((s.low + s.high) / 2, (s.high - s.low) / 2) for a, s in box.items()}
     pose = {a: sampling.limited_to_range(box[a], at + half * rng.uniform(-1, 1, n)) for a, (at, half) in middle.items()}
     known = {"guard_latched": np.zeros(n), "guard_ready": _random_flags(rng, n, 1 - UNREADY)}
+    known |= {"braking_active": _random_flags(rng, n, SUSPECTED), "guard_left": _samples_left(block, states, rng)}
     known |= {"sensing_contradiction_confirmed": _random_flags(rng, n, SUSPECTED)} | _sensing_states(
         plant, pose, rng, n
     )
@@ -83,12 +86,19 @@ def operating_steps(subject: Subject, plant: Plant, n: int, seed: int = SEED) ->
     return {s: known.get(s, random) for s, random in states.items()}, inputs
 
 
+def _samples_left(block: Block, states: Columns, rng: np.random.Generator) -> NDArray[Any]:
+    """Return mostly all of the samples that the guard has left, else any number of them."""
+    left, most = states["guard_left"], max(s.signal.high for s in block.states if s.name == "guard_left")
+    return np.where(_random_flags(rng, len(left), 1 - COUNTING) > 0, most, left)
+
+
 def _with_wrong_voltage(columns: Columns, rng: np.random.Generator, n: int) -> Columns:
-    """Return sensor values (N,) with one wrong Hall voltage in some samples."""
+    """Return sensor values (N,) with one wrong Hall voltage in some samples, and another amplitude of all in others."""
     wrong, channel = _random_flags(rng, n, FAILED) * rng.normal(0, WRONG, n), rng.integers(0, len(planar_stage.HALL), n)
+    amplitude = 1 + _random_flags(rng, n, OTHER_AMPLITUDE) * rng.normal(0, AMPLITUDE, n)
     off = {name: np.where(channel == i, wrong, 0.0) for i, name in enumerate(planar_stage.HALL)}
     limit = sensing.VOLTAGE * (1 - INSIDE)
-    return columns | {name: np.clip(columns[name] + by, -limit, limit) for name, by in off.items()}
+    return columns | {name: np.clip(amplitude * columns[name] + by, -limit, limit) for name, by in off.items()}
 
 
 def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.random.Generator, n: int) -> Columns:
@@ -100,14 +110,26 @@ def _sensing_states(plant: Plant, pose: Mapping[str, NDArray[Any]], rng: np.rand
     columns |= {
         f"sensing_within_{a}": np.clip(predicted[a] - whole[a], -pitch / 2, pitch / 2) * (1 - INSIDE) for a in "xy"
     }
-    columns["sensing_phi_raw"] = predicted["phi"]
+    columns |= {"sensing_scale": rng.uniform(0.99, 1.01, n)} | _first_residuals(rng, n)
+    columns["sensing_phi_raw"] = np.clip(predicted["phi"], -sensing.MAX_RAW_YAW, sensing.MAX_RAW_YAW) * (1 - INSIDE)
     for a in allocation.HORIZONTAL:
         columns |= {
             f"filter_{a}_p": predicted[a],
             f"filter_{a}_s": rng.normal(0, VELOCITY_STEP, n),
             f"filter_{a}_h": rng.normal(0, ACCELERATION_STEP, n),
+            f"reckoning_{a}_position": predicted[a],
+            f"reckoning_{a}_rate": rng.normal(0, VELOCITY_STEP, n),
         }
     return columns
+
+
+def _first_residuals(rng: np.random.Generator, n: int) -> Columns:
+    """Return the residuals of first contradictions, by one voltage or by another amplitude of all."""
+    alike, A = _random_flags(rng, n, ALIKE), hall_calibration.of(planar_stage.plant()).amplitude
+    m = 0.3 * A**2 * rng.normal(size=n)
+    columns = {"m_x": m, "m_y": np.where(alike > 0, m * rng.uniform(0.5, 1.5, n), rng.normal(0, 0.3 * A**2, n))}
+    columns |= {r: np.where(alike > 0, 0.01, 0.1) * A * rng.normal(size=n) for r in ("r_1", "r_2")}
+    return {f"sensing_first_{name}": values for name, values in columns.items()}
 
 
 def edge_steps(block: Block, n: int, seed: int = SEED) -> tuple[Columns, Columns]:

@@ -120,28 +120,40 @@ def next_compensator_state(axis: str, k: Compensator, e: Array, achieved: Array,
     return {f"loop_{axis}_lead": lead, f"loop_{axis}_integral": integral + (1 - k.z2) * (achieved / scale - integral)}
 
 
-def guard(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array, Array]:
-    """Return the values to use, the guard's next state, the fault word, and whether every Hall voltage is good.
+@dataclass(frozen=True)
+class Guarded:
+    """The values to use, the guard's next state, the fault word, and whether Hall voltages are good and it brakes."""
 
-    NaN is outside every range.
-    """
+    values: dict[str, Array]
+    after: dict[str, Array]
+    word: Array
+    complete: Array
+    braking: Array
+
+
+def guard(state: Columns, inputs: Columns, braking: int = 0) -> Guarded:
+    """Return the guarded inputs; NaN is outside every range."""
     with np.errstate(invalid="ignore"):
         read = {s: np.asarray(inputs[s], dtype=np.float64) for s in LIMITS}
         good = {s: np.abs(read[s]) <= high for s, high in LIMITS.items()}
     values = {s: np.where(good[s], read[s], 0.0 if s in HALL else state[f"guard_last_{s}"]) for s in LIMITS}
     after = {f"guard_last_{s}": value for s, value in values.items() if s not in HALL}
     confirmed = np.asarray(state["sensing_contradiction_confirmed"]) > 0
-    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1))
+    suspected = reference_sensing.suspects(state, reference_sensing.harmonic(1), braking > 0)
+    common = reference_sensing.is_amplitude(state, reference_sensing.harmonic(1))
     flags = [~good[s] for s in LIMITS] + [confirmed & suspected[s] for s in HALL]
     word = np.sum([np.where(flag, 1 << bit, 0) for bit, flag in enumerate(flags)], axis=0)
+    word = word + (1 << 29) * (confirmed & common)
     complete = np.all([good[s] for s in HALL], axis=0) & ~confirmed
-    all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed
-    left = np.where(all_good, BAD_SAMPLES, np.asarray(state["guard_left"]) - 1)
+    before = np.asarray(state["guard_left"])
+    all_good = np.all([good[s] for s in MEASUREMENTS], axis=0) & ~confirmed & (before > braking)
+    left = np.where(all_good, BAD_SAMPLES + braking, before - 1)
     after["guard_left"] = np.maximum(left, 1)
     after["guard_latched"] = np.where(left < 1, 1, state["guard_latched"])
     after["guard_ready"] = np.where(all_good, 1, state["guard_ready"])
-    word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0)).astype(np.uint32)
-    return values, after, word, complete
+    brakes = ~all_good & (left <= braking) if braking else np.zeros_like(all_good)
+    word = np.asarray(word + (1 << 31) * (after["guard_latched"] > 0) + (1 << 30) * brakes).astype(np.uint32)
+    return Guarded(values, after, word, complete, brakes)
 
 
 def vertical_kinematics(v: Columns) -> dict[str, Array]:
@@ -184,12 +196,12 @@ def phases(currents: Mapping[str, tuple[Array, Array]], q: Columns) -> dict[str,
     return out
 
 
-def initial_state(axes: tuple[str, ...]) -> dict[str, Array]:
+def initial_state(axes: tuple[str, ...], braking: int = 0) -> dict[str, Array]:
     """Return the state after init of guard, output and the compensators of `axes`, by name."""
     names = [f"guard_last_{s}" for s in LIMITS if s not in HALL] + [f"safe_output_last_{s}" for s in PHASES]
     names += [f"loop_{axis}_{part}" for axis in axes for part in ("integral", "lead")]
     return {name: np.array(0.0) for name in (*names, "guard_latched", "guard_ready")} | {
-        "guard_left": np.array(float(BAD_SAMPLES))
+        "guard_left": np.array(float(BAD_SAMPLES + braking))
     }
 
 

@@ -35,15 +35,15 @@ DENSITY = {"x": 100.0, "y": 100.0, "phi": 1e5}  # (13)
 BOUND = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad: of a filter's states
 MAX_RAW_YAW = 0.025  # rad
 COUNT = 2  # pitches to either side
-EXCESS_WEIGHT, REGULARISATION, SQUARE_FLOOR = (
-    0.1,
-    0.01,
-    1e-6,
-)  # of the third equation; regularisation of the yaw and of a ratio
+EXCESS_WEIGHT, SQUARE_FLOOR = 0.1, 1e-6  # of the third equation; regularisation of a ratio
+REGULARISATION, RECKONED_REGULARISATION = 0.01, 2.5e-5  # of the yaw; the latter where predictions come from the demands
 RESIDUAL_BOUND, EXCESS_BOUND, NEARLY_ZERO, SMALL_CHANGE = 0.08, 0.15, 0.1, 0.3  # of A, of A^2
 SIGNIFICANT_M, SIGNIFICANT_R, JUMP, MAX_KNOWN_YAW = 0.2, 0.3, 1.5, 0.01  # of these, of rho, rad
+INNOVATION, YAW_INNOVATION = 6e-4, 0.4  # m; of A, times the square root of the yaw's information
 CONFIRMATION = 0.5  # of rho
+MAX_SPREAD = 0.25  # of the sum of m_x and m_y
 MEMORY = 4.0  # samples
+SCALE, SCALE_SHARE = (0.84, 1.2), 1e-3  # of the voltages; of its error, corrected in a sample
 FIRST = ("m_x", "m_y", "r_1", "r_2", "s_x", "s_y", "phi")  # values stored at the first contradiction
 TERMS, POINTS = 4, 64  # of the fitted position
 
@@ -123,7 +123,13 @@ def initial_state() -> dict[str, Array]:
         "sensing_contradiction_confirmed",
         *(f"sensing_first_{name}" for name in FIRST),
     ]
-    return {name: np.array(0.0) for name in names}
+    return {name: np.array(0.0) for name in names} | {"sensing_scale": np.array(1.0)}
+
+
+def initial_reckoned_state() -> dict[str, Array]:
+    """Return the state after init where predictions come from the demands."""
+    rest = {name: v for name, v in initial_state().items() if not name.startswith("sensing_within_")}
+    return rest | {"sensing_phi_raw": np.array(0.0)}
 
 
 def initial_filter_state() -> dict[str, Array]:
@@ -166,27 +172,41 @@ def predicted_pose(state: Columns) -> dict[str, Array]:
 
 
 def sense(
-    state: Columns, v: Columns, flags: tuple[Array, Array], predicted: Columns, k: Constants
+    state: Columns,
+    v: Columns,
+    flags: tuple[Array, Array],
+    predicted: Columns,
+    k: Constants,
+    reckoned: bool = False,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return raw position, that within its pitch and residuals, and the next state, from held voltages by name.
 
-    `flags` say whether every voltage has been good in one sample, and is good in this one. Y(1)-(5), Fig. 4.
+    `flags` say whether every voltage has been good in one sample, and is good in this one. With `reckoned`
+    predictions a measured motion that differs is a contradiction, too.
+    Source: Y(1)-(5), Fig. 4.
     """
-    A, phi, (ready, complete) = k.amplitude, predicted["phi"], flags
+    A, (ready, complete) = k.amplitude, flags
+    phi = state["sensing_phi_raw"] if reckoned else predicted["phi"]
+    scale = state["sensing_scale"]
+    v = {name: scale * v[name] for name in HALL}
     x = Pair(v["V_ax"] - phi * v["V_ay"], phi * v["V_ay"] - v["V_bx"], k)
     y = Pair(v["V_ay"] + phi * v["V_ax"], -v["V_cy"] - phi * v["V_ax"], k)
     h1, h2 = y.slope + x.c + x.s, x.slope + y.c + y.s
     h3 = 2 * (2 * x.s * y.s - y.s * x.c - x.s * y.c)
     r1, r2, r3 = v["V_by"] - v["V_ay"] - h1 * phi, v["V_cx"] - v["V_ax"] + h2 * phi, x.m - y.m
     weight = EXCESS_WEIGHT / A**2
-    information = h1**2 + h2**2 + weight * h3**2 + REGULARISATION * A**2
+    information = h1**2 + h2**2 + weight * h3**2 + (RECKONED_REGULARISATION if reckoned else REGULARISATION) * A**2
     step = (h1 * r1 - h2 * r2 + weight * h3 * r3) / information
-    rho = np.sqrt((r1**2 + r2**2) / (RESIDUAL_BOUND * A) ** 2 + (x.m**2 + y.m**2) / (EXCESS_BOUND * A**2) ** 2)
+    counted = {a: count_pitches(p.place, state[f"sensing_offset_{a}"], predicted[a]) for a, p in (("x", x), ("y", y))}
+    off = [(p.place + counted[a] - predicted[a]) / INNOVATION for a, p in (("x", x), ("y", y))]
+    motion = off[0] ** 2 + off[1] ** 2 + information * ((phi + step - predicted["phi"]) / (YAW_INNOVATION * A)) ** 2
+    squared = (r1**2 + r2**2) / (RESIDUAL_BOUND * A) ** 2 + (x.m**2 + y.m**2) / (EXCESS_BOUND * A**2) ** 2
+    rho = np.sqrt(squared + motion if reckoned else squared)
     residuals = {"m_x": x.m, "m_y": y.m, "r_1": r1, "r_2": r2}
     before = np.asarray(state["sensing_contradiction_left"])
     contradiction = (ready > 0) & complete & (rho > np.where(before > 0, CONFIRMATION, 1))
     accepted = complete & ~contradiction
-    out = residuals | {"phi_raw": np.clip(phi + np.where(accepted, step, 0), -MAX_RAW_YAW, MAX_RAW_YAW)}
+    out = residuals | {"phi_raw": np.clip(np.where(accepted, phi + step, predicted["phi"]), -MAX_RAW_YAW, MAX_RAW_YAW)}
     after = {
         "sensing_contradiction_left": np.where(
             contradiction, MEMORY, np.where(accepted, np.maximum(before - 1, 0), before)
@@ -195,22 +215,32 @@ def sense(
             contradiction & (before > 0), 1.0, state["sensing_contradiction_confirmed"]
         ),
     }
+    pace = np.where(ready > 0, SCALE_SHARE, 1.0) / (4 * k.power[0])
+    after["sensing_scale"] = np.where(accepted, np.clip(scale - pace * (x.m + y.m), *SCALE), scale)
+    after |= {"sensing_phi_raw": out["phi_raw"]} if reckoned else {}
     for name, value in (residuals | {"s_x": x.s, "s_y": y.s, "phi": phi}).items():
         after[f"sensing_first_{name}"] = np.where(contradiction & (before == 0), value, state[f"sensing_first_{name}"])
     for axis, pair in (("x", x), ("y", y)):
-        offset, within = state[f"sensing_offset_{axis}"], state[f"sensing_within_{axis}"]
-        off = pair.place + offset - predicted[axis]
-        correction = np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
-        next_offset = np.where(np.abs(offset + correction) <= COUNT * PITCH, offset + correction, offset)
-        out[f"{axis}_raw"] = np.where(accepted, pair.place + next_offset, predicted[axis])
-        out[f"within_{axis}"] = np.where(accepted, pair.place, within)
-        after[f"sensing_offset_{axis}"] = np.where(accepted, next_offset, offset)
-        after[f"sensing_within_{axis}"] = out[f"within_{axis}"]
+        offset = state[f"sensing_offset_{axis}"]
+        expected = (
+            np.clip(predicted[axis] - offset, -PITCH / 2, PITCH / 2) if reckoned else state[f"sensing_within_{axis}"]
+        )
+        out[f"{axis}_raw"] = np.where(accepted, pair.place + counted[axis], predicted[axis])
+        out[f"within_{axis}"] = np.where(accepted, pair.place, expected)
+        after[f"sensing_offset_{axis}"] = np.where(accepted, counted[axis], offset)
+        after |= {} if reckoned else {f"sensing_within_{axis}": out[f"within_{axis}"]}
     return out, after
 
 
-def suspects(state: Columns, A: float) -> dict[str, Array]:
-    """Return for each voltage whether it may be wrong, from the values at the first contradiction."""
+def count_pitches(place: Array, offset: Array, predicted: Array) -> Array:
+    """Return the whole pitches, m, that bring a place within the pitch nearest to the prediction, one more at most."""
+    off = place + offset - predicted
+    counted = offset + np.where(np.abs(off) > PITCH / 2, np.where(off > 0, -PITCH, PITCH), 0)
+    return np.where(np.abs(counted) <= COUNT * PITCH, counted, offset)
+
+
+def suspects(state: Columns, A: float, reckoned: bool = False) -> dict[str, Array]:
+    """Return whether each voltage may be wrong, from the first contradiction; in `reckoned` motion alone, all may."""
     first = {name: np.asarray(state[f"sensing_first_{name}"]) for name in FIRST}
     least_r, least_m, nearly, small = (
         SIGNIFICANT_R * RESIDUAL_BOUND * A,
@@ -220,7 +250,8 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
     )
     m, r = (np.abs([first["m_x"], first["m_y"]]), np.array([first["r_2"], first["r_1"]]))
     m_exceeds, r_exceeds = m > least_m, np.abs(r) > least_r
-    is_jump = np.sqrt(np.sum((r / (RESIDUAL_BOUND * A)) ** 2 + (m / (EXCESS_BOUND * A**2)) ** 2, axis=0)) > JUMP
+    rho = np.sqrt(np.sum((r / (RESIDUAL_BOUND * A)) ** 2 + (m / (EXCESS_BOUND * A**2)) ** 2, axis=0))
+    is_jump = rho > JUMP
     is_ambiguous = (np.abs(first["phi"]) > MAX_KNOWN_YAW) | (~is_jump & np.all(m_exceeds, axis=0))
     any_r_exceeds, wrong = np.any(r_exceeds, axis=0), {}
     for i, (s, c, other) in enumerate((("V_ax", "V_bx", "V_cx"), ("V_ay", "V_cy", "V_by"))):
@@ -229,7 +260,16 @@ def suspects(state: Columns, A: float) -> dict[str, Array]:
         wrong[s] = np.where(is_jump, r_exceeds[i] & ((change < small) | (m[i] >= nearly)), any_r_exceeds | m_exceeds[i])
         wrong[c] = np.where(is_jump, m[i] > change + nearly, m_exceeds[i])
         wrong[other] = np.where(is_jump, r_exceeds[i] & (m[i] < nearly), any_r_exceeds)
-    return {name: flag | is_ambiguous for name, flag in wrong.items()}
+    is_any = is_ambiguous | is_amplitude(state, A) | (reckoned & (rho <= 1))
+    return {name: flag | is_any for name, flag in wrong.items()}
+
+
+def is_amplitude(state: Columns, A: float) -> Array:
+    """Return whether the amplitude of all voltages explains the first contradiction; then all are wrong."""
+    m_x, m_y, r_1, r_2 = (np.asarray(state[f"sensing_first_{name}"]) for name in ("m_x", "m_y", "r_1", "r_2"))
+    is_large = np.minimum(np.abs(m_x), np.abs(m_y)) > SIGNIFICANT_M * EXCESS_BOUND * A**2
+    is_yaw = np.maximum(np.abs(r_1), np.abs(r_2)) > SIGNIFICANT_R * RESIDUAL_BOUND * A
+    return np.asarray(is_large & ~is_yaw & (np.abs(m_x - m_y) < MAX_SPREAD * np.abs(m_x + m_y)))
 
 
 def filter_positions(

@@ -45,8 +45,9 @@ def initial_state() -> dict[str, Array]:
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    values, after, word, complete = shared.guard(state, inputs)
-    flags = np.asarray(state["guard_ready"]), complete
+    guarded = shared.guard(state, inputs)
+    values, after, word = guarded.values, guarded.after, guarded.word
+    flags = np.asarray(state["guard_ready"]), guarded.complete
     pose, after_sensing = sensing.step(state, values, flags, sensing.constants(float(PERIOD)))
     pose |= shared.vertical_kinematics(values)
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in AXES}

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designs.planar_6dof import reference_control as shared
+from designs.planar_6dof import reference_motion as motion
 from designs.planar_6dof import reference_sensing as sensing
 
 Array = NDArray[Any]
@@ -89,10 +90,9 @@ def sample(b: float, weights: tuple[float, float, float], R: float) -> tuple[mpm
 
 def initial_state() -> dict[str, Array]:
     """Return the state after init, by name."""
-    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")] + [
-        "sensing_phi_raw"
-    ]
-    return shared.initial_state(UPRIGHT) | sensing.initial_state() | {name: np.array(0.0) for name in names}
+    names = [f"lqg_{axis}_{part}" for axis in HORIZONTAL for part in ("x3", "integral", "achieved")]
+    law = {name: np.array(0.0) for name in names} | motion.initial_state()
+    return shared.initial_state(UPRIGHT, motion.BRAKING) | sensing.initial_reckoned_state() | law
 
 
 def observer_state(name: str, q: Array, ready: Array, state: Columns) -> Array:
@@ -133,22 +133,25 @@ def next_regulator_state(
 
 def step(state: Columns, inputs: Columns) -> tuple[dict[str, Array], dict[str, Array], Array]:
     """Return (next state, phase currents, fault word) of one sample, columns by name."""
-    values, after, word, complete = shared.guard(state, inputs)
+    guarded = shared.guard(state, inputs, motion.BRAKING)
+    values, after, word = guarded.values, guarded.after, guarded.word
     ready, scales = np.asarray(state["guard_ready"]), shared.scales()
-    last = {axis: state[f"sensing_within_{axis}"] + state[f"sensing_offset_{axis}"] for axis in "xy"}
-    last |= {"phi": state["sensing_phi_raw"]}
-    pose, after_sensing = sensing.sense(state, values, (ready, complete), last, sensing.constants(float(PERIOD)))
+    flags, predicted = (ready, guarded.complete), motion.predicted_pose(state)
+    pose, after_sensing = sensing.sense(state, values, flags, predicted, sensing.constants(float(PERIOD)), True)
     pose |= {"phi": pose["phi_raw"], **shared.vertical_kinematics(values)}
     loop_inputs = {axis: (pose[f"{axis}_raw"], values[f"{axis}_ref"], ready) for axis in HORIZONTAL}
     e = {axis: values[f"{axis}_ref"] - pose[axis] for axis in UPRIGHT}
     k = {axis: shared.vertical(axis, PERIOD) for axis in UPRIGHT}
     demands = {axis: demand(axis, *qr, state)[0] * scales[axis] for axis, qr in loop_inputs.items()}
+    rates = motion.next_rates(state, {axis: pose[f"{axis}_raw"] for axis in HORIZONTAL}, ready, float(PERIOD))
+    demands = motion.brake(demands, rates, state, float(PERIOD))
     demands |= {axis: shared.demand(axis, k[axis], e[axis], state) for axis in UPRIGHT}
     currents, achieved = shared.allocate(demands, pose["phi"])
     for axis, qr in loop_inputs.items():
         after |= next_regulator_state(axis, *qr, achieved[axis] / scales[axis], state)
     for axis in UPRIGHT:
         after |= shared.next_compensator_state(axis, k[axis], e[axis], achieved[axis], state)
-    after |= after_sensing | {"sensing_phi_raw": pose["phi_raw"]}
+    after |= after_sensing | {"braking_active": np.where(guarded.braking, 1.0, 0.0)}
+    after |= motion.next_state(state, {a: pose[f"{a}_raw"] for a in HORIZONTAL}, ready, float(PERIOD))
     next_state, out = shared.finish_step(state, after, shared.phases(currents, pose), PERIOD)
     return next_state, out, word

@@ -9,7 +9,7 @@
  * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init: the outputs
  * move to the safe output (the air bearings carry the platen, and without current no force acts on it; measured on 17
  * plants, each sensor lost in turn: at rest the machine reaches 0.00074 m/s (x) and 0.029 rad/s (phi); in motion the
- * machine reaches 0.15 m/s (x) and 0.026 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at
+ * machine reaches 0.15 m/s (x) and 0.022 rad/s (psi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at
  * 126 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
@@ -98,10 +98,10 @@ typedef struct {
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
     uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
-    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
-    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
-    float sensing_first_r_1;            /* V, -50 .. 50: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_2;            /* V, -50 .. 50: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_m_x;            /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float sensing_first_m_y;            /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float sensing_first_r_1;            /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_2;            /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
     float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
     float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
@@ -109,6 +109,7 @@ typedef struct {
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
     float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
     float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
+    float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
     planar_6dof_leadlag_filter_state_t filter_x;
     planar_6dof_leadlag_filter_state_t filter_y;
     planar_6dof_leadlag_filter_state_t filter_phi;
@@ -133,11 +134,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_leadlag_input_t) == 60u, "size of planar_6dof_leadlag_input_t");
 _Static_assert(sizeof(planar_6dof_leadlag_output_t) == 36u, "size of planar_6dof_leadlag_output_t");
-_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 220u, "size of planar_6dof_leadlag_state_t");
+_Static_assert(sizeof(planar_6dof_leadlag_state_t) == 224u, "size of planar_6dof_leadlag_state_t");
 #else
 extern char planar_6dof_leadlag_input_size_is_60[(sizeof(planar_6dof_leadlag_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_leadlag_output_size_is_36[(sizeof(planar_6dof_leadlag_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_leadlag_state_size_is_220[(sizeof(planar_6dof_leadlag_state_t) == 220u) ? 1 : -1];
+extern char planar_6dof_leadlag_state_size_is_224[(sizeof(planar_6dof_leadlag_state_t) == 224u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -167,6 +168,7 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state);
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
  *   bit 31  latched: safe output until init
+ *   bit 29  all Hall voltages have another amplitude than the field
  */
 uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out);
 
@@ -189,6 +191,7 @@ typedef struct {
     float m_y;                          /* V^2: squared amplitude of the pair of y, less that of the field */
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
+    float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
     float x;                            /* m: filtered */
     float y;                            /* m: filtered */
     float phi;                          /* rad: filtered */

@@ -6,11 +6,11 @@
  * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
  * different states may run at the same time.
  *
- * When a measurement is refused in 5 samples in a row, the step latches in the last of them until init: the outputs
- * move to the safe output (the air bearings carry the platen, and without current no force acts on it; measured on 17
- * plants, each sensor lost in turn: at rest the machine reaches 0.0028 m/s (x) and 0.11 rad/s (phi); in motion the
- * machine reaches 0.25 m/s (x) and 0.67 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB, i_BC, i_CA, i_CB, i_CC to 0 A at
- * 126 A/s.
+ * When a measurement is refused in 5 samples in a row, and after 24 more in which it brakes, the step latches in the
+ * last of them until init: the outputs move to the safe output (the air bearings carry the platen, and without current
+ * no force acts on it; measured on 17 plants, each sensor lost in turn: at rest the machine reaches 0.00018 m/s (z) and
+ * 0.007 rad/s (psi); in motion the machine reaches 0.0036 m/s (z) and 0.095 rad/s (phi)): i_AA, i_AB, i_AC, i_BA, i_BB,
+ * i_BC, i_CA, i_CB, i_CC to 0 A at 126 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
  * machine at rest: the outputs of the first step after it are not slewed.
@@ -82,23 +82,28 @@ typedef struct {
     float guard_last_z_ref;             /* m, -0.0002 .. 0.0002: last good value */
     float guard_last_theta_ref;         /* rad, -0.002 .. 0.002: last good value */
     float guard_last_psi_ref;           /* rad, -0.002 .. 0.002: last good value */
-    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t guard_left;                /* 1, 1 .. 29: samples with a bad measurement until it latches */
     uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
     uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
     uint32_t sensing_contradiction_left;/* 1, 0 .. 4: samples for which a contradiction is still remembered */
     uint32_t sensing_contradiction_confirmed;/* 1, 0 .. 1: 1 once a second contradiction has confirmed the first */
-    float sensing_first_m_x;            /* V^2, -1000 .. 1000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
-    float sensing_first_m_y;            /* V^2, -1000 .. 1000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
-    float sensing_first_r_1;            /* V, -50 .. 50: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
-    float sensing_first_r_2;            /* V, -50 .. 50: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_m_x;            /* V^2, -10000 .. 10000: squared amplitude of the pair of x, less that of the field, at the first contradiction */
+    float sensing_first_m_y;            /* V^2, -10000 .. 10000: squared amplitude of the pair of y, less that of the field, at the first contradiction */
+    float sensing_first_r_1;            /* V, -200 .. 200: V_by - V_ay, less what the predicted yaw makes of it, at the first contradiction */
+    float sensing_first_r_2;            /* V, -200 .. 200: V_cx - V_ax, less what the predicted yaw makes of it, at the first contradiction */
     float sensing_first_s_x;            /* V, -10 .. 10: sine voltage of x, at the first contradiction */
     float sensing_first_s_y;            /* V, -10 .. 10: sine voltage of y, at the first contradiction */
     float sensing_first_phi;            /* rad, -0.05 .. 0.05: predicted yaw, at the first contradiction */
     float sensing_offset_x;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along x */
     float sensing_offset_y;             /* m, -0.1016 .. 0.1016: whole pitches from the middle, along y */
-    float sensing_within_x;             /* m, -0.0254 .. 0.0254: raw position along x, from the middle of its pitch */
-    float sensing_within_y;             /* m, -0.0254 .. 0.0254: raw position along y, from the middle of its pitch */
     float sensing_phi_raw;              /* rad, -0.025 .. 0.025: raw yaw of the sample before */
+    float sensing_scale;                /* 1, 0.84 .. 1.2: nominal amplitude of the voltages over the estimated one */
+    float reckoning_x_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
+    float reckoning_x_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
+    float reckoning_y_position;         /* m, -0.2 .. 0.2: position predicted for this sample */
+    float reckoning_y_rate;             /* m, -0.0025 .. 0.0025: predicted rate times the sample period */
+    float reckoning_phi_position;       /* rad, -0.05 .. 0.05: position predicted for this sample */
+    float reckoning_phi_rate;           /* rad, -0.05 .. 0.05: predicted rate times the sample period */
     float lqg_x_x3;                     /* A, -2072.37 .. 2072.37: estimated rate less L times the position, as a demand */
     float lqg_x_integral;               /* A, -4166 .. 4166: integral of the error */
     float lqg_x_achieved;               /* A, -1.449 .. 1.449: achieved demand, which acts until the next sample */
@@ -114,6 +119,7 @@ typedef struct {
     float loop_theta_lead;              /* A, -4.68479 .. 4.68479: state of the lead filter */
     float loop_psi_integral;            /* A, -1.2726 .. 1.2726: integral of the error */
     float loop_psi_lead;                /* A, -5.15327 .. 5.15327: state of the lead filter */
+    uint32_t braking_active;            /* 1, 0 .. 1: 1 from the second braking sample on */
     float safe_output_last_i_AA;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AB;        /* A, -1.26 .. 1.26: last output */
     float safe_output_last_i_AC;        /* A, -1.26 .. 1.26: last output */
@@ -129,11 +135,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(planar_6dof_lqg_input_t) == 60u, "size of planar_6dof_lqg_input_t");
 _Static_assert(sizeof(planar_6dof_lqg_output_t) == 36u, "size of planar_6dof_lqg_output_t");
-_Static_assert(sizeof(planar_6dof_lqg_state_t) == 200u, "size of planar_6dof_lqg_state_t");
+_Static_assert(sizeof(planar_6dof_lqg_state_t) == 224u, "size of planar_6dof_lqg_state_t");
 #else
 extern char planar_6dof_lqg_input_size_is_60[(sizeof(planar_6dof_lqg_input_t) == 60u) ? 1 : -1];
 extern char planar_6dof_lqg_output_size_is_36[(sizeof(planar_6dof_lqg_output_t) == 36u) ? 1 : -1];
-extern char planar_6dof_lqg_state_size_is_200[(sizeof(planar_6dof_lqg_state_t) == 200u) ? 1 : -1];
+extern char planar_6dof_lqg_state_size_is_224[(sizeof(planar_6dof_lqg_state_t) == 224u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -162,7 +168,9 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state);
  *   bit 18  V_by: contradicts the others
  *   bit 19  V_cx: contradicts the others
  *   bit 20  V_cy: contradicts the others
+ *   bit 30  brakes, a latch follows
  *   bit 31  latched: safe output until init
+ *   bit 29  all Hall voltages have another amplitude than the field
  */
 uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out);
 
@@ -185,15 +193,22 @@ typedef struct {
     float m_y;                          /* V^2: squared amplitude of the pair of y, less that of the field */
     float r_1;                          /* V: V_by - V_ay, less what the predicted yaw makes of it */
     float r_2;                          /* V: V_cx - V_ax, less what the predicted yaw makes of it */
+    float other_amplitude;              /* 1: all Hall voltages have another amplitude than the field */
+    float x_advance;                    /* m: predicted rate times the sample period */
+    float y_advance;                    /* m: predicted rate times the sample period */
+    float phi_advance;                  /* rad: predicted rate times the sample period */
     float z;                            /* m: height above the nominal gap */
     float theta;                        /* rad: tilt about X */
     float psi;                          /* rad: tilt about Y */
-    float d_x;                          /* A: demand of x over its scale */
-    float d_y;                          /* A: demand of y over its scale */
-    float d_phi;                        /* A: demand of phi over its scale */
+    float law_x;                        /* A: demand of x over its scale */
+    float law_y;                        /* A: demand of y over its scale */
+    float law_phi;                      /* A: demand of phi over its scale */
     float d_z;                          /* A: demand of z over its scale */
     float d_theta;                      /* A: demand of theta over its scale */
     float d_psi;                        /* A: demand of psi over its scale */
+    float d_phi;                        /* A: demand of phi over its scale */
+    float d_x;                          /* A: demand of x over its scale */
+    float d_y;                          /* A: demand of y over its scale */
     float i_AQ;                         /* A: quadrature current of motor A, peak of a phase */
     float i_BQ;                         /* A: quadrature current of motor B, peak of a phase */
     float i_CQ;                         /* A: quadrature current of motor C, peak of a phase */

@@ -11,6 +11,10 @@ never causes a latch.
                  ^ |------------------------- latched -------------------------------^
                  '-- suspected, suspect_<name> <---- [ states of a Block that compares measurements ]
 
+A guard with `braking` samples latches that much later. From the `bad_samples`-th bad sample on the output ``braking``
+is 1 and every sample counts as bad, so the latch is certain; a law that reads it brings the machine to rest before the
+outputs go to their safe values.
+
 A measurement in its range may still contradict the others. A Block that detects this sets ``suspected`` from the next
 sample on, and ``suspect_<name>`` of each measurement that may be wrong. Their values are passed on unchanged. No sample
 is ``complete`` while `suspected` is set, so a persistent suspicion causes a latch.
@@ -25,12 +29,12 @@ import casadi as ca
 from synth import arguments
 from synth.block import LATCH_BIT, Block, Constant, Exprs, Fault, Safety, State, Step, build, clip
 from synth.errors import SignalError
-from synth.fault import Judgement
+from synth.fault import BRAKING_BIT, Judgement
 from synth.signals import Signal
 from synth.timing import Discrete
 
 __all__ = [
-    *("GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
+    *("BRAKING_BIT", "GUARD", "LANDING", "LATCH_BIT", "REDUNDANCY", "NO_SAFE_OUTPUT", "SAFE_OUTPUT", "SUSPECTED"),
     *("GuardedInput", "Safety", "frozen", "guard", "safe_output", "without_latch"),
 ]
 
@@ -61,6 +65,7 @@ def guard(
     suspected: Sequence[str] = (),
     reason: str = NO_SAFE_OUTPUT,
     redundant: bool = False,
+    braking: int = 0,
 ) -> Block:
     """Return the Block that accepts or replaces each input.
 
@@ -71,16 +76,21 @@ def guard(
     set; a `redundant` guard has no ``suspected``. ``complete`` then depends on these measurements alone, so they are
     compared even while others are refused.
 
-    `reason` explains why there is no safe output, for a guard that is composed with none. Behind a `redundant` guard a
+    `reason` explains why there is no safe output, for a guard that is composed with none. With `braking` samples
+    between the last of the bad samples and the latch there is also the output ``braking``. Behind a `redundant` guard a
     Block replaces readings and judges them: once ready, the latch counts samples in which its ``sufficient`` is 0, and
-    ``landed`` causes the latch at once. A suspect is then no reason to latch. The `fault.Judgement` declares this.
+    ``landed`` causes the latch at once. A suspect is then no reason to latch. The `fault.Judgement` declares this. Such
+    a guard does not brake: its law lands the machine before the latch.
 
-    The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, and LATCH_BIT.
+    The bits of the fault word are those of the inputs in their order, then of the suspects in theirs, BRAKING_BIT with
+    `braking`, and LATCH_BIT.
 
-    Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for an
-    initial value outside its range, or for a suspected name that is not a measurement or is listed twice.
+    Raises SignalError for more inputs and suspects than the fault word has bits, for fewer than one bad sample, for
+    negative `braking` or any without a measurement or of a `redundant` guard, for an initial value outside its range,
+    or for a suspected name that is not a measurement or is listed twice.
     """
-    _check_guard(inputs, bad_samples, suspected)
+    _check_guard(inputs, bad_samples, suspected, braking, redundant)
+    samples = bad_samples + braking
     held_inputs = [g for g in inputs if g.held]
     measured = [g.signal.name for g in inputs if g.measurement]
     suspects = [_flag(f"suspect_{name}", "contradicts the other measurements") for name in suspected]
@@ -103,22 +113,26 @@ def guard(
             for n in (n for n in measured if suspects and n not in suspected):
                 others = ca.if_else(good[n], others, 0)
             every = ca.logic_and(complete, others) if suspects and not others.is_constant() else complete
+            if braking:
+                every = ca.if_else(x["left"] <= braking, 0, every)
+                output["braking"] = ca.if_else(every, 0, x["left"] <= braking + 1)
             enough = ca.if_else(x["ready"], u[SUFFICIENT], every) if redundant else every
             latched = ca.if_else(enough, x["latched"], ca.if_else(final, 1, x["latched"]))
             latched = ca.if_else(u[LANDED], 1, latched) if redundant else latched
-            next["left"] = ca.if_else(enough, bad_samples, ca.if_else(final, x["left"], x["left"] - 1))
+            next["left"] = ca.if_else(enough, samples, ca.if_else(final, x["left"], x["left"] - 1))
             next |= {"latched": ca.if_else(latched, 1, x["latched"]), "ready": ca.if_else(every, 1, x["ready"])}
             output |= {"latched": latched, "ready": x["ready"], "complete": complete}
         return Step(output, next)
 
     states = [State(_renamed(g.signal, f"last_{g.signal.name}", "last good value"), g.initial) for g in held_inputs]
-    left = Signal("left", "1", 1, max(bad_samples, 2), "samples with a bad measurement until it latches")
+    left = Signal("left", "1", 1, max(samples, 2), "samples with a bad measurement until it latches")
     flags = [_flag("latched", "safe output until init"), _flag("ready", "every measurement was good at once")]
-    states += [State(left, bad_samples, True), *(State(f, 0, True) for f in flags)] if measured else []
+    states += [State(left, samples, True), *(State(f, 0, True) for f in flags)] if measured else []
     outputs = [_renamed(g.signal, f"{g.signal.name}_held", g.signal.about) for g in inputs]
     outputs += [_flag(f"fault_{g.signal.name}", "refused this sample") for g in inputs]
     outputs += [_flag(f"fault_{s.name}", s.about) for s in suspects]
     outputs += [*flags, _flag("complete", "every measurement that is compared is good")] if measured else []
+    outputs += [_flag("braking", "too many bad samples in a row: a latch follows")] if braking else []
     block = build(
         GUARD,
         time,
@@ -136,9 +150,10 @@ def guard(
     )
     faults = [Fault(i, f"fault_{g.signal.name}", g.signal.name) for i, g in enumerate(inputs)]
     faults += [Fault(i, f"fault_suspect_{n}", suspect=n) for i, n in enumerate(suspected, len(inputs))]
+    faults += [Fault(BRAKING_BIT, "braking", about="brakes, a latch follows")] if braking else []
     faults += [Fault(LATCH_BIT, "latched")] if measured else []
     judgement = Judgement(SUFFICIENT, LANDED, tuple(measured)) if redundant else None
-    declared = Safety(bad_samples, {}, {}, reason, judgement) if measured else None
+    declared = Safety(samples, {}, {}, reason, judgement, braking) if measured else None
     return replace(block, faults=tuple(faults), safety=declared)
 
 
@@ -240,15 +255,25 @@ def without_latch(block: Block) -> Block:
     return replace(block, next={**block.next, **never})
 
 
-def _check_guard(inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str]) -> None:
-    if len(inputs) + len(suspected) > LATCH_BIT:
+def _check_guard(
+    inputs: Sequence[GuardedInput], bad_samples: int, suspected: Sequence[str], braking: int, redundant: bool
+) -> None:
+    bits = BRAKING_BIT if braking else LATCH_BIT
+    if len(inputs) + len(suspected) > bits:
         raise SignalError(
             f"{len(inputs)} inputs are guarded and {len(suspected)} may be suspects, but the fault word has "
-            f"{LATCH_BIT} bits: split the Block"
+            f"{bits} bits: split the Block"
         )
     if bad_samples < 1:
         raise SignalError(f"bad_samples is {bad_samples}: a latch needs at least 1 bad sample")
     measured = [g.signal.name for g in inputs if g.measurement]
+    if braking < 0 or (braking and not measured):
+        raise SignalError(
+            f"the guard of {len(measured)} measurements brakes for {braking} samples: give 0 or more, and 0 without a "
+            "measurement, which alone causes a latch"
+        )
+    if braking and redundant:
+        raise SignalError(f"the guard is redundant and brakes for {braking} samples: give 0, its law lands the machine")
     for name in suspected:
         if name not in measured or len(set(suspected)) < len(suspected):
             raise SignalError(

@@ -10,7 +10,7 @@ from benchmarks import planar
 from synth.verify import baselines, meter, steps
 
 GENERATED = Path(__file__).parents[2] / "generated_c"
-PARTS = {"guard", "sensing", "filters", "positions", "law", "allocation", "commutation", "safe output"}
+PARTS = {"guard", "sensing", "filters", "prediction", "positions", "law", "allocation", "commutation", "safe output"}
 
 
 @pytest.fixture(scope="module")

@@ -81,7 +81,8 @@ def _safe_output(block: Block) -> list[str]:
     safety = block.safety
     if safety is None:
         return []
-    bad = f"When a measurement is refused in {safety.bad_samples} samples in a row,"
+    bad = f"When a measurement is refused in {safety.bad_samples - safety.braking} samples in a row,"
+    bad += f" and after {safety.braking} more in which it brakes," if safety.braking else ""
     if not safety.safe_output:
         return [f"{bad} the last of them sets the latch bit until init. {safety.reason}."]
     latches = f"{bad} the step latches in the last of them until init"

@@ -34,11 +34,16 @@ def loop(plant: Plant, axis: str, C: Transfer, time: Discrete, filtered: bool, d
     def L(z: Array) -> Array:
         if axis in SPRING:
             return C(z) * z**-delay * held_plant(plant, axis, time.period_s, z)
-        g, rho = sensor_slopes(plant, axis)
+        g, rho = sensor_slopes(plant, axis, sensing.REGULARISATION if filtered else sensing.RECKONED_REGULARISATION)
         X, P = kalman(axis, time, z) if filtered else (np.ones_like(z), 1 / z)
         return C(z) * g * X / (1 - rho * P) * z**-delay * held_plant(plant, axis, time.period_s, z)
 
     return L
+
+
+def ideal_loop(plant: Plant, axis: str, C: Transfer, time: Discrete) -> Transfer:
+    """Return L(z) = C(z) z^-1 G(z) on the positions of the stage."""
+    return lambda z: C(z) / z * held_plant(plant, axis, time.period_s, z)
 
 
 def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
@@ -49,17 +54,20 @@ def held_plant(plant: Plant, axis: str, T: float, z: Array) -> Array:
     return b * (1 - np.cos(w * T)) / w**2 * (z + 1) / (z**2 - 2 * np.cos(w * T) * z + 1)
 
 
-def sensor_slopes(plant: Plant, axis: str) -> tuple[float, float]:
-    """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle, where S is 0."""
+def sensor_slopes(plant: Plant, axis: str, regularisation: float) -> tuple[float, float]:
+    """Return g and rho, with S' = sum n A_n and C = sum A_n at the middle (S is 0), after two samples of the scale."""
     cal, p = hall_calibration.of(plant), {s.name: ca.SX(s.value) for s in plant.parameters}
     height = ca.SX(plant.parameter("height").value)
     A = {n: plant.parameter("sensitivity").value * float(halbach.amplitude(n, height, p)) for n in halbach.HARMONICS}
-    slope, level = sum(n * a for n, a in A.items()), sum(A.values())
+    slope, level, scale = sum(n * a for n, a in A.items()), sum(A.values()), 1.0
+    for share in (1.0, sensing.SCALE_GAIN):
+        scale -= share * ((scale * level) ** 2 / cal.power[0] - 1) / 2
+    slope, level = scale * slope, scale * level
     if axis != "phi":
         r = slope * level / (level**2 + sensing.SQUARE_FLOOR * cal.amplitude**2)
         return cal.position[0] * 2 * np.pi / cal.pitch * r, 0.0
     h, true = cal.slope[0] * level**3 + level, 1.5 * np.pi * slope + level
-    information = 2 * h**2 + sensing.REGULARISATION * cal.amplitude**2
+    information = 2 * h**2 + regularisation * cal.amplitude**2
     return 2 * h * true / information, 1 - 2 * h**2 / information
 
 

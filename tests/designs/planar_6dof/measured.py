@@ -108,7 +108,9 @@ def reference_step(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return outputs and next states of the reference, with its filters or predicting the sample before."""
     suspicion = {f"suspect_{name}": one for name, one in reference_sensing.suspects(state, A).items()}
-    suspicion |= {"suspected": state["sensing_contradiction_confirmed"]}
+    confirmed = state["sensing_contradiction_confirmed"]
+    is_amplitude = (confirmed > 0) & reference_sensing.is_amplitude(state, A)
+    suspicion |= {"suspected": confirmed, "other_amplitude": is_amplitude}
     if predicted:
         out, after = reference_sensing.step(state, v, flags, REFERENCE)
     else:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from designs.planar_6dof import filtering, reference_sensing
+from models import hall_contradictions
 from models import hall_section_maps as sensing_maps
 from models import hall_sections as sensing
 from synth.block import Block, unranged
@@ -37,7 +38,8 @@ from tests.designs.planar_6dof.measured import (
 )
 
 BOUNDS = {
-    name: (sensing.EXCESS_BOUND * A if name.startswith("m_") else sensing.RESIDUAL_BOUND) * A for name in RESIDUALS
+    name: (hall_contradictions.EXCESS_BOUND * A if name.startswith("m_") else hall_contradictions.RESIDUAL_BOUND) * A
+    for name in RESIDUALS
 }
 
 

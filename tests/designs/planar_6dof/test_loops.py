@@ -9,6 +9,7 @@ import pytest
 from designs.planar_6dof import interface, loops, lqg
 from designs.planar_6dof_leadlag import control as leadlag
 from designs.planar_6dof_leadlag import page as own
+from models import hall_sections as sensing
 from models import planar_allocation as allocation
 from models import planar_stage
 from synth.analyse import disk, stability_margins
@@ -69,6 +70,14 @@ def test_each_loop_is_the_analytic_one(
     cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], name: str, axis: str
 ) -> None:
     assert distance(parts_of[name], cases[name], axis) < NEAR
+
+
+def test_a_more_regularised_yaw_is_another_loop(
+    cases: dict[str, Case], parts_of: dict[str, loops.LoopParts], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The planted defect: the written-out yaw is regularised as that of the lead-lag."""
+    monkeypatch.setattr(sensing, "RECKONED_REGULARISATION", sensing.REGULARISATION)
+    assert distance(parts_of["lqg"], cases["lqg"], "phi") > 1e4 * NEAR
 
 
 @pytest.mark.parametrize("name", ["leadlag", "lqg"])

@@ -268,8 +268,9 @@ def test_the_c_is_free_of_warnings_and_calls_no_libm() -> None:
     assert made.manifest["surrogates"] == []
 
 
-@pytest.mark.parametrize(("predicted", "most"), [(True, 335), (False, 235)])
+@pytest.mark.parametrize(("predicted", "most"), [(True, 350), (False, 245)])
 def test_what_a_step_costs(predicted: bool, most: int) -> None:
+    """The scale of the voltages costs 13 and 6 instructions of these."""
     block, position = estimation(predicted), ["x", "y", "phi"] if predicted else AS_MEASURED
     alone = replace(block, outputs=tuple(s for s in block.outputs if s.name in position))
     made = write.emit(unranged(alone), np.float32)

@@ -96,7 +96,7 @@ def test_another_reference_is_seen(name: str, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(
         reference_sensing, name, (2.0 if name.startswith("SIGNIFICANT") else 1.1) * getattr(reference_sensing, name)
     )
-    assert disagreement(100, 200) > 1e-6
+    assert disagreement(100, 400) > 1e-6
 
 
 @pytest.mark.parametrize("predicted", [True, False])

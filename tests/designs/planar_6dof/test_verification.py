@@ -56,8 +56,16 @@ def test_bad_samples_alone_do_not_latch_and_in_the_end_do(runs: dict[str, Trajec
     latched = run.faults >> safety.LATCH_BIT > 0
     first = int(latched.argmax())
     assert latched.any() and run.time[first] > 0.8 and latched[first:].all()
-    alone = {tuple(np.flatnonzero(run.faults[:first] >> k & 1)) for k in range(safety.LATCH_BIT)} - {()}
+    alone = {tuple(np.flatnonzero(run.faults[:first] >> k & 1)) for k in range(safety.BRAKING_BIT)} - {()}
     assert {max(np.diff(k), default=100) for k in alone} & {1, 120, 150} and len(alone) == 4
+
+
+def test_it_brakes_from_too_many_bad_samples_on(runs: dict[str, Trajectory]) -> None:
+    """The bit stays set after the latch; the lead-lag controller does not brake."""
+    faults = runs["replay of faults"].faults
+    first, braking = int((faults >> safety.LATCH_BIT > 0).argmax()), np.flatnonzero(faults >> safety.BRAKING_BIT & 1)
+    assert braking.tolist() in ([], list(range(first - interface.BRAKING, len(faults))))
+    assert (faults[first - 1] > 0) and bool(len(braking)) == (faults[first - 1] >> safety.BRAKING_BIT & 1)
 
 
 def test_a_sensor_that_sticks_is_suspected_and_latches(runs: dict[str, Trajectory]) -> None:

@@ -1,0 +1,26 @@
+"""Fault campaign of the planar stage: its motion, magnitudes and limits.
+
+x and y swing by AMPLITUDE at 1 Hz and a quarter of a period apart: the platen moves along a circle at 0.14 m/s. After a
+latch it coasts on its air bearings, so the speed from the latch on is what the braking has left.
+"""
+
+from math import pi
+
+from synth.simulate.conditions import Sine
+from synth.stage import FaultCampaign, FaultLimit
+
+SPEED = 0.14  # m/s
+AMPLITUDE = SPEED / (2 * pi)  # m
+BRIDGED = 5e-5  # m: of a Hall channel that is bad for four samples
+LEFT, LEFT_YAW = 0.05, 0.2  # m/s, rad/s
+
+MOTION = {"x_ref": Sine(AMPLITUDE, 2 * pi), "y_ref": Sine(AMPLITUDE, 2 * pi, pi / 2)}
+REFUSED, LOST = ("not finite", "out of range"), ("not finite", "out of range", "frozen")
+RATES = {"x": LEFT, "y": LEFT, "phi": LEFT_YAW}
+LIMITS = (
+    FaultLimit("false_alarms", 0.0),
+    *(FaultLimit(f"excursion_{q}", BRIDGED, "V_*", kind, duration="short") for q in "xy" for kind in REFUSED),
+    *(FaultLimit(f"speed_{q}", v, "V_*", kind, duration="permanent") for q, v in RATES.items() for kind in LOST),
+    *(FaultLimit(f"final_speed_{q}", v, "V_*", "frozen", duration="permanent") for q, v in RATES.items()),
+)
+CAMPAIGN = FaultCampaign(MOTION, settle_s=1.0, watch_s=2.0, onsets=2, limits=LIMITS)

@@ -1,0 +1,64 @@
+"""Prediction of x, y and phi from the achieved demands, and braking before the latch.
+
+    raw positions ---->[ dead_reckoning ]---> predicted positions ---> sensing: bad samples, yaw, innovation
+    acting demands ----^          '---------> predicted rates -------> [ braking ]---> demands
+
+The demand d that was achieved in the sample before acts until the next one; the law has it as a state. Each axis is
+q'' = b d with d in A; b follows from force constant, arm and inertia. The poles are a
+compromise: a faster filter has forgotten the motion when a channel that sticks is noticed, a slower one contradicts a
+sound measurement where the force differs from its model. Figures: docs/decisions/planar_faults.md.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from designs.planar_6dof import vertical
+from models import hall_sections as sensing
+from models import planar_allocation as allocation
+from models.planar_allocation import HORIZONTAL
+from synth.block import Block
+from synth.blocks import braking, dead_reckoning
+from synth.plant import Plant
+from synth.signals import Signal
+from synth.timing import Discrete
+
+POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
+FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s: bounds of the predicted rates
+SHARE = 0.5  # of the rates, removed in a braking sample
+ACTING = {
+    axis: replace(vertical.ACHIEVED_DEMAND[axis], name=f"acting_{axis}", about="demand that acts until the next sample")
+    for axis in HORIZONTAL
+}
+INERTIA = {"x": "M", "y": "M", "phi": "Izz"}
+
+
+def axes(plant: Plant) -> list[dead_reckoning.Axis]:
+    """Return x, y and phi with their accelerations per A of demand."""
+    scales = allocation.scales(plant)
+    return [
+        dead_reckoning.Axis(
+            axis,
+            sensing.RAW[axis],
+            sensing.PREDICTED[axis],
+            ACTING[axis],
+            scales[axis] / plant.parameter(INERTIA[axis]).value,
+            FASTEST[axis],
+            POLE[axis],
+        )
+        for axis in HORIZONTAL
+    ]
+
+
+def prediction(plant: Plant, time: Discrete) -> Block:
+    """Return the Block from raw positions and acting demands to predicted positions and rates."""
+    return dead_reckoning.block("reckoning", time, axes(plant))
+
+
+def add_braking(plant: Plant, time: Discrete, law: Sequence[Block]) -> list[Block]:
+    """Return a law whose horizontal demands brake before the latch."""
+    passed = {axis: vertical.DEMAND[axis] for axis in HORIZONTAL}
+    demanded = {a: Signal(f"law_{a}", s.unit, s.low, s.high, "demand of the law") for a, s in passed.items()}
+    names = {s.name: demanded[a].name for a, s in passed.items()}
+    blocks = [b.renamed(names) if {s.name for s in b.outputs} & set(names) else b for b in law]
+    demands = {axis: (demanded[axis], passed[axis]) for axis in HORIZONTAL}
+    return [*blocks, braking.block("braking", time, axes(plant), demands, SHARE)]

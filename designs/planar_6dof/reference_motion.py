@@ -1,0 +1,88 @@
+"""NumPy reference of the planar controllers' dead reckoning and braking.
+
+Each axis is the double integrator q'' = b d, sampled with d held over a period:
+
+    (q, v) <- (q + T v + b d T^2/2, v + b d T)
+
+A measured position corrects the prediction by a Luenberger observer whose two poles coincide, placed by the
+characteristic polynomial (z - r)^2. d acts one sample late. While it brakes, d is what halves the predicted rate.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.planar_6dof import reference_control as control
+
+Array = NDArray[Any]
+Columns = Mapping[str, Array]
+
+POLE = {"x": 0.94, "y": 0.94, "phi": 0.985}
+MASS, INERTIA = 1.52, 0.0022  # kg, kg m^2
+INERTIAS = {"x": MASS, "y": MASS, "phi": INERTIA}
+FASTEST = {"x": 2.0, "y": 2.0, "phi": 40.0}  # m/s, rad/s
+FARTHEST = {"x": 0.2, "y": 0.2, "phi": 0.05}  # m, rad
+BRAKING = 24  # samples
+REMAINING = 0.5  # of the rate, after a braking sample
+
+
+def initial_state() -> dict[str, Array]:
+    """Return the state after init, by name."""
+    names = [f"reckoning_{axis}_{part}" for axis in POLE for part in ("position", "rate")]
+    return {name: np.array(0.0) for name in (*names, "braking_active")}
+
+
+def predicted_pose(state: Columns) -> dict[str, Array]:
+    """Return x, y and phi as predicted for this sample, m and rad."""
+    return {axis: state[f"reckoning_{axis}_position"] for axis in POLE}
+
+
+def acceleration(axis: str) -> float:
+    """Return b of an axis in m/s^2 or rad/s^2 per A of demand."""
+    return control.scales()[axis] / INERTIAS[axis]
+
+
+def correct(axis: str, state: Columns, measured: Array, ready: Array, T: float) -> tuple[Array, Array]:
+    """Return position and rate (m and m/s, rad and rad/s) after the measurement.
+
+    At the first good sample the position is that measured, and the rate stays as predicted.
+    """
+    r, e = POLE[axis], measured - state[f"reckoning_{axis}_position"]
+    A, C = np.array([[1.0, T], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    characteristic = A @ A - 2 * r * A + r * r * np.eye(2)
+    M = np.linalg.solve(A, characteristic @ np.linalg.solve(np.vstack([C, C @ A]), [0.0, 1.0]))
+    position, rate = (np.where(ready > 0, gain, first) for gain, first in zip(M, (1.0, 0.0), strict=True))
+    return state[f"reckoning_{axis}_position"] + position * e, state[f"reckoning_{axis}_rate"] / T + rate * e
+
+
+def next_rates(state: Columns, measured: Columns, ready: Array, T: float) -> dict[str, Array]:
+    """Return the rates of the next sample, when the demands of this one begin to act, m/s and rad/s."""
+    rates = {}
+    for axis, q in measured.items():
+        _, v = correct(axis, state, q, ready, T)
+        rates[axis] = v + acceleration(axis) * T * state[f"lqg_{axis}_achieved"]
+    return rates
+
+
+def brake(demands: Columns, rates: Columns, state: Columns, T: float) -> dict[str, Array]:
+    """Return the demands in N and N m; while the platen brakes, those that leave a part of the rates."""
+    stops = np.asarray(state["braking_active"])
+    after: dict[str, Array] = {}
+    for axis, d in demands.items():
+        braking = (REMAINING - 1) * rates[axis] / T * INERTIAS[axis]
+        after[axis] = np.where(stops > 0, braking, d)
+    return after
+
+
+def next_state(state: Columns, measured: Columns, ready: Array, T: float) -> dict[str, Array]:
+    """Return the next predictions; what the law achieved in the sample before acts until the next one."""
+    after: dict[str, Array] = {}
+    for axis, q in measured.items():
+        at, v = correct(axis, state, q, ready, T)
+        acting = acceleration(axis) * state[f"lqg_{axis}_achieved"]
+        values = {"position": at + T * v + acting * T**2 / 2, "rate": (v + acting * T) * T}
+        bounds = {"position": FARTHEST[axis], "rate": FASTEST[axis] * T}
+        after |= {f"reckoning_{axis}_{n}": np.clip(u, -bounds[n], bounds[n]) for n, u in values.items()}
+    return after

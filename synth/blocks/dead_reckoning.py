@@ -1,0 +1,122 @@
+"""Alpha-beta filter with known input for each axis: predicts the motion, without measurements too (dead reckoning).
+
+    q'' = b f      f acts from this sample to the next; with one sample of delay it is the effort of the sample before
+
+With p and s the position and T times the rate that are predicted for this sample, a = b T^2/2 f, and the innovation
+e = q - p:
+
+    q^ = p + (1 - r^2) e,   s^ = s + (1 - r)^2 e,   p+ = q^ + (s^ + a),   s+ = (s^ + a) + a
+
+The gains place both poles at z = r (critical damping). A source of q that has no measurement returns p: then e = 0, and
+f alone moves the prediction. An acceleration that differs from b f by d leads to e = d T^2 / (1 - r)^2, so e tells a
+measurement that contradicts the motion from a noisy one.
+`predictor` also estimates d, so its innovation forgets a measurement that contradicts the motion slowly.
+
+Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section 6.5.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from synth import arguments
+from synth.block import Block, Constant, Exprs, State, Step, build
+from synth.errors import SignalError
+from synth.signals import Signal, dimension
+from synth.timing import Discrete
+
+STARTS = {"position": 1.0, "rate": 0.0}  # gains before the first good sample
+READY = Signal("ready", "1", 0, 1, "every measurement was good at once")
+
+
+@arguments.checked
+@dataclass(frozen=True)
+class Axis:
+    """One axis q'' = b f of a machine.
+
+    name          prefix of the states and constants of the axis
+    measured      the signal q; `predicted` is the one of its prediction, a state, in the same unit
+    effort        the achieved effort f that acts from this sample to the next
+    acceleration  b, in units of acceleration per unit of f
+    fastest       bound of the rate, in the unit of q per s
+    pole          r, between 0 and 1
+    """
+
+    name: str
+    measured: Signal
+    predicted: Signal
+    effort: Signal
+    acceleration: float
+    fastest: float
+    pole: float
+
+    def advance(self, time: Discrete) -> Signal:
+        """Return ``<name>_advance``: T times the rate at the next sample, when the effort of this one begins to act."""
+        most = self.fastest * time.period_s
+        return Signal(f"{self.name}_advance", self.measured.unit, -most, most, "predicted rate times the sample period")
+
+
+@arguments.checked
+def block(name: str, time: Discrete, axes: Sequence[Axis]) -> Block:
+    """Return the Block from positions, efforts and ``ready`` to the predicted position and advance of each axis.
+
+    The prediction is a state, so a Block that measures the position may read it. Until ``ready`` is 1 the machine is
+    assumed to be at rest at the measured position.
+
+    Raises SignalError without an axis, for a pole that is not inside 0 .. 1, an acceleration of 0, a bound of the rate
+    that is not positive, or a prediction whose unit is not that of the position.
+    """
+    _check(name, axes)
+
+    def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
+        output: dict[str, ca.SX] = {}
+        next: dict[str, ca.SX] = {}
+        for axis in axes:
+            p, s = (x[f"{axis.name}_{what}"] for what in ("position", "rate"))
+            q, f = u[axis.measured.name], u[axis.effort.name]
+            e, a = q - p, k[f"{axis.name}_half_step"] * f
+            M = [ca.if_else(u[READY.name], k[f"{axis.name}_{what}_gain"], start) for what, start in STARTS.items()]
+            middle = s + M[1] * e + a
+            output |= {axis.predicted.name: p, axis.advance(time).name: middle + a}
+            next |= {f"{axis.name}_position": p + M[0] * e + middle, f"{axis.name}_rate": middle + a}
+        return Step(output, next)
+
+    inputs = [s for axis in axes for s in (axis.measured, axis.effort)]
+    outputs = [s for axis in axes for s in (axis.predicted, axis.advance(time))]
+    states = [s for axis in axes for s in _states(axis, time)]
+    constants = [c for axis in axes for c in _constants(axis, time)]
+    tag = "alpha-beta filter, dead reckoning"
+    return build(name, time, law, inputs=[*inputs, READY], outputs=outputs, states=states, constants=constants, tag=tag)
+
+
+def _states(axis: Axis, time: Discrete) -> list[State]:
+    predicted = replace(axis.predicted, name=f"{axis.name}_position", about="position predicted for this sample")
+    rate = replace(axis.advance(time), name=f"{axis.name}_rate")
+    return [State(predicted, min(max(0.0, predicted.low), predicted.high)), State(rate, 0.0)]
+
+
+def _constants(axis: Axis, time: Discrete) -> list[Constant]:
+    r, per = axis.pole, f"{axis.measured.unit}/({axis.effort.unit})"
+    return [
+        Constant(f"{axis.name}_position_gain", 1 - r**2, "1", f"1 - r^2, r = {r:g}"),
+        Constant(f"{axis.name}_rate_gain", (1 - r) ** 2, "1", f"(1 - r)^2, r = {r:g}"),
+        Constant(f"{axis.name}_half_step", axis.acceleration * time.period_s**2 / 2, per, "b T^2 / 2"),
+    ]
+
+
+def _check(name: str, axes: Sequence[Axis]) -> None:
+    if not axes:
+        raise SignalError(f"'{name}' has no axis: give at least one")
+    for axis in axes:
+        if not 0 < axis.pole < 1:
+            raise SignalError(f"the pole of axis '{axis.name}' is {axis.pole}: it must lie between 0 and 1")
+        if not axis.acceleration:
+            raise SignalError(f"effort '{axis.effort.name}' accelerates axis '{axis.name}' by 0: give its acceleration")
+        if not axis.fastest > 0:
+            raise SignalError(f"the bound of the rate of axis '{axis.name}' is {axis.fastest}: it must be positive")
+        if dimension(axis.predicted.unit) != dimension(axis.measured.unit):
+            raise SignalError(
+                f"'{axis.predicted.name}' is in {axis.predicted.unit}, but '{axis.measured.name}' in "
+                f"{axis.measured.unit}: give both one unit"
+            )
