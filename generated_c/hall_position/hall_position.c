@@ -609,7 +609,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const bool in_window = fabsf(prediction_yaw + at_3_X - estimator_yaw_last_good) <= ambiguous_yaw_limit;
     const bool integrity_residual_fault = (squared_residual_limit < squares_cost_4) || ((estimator_ambiguity_resolved != 0u) ? gate_exceeded : ((estimator_searching != 0u) && !in_window));
-    const bool tracking = !(estimator_searching != 0u);
+    const bool tracking = estimator_searching == 0u;
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
     float yaw_2 = 0.0f;
@@ -625,29 +625,25 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         estimator_motion_yaw_part = yaw_gain * at_3_X;
     }
     const float X_part = prediction_phase_x + by_phase_x;
+    const bool turns_X = pi < X_part;
     float angle_X = X_part;
-    bool turns_X = true;
-    if (pi < X_part) {
+    if (turns_X) {
         angle_X = X_part - two_pi;
-    } else {
-        turns_X = false;
     }
     float pose_phase_x = angle_X;
-    float X_part_2 = -1.0f;
+    float X_test = -1.0f;
     if (angle_X < -pi) {
         pose_phase_x = angle_X + two_pi;
     } else {
-        X_part_2 = turns_X ? 1.0f : 0.0f;
+        X_test = turns_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + X_part_2;
+    const float pose_pitch_x = state->estimator_pitch_x + X_test;
     const float X = (metre_per_rad * pose_phase_x) + (pitch * pose_pitch_x);
     const float Y_part = prediction_phase_y + by_phase_y;
+    const bool turns_Y = pi < Y_part;
     float angle_Y = Y_part;
-    bool turns_Y = true;
-    if (pi < Y_part) {
+    if (turns_Y) {
         angle_Y = Y_part - two_pi;
-    } else {
-        turns_Y = false;
     }
     float pose_phase_y = angle_Y;
     float turns_Y_2 = -1.0f;
@@ -693,7 +689,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool inside = counted && (size <= yaw_limit);
     const bool resolved = (integrity_good && in_window && tracking && (weight <= unambiguous_weight) && complete && inside) || ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
-    const bool valid = integrity_good && resolved && !(estimator_lock_lost != 0u) && inside && complete;
+    const bool valid = integrity_good && resolved && (estimator_lock_lost == 0u) && inside && complete;
     const uint32_t estimator_residual_faults = state->estimator_residual_faults;
     const bool exhausted = 4u <= estimator_residual_faults;
     const bool restart = integrity_residual_fault && exhausted;
@@ -735,7 +731,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     float estimator_motion_x_part_2 = 0.0f;
     float estimator_motion_y_part_2 = 0.0f;
     float estimator_motion_yaw_part_2 = 0.0f;
-    if (!(estimator_searching != 0u)) {
+    if (estimator_searching == 0u) {
         estimator_motion_x_part_2 = estimator_motion_x + estimator_motion_x_part;
         estimator_motion_y_part_2 = estimator_motion_y + estimator_motion_y_part;
         estimator_motion_yaw_part_2 = estimator_motion_yaw + estimator_motion_yaw_part;

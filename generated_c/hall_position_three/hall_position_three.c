@@ -904,11 +904,11 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float estimator_yaw_last_good = state->estimator_yaw_last_good;
     const uint32_t estimator_searching = state->estimator_searching;
     bool lost_yaw_change_sine = gate_exceeded;
-    if (!(estimator_ambiguity_resolved != 0u)) {
+    if (estimator_ambiguity_resolved == 0u) {
         lost_yaw_change_sine = (estimator_searching != 0u) && !(fabsf(prediction_yaw + at_3_yaw_change_sine_2 - estimator_yaw_last_good) <= yaw_window);
     }
     const bool integrity_residual_fault = ((squared_residual_limit * freedom) < squares_cost_4) || lost_yaw_change_sine;
-    const bool tracking = !(estimator_searching != 0u);
+    const bool tracking = estimator_searching == 0u;
     float yaw_yaw_change_sine = 0.0f;
     float by_phase_x = 0.0f;
     float by_phase_y = 0.0f;
@@ -927,33 +927,29 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const float yaw_change_sine_5 = yaw_yaw_change_sine * yaw_change_sine_polynomial(yaw_change_sine_argument);
     const float half_yaw_change_sine_5 = yaw_yaw_change_sine * half_yaw_change_sine_polynomial(yaw_change_sine_argument);
     const float X_part = prediction_phase_x + by_phase_x;
+    const bool turns_X = pi < X_part;
     float angle_X = X_part;
-    bool turns_X = true;
-    if (pi < X_part) {
+    if (turns_X) {
         angle_X = X_part - two_pi;
-    } else {
-        turns_X = false;
     }
     float pose_phase_x = angle_X;
-    float X_part_2 = -1.0f;
+    float X_test = -1.0f;
     if (angle_X < -pi) {
         pose_phase_x = angle_X + two_pi;
     } else {
-        X_part_2 = turns_X ? 1.0f : 0.0f;
+        X_test = turns_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + X_part_2;
+    const float pose_pitch_x = state->estimator_pitch_x + X_test;
     const float by_cosine_X = 1.0f - (half_yaw_change_sine_5 * half_yaw_change_sine_5);
     const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * yaw_change_sine_5);
     const float sine = (heading_sine * by_cosine_X) + (heading_cosine * yaw_change_sine_5);
     const float lever_cosine = (centre_x * cosine) + (-centre_y * sine);
     const float X = (metre_per_rad * pose_phase_x) + (pitch * pose_pitch_x) - lever_cosine;
     const float Y_part = prediction_phase_y + by_phase_y;
+    const bool turns_Y = pi < Y_part;
     float angle_Y = Y_part;
-    bool turns_Y = true;
-    if (pi < Y_part) {
+    if (turns_Y) {
         angle_Y = Y_part - two_pi;
-    } else {
-        turns_Y = false;
     }
     float pose_phase_y = angle_Y;
     float turns_Y_2 = -1.0f;
@@ -989,9 +985,9 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool counted = (fabsf(pose_pitch_x) <= 8.0f) && (fabsf(pose_pitch_y) <= 8.0f);
     const float size = fabsf(yaw);
     const bool accepted = counted && (size <= yaw_limit);
-    const bool resolved_valid = (integrity_good && (((excluded_1 ? 1.0f : 0.0f) + (excluded_2 ? 1.0f : 0.0f) + (excluded_3 ? 1.0f : 0.0f)) < 1.0f) && (weight <= unambiguous_weight) && tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
+    const bool resolved_valid = (integrity_good && ((hall_position_three_flag(excluded_1) + hall_position_three_flag(excluded_2) + hall_position_three_flag(excluded_3)) < 1u) && (weight <= unambiguous_weight) && tracking && accepted) || ((estimator_ambiguity_resolved != 0u) && !damped);
     const uint32_t estimator_lock_lost = state->estimator_lock_lost;
-    const bool valid = integrity_good && resolved_valid && !(estimator_lock_lost != 0u) && accepted;
+    const bool valid = integrity_good && resolved_valid && (estimator_lock_lost == 0u) && accepted;
     out->lock_lost = (float)estimator_lock_lost;
     const bool exhausted = 4u <= estimator_residual_faults;
     const bool restart = integrity_residual_fault && exhausted;
@@ -1042,7 +1038,7 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     float estimator_motion_x_part_2 = 0.0f;
     float estimator_motion_y_part_2 = 0.0f;
     float estimator_motion_yaw_part_2 = 0.0f;
-    if (!(estimator_searching != 0u)) {
+    if (estimator_searching == 0u) {
         estimator_motion_x_part_2 = estimator_motion_x + estimator_motion_x_part;
         estimator_motion_y_part_2 = estimator_motion_y + estimator_motion_y_part;
         estimator_motion_yaw_part_2 = estimator_motion_yaw + estimator_motion_yaw_part;

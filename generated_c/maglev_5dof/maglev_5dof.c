@@ -416,17 +416,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (4e-05f < fabsf(observer_x_q - x_accepted)) {
             redundancy_doubts_x_part = 10u;
         } else {
-            if (0.0f < (float)redundancy_doubts_x) {
+            if (redundancy_doubts_x != 0u) {
                 redundancy_doubts_x_part = redundancy_doubts_x - 1u;
             } else {
                 redundancy_doubts_x_part = 0u;
             }
         }
     }
-    bool suspect_y1_test = false;
-    if (3u <= x_unchanged) {
-        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && ((float)redundancy_doubts_x <= 0.0f)) || x_unanswered);
-    }
+    const bool suspect_y1_test = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && (redundancy_doubts_x == 0u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
     float before = observer_z_q;
@@ -439,17 +436,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (4e-05f < fabsf(observer_z_q - z_accepted)) {
             redundancy_doubts_z_part = 10u;
         } else {
-            if (0.0f < (float)redundancy_doubts_z) {
+            if (redundancy_doubts_z != 0u) {
                 redundancy_doubts_z_part = redundancy_doubts_z - 1u;
             } else {
                 redundancy_doubts_z_part = 0u;
             }
         }
     }
-    bool suspect_y1_test_2 = false;
-    if (3u <= z_unchanged) {
-        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && ((float)redundancy_doubts_z <= 0.0f)) || z_unanswered);
-    }
+    const bool suspect_y1_test_2 = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && (redundancy_doubts_z == 0u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -509,7 +503,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     uint32_t redundancy_stuck_0_part = redundancy_stuck_0;
     uint32_t redundancy_undecided_0_part = redundancy_undecided_0;
     uint32_t redundancy_degraded_part = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
+    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
         const float phi_2 = 0.397f * observer_phi_q;
@@ -519,99 +513,95 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y3_expected = observer_y_q + phi_2;
         const float y4_expected = observer_y_q - theta_2;
         const bool good_y1 = (faults & 0x00000001u) == 0u;
-        const bool usable_y1 = good_y1 && !(redundancy_excluded_y1 != 0u);
+        const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
-        const bool usable_y2 = good_y2 && !(redundancy_excluded_y2 != 0u);
+        const bool usable_y2 = good_y2 && (redundancy_excluded_y2 == 0u);
         const bool good_y3 = (faults & 0x00000004u) == 0u;
-        const bool usable_y3 = good_y3 && !(redundancy_excluded_y3 != 0u);
+        const bool usable_y3 = good_y3 && (redundancy_excluded_y3 == 0u);
         const bool good_y4 = (faults & 0x00000008u) == 0u;
-        const bool usable_y4 = good_y4 && !(redundancy_excluded_y4 != 0u);
-        float suspect_y1_part_3;
-        float suspect_y2_part;
-        float suspect_y3_part;
-        float suspect_y4_part;
-        bool sufficient_gaps_sufficient = true;
-        bool regular_2;
+        const bool usable_y4 = good_y4 && (redundancy_excluded_y4 == 0u);
+        bool unusual_suspect_y1;
+        bool unusual_suspect_y2;
+        bool unusual_suspect_y3;
+        bool unusual_suspect_y4;
+        bool determined;
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
-            const bool agreeing = !(redundancy_undecided_0 != 0u);
-            if (agreement || !(guard_ready != 0u)) {
-                suspect_y1_part_3 = (float)redundancy_undecided_0;
-                suspect_y2_part = (float)redundancy_undecided_0;
-                suspect_y3_part = (float)redundancy_undecided_0;
-                suspect_y4_part = (float)redundancy_undecided_0;
-                regular_2 = agreeing;
+            const bool agreeing = redundancy_undecided_0 == 0u;
+            if (agreement || (guard_ready == 0u)) {
+                const bool suspect_y1_test_3 = redundancy_undecided_0 != 0u;
+                unusual_suspect_y1 = suspect_y1_test_3;
+                unusual_suspect_y2 = suspect_y1_test_3;
+                unusual_suspect_y3 = suspect_y1_test_3;
+                unusual_suspect_y4 = suspect_y1_test_3;
+                determined = agreeing;
             } else {
-                const bool suspect_y1_test_3 = 3u <= still_still_y1;
-                const float suspect_y1_part_4 = 0.4f * size;
-                const bool suspect_y1_test_4 = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_5 = (suspect_y1_test_4) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_5 * (y1_accepted - y1_expected);
-                const bool candidate_y1 = suspect_y1_test_3 && (suspect_y1_part_4 < E_y1);
-                const bool suspect_y1_test_5 = 3u <= still_still_y2;
-                const float suspect_y1_part_6 = (suspect_y1_test_4) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_6 * (y2_accepted - y2_expected);
-                const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_4 < E_y2);
-                const bool suspect_y1_test_6 = 3u <= still_still_y3;
-                const float E_y3 = suspect_y1_part_5 * (y3_accepted - y3_expected);
-                const bool candidate_y3 = suspect_y1_test_6 && (suspect_y1_part_4 < E_y3);
-                const bool suspect_y1_test_7 = 3u <= still_still_y4;
-                const float E_y4 = suspect_y1_part_6 * (y4_accepted - y4_expected);
-                const bool candidate_y4 = suspect_y1_test_7 && (suspect_y1_part_4 < E_y4);
-                const float candidates = (candidate_y1 ? 1.0f : 0.0f) + (candidate_y2 ? 1.0f : 0.0f) + (candidate_y3 ? 1.0f : 0.0f) + (candidate_y4 ? 1.0f : 0.0f);
-                const float suspect_y1_part_7 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
-                const bool first = 0.0f < candidates;
+                const bool suspect_y1_test_4 = 3u <= still_still_y1;
+                const float suspect_y1_part_3 = 0.4f * size;
+                const bool suspect_y1_test_5 = 0.0f < r_suspect_y1;
+                const float suspect_y1_part_4 = (suspect_y1_test_5) ? 1.0f : -1.0f;
+                const float E_y1 = suspect_y1_part_4 * (y1_accepted - y1_expected);
+                const bool candidate_y1 = suspect_y1_test_4 && (suspect_y1_part_3 < E_y1);
+                const bool suspect_y1_test_6 = 3u <= still_still_y2;
+                const float suspect_y1_part_5 = (suspect_y1_test_5) ? -1.0f : 1.0f;
+                const float E_y2 = suspect_y1_part_5 * (y2_accepted - y2_expected);
+                const bool candidate_y2 = suspect_y1_test_6 && (suspect_y1_part_3 < E_y2);
+                const bool suspect_y1_test_7 = 3u <= still_still_y3;
+                const float E_y3 = suspect_y1_part_4 * (y3_accepted - y3_expected);
+                const bool candidate_y3 = suspect_y1_test_7 && (suspect_y1_part_3 < E_y3);
+                const bool suspect_y1_test_8 = 3u <= still_still_y4;
+                const float E_y4 = suspect_y1_part_5 * (y4_accepted - y4_expected);
+                const bool candidate_y4 = suspect_y1_test_8 && (suspect_y1_part_3 < E_y4);
+                const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) + maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
+                const uint32_t suspect_y1_part_6 = maglev_5dof_flag(still_still_y1 < 3u) + maglev_5dof_flag(still_still_y2 < 3u) + maglev_5dof_flag(still_still_y3 < 3u);
+                const bool first = candidates != 0u;
+                uint32_t suspect_y1_part_7 = 0u;
                 float suspect_y1_part_8 = 0.0f;
                 float suspect_y1_part_9 = 0.0f;
                 float suspect_y1_part_10 = 0.0f;
                 float suspect_y1_part_11 = 0.0f;
-                float suspect_y1_part_12 = 0.0f;
-                if (maglev_5dof_equal(suspect_y1_part_7 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f)) {
+                if ((suspect_y1_part_6 + maglev_5dof_flag(still_still_y4 < 3u)) == 3u) {
                     const bool flag_suspect_y1 = 8u <= still_still_y1;
                     const bool flag_suspect_y1_2 = 8u <= still_still_y2;
                     const bool flag_suspect_y1_3 = 8u <= still_still_y3;
                     const bool flag_suspect_y1_4 = 8u <= still_still_y4;
-                    suspect_y1_part_8 = (flag_suspect_y1 ? 1.0f : 0.0f) + (flag_suspect_y1_2 ? 1.0f : 0.0f) + (flag_suspect_y1_3 ? 1.0f : 0.0f) + (flag_suspect_y1_4 ? 1.0f : 0.0f);
-                    const float suspect_y1_part_13 = 1.0f - (first ? 1.0f : 0.0f);
-                    suspect_y1_part_9 = (flag_suspect_y1) ? suspect_y1_part_13 : 0.0f;
-                    suspect_y1_part_10 = (flag_suspect_y1_2) ? suspect_y1_part_13 : 0.0f;
-                    suspect_y1_part_11 = (flag_suspect_y1_3) ? suspect_y1_part_13 : 0.0f;
-                    suspect_y1_part_12 = (flag_suspect_y1_4) ? suspect_y1_part_13 : 0.0f;
+                    suspect_y1_part_7 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) + maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
+                    const float suspect_y1_part_12 = 1.0f - (first ? 1.0f : 0.0f);
+                    suspect_y1_part_8 = (flag_suspect_y1) ? suspect_y1_part_12 : 0.0f;
+                    suspect_y1_part_9 = (flag_suspect_y1_2) ? suspect_y1_part_12 : 0.0f;
+                    suspect_y1_part_10 = (flag_suspect_y1_3) ? suspect_y1_part_12 : 0.0f;
+                    suspect_y1_part_11 = (flag_suspect_y1_4) ? suspect_y1_part_12 : 0.0f;
                 }
-                const bool by_code_suspect_y1 = 0.0f < (candidates + suspect_y1_part_8);
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_9));
-                const float suspect_y1_part_14 = maglev_5dof_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
-                const float suspect_y1_part_15 = maglev_5dof_max(suspect_y1_part_14, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
-                const float suspect_y1_part_16 = maglev_5dof_max(suspect_y1_part_15, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_12));
-                const float best = maglev_5dof_max(suspect_y1_part_16, score_y4);
-                const float suspect_y1_part_17 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_14, score_y2)), maglev_5dof_min(suspect_y1_part_15, score_y3)), maglev_5dof_min(suspect_y1_part_16, score_y4));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - suspect_y1_part_17)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_7) != 0u;
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_8));
+                const float suspect_y1_part_13 = maglev_5dof_max(-10.0f, score_y1);
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_9));
+                const float suspect_y1_part_14 = maglev_5dof_max(suspect_y1_part_13, score_y2);
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
+                const float suspect_y1_part_15 = maglev_5dof_max(suspect_y1_part_14, score_y3);
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
+                const float best = maglev_5dof_max(suspect_y1_part_15, score_y4);
+                const float suspect_y1_part_16 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_13, score_y2)), maglev_5dof_min(suspect_y1_part_14, score_y3)), maglev_5dof_min(suspect_y1_part_15, score_y4));
+                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - suspect_y1_part_16)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
                 const bool least_upto_score_y1 = least <= score_y1;
-                const bool suspect_y1_part_18 = least_upto_score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                suspect_y1_part_3 = (suspect_y1_part_18 ? 1.0f : 0.0f) + (float)waited;
+                unusual_suspect_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
-                const bool suspect_y2_part_2 = least_upto_score_y2;
-                suspect_y2_part = (suspect_y2_part_2 ? 1.0f : 0.0f) + (float)waited;
+                unusual_suspect_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
                 const bool least_upto_score_y3 = least <= score_y3;
-                const bool suspect_y3_part_2 = least_upto_score_y3;
-                suspect_y3_part = (suspect_y3_part_2 ? 1.0f : 0.0f) + (float)waited;
+                unusual_suspect_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
-                const bool suspect_y4_part_2 = least_upto_score_y4;
-                suspect_y4_part = (suspect_y4_part_2 ? 1.0f : 0.0f) + (float)waited;
+                unusual_suspect_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
                 y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
                 y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
                 y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
                 y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
-                regular_2 = !(waited != 0u);
-                bool contradictory = suspect_y1_part_18;
-                bool contradictory_2 = suspect_y2_part_2;
-                bool contradictory_3 = suspect_y3_part_2;
-                bool contradictory_4 = suspect_y4_part_2;
-                if (!(2u <= redundancy_contradictions_0)) {
+                determined = waited == 0u;
+                bool contradictory = least_upto_score_y1;
+                bool contradictory_2 = least_upto_score_y2;
+                bool contradictory_3 = least_upto_score_y3;
+                bool contradictory_4 = least_upto_score_y4;
+                if (redundancy_contradictions_0 < 2u) {
                     contradictory = false;
                     contradictory_2 = false;
                     contradictory_3 = false;
@@ -622,32 +612,20 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                 redundancy_excluded_y3_part = maglev_5dof_flag(contradictory_3);
                 redundancy_excluded_y4_part = maglev_5dof_flag(contradictory_4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
-                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_3 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_5 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_6 && contradictory_3) ? 1.0f : 0.0f);
-                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_7 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
+                const uint32_t redundancy_stuck_0_part_2 = maglev_5dof_flag(suspect_y1_test_4 && contradictory) + maglev_5dof_flag(suspect_y1_test_6 && contradictory_2) + maglev_5dof_flag(suspect_y1_test_7 && contradictory_3);
+                redundancy_stuck_0_part = maglev_5dof_flag((redundancy_stuck_0_part_2 + maglev_5dof_flag(suspect_y1_test_8 && contradictory_4) + redundancy_stuck_0) != 0u);
                 redundancy_undecided_0_part = waited;
             }
         } else {
-            bool moved = true;
-            if (!(!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4)) {
-                if (!(!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3)) {
-                    if (!(!same_y2 && (redundancy_excluded_y2 != 0u) && good_y2)) {
-                        moved = !same_y1 && (redundancy_excluded_y1 != 0u) && good_y1;
-                    }
-                }
-            }
-            const uint32_t doubted = ((redundancy_stuck_0 != 0u) && moved) ? 1u : redundancy_undecided_0;
-            const uint32_t incomplete_suspect_y1 = redundancy_excluded_y1 + doubted;
-            suspect_y1_part_3 = (float)incomplete_suspect_y1;
-            const uint32_t incomplete_suspect_y2 = redundancy_excluded_y2 + doubted;
-            suspect_y2_part = (float)incomplete_suspect_y2;
-            const uint32_t incomplete_suspect_y3 = redundancy_excluded_y3 + doubted;
-            suspect_y3_part = (float)incomplete_suspect_y3;
-            const uint32_t incomplete_suspect_y4 = redundancy_excluded_y4 + doubted;
-            suspect_y4_part = (float)incomplete_suspect_y4;
-            const float gaps_sufficient_part = (((usable_y1) ? false : true) ? 1.0f : 0.0f) + (((usable_y2) ? false : true) ? 1.0f : 0.0f) + (((usable_y3) ? false : true) ? 1.0f : 0.0f);
-            const float missing = gaps_sufficient_part + (((usable_y4) ? false : true) ? 1.0f : 0.0f);
-            sufficient_gaps_sufficient = missing <= 2.0f;
-            const bool y1_held_test = missing <= 1.0f;
+            const bool suspect_y1_test_9 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 && (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
+            const uint32_t doubted = (suspect_y1_test_9) ? 1u : redundancy_undecided_0;
+            unusual_suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
+            unusual_suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
+            unusual_suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
+            unusual_suspect_y4 = (redundancy_excluded_y4 + doubted) != 0u;
+            const uint32_t missing = maglev_5dof_flag(!usable_y1) + maglev_5dof_flag(!usable_y2) + maglev_5dof_flag(!usable_y3) + maglev_5dof_flag(!usable_y4);
+            gaps_sufficient = missing <= 2u;
+            const bool y1_held_test = missing <= 1u;
             float y1_held_part = y1_expected;
             float y2_held_part = y2_expected;
             float y3_held_part = y3_expected;
@@ -663,52 +641,28 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : y2_held_part, 0.0366f), 0.0124f);
             y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : y3_held_part, 0.0322f), 0.0168f);
             y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted, 0.0366f), 0.0124f);
-            regular_2 = y1_held_test && !(doubted != 0u);
+            determined = y1_held_test && (doubted == 0u);
             redundancy_undecided_0_part = doubted;
         }
-        const bool unusual_suspect_y1 = 0.0f < suspect_y1_part_3;
         suspect_y1 = unusual_suspect_y1;
-        const bool unusual_suspect_y2 = 0.0f < suspect_y2_part;
         suspect_y2 = unusual_suspect_y2;
-        const bool unusual_suspect_y3 = 0.0f < suspect_y3_part;
         suspect_y3 = unusual_suspect_y3;
-        const bool unusual_suspect_y4 = 0.0f < suspect_y4_part;
         suspect_y4 = unusual_suspect_y4;
-        gaps_sufficient = sufficient_gaps_sufficient;
-        const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
-        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
-        const bool determined = regular_2;
-        bool regular_part = determined;
-        if (!(usable_x_suspect_x && !(unusual_suspect_x != 0u))) {
-            x_trusted = false;
-            x_held = observer_x_q;
-            regular_part = false;
-        }
-        const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
+        const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
         const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
-        if (usable_z_suspect_z && !(flag_suspect_z != 0u)) {
-            regular = regular_part;
-        } else {
-            z_trusted = false;
-            z_held = observer_z_q;
-            regular = false;
-        }
+        const bool usable_z_z_trusted = usable_z_suspect_z && (flag_suspect_z == 0u);
+        const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
+        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
+        const bool usable_x_x_trusted = usable_x_suspect_x && (unusual_suspect_x == 0u);
+        regular = usable_z_z_trusted && usable_x_x_trusted && determined;
         theta_measured = determined;
-        if (flag_suspect_z != 0u) {
-            redundancy_degraded_part = 1u;
-        } else {
-            if (unusual_suspect_x != 0u) {
-                redundancy_degraded_part = 1u;
-            } else {
-                if (unusual_suspect_y4) {
-                    redundancy_degraded_part = 1u;
-                } else {
-                    redundancy_degraded_part = (unusual_suspect_y3) ? 1u : ((unusual_suspect_y2) ? 1u : ((unusual_suspect_y1) ? 1u : redundancy_degraded));
-                }
-            }
-        }
+        redundancy_degraded_part = ((flag_suspect_z != 0u) || (unusual_suspect_x != 0u) || unusual_suspect_y4 || unusual_suspect_y3 || unusual_suspect_y2 || unusual_suspect_y1) ? 1u : redundancy_degraded;
         suspect_x = unusual_suspect_x;
         suspect_z = flag_suspect_z;
+        x_trusted = usable_x_x_trusted;
+        z_trusted = usable_z_z_trusted;
+        x_held = (usable_x_x_trusted) ? x_accepted : observer_x_q;
+        z_held = (usable_z_z_trusted) ? z_accepted : observer_z_q;
         redundancy_excluded_x_part = unusual_suspect_x;
         redundancy_excluded_z_part = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -1076,7 +1030,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* probe_x: probe at rest */
         const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = 0.0f < (float)probe_x_sample;
+        const bool runs_w_x = probe_x_sample != 0u;
         if (runs_w_x || (40u <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
@@ -1116,7 +1070,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* probe_z: probe at rest */
         const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = 0.0f < (float)probe_z_sample;
+        const bool runs_w_z = probe_z_sample != 0u;
         if (runs_w_z || (40u <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;

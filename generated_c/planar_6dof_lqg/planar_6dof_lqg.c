@@ -381,12 +381,9 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
         const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
         const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+        const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        bool contradicts = false;
-        if ((guard_ready != 0u) && complete) {
-            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
-            contradicts = (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
-        }
+        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
         const bool accept = !contradicts && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_within_y = state->sensing_within_y;
@@ -492,7 +489,7 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         if (contradicts && (sensing_contradiction_left != 0u)) {
             state->sensing_contradiction_confirmed = 1u;
         }
-        if (contradicts && !(sensing_contradiction_left != 0u)) {
+        if (contradicts && (sensing_contradiction_left == 0u)) {
             state->sensing_first_m_x = m_x;
             state->sensing_first_m_y = m_y;
             state->sensing_first_r_1 = r_1;

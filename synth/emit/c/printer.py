@@ -180,7 +180,7 @@ class _Printer:
             value = "" if start is None else f" = {self.c.as_kind(start, self.kinds[c]).c}"
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
-        condition, tag = self.c.condition(s.condition), self.tag
+        condition, negation, tag = self.c.condition(s.condition), self.c.negation(s.condition), self.tag
         before = self._with_title(depth)
         sides = []
         for side in (s.then, s.other):
@@ -192,7 +192,7 @@ class _Printer:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
         else:
-            self._put(f"if (!{condition.inside(7)}) {{", depth)
+            self._put(f"if ({negation.c}) {{", depth)
             self.printed += other
         if then and other:
             self._put("} else {", depth)
