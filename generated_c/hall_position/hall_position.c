@@ -631,13 +631,13 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         angle_X = X_part - two_pi;
     }
     float pose_phase_x = angle_X;
-    float X_test = -1.0f;
+    float turns_x = -1.0f;
     if (angle_X < -pi) {
         pose_phase_x = angle_X + two_pi;
     } else {
-        X_test = turns_X ? 1.0f : 0.0f;
+        turns_x = turns_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + X_test;
+    const float pose_pitch_x = state->estimator_pitch_x + turns_x;
     const float X = (metre_per_rad * pose_phase_x) + (pitch * pose_pitch_x);
     const float Y_part = prediction_phase_y + by_phase_y;
     const bool turns_Y = pi < Y_part;
@@ -646,13 +646,13 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
         angle_Y = Y_part - two_pi;
     }
     float pose_phase_y = angle_Y;
-    float turns_Y_2 = -1.0f;
+    float turns_y = -1.0f;
     if (angle_Y < -pi) {
         pose_phase_y = angle_Y + two_pi;
     } else {
-        turns_Y_2 = turns_Y ? 1.0f : 0.0f;
+        turns_y = turns_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_Y_2;
+    const float pose_pitch_y = state->estimator_pitch_y + turns_y;
     const float Y = (metre_per_rad * pose_phase_y) + (pitch * pose_pitch_y);
     const float prediction_yaw_plus_yaw_2 = prediction_yaw + yaw_2;
     float angle_yaw = prediction_yaw_plus_yaw_2;
@@ -663,14 +663,14 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     if (angle_yaw < -pi) {
         yaw = angle_yaw + two_pi;
     }
-    const float deviation_X_part = axes_1_coupling_converged * axes_1_inverse;
-    const float deviation_X_part_squared = deviation_X_part * deviation_X_part;
+    const float by_yaw_X = axes_1_coupling_converged * axes_1_inverse;
+    const float by_yaw_X_squared = by_yaw_X * by_yaw_X;
     const float yaw_deviation_X = 1.0f / (data_converged + undamped_yaw);
-    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (deviation_X_part_squared * yaw_deviation_X));
+    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (by_yaw_X_squared * yaw_deviation_X));
     out->deviation_X = deviation_X;
-    const float by_yaw = n_coupling * n_inverse;
-    const float by_yaw_squared = by_yaw * by_yaw;
-    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_squared * yaw_deviation_X));
+    const float by_yaw_Y = n_coupling * n_inverse;
+    const float by_yaw_Y_squared = by_yaw_Y * by_yaw_Y;
+    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y_squared * yaw_deviation_X));
     out->deviation_Y = deviation_Y;
     const float deviation_yaw = deviation * sqrtf(yaw_deviation_X);
     out->deviation_yaw = deviation_yaw;
@@ -680,7 +680,7 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     out->Y = Y;
     out->yaw = yaw;
     out->converged = converged ? 1.0f : 0.0f;
-    const float weight = ((squared_radius + deviation_X_part_squared + by_yaw_squared) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
+    const float weight = ((squared_radius + by_yaw_X_squared + by_yaw_Y_squared) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
     const bool damped = damped_weight < weight;
     out->damped = damped ? 1.0f : 0.0f;
     const bool integrity_good = converged && !(damped || integrity_residual_fault || gate_exceeded);
@@ -695,21 +695,21 @@ uint32_t hall_position_step(hall_position_state_t *state, const hall_position_in
     const bool restart = integrity_residual_fault && exhausted;
     const bool estimator_yaw_last_good_test = !integrity_residual_fault;
     if (restart) {
-        const float start_x_plus_start_step_x = state->estimator_start_x + -start_step_x;
-        if (start_x_plus_start_step_x < -pi) {
-            state->estimator_phase_x = start_x_plus_start_step_x + two_pi;
+        const float start_x = state->estimator_start_x + -start_step_x;
+        if (start_x < -pi) {
+            state->estimator_phase_x = start_x + two_pi;
             state->estimator_start_x = state->estimator_phase_x;
         } else {
-            state->estimator_phase_x = start_x_plus_start_step_x;
-            state->estimator_start_x = start_x_plus_start_step_x;
+            state->estimator_phase_x = start_x;
+            state->estimator_start_x = start_x;
         }
-        const float start_y_plus_start_step_y = state->estimator_start_y + -start_step_y;
-        if (start_y_plus_start_step_y < -pi) {
-            state->estimator_phase_y = start_y_plus_start_step_y + two_pi;
+        const float start_y = state->estimator_start_y + -start_step_y;
+        if (start_y < -pi) {
+            state->estimator_phase_y = start_y + two_pi;
             state->estimator_start_y = state->estimator_phase_y;
         } else {
-            state->estimator_phase_y = start_y_plus_start_step_y;
-            state->estimator_start_y = start_y_plus_start_step_y;
+            state->estimator_phase_y = start_y;
+            state->estimator_start_y = start_y;
         }
         state->estimator_yaw = estimator_yaw_last_good;
         state->estimator_searching = 1u;

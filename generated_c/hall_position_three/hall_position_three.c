@@ -933,13 +933,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         angle_X = X_part - two_pi;
     }
     float pose_phase_x = angle_X;
-    float X_test = -1.0f;
+    float turns_x = -1.0f;
     if (angle_X < -pi) {
         pose_phase_x = angle_X + two_pi;
     } else {
-        X_test = turns_X ? 1.0f : 0.0f;
+        turns_x = turns_X ? 1.0f : 0.0f;
     }
-    const float pose_pitch_x = state->estimator_pitch_x + X_test;
+    const float pose_pitch_x = state->estimator_pitch_x + turns_x;
     const float by_cosine_X = 1.0f - (half_yaw_change_sine_5 * half_yaw_change_sine_5);
     const float cosine = (heading_cosine * by_cosine_X) - (heading_sine * yaw_change_sine_5);
     const float sine = (heading_sine * by_cosine_X) + (heading_cosine * yaw_change_sine_5);
@@ -952,13 +952,13 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         angle_Y = Y_part - two_pi;
     }
     float pose_phase_y = angle_Y;
-    float turns_Y_2 = -1.0f;
+    float turns_y = -1.0f;
     if (angle_Y < -pi) {
         pose_phase_y = angle_Y + two_pi;
     } else {
-        turns_Y_2 = turns_Y ? 1.0f : 0.0f;
+        turns_y = turns_Y ? 1.0f : 0.0f;
     }
-    const float pose_pitch_y = state->estimator_pitch_y + turns_Y_2;
+    const float pose_pitch_y = state->estimator_pitch_y + turns_y;
     const float lever_sine = (centre_x * sine) - (-centre_y * cosine);
     const float Y = (metre_per_rad * pose_phase_y) + (pitch * pose_pitch_y) - lever_sine;
     const float yaw_part = prediction_yaw + yaw_yaw_change_sine;
@@ -971,12 +971,12 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
         yaw = angle_yaw + two_pi;
     }
     const float deviation_X_part = axes_1_coupling_converged * axes_1_inverse;
-    const float deviation_X_part_2 = deviation_X_part - (wave_number * lever_sine);
+    const float by_yaw_X = deviation_X_part - (wave_number * lever_sine);
     const float yaw_deviation_X = 1.0f / (data_converged + undamped_yaw);
-    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (deviation_X_part_2 * deviation_X_part_2 * yaw_deviation_X));
+    const float deviation_X = deviation_over_w * sqrtf(axes_1_inverse + (by_yaw_X * by_yaw_X * yaw_deviation_X));
     const float n_coupling_times_n_inverse = n_coupling * n_inverse;
-    const float by_yaw = n_coupling_times_n_inverse + (wave_number * lever_cosine);
-    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw * by_yaw * yaw_deviation_X));
+    const float by_yaw_Y = n_coupling_times_n_inverse + (wave_number * lever_cosine);
+    const float deviation_Y = deviation_over_w * sqrtf(n_inverse + (by_yaw_Y * by_yaw_Y * yaw_deviation_X));
     const float deviation_yaw = deviation * sqrtf(yaw_deviation_X);
     const float residual = sqrtf(least_square + (squares_cost_4 / freedom));
     const float weight = ((squared_radius + (deviation_X_part * deviation_X_part) + (n_coupling_times_n_inverse * n_coupling_times_n_inverse)) * yaw_deviation_X) + (axes_1_inverse + n_inverse);
@@ -993,21 +993,21 @@ uint32_t hall_position_three_step(hall_position_three_state_t *state, const hall
     const bool restart = integrity_residual_fault && exhausted;
     const bool estimator_yaw_last_good_test = !integrity_residual_fault;
     if (restart) {
-        const float start_x_plus_start_step_x = state->estimator_start_x + -start_step_x;
-        if (start_x_plus_start_step_x < -pi) {
-            state->estimator_phase_x = start_x_plus_start_step_x + two_pi;
+        const float start_x = state->estimator_start_x + -start_step_x;
+        if (start_x < -pi) {
+            state->estimator_phase_x = start_x + two_pi;
             state->estimator_start_x = state->estimator_phase_x;
         } else {
-            state->estimator_phase_x = start_x_plus_start_step_x;
-            state->estimator_start_x = start_x_plus_start_step_x;
+            state->estimator_phase_x = start_x;
+            state->estimator_start_x = start_x;
         }
-        const float start_y_plus_start_step_y = state->estimator_start_y + -start_step_y;
-        if (start_y_plus_start_step_y < -pi) {
-            state->estimator_phase_y = start_y_plus_start_step_y + two_pi;
+        const float start_y = state->estimator_start_y + -start_step_y;
+        if (start_y < -pi) {
+            state->estimator_phase_y = start_y + two_pi;
             state->estimator_start_y = state->estimator_phase_y;
         } else {
-            state->estimator_phase_y = start_y_plus_start_step_y;
-            state->estimator_start_y = start_y_plus_start_step_y;
+            state->estimator_phase_y = start_y;
+            state->estimator_start_y = start_y;
         }
         state->estimator_yaw = estimator_yaw_last_good;
         state->estimator_searching = 1u;

@@ -406,44 +406,44 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool agreement = size <= 4.8e-05f;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
-    float suspect_y1_part_2 = observer_x_q;
-    uint32_t redundancy_doubts_x_part = redundancy_doubts_x;
+    float before_x = observer_x_q;
+    uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
     if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
         x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
-        suspect_y1_part_2 = state->redundancy_before_x;
+        before_x = state->redundancy_before_x;
     } else {
         if (4e-05f < fabsf(observer_x_q - x_accepted)) {
-            redundancy_doubts_x_part = 10u;
+            redundancy_doubts_x_next = 10u;
         } else {
             if (redundancy_doubts_x != 0u) {
-                redundancy_doubts_x_part = redundancy_doubts_x - 1u;
+                redundancy_doubts_x_next = redundancy_doubts_x - 1u;
             } else {
-                redundancy_doubts_x_part = 0u;
+                redundancy_doubts_x_next = 0u;
             }
         }
     }
-    const bool suspect_y1_test = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && (redundancy_doubts_x == 0u)) || x_unanswered);
+    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - before_x)) && (redundancy_doubts_x == 0u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
-    float before = observer_z_q;
-    uint32_t redundancy_doubts_z_part = redundancy_doubts_z;
+    float before_z = observer_z_q;
+    uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
     if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
-        before = state->redundancy_before_z;
+        before_z = state->redundancy_before_z;
     } else {
         if (4e-05f < fabsf(observer_z_q - z_accepted)) {
-            redundancy_doubts_z_part = 10u;
+            redundancy_doubts_z_next = 10u;
         } else {
             if (redundancy_doubts_z != 0u) {
-                redundancy_doubts_z_part = redundancy_doubts_z - 1u;
+                redundancy_doubts_z_next = redundancy_doubts_z - 1u;
             } else {
-                redundancy_doubts_z_part = 0u;
+                redundancy_doubts_z_next = 0u;
             }
         }
     }
-    const bool suspect_y1_test_2 = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && (redundancy_doubts_z == 0u)) || z_unanswered);
+    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before_z)) && (redundancy_doubts_z == 0u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -453,28 +453,28 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
-    uint32_t still_still_y1 = 0u;
+    uint32_t still_y1 = 0u;
     if (same_y1) {
         const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+        still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
-    uint32_t still_still_y2 = 0u;
+    uint32_t still_y2 = 0u;
     if (same_y2) {
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        still_still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+        still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
     const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
-    uint32_t still_still_y3 = 0u;
+    uint32_t still_y3 = 0u;
     if (same_y3) {
         const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+        still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
     const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
-    uint32_t still_still_y4 = 0u;
+    uint32_t still_y4 = 0u;
     if (same_y4) {
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+        still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     bool suspect_y1 = false;
     bool suspect_y2 = false;
@@ -493,17 +493,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float z_held = z_accepted;
     bool regular = true;
     bool theta_measured = true;
-    uint32_t redundancy_excluded_y1_part = redundancy_excluded_y1;
-    uint32_t redundancy_excluded_y2_part = redundancy_excluded_y2;
-    uint32_t redundancy_excluded_y3_part = redundancy_excluded_y3;
-    uint32_t redundancy_excluded_y4_part = redundancy_excluded_y4;
-    uint32_t redundancy_excluded_x_part = redundancy_excluded_x;
-    uint32_t redundancy_excluded_z_part = redundancy_excluded_z;
+    uint32_t redundancy_excluded_y1_next = redundancy_excluded_y1;
+    uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
+    uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
+    uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
+    uint32_t redundancy_excluded_x_next = redundancy_excluded_x;
+    uint32_t redundancy_excluded_z_next = redundancy_excluded_z;
     uint32_t redundancy_contradictions_0_next = 0u;
-    uint32_t redundancy_stuck_0_part = redundancy_stuck_0;
-    uint32_t redundancy_undecided_0_part = redundancy_undecided_0;
-    uint32_t redundancy_degraded_part = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
+    uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
+    uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
+    uint32_t redundancy_degraded_next = redundancy_degraded;
+    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
         const float phi_2 = 0.397f * observer_phi_q;
@@ -520,78 +520,78 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool usable_y3 = good_y3 && (redundancy_excluded_y3 == 0u);
         const bool good_y4 = (faults & 0x00000008u) == 0u;
         const bool usable_y4 = good_y4 && (redundancy_excluded_y4 == 0u);
-        bool unusual_suspect_y1;
-        bool unusual_suspect_y2;
-        bool unusual_suspect_y3;
-        bool unusual_suspect_y4;
+        bool suspects_y1;
+        bool suspects_y2;
+        bool suspects_y3;
+        bool suspects_y4;
         bool determined;
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
             const bool agreeing = redundancy_undecided_0 == 0u;
             if (agreement || (guard_ready == 0u)) {
-                const bool suspect_y1_test_3 = redundancy_undecided_0 != 0u;
-                unusual_suspect_y1 = suspect_y1_test_3;
-                unusual_suspect_y2 = suspect_y1_test_3;
-                unusual_suspect_y3 = suspect_y1_test_3;
-                unusual_suspect_y4 = suspect_y1_test_3;
+                const bool suspect_y1_test = redundancy_undecided_0 != 0u;
+                suspects_y1 = suspect_y1_test;
+                suspects_y2 = suspect_y1_test;
+                suspects_y3 = suspect_y1_test;
+                suspects_y4 = suspect_y1_test;
                 determined = agreeing;
             } else {
-                const bool suspect_y1_test_4 = 3u <= still_still_y1;
-                const float suspect_y1_part_3 = 0.4f * size;
-                const bool suspect_y1_test_5 = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_4 = (suspect_y1_test_5) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_4 * (y1_accepted - y1_expected);
-                const bool candidate_y1 = suspect_y1_test_4 && (suspect_y1_part_3 < E_y1);
-                const bool suspect_y1_test_6 = 3u <= still_still_y2;
-                const float suspect_y1_part_5 = (suspect_y1_test_5) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_5 * (y2_accepted - y2_expected);
-                const bool candidate_y2 = suspect_y1_test_6 && (suspect_y1_part_3 < E_y2);
-                const bool suspect_y1_test_7 = 3u <= still_still_y3;
-                const float E_y3 = suspect_y1_part_4 * (y3_accepted - y3_expected);
-                const bool candidate_y3 = suspect_y1_test_7 && (suspect_y1_part_3 < E_y3);
-                const bool suspect_y1_test_8 = 3u <= still_still_y4;
-                const float E_y4 = suspect_y1_part_5 * (y4_accepted - y4_expected);
-                const bool candidate_y4 = suspect_y1_test_8 && (suspect_y1_part_3 < E_y4);
+                const bool still_y1_at_least_3 = 3u <= still_y1;
+                const float least_E = 0.4f * size;
+                const bool r_suspect_y1_positive = 0.0f < r_suspect_y1;
+                const float suspect_y1_part_2 = (r_suspect_y1_positive) ? 1.0f : -1.0f;
+                const float E_y1 = suspect_y1_part_2 * (y1_accepted - y1_expected);
+                const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
+                const bool still_y2_at_least_3 = 3u <= still_y2;
+                const float suspect_y1_part_3 = (r_suspect_y1_positive) ? -1.0f : 1.0f;
+                const float E_y2 = suspect_y1_part_3 * (y2_accepted - y2_expected);
+                const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
+                const bool still_y3_at_least_3 = 3u <= still_y3;
+                const float E_y3 = suspect_y1_part_2 * (y3_accepted - y3_expected);
+                const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
+                const bool still_y4_at_least_3 = 3u <= still_y4;
+                const float E_y4 = suspect_y1_part_3 * (y4_accepted - y4_expected);
+                const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
                 const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) + maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
-                const uint32_t suspect_y1_part_6 = maglev_5dof_flag(still_still_y1 < 3u) + maglev_5dof_flag(still_still_y2 < 3u) + maglev_5dof_flag(still_still_y3 < 3u);
+                const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) + maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
                 const bool first = candidates != 0u;
-                uint32_t suspect_y1_part_7 = 0u;
-                float suspect_y1_part_8 = 0.0f;
-                float suspect_y1_part_9 = 0.0f;
-                float suspect_y1_part_10 = 0.0f;
-                float suspect_y1_part_11 = 0.0f;
-                if ((suspect_y1_part_6 + maglev_5dof_flag(still_still_y4 < 3u)) == 3u) {
-                    const bool flag_suspect_y1 = 8u <= still_still_y1;
-                    const bool flag_suspect_y1_2 = 8u <= still_still_y2;
-                    const bool flag_suspect_y1_3 = 8u <= still_still_y3;
-                    const bool flag_suspect_y1_4 = 8u <= still_still_y4;
-                    suspect_y1_part_7 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) + maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
-                    const float suspect_y1_part_12 = 1.0f - (first ? 1.0f : 0.0f);
-                    suspect_y1_part_8 = (flag_suspect_y1) ? suspect_y1_part_12 : 0.0f;
-                    suspect_y1_part_9 = (flag_suspect_y1_2) ? suspect_y1_part_12 : 0.0f;
-                    suspect_y1_part_10 = (flag_suspect_y1_3) ? suspect_y1_part_12 : 0.0f;
-                    suspect_y1_part_11 = (flag_suspect_y1_4) ? suspect_y1_part_12 : 0.0f;
+                uint32_t suspect_y1_part_4 = 0u;
+                float preferred_y1 = 0.0f;
+                float preferred_y2 = 0.0f;
+                float preferred_y3 = 0.0f;
+                float preferred_y4 = 0.0f;
+                if (moving == 3u) {
+                    const bool flag_suspect_y1 = 8u <= still_y1;
+                    const bool flag_suspect_y1_2 = 8u <= still_y2;
+                    const bool flag_suspect_y1_3 = 8u <= still_y3;
+                    const bool flag_suspect_y1_4 = 8u <= still_y4;
+                    suspect_y1_part_4 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) + maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
+                    const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
+                    preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
                 }
-                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_7) != 0u;
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_8));
-                const float suspect_y1_part_13 = maglev_5dof_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_9));
-                const float suspect_y1_part_14 = maglev_5dof_max(suspect_y1_part_13, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
-                const float suspect_y1_part_15 = maglev_5dof_max(suspect_y1_part_14, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
-                const float best = maglev_5dof_max(suspect_y1_part_15, score_y4);
-                const float suspect_y1_part_16 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_13, score_y2)), maglev_5dof_min(suspect_y1_part_14, score_y3)), maglev_5dof_min(suspect_y1_part_15, score_y4));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - suspect_y1_part_16)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y1));
+                const float best_y1 = maglev_5dof_max(-10.0f, score_y1);
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y2));
+                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y3));
+                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + preferred_y4));
+                const float best = maglev_5dof_max(best_y3, score_y4);
+                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(best_y1, score_y2)), maglev_5dof_min(best_y2, score_y3)), maglev_5dof_min(best_y3, score_y4));
+                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - second)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
                 const bool least_upto_score_y1 = least <= score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                unusual_suspect_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
+                suspects_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
-                unusual_suspect_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
+                suspects_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
                 const bool least_upto_score_y3 = least <= score_y3;
-                unusual_suspect_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
+                suspects_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
-                unusual_suspect_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
+                suspects_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
                 y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
                 y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
                 y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
@@ -607,64 +607,64 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
                     contradictory_3 = false;
                     contradictory_4 = false;
                 }
-                redundancy_excluded_y1_part = maglev_5dof_flag(contradictory);
-                redundancy_excluded_y2_part = maglev_5dof_flag(contradictory_2);
-                redundancy_excluded_y3_part = maglev_5dof_flag(contradictory_3);
-                redundancy_excluded_y4_part = maglev_5dof_flag(contradictory_4);
+                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory);
+                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_2);
+                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_3);
+                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_4);
                 redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
-                const uint32_t redundancy_stuck_0_part_2 = maglev_5dof_flag(suspect_y1_test_4 && contradictory) + maglev_5dof_flag(suspect_y1_test_6 && contradictory_2) + maglev_5dof_flag(suspect_y1_test_7 && contradictory_3);
-                redundancy_stuck_0_part = maglev_5dof_flag((redundancy_stuck_0_part_2 + maglev_5dof_flag(suspect_y1_test_8 && contradictory_4) + redundancy_stuck_0) != 0u);
-                redundancy_undecided_0_part = waited;
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory) + maglev_5dof_flag(still_y2_at_least_3 && contradictory_2) + maglev_5dof_flag(still_y3_at_least_3 && contradictory_3);
+                redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part + maglev_5dof_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
+                redundancy_undecided_0_next = waited;
             }
         } else {
-            const bool suspect_y1_test_9 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 && (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
-            const uint32_t doubted = (suspect_y1_test_9) ? 1u : redundancy_undecided_0;
-            unusual_suspect_y1 = (redundancy_excluded_y1 + doubted) != 0u;
-            unusual_suspect_y2 = (redundancy_excluded_y2 + doubted) != 0u;
-            unusual_suspect_y3 = (redundancy_excluded_y3 + doubted) != 0u;
-            unusual_suspect_y4 = (redundancy_excluded_y4 + doubted) != 0u;
+            const bool suspect_y1_test_2 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 && (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
+            const uint32_t doubted = (suspect_y1_test_2) ? 1u : redundancy_undecided_0;
+            suspects_y1 = (redundancy_excluded_y1 + doubted) != 0u;
+            suspects_y2 = (redundancy_excluded_y2 + doubted) != 0u;
+            suspects_y3 = (redundancy_excluded_y3 + doubted) != 0u;
+            suspects_y4 = (redundancy_excluded_y4 + doubted) != 0u;
             const uint32_t missing = maglev_5dof_flag(!usable_y1) + maglev_5dof_flag(!usable_y2) + maglev_5dof_flag(!usable_y3) + maglev_5dof_flag(!usable_y4);
             gaps_sufficient = missing <= 2u;
-            const bool y1_held_test = missing <= 1u;
-            float y1_held_part = y1_expected;
-            float y2_held_part = y2_expected;
-            float y3_held_part = y3_expected;
-            float predicted = suspect_y1_part;
-            if (y1_held_test) {
-                y1_held_part = y1_accepted - r_suspect_y1;
-                y2_held_part = y2_accepted + r_suspect_y1;
-                y3_held_part = y3_accepted - r_suspect_y1;
+            const bool missing_at_most_1 = missing <= 1u;
+            float predicted_y1 = y1_expected;
+            float predicted_y2 = y2_expected;
+            float predicted_y3 = y3_expected;
+            float predicted_y4 = suspect_y1_part;
+            if (missing_at_most_1) {
+                predicted_y1 = y1_accepted - r_suspect_y1;
+                predicted_y2 = y2_accepted + r_suspect_y1;
+                predicted_y3 = y3_accepted - r_suspect_y1;
             } else {
-                predicted = y4_expected;
+                predicted_y4 = y4_expected;
             }
-            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : y1_held_part, 0.0322f), 0.0168f);
-            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : y2_held_part, 0.0366f), 0.0124f);
-            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : y3_held_part, 0.0322f), 0.0168f);
-            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted, 0.0366f), 0.0124f);
-            determined = y1_held_test && (doubted == 0u);
-            redundancy_undecided_0_part = doubted;
+            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, 0.0322f), 0.0168f);
+            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, 0.0366f), 0.0124f);
+            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, 0.0322f), 0.0168f);
+            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, 0.0366f), 0.0124f);
+            determined = missing_at_most_1 && (doubted == 0u);
+            redundancy_undecided_0_next = doubted;
         }
-        suspect_y1 = unusual_suspect_y1;
-        suspect_y2 = unusual_suspect_y2;
-        suspect_y3 = unusual_suspect_y3;
-        suspect_y4 = unusual_suspect_y4;
-        const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
-        const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
-        const bool usable_z_z_trusted = usable_z_suspect_z && (flag_suspect_z == 0u);
-        const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
-        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
-        const bool usable_x_x_trusted = usable_x_suspect_x && (unusual_suspect_x == 0u);
-        regular = usable_z_z_trusted && usable_x_x_trusted && determined;
+        suspect_y1 = suspects_y1;
+        suspect_y2 = suspects_y2;
+        suspect_y3 = suspects_y3;
+        suspect_y4 = suspects_y4;
+        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
+        const uint32_t flag_suspect_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
+        const bool unusual_z_trusted = usable_z && (flag_suspect_z == 0u);
+        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
+        const uint32_t suspects_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
+        const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
+        regular = unusual_z_trusted && unusual_x_trusted && determined;
         theta_measured = determined;
-        redundancy_degraded_part = ((flag_suspect_z != 0u) || (unusual_suspect_x != 0u) || unusual_suspect_y4 || unusual_suspect_y3 || unusual_suspect_y2 || unusual_suspect_y1) ? 1u : redundancy_degraded;
-        suspect_x = unusual_suspect_x;
+        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspects_y4 || suspects_y3 || suspects_y2 || suspects_y1) ? 1u : redundancy_degraded;
+        suspect_x = suspects_x;
         suspect_z = flag_suspect_z;
-        x_trusted = usable_x_x_trusted;
-        z_trusted = usable_z_z_trusted;
-        x_held = (usable_x_x_trusted) ? x_accepted : observer_x_q;
-        z_held = (usable_z_z_trusted) ? z_accepted : observer_z_q;
-        redundancy_excluded_x_part = unusual_suspect_x;
-        redundancy_excluded_z_part = flag_suspect_z;
+        x_trusted = unusual_x_trusted;
+        z_trusted = unusual_z_trusted;
+        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
+        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
+        redundancy_excluded_x_next = suspects_x;
+        redundancy_excluded_z_next = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->y1_expected = y1_expected;
@@ -691,14 +691,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float nu_z_disturbance = z_held - observer_z_q;
     const float delay_a_z_last = state->delay_a_z_last;
     float z_disturbance = 0.0f;
-    float i_d1_computed_part = 0.0f;
+    float direction = 0.0f;
     float observer_z_g_part = 0.0f;
     if (z_trusted) {
         const float z_disturbance_part = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
         z_disturbance = z_disturbance_part;
         observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part);
     } else {
-        i_d1_computed_part = -1.0f;
+        direction = -1.0f;
     }
     const float nu_x_disturbance = x_held - observer_x_q;
     const float delay_a_x_last = state->delay_a_x_last;
@@ -709,7 +709,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         x_disturbance = x_disturbance_part;
         observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part);
     } else {
-        i_d1_computed_part = 1.0f;
+        direction = 1.0f;
     }
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
@@ -858,9 +858,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* landing: ramps and state feedback */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
-        const bool w_phi_test = landing_left <= 1u;
+        const bool landing_left_at_most_1 = landing_left <= 1u;
         uint32_t landing = 1u;
-        if (waiting && w_phi_test) {
+        if (waiting && landing_left_at_most_1) {
             state->landing_landing = 1u;
         } else {
             landing = landing_landing;
@@ -877,37 +877,37 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             w_phi = -11250.0f * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
             float r_w_y = landing_r_y;
-            float w_y_part = y_rate;
-            float w_x_unprobed_part = x_estimate;
-            float w_x_unprobed_part_2 = x_rate;
-            float w_z_unprobed_part = z_estimate;
-            float w_z_unprobed_part_2 = z_rate;
+            float dr_w_y = y_rate;
+            float r_w_x = x_estimate;
+            float dr_w_x = x_rate;
+            float r_w_z = z_estimate;
+            float dr_w_z = z_rate;
             if (landing_landing != 0u) {
-                w_y_part = state->landing_dr_y;
-                w_x_unprobed_part = state->landing_r_x;
-                w_x_unprobed_part_2 = state->landing_dr_x;
-                w_z_unprobed_part = state->landing_r_z;
-                w_z_unprobed_part_2 = state->landing_dr_z;
+                dr_w_y = state->landing_dr_y;
+                r_w_x = state->landing_r_x;
+                dr_w_x = state->landing_dr_x;
+                r_w_z = state->landing_r_z;
+                dr_w_z = state->landing_dr_z;
             } else {
                 r_w_y = y_estimate;
             }
-            const float w_y_part_2 = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
-            const float w_y_part_3 = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + (maglev_5dof_limit(1000.0f * (w_y_part_2 - w_y_part), 2.0f) - y_disturbance);
-            w_y = w_y_part_3;
-            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - x_estimate)) + (60.0f * (w_x_unprobed_part_2 - x_rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - x_disturbance);
-            w_x_unprobed = w_x_unprobed_part_3;
-            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - z_estimate)) + (60.0f * (w_z_unprobed_part_2 - z_rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - z_disturbance);
-            w_z_unprobed = w_z_unprobed_part_3;
-            const float landing_dr_y_next = maglev_5dof_slew(w_y_part, w_y_part_2, 0.002f);
-            const float landing_r_y_part_2 = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (w_y_part + landing_dr_y_next)), 0.0326f), -0.5f) : y_estimate;
-            landing_r_y_part = landing_r_y_part_2;
-            state->landing_dr_y = landing_dr_y_next;
-            const float landing_dr_x_next = maglev_5dof_slew(w_x_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_dr_x_next)), 0.5f) : x_estimate;
-            state->landing_dr_x = landing_dr_x_next;
-            const float faster = maglev_5dof_slew(w_z_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster)), 0.5f) : z_estimate;
-            state->landing_dr_z = faster;
+            const float target_w_y = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
+            const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) + (maglev_5dof_limit(1000.0f * (target_w_y - dr_w_y), 2.0f) - y_disturbance);
+            w_y = demand_w_y;
+            const float demand_w_x = (900.0f * (r_w_x - x_estimate)) + (60.0f * (dr_w_x - x_rate)) + (maglev_5dof_limit(-1000.0f * dr_w_x, 4.0f) - x_disturbance);
+            w_x_unprobed = demand_w_x;
+            const float demand_w_z = (900.0f * (r_w_z - z_estimate)) + (60.0f * (dr_w_z - z_rate)) + (maglev_5dof_limit(-1000.0f * dr_w_z, 4.0f) - z_disturbance);
+            w_z_unprobed = demand_w_z;
+            const float faster_w_y = maglev_5dof_slew(dr_w_y, target_w_y, 0.002f);
+            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (dr_w_y + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
+            landing_r_y_part = ahead_w_y;
+            state->landing_dr_y = faster_w_y;
+            const float faster_w_x = maglev_5dof_slew(dr_w_x, 0.0f, 0.004f);
+            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)), 0.5f) : x_estimate;
+            state->landing_dr_x = faster_w_x;
+            const float faster_w_z = maglev_5dof_slew(dr_w_z, 0.0f, 0.004f);
+            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)), 0.5f) : z_estimate;
+            state->landing_dr_z = faster_w_z;
         } else {
             /* regulator_y: F(14)-(16)
              *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
@@ -1065,7 +1065,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_q4 = u_x_computed;
 
         /* landing: ramps and state feedback */
-        state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
         /* probe_z: probe at rest */
@@ -1112,24 +1112,24 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             /* safe_output: slew to the safe output once latched */
-            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : i_d1_computed_part, 0.04f);
+            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : direction, 0.04f);
             const bool of_x = 0.0f < transfer;
             const float part = fabsf(transfer);
             const float part_z = (of_x) ? 0.0f : part;
-            const float i_d1_computed_part_2 = 1.0f - part_z;
+            const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
-            const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
+            const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = i_d1_computed_part_2 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z, room_i_d1_computed);
             out->i_d1 = state->safe_output_last_i_d1;
-            const float i_d2_computed_part = 1.0f - part_x;
-            const float i_d2_computed_part_2 = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            const float remainder_x = 1.0f - part_x;
+            const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x, i_d2_computed_part);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = i_d1_computed_part_2 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z, room_i_d1_computed);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x, i_d2_computed_part);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
@@ -1180,31 +1180,31 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* redundancy: parity, innovations, frozen codes */
         state->redundancy_code_y1 = y1_accepted;
-        state->redundancy_still_y1 = still_still_y1;
-        state->redundancy_excluded_y1 = redundancy_excluded_y1_part;
+        state->redundancy_still_y1 = still_y1;
+        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
         state->redundancy_code_y2 = y2_accepted;
-        state->redundancy_still_y2 = still_still_y2;
-        state->redundancy_excluded_y2 = redundancy_excluded_y2_part;
+        state->redundancy_still_y2 = still_y2;
+        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
         state->redundancy_code_y3 = y3_accepted;
-        state->redundancy_still_y3 = still_still_y3;
-        state->redundancy_excluded_y3 = redundancy_excluded_y3_part;
+        state->redundancy_still_y3 = still_y3;
+        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
         state->redundancy_code_y4 = y4_accepted;
-        state->redundancy_still_y4 = still_still_y4;
-        state->redundancy_excluded_y4 = redundancy_excluded_y4_part;
+        state->redundancy_still_y4 = still_y4;
+        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
         state->redundancy_code_x = x_accepted;
         state->redundancy_still_x = x_unchanged;
-        state->redundancy_excluded_x = redundancy_excluded_x_part;
-        state->redundancy_doubts_x = redundancy_doubts_x_part;
-        state->redundancy_before_x = suspect_y1_part_2;
+        state->redundancy_excluded_x = redundancy_excluded_x_next;
+        state->redundancy_doubts_x = redundancy_doubts_x_next;
+        state->redundancy_before_x = before_x;
         state->redundancy_code_z = z_accepted;
         state->redundancy_still_z = z_unchanged;
-        state->redundancy_excluded_z = redundancy_excluded_z_part;
-        state->redundancy_doubts_z = redundancy_doubts_z_part;
-        state->redundancy_before_z = before;
+        state->redundancy_excluded_z = redundancy_excluded_z_next;
+        state->redundancy_doubts_z = redundancy_doubts_z_next;
+        state->redundancy_before_z = before_z;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
-        state->redundancy_stuck_0 = redundancy_stuck_0_part;
-        state->redundancy_undecided_0 = redundancy_undecided_0_part;
-        state->redundancy_degraded = redundancy_degraded_part;
+        state->redundancy_stuck_0 = redundancy_stuck_0_next;
+        state->redundancy_undecided_0 = redundancy_undecided_0_next;
+        state->redundancy_degraded = redundancy_degraded_next;
 
         /* observer_y: predictive observer, alpha-beta-gamma */
         state->observer_y_d = y_disturbance;

@@ -310,16 +310,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         bool suspect_V_cx_test;
         bool suspect_V_cy_test = m_exceeds_y;
         if (is_jump) {
-            const bool below_nearly_zero_m = size_x < nearly_zero_m;
-            const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test = r_exceeds_x && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
-            const bool nearly_zero = size_y < nearly_zero_m;
-            const float change = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = r_exceeds_y && (!nearly_zero || (change < small_m));
-            suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < size_x;
-            suspect_V_by_test = r_exceeds_y && nearly_zero;
-            suspect_V_cx_test = r_exceeds_x && below_nearly_zero_m;
-            suspect_V_cy_test = (change + nearly_zero_m) < size_y;
+            const bool nearly_zero_x = size_x < nearly_zero_m;
+            const float change_x = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
+            suspect_V_ax_test = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
+            const bool nearly_zero_y = size_y < nearly_zero_m;
+            const float change_y = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
+            suspect_V_ay_test = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
+            suspect_V_bx_test = (change_x + nearly_zero_m) < size_x;
+            suspect_V_by_test = r_exceeds_y && nearly_zero_y;
+            suspect_V_cx_test = r_exceeds_x && nearly_zero_x;
+            suspect_V_cy_test = (change_y + nearly_zero_m) < size_y;
         } else {
             const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
             suspect_V_ax_test = any_r_exceeds || m_exceeds_x;
@@ -647,12 +647,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         out->i_AA = i_AA_computed;
-        const float i_AB_computed_part = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
+        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
-        const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
+        const float i_AB_computed = beta_A - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
+        const float i_AC_computed = -(half_i_AA_computed + beta_A);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         out->i_AC = i_AC_computed;
         const float angles_B_1 = cc + i_AA_computed_part_times_sy;
@@ -660,12 +660,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         out->i_BA = i_BA_computed;
-        const float i_BB_computed_part = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
+        const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
-        const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
+        const float i_BB_computed = beta_B - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
+        const float i_BC_computed = -(half_i_BA_computed + beta_B);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
@@ -675,12 +675,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         out->i_CA = i_CA_computed;
-        const float beta = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
+        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
-        const float i_CB_computed = beta - half_i_CA_computed;
+        const float i_CB_computed = beta_C - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(half_i_CA_computed + beta);
+        const float i_CC_computed = -(half_i_CA_computed + beta_C);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;

@@ -59,7 +59,7 @@ class _Printer:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
         self.users = program.users()
-        self.naming = naming.Naming(program, self.locals.name)
+        self.naming = naming.Naming(program, self.locals.name, self.locals.shared)
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
         self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
