@@ -54,7 +54,7 @@ def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple
             running = loops.pop(frame, None)
             names.update(running.scalars(frame) if running else _computed_scalars(frame.f_locals))
 
-    def at_call(frame: FrameType, event: str, _: object) -> Callable[[FrameType, str, object], object] | None:
+    def at_call(frame: FrameType, event: str, _: object) -> Any:
         if not _computes(frame) or not _loop_lines(frame.f_code):
             return None
         loops[frame] = _Loops(frame)
@@ -84,7 +84,7 @@ class _Loops:
         self.each: dict[str, ca.SX] = {}
         self.updated: dict[str, ca.SX] = {}
 
-    def at_line(self, frame: FrameType, event: str, _: object) -> object:
+    def at_line(self, frame: FrameType, event: str, _: object) -> Any:
         """Name what the line before has bound, while the loop's targets still have the values of its iteration."""
         if event == "line":
             self._name_bound(frame)

@@ -70,15 +70,18 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
 }
 
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
-uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out)
 {
     return maglev_5dof_phase_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out,
     maglev_5dof_phase_diagnostics_t *diagnostics)
 #else
-uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out)
 #endif
 {
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
@@ -92,16 +95,26 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 #endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
-    const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u, &faults);
-    const float i_d2_held = maglev_5dof_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2, 0x00000002u, &faults);
-    const float i_d3_held = maglev_5dof_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3, 0x00000004u, &faults);
-    const float i_d4_held = maglev_5dof_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4, 0x00000008u, &faults);
-    const float i_q1_held = maglev_5dof_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1, 0x00000010u, &faults);
-    const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u, &faults);
-    const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u, &faults);
-    const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u, &faults);
-    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
-    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
+    const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u,
+        &faults);
+    const float i_d2_held = maglev_5dof_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2, 0x00000002u,
+        &faults);
+    const float i_d3_held = maglev_5dof_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3, 0x00000004u,
+        &faults);
+    const float i_d4_held = maglev_5dof_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4, 0x00000008u,
+        &faults);
+    const float i_q1_held = maglev_5dof_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1, 0x00000010u,
+        &faults);
+    const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u,
+        &faults);
+    const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u,
+        &faults);
+    const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u,
+        &faults);
+    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u,
+        &faults);
+    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u,
+        &faults);
 
     /* advance: positions 1.5 samples later, when the currents act
      *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise

@@ -125,7 +125,8 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float prediction_p = now + angle_part;
     const float prediction_s = angle_part + a;
     float angle = now;
-    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <= parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
+    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <=
+            parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
         state->p = prediction_p;
         state->s = prediction_s;
         state->h = a;
@@ -147,7 +148,8 @@ typedef struct {
  * (24); lead-lag, (25)
  *     d_x = gain * (x_ref_held - x) + lead + integral
  *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
-PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const planar_6dof_leadlag_loop_state_t *state,
+PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
+    planar_6dof_leadlag_loop_state_t *state,
     float gain, float ref_held, float value)
 {
     const float error = ref_held - value;
@@ -175,15 +177,18 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
 }
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out)
+uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out)
 {
     return planar_6dof_leadlag_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out,
+uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out,
     planar_6dof_leadlag_diagnostics_t *diagnostics)
 #else
-uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out)
+uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out)
 #endif
 {
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
@@ -262,21 +267,33 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 #endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
-    const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
-    const float V_ay_held = planar_6dof_leadlag_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, &faults);
-    const float V_bx_held = planar_6dof_leadlag_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u, &faults);
-    const float V_by_held = planar_6dof_leadlag_replace_within(in->V_by, 5.0f, guard_refused_V_by, 0x00000008u, &faults);
-    const float V_cx_held = planar_6dof_leadlag_replace_within(in->V_cx, 5.0f, guard_refused_V_cx, 0x00000010u, &faults);
-    const float V_cy_held = planar_6dof_leadlag_replace_within(in->V_cy, 5.0f, guard_refused_V_cy, 0x00000020u, &faults);
+    const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u,
+        &faults);
+    const float V_ay_held = planar_6dof_leadlag_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u,
+        &faults);
+    const float V_bx_held = planar_6dof_leadlag_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u,
+        &faults);
+    const float V_by_held = planar_6dof_leadlag_replace_within(in->V_by, 5.0f, guard_refused_V_by, 0x00000008u,
+        &faults);
+    const float V_cx_held = planar_6dof_leadlag_replace_within(in->V_cx, 5.0f, guard_refused_V_cx, 0x00000010u,
+        &faults);
+    const float V_cy_held = planar_6dof_leadlag_replace_within(in->V_cy, 5.0f, guard_refused_V_cy, 0x00000020u,
+        &faults);
     const float d1_held = planar_6dof_leadlag_hold_within(in->d1, 0.0005f, &state->guard_last_d1, 0x00000040u, &faults);
     const float d2_held = planar_6dof_leadlag_hold_within(in->d2, 0.0005f, &state->guard_last_d2, 0x00000080u, &faults);
     const float d3_held = planar_6dof_leadlag_hold_within(in->d3, 0.0005f, &state->guard_last_d3, 0x00000100u, &faults);
-    const float x_ref_held = planar_6dof_leadlag_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u, &faults);
-    const float y_ref_held = planar_6dof_leadlag_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u, &faults);
-    const float phi_ref_held = planar_6dof_leadlag_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref, 0x00000800u, &faults);
-    const float z_ref_held = planar_6dof_leadlag_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u, &faults);
-    const float theta_ref_held = planar_6dof_leadlag_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
-    const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
+    const float x_ref_held = planar_6dof_leadlag_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u,
+        &faults);
+    const float y_ref_held = planar_6dof_leadlag_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u,
+        &faults);
+    const float phi_ref_held = planar_6dof_leadlag_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref,
+        0x00000800u, &faults);
+    const float z_ref_held = planar_6dof_leadlag_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u,
+        &faults);
+    const float theta_ref_held = planar_6dof_leadlag_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref,
+        0x00002000u, &faults);
+    const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref,
+        0x00004000u, &faults);
 
     /* sensing: position and yaw, (1)-(5)
      *     ratio_x = limit((V_ax_held - filter_phi_p * V_ay_held) * (filter_phi_p * V_ay_held - V_bx_held) /
@@ -287,15 +304,17 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
      *         least_square)), 1) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch (continued) */
     bool complete = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
+            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
+            sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
@@ -327,7 +346,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y && !is_jump);
+        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y &&
+            !is_jump);
         const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
         const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
         const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
@@ -401,7 +421,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
 
-        /* guard: range acceptance, hold, latch */
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
@@ -411,7 +431,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* filter_x: Kalman filter, (6)-(16) */
         const float filter_x_p = state->filter_x.p;
 
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) (continued) */
         const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
         const float X_c = filter_phi_p_times_V_ay - V_bx_held;
         const float X_s = V_ax_held - filter_phi_p_times_V_ay;
@@ -420,21 +440,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
         const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
         const float Y_s_squared = Y_s * Y_s;
-        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
+            sensing_slope_1)));
         const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
         const float X_c_squared = X_c * X_c;
         const float X_s_squared = X_s * X_s;
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
+        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
+            ratio_y_part);
         const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
         const float X_s_times_X_c = X_s * X_c;
         const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x
+            * sensing_power_2))));
         const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
         const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
+            (product_m_y * sensing_power_2))));
         const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
+        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) &&
+            ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
         const bool accept = !contradicts && complete;
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
@@ -446,7 +471,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float sensing_within_x_next;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
@@ -481,10 +507,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             }
             x_raw = sensing_within_x_next + offset_x;
             within_x = sensing_within_x_next;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
+            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared)
+                + least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float at;
             if (Y_s_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
@@ -522,7 +550,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             within_y = at;
             state->sensing_within_y = at;
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) /
+                ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
             phi_raw_part = phi_raw_part_2;
         } else {
             within_x = state->sensing_within_x;
@@ -559,20 +588,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
-        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x, loop_x_gain, x_ref_held, x);
-        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y, loop_y_gain, y_ref_held, y);
-        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi, loop_phi_gain, phi_ref_held, phi);
-        const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z, loop_z_gain, z_ref_held, z);
+        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x,
+            loop_x_gain, x_ref_held, x);
+        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y,
+            loop_y_gain, y_ref_held, y);
+        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi,
+            loop_phi_gain, phi_ref_held, phi);
+        const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z,
+            loop_z_gain, z_ref_held, z);
 
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
         state->loop_z.lead = loop_z_lead_input * loop_z_output.error;
-        const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta, loop_theta_gain, theta_ref_held, theta);
+        const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta,
+            loop_theta_gain, theta_ref_held, theta);
 
         /* loop_theta: lead-lag, (24)
          *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
         state->loop_theta.lead = loop_theta_lead_input * loop_theta_output.error;
-        const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi, loop_psi_gain, psi_ref_held, psi);
+        const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi,
+            loop_psi_gain, psi_ref_held, psi);
 
         /* loop_psi: lead-lag, (25)
          *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
@@ -593,9 +628,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float cos_phi_argument = phi * phi;
         const float cos_i_CQ = cos_phi_polynomial(cos_phi_argument);
         const float sin_i_CQ = phi * sin_phi_polynomial(cos_phi_argument);
-        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d), planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
+        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d),
+            planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
         const float yaw = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ * loop_x_output.d)), quadrature_limit - fabsf(yaw));
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ *
+            loop_x_output.d)), quadrature_limit - fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
         const float front_i_AD = loop_z_output.d - loop_theta_output.d;
@@ -611,15 +648,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
-        /* loop_z: lead-lag, (23) */
-        const float integral = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        /* loop_z: lead-lag, (23) (continued) */
+        const float integral = (loop_z_integral_decay * state->loop_z.integral) +
+            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
         state->loop_z.integral = integral;
 
-        /* loop_theta: lead-lag, (24) */
-        state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) + (loop_theta_integral_input * achieved_theta);
+        /* loop_theta: lead-lag, (24) (continued) */
+        state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
+            (loop_theta_integral_input * achieved_theta);
 
-        /* loop_psi: lead-lag, (25) */
-        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        /* loop_psi: lead-lag, (25) (continued) */
+        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) +
+            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
         state->loop_psi.integral = integral_3;
 
         /* commutation: phase currents, (17) inverted
@@ -631,7 +671,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
+        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
+            distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
@@ -726,7 +767,8 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit -
+                fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;

@@ -115,15 +115,18 @@ void planar_6dof_lqg_init(planar_6dof_lqg_state_t *state)
 }
 
 #if defined(PLANAR_6DOF_LQG_DIAGNOSTICS)
-uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
+uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out)
 {
     return planar_6dof_lqg_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out,
+uint32_t planar_6dof_lqg_step_diagnosed(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out,
     planar_6dof_lqg_diagnostics_t *diagnostics)
 #else
-uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in, planar_6dof_lqg_output_t *out)
+uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_lqg_input_t *in,
+    planar_6dof_lqg_output_t *out)
 #endif
 {
     static const float least_square = 8.612998e-06f;            /* V^2; 1e-06 A^2: keeps a divisor from 0 */
@@ -225,12 +228,18 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
     const float d1_held = planar_6dof_lqg_hold_within(in->d1, 0.0005f, &state->guard_last_d1, 0x00000040u, &faults);
     const float d2_held = planar_6dof_lqg_hold_within(in->d2, 0.0005f, &state->guard_last_d2, 0x00000080u, &faults);
     const float d3_held = planar_6dof_lqg_hold_within(in->d3, 0.0005f, &state->guard_last_d3, 0x00000100u, &faults);
-    const float x_ref_held = planar_6dof_lqg_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u, &faults);
-    const float y_ref_held = planar_6dof_lqg_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u, &faults);
-    const float phi_ref_held = planar_6dof_lqg_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref, 0x00000800u, &faults);
-    const float z_ref_held = planar_6dof_lqg_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u, &faults);
-    const float theta_ref_held = planar_6dof_lqg_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
-    const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
+    const float x_ref_held = planar_6dof_lqg_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u,
+        &faults);
+    const float y_ref_held = planar_6dof_lqg_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u,
+        &faults);
+    const float phi_ref_held = planar_6dof_lqg_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref, 0x00000800u,
+        &faults);
+    const float z_ref_held = planar_6dof_lqg_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u,
+        &faults);
+    const float theta_ref_held = planar_6dof_lqg_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref,
+        0x00002000u, &faults);
+    const float psi_ref_held = planar_6dof_lqg_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u,
+        &faults);
 
     /* sensing: position and yaw, (1)-(5)
      *     ratio_x = limit((V_ax_held - phi_raw * V_ay_held) * (phi_raw * V_ay_held - V_bx_held) /
@@ -241,15 +250,17 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
      *         1) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch (continued) */
     bool complete = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
+            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
+            sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
@@ -281,7 +292,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y && !is_jump);
+        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y &&
+            !is_jump);
         const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
         const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
         const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
@@ -355,11 +367,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         state->safe_output_last_i_CC = planar_6dof_lqg_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
 
-        /* guard: range acceptance, hold, latch */
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_phi_raw = state->sensing_phi_raw;
         const float sensing_phi_raw_times_V_ay = sensing_phi_raw * V_ay_held;
         const float X_c = sensing_phi_raw_times_V_ay - V_bx_held;
@@ -369,21 +381,26 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
         const float Y_s = V_ay_held + sensing_phi_raw_times_V_ax;
         const float Y_s_squared = Y_s * Y_s;
-        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
+        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
+            sensing_slope_1)));
         const float r_1 = V_by_held - V_ay_held - (h1 * sensing_phi_raw);
         const float X_c_squared = X_c * X_c;
         const float X_s_squared = X_s * X_s;
-        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
+        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
+            ratio_y_part);
         const float r_2 = V_cx_held - V_ax_held + (h2 * sensing_phi_raw);
         const float X_s_times_X_c = X_s * X_c;
         const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
+        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x
+            * sensing_power_2))));
         const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
         const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
+        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
+            (product_m_y * sensing_power_2))));
         const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
         const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
+        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) &&
+            ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
         const bool accept = !contradicts && complete;
         const float sensing_within_x = state->sensing_within_x;
         const float sensing_within_y = state->sensing_within_y;
@@ -398,7 +415,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             const float ratio_x = X_s_times_X_c / (planar_6dof_lqg_max(X_s_squared, X_c_squared) + least_square);
             /*@ admit -1.0f <= ratio_x <= 1.0f; */
             const float ratio_x_squared = ratio_x * ratio_x;
-            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
             float sensing_within_x_next;
             if (X_s_squared <= X_c_squared) {
                 if (X_c < 0.0f) {
@@ -432,10 +450,12 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             }
             x_raw = sensing_within_x_next + offset_x;
             within_x = sensing_within_x_next;
-            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) + least_square));
+            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_lqg_max(Y_s_squared, ratio_y_part_squared) +
+                least_square));
             /*@ admit -1.0f <= ratio_y <= 1.0f; */
             const float ratio_y_squared = ratio_y * ratio_y;
-            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
             float at;
             if (Y_s_squared <= ratio_y_part_squared) {
                 if (-ratio_y_part < 0.0f) {
@@ -472,7 +492,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             within_y = at;
             state->sensing_within_y = at;
             const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) /
+                ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
             phi_raw_part = phi_raw_part_2;
         } else {
             x_raw = sensing_within_x + sensing_offset_x;
@@ -530,7 +551,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         }
         const float lqg_x_achieved = state->lqg_x_achieved;
         const float d_x_part = now_d_x + seen_d_x + (lqg_x_achieved_gain * lqg_x_achieved);
-        const float d_x = (lqg_x_error_gain * ((is_small_d_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ? -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part);
+        const float d_x = (lqg_x_error_gain * ((is_small_d_x) ? x_ref_minus_x_raw : ((x_ref_minus_x_raw < 0.0f) ?
+            -lqg_x_largest_error : lqg_x_largest_error))) + (lqg_x_integral - d_x_part);
         state->lqg_x_x3 = (lqg_x_F * now_d_x) + (lqg_x_G * x_raw) + (lqg_x_H * lqg_x_achieved);
 
         /* lqg_y: reduced-order LQG, (28)-(35), (49)
@@ -540,7 +562,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float lqg_y_integral = state->lqg_y_integral;
         const float lqg_y_achieved = state->lqg_y_achieved;
         const float d_y_part = now_d_y + seen_d_y + (lqg_y_achieved_gain * lqg_y_achieved);
-        const float d_y = (lqg_y_error_gain * ((is_small_d_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ? -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part);
+        const float d_y = (lqg_y_error_gain * ((is_small_d_y) ? y_ref_minus_y_raw : ((y_ref_minus_y_raw < 0.0f) ?
+            -lqg_y_largest_error : lqg_y_largest_error))) + (lqg_y_integral - d_y_part);
         state->lqg_y_x3 = (lqg_y_F * now_d_y) + (lqg_y_G * y_raw) + (lqg_y_H * lqg_y_achieved);
 
         /* lqg_phi: reduced-order LQG, (28)-(35), (49)
@@ -591,9 +614,11 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float cos_phi_raw_argument = phi_raw * phi_raw;
         const float cos_i_CQ = cos_phi_raw_polynomial(cos_phi_raw_argument);
         const float sin_i_CQ = phi_raw * sin_phi_raw_polynomial(cos_phi_raw_argument);
-        const float i_CQ = planar_6dof_lqg_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y), planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
+        const float i_CQ = planar_6dof_lqg_limit((cos_i_CQ * d_x) + (sin_i_CQ * d_y),
+            planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit));
         const float yaw = planar_6dof_lqg_limit(d_phi + i_CQ, quadrature_limit);
-        const float half = planar_6dof_lqg_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit - fabsf(yaw));
+        const float half = planar_6dof_lqg_limit(0.5f * ((cos_i_CQ * d_y) - (sin_i_CQ * d_x)), quadrature_limit -
+            fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
         const float front_i_AD = d_z - d_theta;
@@ -606,29 +631,35 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
-        /* lqg_x: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_x: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_x_integral_part = lqg_x_integral_decay * lqg_x_integral;
-        state->lqg_x_integral = (is_small_d_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x + d_x_part))) : lqg_x_integral_part;
+        state->lqg_x_integral = (is_small_d_x) ? (lqg_x_integral_part + (lqg_x_integral_input * (achieved_x +
+            d_x_part))) : lqg_x_integral_part;
         state->lqg_x_achieved = achieved_x;
 
-        /* lqg_y: reduced-order LQG, (28)-(35), (49) */
+        /* lqg_y: reduced-order LQG, (28)-(35), (49) (continued) */
         const float lqg_y_integral_part = lqg_y_integral_decay * lqg_y_integral;
-        state->lqg_y_integral = (is_small_d_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y + d_y_part))) : lqg_y_integral_part;
+        state->lqg_y_integral = (is_small_d_y) ? (lqg_y_integral_part + (lqg_y_integral_input * (achieved_y +
+            d_y_part))) : lqg_y_integral_part;
         state->lqg_y_achieved = achieved_y;
 
-        /* lqg_phi: reduced-order LQG, (28)-(35), (49) */
-        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi + d_phi_part));
+        /* lqg_phi: reduced-order LQG, (28)-(35), (49) (continued) */
+        state->lqg_phi_integral = (lqg_phi_integral_decay * lqg_phi_integral) + (lqg_phi_integral_input * (achieved_phi
+            + d_phi_part));
         state->lqg_phi_achieved = achieved_phi;
 
-        /* loop_z: lead-lag, (23) */
-        const float integral_4 = (loop_z_integral_decay * loop_z_integral) + (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        /* loop_z: lead-lag, (23) (continued) */
+        const float integral_4 = (loop_z_integral_decay * loop_z_integral) +
+            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
         state->loop_z_integral = integral_4;
 
-        /* loop_theta: lead-lag, (24) */
-        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input * achieved_theta);
+        /* loop_theta: lead-lag, (24) (continued) */
+        state->loop_theta_integral = (loop_theta_integral_decay * loop_theta_integral) + (loop_theta_integral_input *
+            achieved_theta);
 
-        /* loop_psi: lead-lag, (25) */
-        const float integral_6 = (loop_psi_integral_decay * loop_psi_integral) + (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        /* loop_psi: lead-lag, (25) (continued) */
+        const float integral_6 = (loop_psi_integral_decay * loop_psi_integral) +
+            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
         state->loop_psi_integral = integral_6;
 
         /* commutation: phase currents, (17) inverted
@@ -640,7 +671,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
         const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
         const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
+        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
+            distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
@@ -732,7 +764,8 @@ uint32_t planar_6dof_lqg_step(planar_6dof_lqg_state_t *state, const planar_6dof_
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_lqg_max(quadrature_limit - fabsf(d_phi),
+                half_quadrature_limit)) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;

@@ -64,7 +64,7 @@ class _Printer:
         self.returned: dict[str, str] = {}
         self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
         self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
-        self.printed: list[Line] = []
+        self.printed, self.opened = list[Line](), set[str]()  # lines, and titles of the sections so far
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
@@ -280,7 +280,9 @@ class _Printer:
                 not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
             )
             self.printed += [] if opened else [Line("")]
-            rows = opening([self.tag], self.equations.pop(self.tag, ()))
+            title = f"{self.tag} (continued)" if self.tag in self.opened else self.tag
+            self.opened.add(self.tag)
+            rows = opening([title], self.equations.pop(self.tag, ()))
             self.printed += [Line("    " * depth + row, self.tag) for row in rows]
         self.shown = self.tag
         return self.printed

@@ -18,7 +18,7 @@ from tests.emit.passes.test_guards import F32
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
 NAMES = sorted(path.parent.name for path in GENERATED.glob("*/manifest.json"))
-LOCAL = re.compile(r"^ +(?:const )?(?:float|bool|uint32_t) (\w+)(?: = .*)?;$", re.MULTILINE)
+LOCAL = re.compile(r"^ +(?:const )?(?:float|bool|uint32_t) (\w+)(?: = [^;]*)?;$", re.MULTILINE)
 
 
 def committed(name: str) -> dict[str, str]:
@@ -87,11 +87,11 @@ def test_sizes_are_asserted(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_committed_c_has_no_unnamed_local_and_no_long_comment(name: str) -> None:
+def test_committed_c_has_no_unnamed_local_and_no_long_line(name: str) -> None:
     text = committed(name)[f"{name}.c"]
     names = LOCAL.findall(text)
     assert names and not [n for n in names if re.fullmatch(r"t\d+", n)]
-    assert not [line for line in text.splitlines() if line.lstrip().startswith(("/*", "*")) and len(line) > 120]
+    assert not [line for line in text.splitlines() if len(line) > 120]
     assert "(1.0f != 0.0f)" not in text
 
 
