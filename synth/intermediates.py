@@ -100,7 +100,7 @@ class _Loops:
     def _name_bound(self, frame: FrameType) -> None:
         changed = {n: v for n, v in frame.f_locals.items() if v is not self.bound.get(n)}
         suffix = _suffix([frame.f_locals.get(t) for t in self.lines.get(self.line, ())])
-        plain = [n for n, v in changed.items() if n not in SKIPPED and _is_computed(v)]
+        plain = [n for n, v in changed.items() if n not in SKIPPED and _is_computation(v)]
         for name in plain if suffix else ():
             self.new |= set() if name in self.bound else {name}
             values = self.each if name in self.new else self.updated
@@ -108,7 +108,7 @@ class _Loops:
         self.bound |= changed
 
 
-def _is_computed(value: object) -> bool:
+def _is_computation(value: object) -> bool:
     return isinstance(value, ca.SX) and value.is_scalar() and not (value.is_constant() or value.is_symbolic())
 
 
@@ -149,7 +149,7 @@ def _computed_scalars(variables: Mapping[str, object]) -> dict[int, tuple[str, c
     named: dict[int, tuple[str, ca.SX]] = {}
     for variable, held in (plain | kept).items():
         for name, expr in _scalars(variable.rstrip("_"), held, DEPTH):
-            if _is_computed(expr) and len(name) <= LONGEST and _NAME.fullmatch(name):
+            if _is_computation(expr) and len(name) <= LONGEST and _NAME.fullmatch(name):
                 named.setdefault(expr.element_hash(), (name, expr))
     return named
 

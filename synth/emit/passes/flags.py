@@ -66,7 +66,7 @@ class Flags:
         if node.op == "lt" and self._number(node.args[0]) == 0 and self.whole[node.args[1]]:
             return self._positive(node.args[1])
         if node.op == "not" and self.alone[node.args[0]]:
-            return self._reversed(self.p.nodes[node.args[0]])
+            return self._reverse(self.p.nodes[node.args[0]])
         return None
 
     def _choice(self, c: int, a: int, b: int) -> int | None:
@@ -81,10 +81,10 @@ class Flags:
                 return self._place("or" if first == 1 else "and", self.index[c], self.index[other])
         inner = self.p.nodes[b]
         if single and first is not None and inner.op == "choose" and inner.args[1] == a and self.alone[b]:
-            return self._joined(c, b)
+            return self._join(c, b)
         return None
 
-    def _joined(self, c: int, inner: int) -> int | None:
+    def _join(self, c: int, inner: int) -> int | None:
         """Return the choice of the same number under either of two conditions, the second that of an inner choice."""
         d, a, _ = self.p.nodes[inner].args
         if self.decides[d] > 1 or self.partial[d]:
@@ -106,7 +106,7 @@ class Flags:
             return self.f.make(Node("choose", (self.index[node.args[0]], *arms)))
         return self._place("lt", self.f.literal(0.0), self.index[k])
 
-    def _reversed(self, node: Node) -> int | None:
+    def _reverse(self, node: Node) -> int | None:
         if node.op not in _REVERSED or not all(self.whole[a] for a in node.args):
             return None
         return self._place(_REVERSED[node.op], *(self.index[a] for a in reversed(node.args)))

@@ -13,7 +13,7 @@ def test_a_long_line_is_continued_with_its_equation() -> None:
 
 
 def test_a_condition_is_continued_beyond_its_block() -> None:
-    condition = "if (" + " && ".join(f"usable_{n}" for n in range(20)) + ") {"
+    condition = "if (" + " && ".join(f"usable_{n}" for n in range(12)) + ") {"
     first, second = wrapped([Line(condition)])
     assert first.text.startswith("if (") and second.text.startswith(" " * 8) and second.text.endswith("{")
 

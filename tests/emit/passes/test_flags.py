@@ -67,13 +67,13 @@ def test_simplification_is_exact() -> None:
 
 DEFECTS: dict[str, Any] = {
     "_not": lambda self, k: k,
-    "_reversed": lambda self, node: (
+    "_reverse": lambda self, node: (
         self._place({"lt": "le", "le": "lt"}[node.op], *(self.index[a] for a in reversed(node.args)))
         if node.op in ("lt", "le")
         else None
     ),
     "_positive": lambda self, k: self.f.make(Node("lt", (self.f.literal(1.0), self.index[k]))),
-    "_joined": lambda self, c, inner: self._place(
+    "_join": lambda self, c, inner: self._place(
         "choose", self.index[c], *(self.index[a] for a in self.p.nodes[inner].args[1:])
     ),
 }
