@@ -5,16 +5,22 @@
         force = {"x": ..., "z": ...}        force_x, force_z
         pair = Pair(sine, cosine)           pair_sine, pair_cosine, the fields of a dataclass or a NamedTuple
         J = ca.vertcat(...)                 J_1, J_2 of a vector, J_12 of a matrix
+        for n in ("x", "z"):
+            error = u[n] - x[n]             error_x, error_z
 
 The functions that a law calls name values in the same way, and a name in the caller replaces one in a called function.
 The names decide what locals are called in C and nothing else: a value that a later pass removes loses its name.
 """
 
+import ast
 import dataclasses
+import inspect
 import re
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Mapping
-from types import FrameType
+from functools import cache
+from types import CodeType, FrameType
 from typing import Any, ParamSpec, TypeVar
 
 import casadi as ca
@@ -41,18 +47,93 @@ def record(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> tuple
     Each expression is listed once.
     """
     names: dict[int, tuple[str, ca.SX]] = {}
+    loops: dict[FrameType, _Loops] = {}
 
     def at_event(frame: FrameType, event: str, _: object) -> None:
         if event == "return" and _computes(frame):
-            names.update(_computed_scalars(frame.f_locals))
+            running = loops.pop(frame, None)
+            names.update(running.scalars(frame) if running else _computed_scalars(frame.f_locals))
 
-    profiler = sys.getprofile()
+    def at_call(frame: FrameType, event: str, _: object) -> Any:
+        if not _computes(frame) or not _loop_lines(frame.f_code):
+            return None
+        loops[frame] = _Loops(frame)
+        return loops[frame].at_line
+
+    profiler, tracer = sys.getprofile(), sys.gettrace()
     sys.setprofile(at_event)
+    sys.settrace(at_call)
     try:
         result = function(*args, **kwargs)
     finally:
+        sys.settrace(tracer)
         sys.setprofile(profiler)
     return result, tuple(names.values())
+
+
+class _Loops:
+    """The values that the `for` loops of a running function give to variables, one each iteration.
+
+    The last value of a variable that exists before the loop, such as a sum, has the variable's own name.
+    """
+
+    def __init__(self, frame: FrameType) -> None:
+        self.lines = _loop_lines(frame.f_code)
+        self.line, self.bound = frame.f_lineno, dict(frame.f_locals)
+        self.new: set[str] = set()
+        self.each: dict[str, ca.SX] = {}
+        self.updated: dict[str, ca.SX] = {}
+
+    def at_line(self, frame: FrameType, event: str, _: object) -> Any:
+        """Name what the line before has bound, while the loop's targets still have the values of its iteration."""
+        if event == "line":
+            self._name_bound(frame)
+            self.line = frame.f_lineno
+        return self.at_line
+
+    def scalars(self, frame: FrameType) -> dict[int, tuple[str, ca.SX]]:
+        """Return the computed scalars of the function by their hash, under their names."""
+        self._name_bound(frame)
+        outside = {n: v for n, v in frame.f_locals.items() if n not in self.new}
+        return _computed_scalars(self.updated) | _computed_scalars(outside) | _computed_scalars(self.each)
+
+    def _name_bound(self, frame: FrameType) -> None:
+        changed = {n: v for n, v in frame.f_locals.items() if v is not self.bound.get(n)}
+        suffix = _suffix([frame.f_locals.get(t) for t in self.lines.get(self.line, ())])
+        plain = [n for n, v in changed.items() if n not in SKIPPED and _is_computation(v)]
+        for name in plain if suffix else ():
+            self.new |= set() if name in self.bound else {name}
+            values = self.each if name in self.new else self.updated
+            values.setdefault(f"{name.rstrip('_')}_{suffix}", changed[name])
+        self.bound |= changed
+
+
+def _is_computation(value: object) -> bool:
+    return isinstance(value, ca.SX) and value.is_scalar() and not (value.is_constant() or value.is_symbolic())
+
+
+def _suffix(targets: list[object]) -> str:
+    """Return the name that a loop runs over: a target that is a text, else the name of one."""
+    texts = [t for t in targets if isinstance(t, str)]
+    names = [getattr(t, "name", None) for t in targets]
+    return next(iter([*texts, *(n for n in names if isinstance(n, str))]), "")
+
+
+@cache
+def _loop_lines(code: CodeType) -> dict[int, tuple[str, ...]]:
+    """Return the lines in the bodies of a function's loops, with the targets of the innermost loop."""
+    try:
+        rows, first = inspect.getsourcelines(code)
+        function = ast.parse(textwrap.dedent("".join(rows))).body[0]
+    except (OSError, SyntaxError, IndexError):
+        return {}
+    lines: dict[int, tuple[str, ...]] = {}
+    for loop in ast.walk(function):  # outer loops come first
+        if isinstance(loop, ast.For):
+            targets = tuple(n.id for n in ast.walk(loop.target) if isinstance(n, ast.Name))
+            last = loop.body[-1].end_lineno or loop.lineno
+            lines |= dict.fromkeys(range(first + loop.body[0].lineno - 1, first + last), targets)
+    return lines
 
 
 def _computes(frame: FrameType) -> bool:
@@ -68,8 +149,7 @@ def _computed_scalars(variables: Mapping[str, object]) -> dict[int, tuple[str, c
     named: dict[int, tuple[str, ca.SX]] = {}
     for variable, held in (plain | kept).items():
         for name, expr in _scalars(variable.rstrip("_"), held, DEPTH):
-            computed = not (expr.is_constant() or expr.is_symbolic())
-            if computed and len(name) <= LONGEST and _NAME.fullmatch(name):
+            if _is_computation(expr) and len(name) <= LONGEST and _NAME.fullmatch(name):
                 named.setdefault(expr.element_hash(), (name, expr))
     return named
 
@@ -80,7 +160,7 @@ def _scalars(name: str, held: Any, depth: int) -> Iterator[tuple[str, ca.SX]]:
         yield from _elements(name, held)
     elif depth:
         for key, item in _items(held).items():
-            yield from _scalars(f"{name}_{key}", item, depth - 1)
+            yield from _scalars(key if key.startswith(f"{name}_") else f"{name}_{key}", item, depth - 1)
 
 
 def _elements(name: str, matrix: ca.SX) -> Iterator[tuple[str, ca.SX]]:

@@ -61,6 +61,39 @@ def test_containers_name_their_elements() -> None:
     assert values_by_name(law).keys() == expected | {"J_1", "J_2", "R_11", "R_21", "R_12"}
 
 
+def test_a_loop_names_the_value_of_each_iteration_after_what_it_runs_over() -> None:
+    """A variable that exists before the loop keeps its name for its last value."""
+
+    def law() -> ca.SX:
+        total = x + 1
+        for n in ("x", "z"):
+            error = x * {"x": 2, "z": 3}[n]
+            total = total + error
+        for signal in (X, Y):
+            pushed = x + signal.high + 7
+        return total + pushed
+
+    assert values_by_name(law).keys() == {"error_x", "error_z", "total_x", "total", "pushed_x", "pushed_y"}
+    assert values_by_name(law)["error_z"] == "(3*x)"
+
+
+def test_a_loop_over_numbers_names_the_last_value() -> None:
+    def law() -> ca.SX:
+        for n in range(2):
+            error = x * (n + 2)
+        return error
+
+    assert values_by_name(law) == {"error": "(3*x)"}
+
+
+def test_a_key_that_begins_with_the_name_of_its_variable_is_the_name() -> None:
+    def law() -> None:
+        still = {"still_x": x + 1, "z": x + 2}
+        assert len(still) == 2
+
+    assert values_by_name(law).keys() == {"still_x", "still_z"}
+
+
 def test_symbols_numbers_and_roles_have_no_name() -> None:
     def law() -> None:
         symbol, number, output, value = x, ca.SX(2.0), x + 1, x + 2
@@ -76,12 +109,12 @@ def test_an_error_leaves_the_profiler_as_it_was() -> None:
     def profiler(*_: object) -> None:
         return None
 
-    before = sys.getprofile()
+    before, tracer = sys.getprofile(), sys.gettrace()
     try:
         sys.setprofile(profiler)
         with pytest.raises(ValueError, match="wrong"):
             intermediates.record(law)
-        assert sys.getprofile() is profiler
+        assert sys.getprofile() is profiler and sys.gettrace() is tracer
     finally:
         sys.setprofile(before)
 

@@ -26,7 +26,8 @@ BALANCED = {s.name: s.name.replace("computed", "balanced") for s in DIRECT}
 def next_transfer(transfer: ca.SX, x_lost: ca.SX, z_lost: ca.SX) -> ca.SX:
     """Return the transfer of this sample from that of the sample before; it stays while both positions are lost."""
     both = ca.logic_and(x_lost, z_lost)
-    target = ca.if_else(both, transfer, ca.if_else(x_lost, 1, ca.if_else(z_lost, -1, 0)))
+    direction = ca.if_else(x_lost, 1, ca.if_else(z_lost, -1, 0))
+    target = ca.if_else(both, transfer, direction)
     return ca.fmax(ca.fmin(target, transfer + 1 / FADE), transfer - 1 / FADE)
 
 
@@ -62,7 +63,8 @@ def block() -> Block:
         quadrature = {j: u[f"u_{n}_computed"] for n, motors in OF_AXIS.items() for j in motors}
         part = parts(transfer)
         taken = with_taken_over(direct, quadrature, part)
-        kept = {j: (1 - part[n]) * taken[j] for n, motors in OF_AXIS.items() for j in motors}
+        remainder = {n: 1 - part[n] for n in OF_AXIS}
+        kept = {j: remainder[n] * taken[j] for n, motors in OF_AXIS.items() for j in motors}
         output = {s.name: ca.if_else(active, kept[j], direct[j]) for j, s in zip(MOTORS, DIRECT, strict=True)}
         return Step(output, {"transfer": ca.if_else(active, transfer, x["transfer"])})
 

@@ -99,7 +99,8 @@ static inline float theta_polynomial(float t)
  * 4.19616699e-05; relative error at most 1.7e-07. */
 static inline float thrust_per_ampere_1_polynomial(float t)
 {
-    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f + (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t * (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
+    return 11.033894f + (t * (526422.7f + (t * (6.5208314e+08f + (t * (-7.354629e+13f + (t * (2.0442113e+18f + (t *
+        (-4.015988e+22f + (t * 3.9883e+26f)))))))))));
 }
 
 /* half_a_over_h2_1; x = 1.53083199e-06 / (y1_held + 0.00923333333) in 3.69468689e-05 .. 5.88027688e-05, t = x -
@@ -113,14 +114,16 @@ static inline float half_a_over_h2_1_polynomial(float t)
  * 3.43322754e-05) * 16384; relative error at most 2.9e-07. */
 static inline float thrust_per_ampere_2_polynomial(float t)
 {
-    return 7.0962987f + (t * (30.470612f + (t * (12.132695f + (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f + (t * (33.817627f + (t * -9.12594f)))))))))))));
+    return 7.0962987f + (t * (30.470612f + (t * (12.132695f + (t * (-37.392975f + (t * (56.708466f + (t * (-57.090378f +
+        (t * (33.817627f + (t * -9.12594f)))))))))))));
 }
 
 /* half_a_over_h2_2; x = 1.53083199e-06 / (y2_held + 0.00923333333) in 3.33999706e-05 .. 7.07626459e-05, t = (x -
  * 3.43322754e-05) * 16384; relative error at most 3.3e-07. */
 static inline float half_a_over_h2_2_polynomial(float t)
 {
-    return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
+    return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t *
+        0.0020529632f)))))))));
 }
 
 typedef struct {
@@ -240,7 +243,8 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator(maglev_5dof_regulator_state_t *st
     if (fabsf(q1_next) <= 600.0f) {
         state->q1 = q1_next;
     }
-    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) + (parameters->k_sum * sum) + (parameters->k_p1 * p1);
+    const float w_tracking_part = (parameters->k_e * e) + (parameters->k_de_times_filter_h * filter_r_next) +
+        (parameters->k_sum * sum) + (parameters->k_p1 * p1);
     return w_tracking_part + (parameters->k_q1 * q1);
 }
 
@@ -259,7 +263,8 @@ MAGLEV_5DOF_INLINE float maglev_5dof_regulator_output(const maglev_5dof_regulato
     static const float k_p1 = -56.45106f;                       /* 1/s^2; F(14)-(17): gain on p1 */
     static const float k_q1 = -1.7875412f;                      /* 1/s^2; F(14)-(17): gain on q1 */
 
-    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 * state->q1);
+    return (k_e * e) + (k_de_times_filter_h * filter_r_next) + (k_sum * state->sum) + (k_p1 * state->p1) + (k_q1 *
+        state->q1);
 }
 
 /* regulator_x, regulator_z: F(14)-(17) */
@@ -320,7 +325,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     return maglev_5dof_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out,
+uint32_t maglev_5dof_step_diagnosed(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t
+    *out,
     maglev_5dof_diagnostics_t *diagnostics)
 #else
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out)
@@ -372,11 +378,14 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y4_accepted = maglev_5dof_hold(in->y4, 0.0124f, 0.0366f, &state->guard_last_y4, 0x00000008u, &faults);
     const float x_accepted = maglev_5dof_hold_within(in->x, 0.1f, &state->guard_last_x, 0x00000010u, &faults);
     const float z_accepted = maglev_5dof_hold_within(in->z, 0.1f, &state->guard_last_z, 0x00000020u, &faults);
-    const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u, &faults);
+    const float y_ref_held = maglev_5dof_hold(in->y_ref, 0.018f, 0.031f, &state->guard_last_y_ref, 0x00000040u,
+        &faults);
     const float x_ref_held = maglev_5dof_hold_within(in->x_ref, 0.05f, &state->guard_last_x_ref, 0x00000080u, &faults);
     const float z_ref_held = maglev_5dof_hold_within(in->z_ref, 0.05f, &state->guard_last_z_ref, 0x00000100u, &faults);
-    const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref, 0x00000200u, &faults);
-    const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref, 0x00000400u, &faults);
+    const float phi_ref_held = maglev_5dof_hold_within(in->phi_ref, 0.003f, &state->guard_last_phi_ref, 0x00000200u,
+        &faults);
+    const float theta_ref_held = maglev_5dof_hold_within(in->theta_ref, 0.014f, &state->guard_last_theta_ref,
+        0x00000400u, &faults);
     const bool complete = (faults & 0x0000003fu) == 0u;
     const uint32_t guard_ready = state->guard_ready;
 
@@ -471,50 +480,46 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const bool agreement = size <= 4.8e-05f;
     const uint32_t redundancy_doubts_x = state->redundancy_doubts_x;
     uint32_t x_unchanged = 0u;
-    float suspect_y1_part_2 = observer_x_q;
-    uint32_t redundancy_doubts_x_part = redundancy_doubts_x;
+    float before_x = observer_x_q;
+    uint32_t redundancy_doubts_x_next = redundancy_doubts_x;
     if (maglev_5dof_equal(x_accepted, state->redundancy_code_x)) {
         const uint32_t redundancy_still_x = state->redundancy_still_x;
         x_unchanged = (40u <= redundancy_still_x) ? redundancy_still_x : (redundancy_still_x + 1u);
-        suspect_y1_part_2 = state->redundancy_before_x;
+        before_x = state->redundancy_before_x;
     } else {
         if (4e-05f < fabsf(observer_x_q - x_accepted)) {
-            redundancy_doubts_x_part = 10u;
+            redundancy_doubts_x_next = 10u;
         } else {
             if (1u <= redundancy_doubts_x) {
-                redundancy_doubts_x_part = redundancy_doubts_x - 1u;
+                redundancy_doubts_x_next = redundancy_doubts_x - 1u;
             } else {
-                redundancy_doubts_x_part = 0u;
+                redundancy_doubts_x_next = 0u;
             }
         }
     }
-    bool suspect_y1_test = false;
-    if (3u <= x_unchanged) {
-        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && (redundancy_doubts_x < 1u)) || x_unanswered);
-    }
+    const bool frozen_x = (3u <= x_unchanged) && (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f <
+        fabsf(observer_x_q - before_x)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
-    float before = observer_z_q;
-    uint32_t redundancy_doubts_z_part = redundancy_doubts_z;
+    float before_z = observer_z_q;
+    uint32_t redundancy_doubts_z_next = redundancy_doubts_z;
     if (maglev_5dof_equal(z_accepted, state->redundancy_code_z)) {
         const uint32_t redundancy_still_z = state->redundancy_still_z;
         z_unchanged = (40u <= redundancy_still_z) ? redundancy_still_z : (redundancy_still_z + 1u);
-        before = state->redundancy_before_z;
+        before_z = state->redundancy_before_z;
     } else {
         if (4e-05f < fabsf(observer_z_q - z_accepted)) {
-            redundancy_doubts_z_part = 10u;
+            redundancy_doubts_z_next = 10u;
         } else {
             if (1u <= redundancy_doubts_z) {
-                redundancy_doubts_z_part = redundancy_doubts_z - 1u;
+                redundancy_doubts_z_next = redundancy_doubts_z - 1u;
             } else {
-                redundancy_doubts_z_part = 0u;
+                redundancy_doubts_z_next = 0u;
             }
         }
     }
-    bool suspect_y1_test_2 = false;
-    if (3u <= z_unchanged) {
-        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && (redundancy_doubts_z < 1u)) || z_unanswered);
-    }
+    const bool frozen_z = (3u <= z_unchanged) && (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f <
+        fabsf(observer_z_q - before_z)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
     const uint32_t redundancy_excluded_y3 = state->redundancy_excluded_y3;
@@ -524,28 +529,28 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const uint32_t redundancy_stuck_0 = state->redundancy_stuck_0;
     const uint32_t redundancy_undecided_0 = state->redundancy_undecided_0;
     const bool same_y1 = maglev_5dof_equal(y1_accepted, state->redundancy_code_y1);
-    uint32_t still_still_y1 = 0u;
+    uint32_t still_y1 = 0u;
     if (same_y1) {
         const uint32_t redundancy_still_y1 = state->redundancy_still_y1;
-        still_still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
+        still_y1 = (8u <= redundancy_still_y1) ? redundancy_still_y1 : (redundancy_still_y1 + 1u);
     }
     const bool same_y2 = maglev_5dof_equal(y2_accepted, state->redundancy_code_y2);
-    uint32_t still_still_y2 = 0u;
+    uint32_t still_y2 = 0u;
     if (same_y2) {
         const uint32_t redundancy_still_y2 = state->redundancy_still_y2;
-        still_still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
+        still_y2 = (8u <= redundancy_still_y2) ? redundancy_still_y2 : (redundancy_still_y2 + 1u);
     }
     const bool same_y3 = maglev_5dof_equal(y3_accepted, state->redundancy_code_y3);
-    uint32_t still_still_y3 = 0u;
+    uint32_t still_y3 = 0u;
     if (same_y3) {
         const uint32_t redundancy_still_y3 = state->redundancy_still_y3;
-        still_still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
+        still_y3 = (8u <= redundancy_still_y3) ? redundancy_still_y3 : (redundancy_still_y3 + 1u);
     }
     const bool same_y4 = maglev_5dof_equal(y4_accepted, state->redundancy_code_y4);
-    uint32_t still_still_y4 = 0u;
+    uint32_t still_y4 = 0u;
     if (same_y4) {
         const uint32_t redundancy_still_y4 = state->redundancy_still_y4;
-        still_still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
+        still_y4 = (8u <= redundancy_still_y4) ? redundancy_still_y4 : (redundancy_still_y4 + 1u);
     }
     bool suspect_y1 = false;
     bool suspect_y2 = false;
@@ -565,17 +570,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     bool regular = true;
     bool theta_measured = true;
     uint32_t degraded = 0u;
-    uint32_t redundancy_excluded_y1_part = redundancy_excluded_y1;
-    uint32_t redundancy_excluded_y2_part = redundancy_excluded_y2;
-    uint32_t redundancy_excluded_y3_part = redundancy_excluded_y3;
-    uint32_t redundancy_excluded_y4_part = redundancy_excluded_y4;
-    uint32_t redundancy_excluded_x_part = redundancy_excluded_x;
-    uint32_t redundancy_excluded_z_part = redundancy_excluded_z;
+    uint32_t redundancy_excluded_y1_next = redundancy_excluded_y1;
+    uint32_t redundancy_excluded_y2_next = redundancy_excluded_y2;
+    uint32_t redundancy_excluded_y3_next = redundancy_excluded_y3;
+    uint32_t redundancy_excluded_y4_next = redundancy_excluded_y4;
+    uint32_t redundancy_excluded_x_next = redundancy_excluded_x;
+    uint32_t redundancy_excluded_z_next = redundancy_excluded_z;
     uint32_t redundancy_contradictions_0_next = 0u;
-    uint32_t redundancy_stuck_0_part = redundancy_stuck_0;
-    uint32_t redundancy_undecided_0_part = redundancy_undecided_0;
-    uint32_t redundancy_degraded_part = redundancy_degraded;
-    if (!((guard_ready != 0u) && complete && !(redundancy_degraded != 0u) && agreement && !suspect_y1_test && !suspect_y1_test_2)) {
+    uint32_t redundancy_stuck_0_next = redundancy_stuck_0;
+    uint32_t redundancy_undecided_0_next = redundancy_undecided_0;
+    uint32_t redundancy_degraded_next = redundancy_degraded;
+    if (!((guard_ready != 0u) && complete && (redundancy_degraded == 0u) && agreement && !frozen_x && !frozen_z)) {
         /* gap_prediction: gaps of the predicted pose, F(5)
          *     y1_expected = observer_y_q - 0.397 * observer_phi_q; likewise y4_expected */
         const float phi_2 = 0.397f * observer_phi_q;
@@ -585,199 +590,180 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float y3_expected = observer_y_q + phi_2;
         const float y4_expected = observer_y_q - theta_2;
         const bool good_y1 = (faults & 0x00000001u) == 0u;
-        const bool usable_y1 = good_y1 && !(redundancy_excluded_y1 != 0u);
+        const bool usable_y1 = good_y1 && (redundancy_excluded_y1 == 0u);
         const bool good_y2 = (faults & 0x00000002u) == 0u;
-        const bool usable_y2 = good_y2 && !(redundancy_excluded_y2 != 0u);
+        const bool usable_y2 = good_y2 && (redundancy_excluded_y2 == 0u);
         const bool good_y3 = (faults & 0x00000004u) == 0u;
-        const bool usable_y3 = good_y3 && !(redundancy_excluded_y3 != 0u);
+        const bool usable_y3 = good_y3 && (redundancy_excluded_y3 == 0u);
         const bool good_y4 = (faults & 0x00000008u) == 0u;
-        const bool usable_y4 = good_y4 && !(redundancy_excluded_y4 != 0u);
-        float suspect_y1_part_3;
-        float suspect_y2_part;
-        float suspect_y3_part;
-        float suspect_y4_part;
-        bool sufficient_gaps_sufficient = true;
-        bool regular_2;
+        const bool usable_y4 = good_y4 && (redundancy_excluded_y4 == 0u);
+        bool suspects_y1;
+        bool suspects_y2;
+        bool suspects_y3;
+        bool suspects_y4;
+        bool determined;
         if (usable_y1 && usable_y2 && usable_y3 && usable_y4) {
-            const bool agreeing = !(redundancy_undecided_0 != 0u);
-            if (agreement || !(guard_ready != 0u)) {
-                suspect_y1_part_3 = (float)redundancy_undecided_0;
-                suspect_y2_part = (float)redundancy_undecided_0;
-                suspect_y3_part = (float)redundancy_undecided_0;
-                suspect_y4_part = (float)redundancy_undecided_0;
-                regular_2 = agreeing;
+            const bool agreeing = redundancy_undecided_0 == 0u;
+            if (agreement || (guard_ready == 0u)) {
+                const bool suspect_y1_test = redundancy_undecided_0 != 0u;
+                suspects_y1 = suspect_y1_test;
+                suspects_y2 = suspect_y1_test;
+                suspects_y3 = suspect_y1_test;
+                suspects_y4 = suspect_y1_test;
+                determined = agreeing;
             } else {
-                const bool suspect_y1_test_3 = 3u <= still_still_y1;
-                const float suspect_y1_part_4 = 0.4f * size;
-                const bool suspect_y1_test_4 = 0.0f < r_suspect_y1;
-                const float suspect_y1_part_5 = (suspect_y1_test_4) ? 1.0f : -1.0f;
-                const float E_y1 = suspect_y1_part_5 * (y1_accepted - y1_expected);
-                const bool candidate_y1 = suspect_y1_test_3 && (suspect_y1_part_4 < E_y1);
-                const bool suspect_y1_test_5 = 3u <= still_still_y2;
-                const float suspect_y1_part_6 = (suspect_y1_test_4) ? -1.0f : 1.0f;
-                const float E_y2 = suspect_y1_part_6 * (y2_accepted - y2_expected);
-                const bool candidate_y2 = suspect_y1_test_5 && (suspect_y1_part_4 < E_y2);
-                const bool suspect_y1_test_6 = 3u <= still_still_y3;
-                const float E_y3 = suspect_y1_part_5 * (y3_accepted - y3_expected);
-                const bool candidate_y3 = suspect_y1_test_6 && (suspect_y1_part_4 < E_y3);
-                const bool suspect_y1_test_7 = 3u <= still_still_y4;
-                const float E_y4 = suspect_y1_part_6 * (y4_accepted - y4_expected);
-                const bool candidate_y4 = suspect_y1_test_7 && (suspect_y1_part_4 < E_y4);
-                const float candidates = (candidate_y1 ? 1.0f : 0.0f) + (candidate_y2 ? 1.0f : 0.0f) + (candidate_y3 ? 1.0f : 0.0f) + (candidate_y4 ? 1.0f : 0.0f);
-                const float suspect_y1_part_7 = ((still_still_y1 < 3u) ? 1.0f : 0.0f) + ((still_still_y2 < 3u) ? 1.0f : 0.0f) + ((still_still_y3 < 3u) ? 1.0f : 0.0f);
-                const bool first = 0.0f < candidates;
-                float suspect_y1_part_8 = 0.0f;
-                float suspect_y1_part_9 = 0.0f;
-                float suspect_y1_part_10 = 0.0f;
-                float suspect_y1_part_11 = 0.0f;
-                float suspect_y1_part_12 = 0.0f;
-                if (maglev_5dof_equal(suspect_y1_part_7 + ((still_still_y4 < 3u) ? 1.0f : 0.0f), 3.0f)) {
-                    const bool flag_suspect_y1 = 8u <= still_still_y1;
-                    const bool flag_suspect_y1_2 = 8u <= still_still_y2;
-                    const bool flag_suspect_y1_3 = 8u <= still_still_y3;
-                    const bool flag_suspect_y1_4 = 8u <= still_still_y4;
-                    suspect_y1_part_8 = (flag_suspect_y1 ? 1.0f : 0.0f) + (flag_suspect_y1_2 ? 1.0f : 0.0f) + (flag_suspect_y1_3 ? 1.0f : 0.0f) + (flag_suspect_y1_4 ? 1.0f : 0.0f);
-                    const float suspect_y1_part_13 = 1.0f - (first ? 1.0f : 0.0f);
-                    suspect_y1_part_9 = (flag_suspect_y1) ? suspect_y1_part_13 : 0.0f;
-                    suspect_y1_part_10 = (flag_suspect_y1_2) ? suspect_y1_part_13 : 0.0f;
-                    suspect_y1_part_11 = (flag_suspect_y1_3) ? suspect_y1_part_13 : 0.0f;
-                    suspect_y1_part_12 = (flag_suspect_y1_4) ? suspect_y1_part_13 : 0.0f;
+                const bool still_y1_at_least_3 = 3u <= still_y1;
+                const float least_E = 0.4f * size;
+                const bool r_suspect_y1_positive = 0.0f < r_suspect_y1;
+                const float suspect_y1_part_2 = (r_suspect_y1_positive) ? 1.0f : -1.0f;
+                const float E_y1 = suspect_y1_part_2 * (y1_accepted - y1_expected);
+                const bool candidate_y1 = still_y1_at_least_3 && (least_E < E_y1);
+                const bool still_y2_at_least_3 = 3u <= still_y2;
+                const float suspect_y1_part_3 = (r_suspect_y1_positive) ? -1.0f : 1.0f;
+                const float E_y2 = suspect_y1_part_3 * (y2_accepted - y2_expected);
+                const bool candidate_y2 = still_y2_at_least_3 && (least_E < E_y2);
+                const bool still_y3_at_least_3 = 3u <= still_y3;
+                const float E_y3 = suspect_y1_part_2 * (y3_accepted - y3_expected);
+                const bool candidate_y3 = still_y3_at_least_3 && (least_E < E_y3);
+                const bool still_y4_at_least_3 = 3u <= still_y4;
+                const float E_y4 = suspect_y1_part_3 * (y4_accepted - y4_expected);
+                const bool candidate_y4 = still_y4_at_least_3 && (least_E < E_y4);
+                const uint32_t candidates = maglev_5dof_flag(candidate_y1) + maglev_5dof_flag(candidate_y2) +
+                    maglev_5dof_flag(candidate_y3) + maglev_5dof_flag(candidate_y4);
+                const uint32_t moving = maglev_5dof_flag(still_y1 < 3u) + maglev_5dof_flag(still_y2 < 3u) +
+                    maglev_5dof_flag(still_y3 < 3u) + maglev_5dof_flag(still_y4 < 3u);
+                const bool first = candidates != 0u;
+                uint32_t suspect_y1_part_4 = 0u;
+                float preferred_y1 = 0.0f;
+                float preferred_y2 = 0.0f;
+                float preferred_y3 = 0.0f;
+                float preferred_y4 = 0.0f;
+                if (moving == 3u) {
+                    const bool flag_suspect_y1 = 8u <= still_y1;
+                    const bool flag_suspect_y1_2 = 8u <= still_y2;
+                    const bool flag_suspect_y1_3 = 8u <= still_y3;
+                    const bool flag_suspect_y1_4 = 8u <= still_y4;
+                    suspect_y1_part_4 = maglev_5dof_flag(flag_suspect_y1) + maglev_5dof_flag(flag_suspect_y1_2) +
+                        maglev_5dof_flag(flag_suspect_y1_3) + maglev_5dof_flag(flag_suspect_y1_4);
+                    const float second_rule = 1.0f - (first ? 1.0f : 0.0f);
+                    preferred_y1 = (flag_suspect_y1) ? second_rule : 0.0f;
+                    preferred_y2 = (flag_suspect_y1_2) ? second_rule : 0.0f;
+                    preferred_y3 = (flag_suspect_y1_3) ? second_rule : 0.0f;
+                    preferred_y4 = (flag_suspect_y1_4) ? second_rule : 0.0f;
                 }
-                const bool by_code_suspect_y1 = 0.0f < (candidates + suspect_y1_part_8);
-                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_9));
-                const float suspect_y1_part_14 = maglev_5dof_max(-10.0f, score_y1);
-                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_10));
-                const float suspect_y1_part_15 = maglev_5dof_max(suspect_y1_part_14, score_y2);
-                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_11));
-                const float suspect_y1_part_16 = maglev_5dof_max(suspect_y1_part_15, score_y3);
-                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) + suspect_y1_part_12));
-                const float best = maglev_5dof_max(suspect_y1_part_16, score_y4);
-                const float suspect_y1_part_17 = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(suspect_y1_part_14, score_y2)), maglev_5dof_min(suspect_y1_part_15, score_y3)), maglev_5dof_min(suspect_y1_part_16, score_y4));
-                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - suspect_y1_part_17)) && (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
+                const bool by_code_suspect_y1 = (candidates + suspect_y1_part_4) != 0u;
+                const float score_y1 = E_y1 + (10.0f * ((candidate_y1 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
+                    preferred_y1));
+                const float best_y1 = maglev_5dof_max(-10.0f, score_y1);
+                const float score_y2 = E_y2 + (10.0f * ((candidate_y2 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
+                    preferred_y2));
+                const float best_y2 = maglev_5dof_max(best_y1, score_y2);
+                const float score_y3 = E_y3 + (10.0f * ((candidate_y3 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
+                    preferred_y3));
+                const float best_y3 = maglev_5dof_max(best_y2, score_y3);
+                const float score_y4 = E_y4 + (10.0f * ((candidate_y4 ? 1.0f : 0.0f) - (first ? 1.0f : 0.0f) +
+                    preferred_y4));
+                const float best = maglev_5dof_max(best_y3, score_y4);
+                const float second = maglev_5dof_max(maglev_5dof_max(maglev_5dof_max(-10.0f, maglev_5dof_min(best_y1,
+                    score_y2)), maglev_5dof_min(best_y2, score_y3)), maglev_5dof_min(best_y3, score_y4));
+                const float least = (((((by_code_suspect_y1) ? 0.05f : 0.3f) * size) < (best - second)) &&
+                    (by_code_suspect_y1 || agreeing)) ? best : 20.0f;
                 const bool least_upto_score_y1 = least <= score_y1;
-                const bool suspect_y1_part_18 = least_upto_score_y1;
                 const uint32_t redundancy_contradictions_0 = state->redundancy_contradictions_0;
                 const uint32_t waited = (9u <= redundancy_contradictions_0) ? 1u : redundancy_undecided_0;
-                suspect_y1_part_3 = (suspect_y1_part_18 ? 1.0f : 0.0f) + (float)waited;
+                suspects_y1 = (maglev_5dof_flag(least_upto_score_y1) + waited) != 0u;
                 const bool least_upto_score_y2 = least <= score_y2;
-                const bool suspect_y2_part_2 = least_upto_score_y2;
-                suspect_y2_part = (suspect_y2_part_2 ? 1.0f : 0.0f) + (float)waited;
+                suspects_y2 = (maglev_5dof_flag(least_upto_score_y2) + waited) != 0u;
                 const bool least_upto_score_y3 = least <= score_y3;
-                const bool suspect_y3_part_2 = least_upto_score_y3;
-                suspect_y3_part = (suspect_y3_part_2 ? 1.0f : 0.0f) + (float)waited;
+                suspects_y3 = (maglev_5dof_flag(least_upto_score_y3) + waited) != 0u;
                 const bool least_upto_score_y4 = least <= score_y4;
-                const bool suspect_y4_part_2 = least_upto_score_y4;
-                suspect_y4_part = (suspect_y4_part_2 ? 1.0f : 0.0f) + (float)waited;
-                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
-                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
-                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f), 0.0322f), 0.0168f);
-                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f), 0.0366f), 0.0124f);
-                regular_2 = !(waited != 0u);
-                bool contradictory = suspect_y1_part_18;
-                bool contradictory_2 = suspect_y2_part_2;
-                bool contradictory_3 = suspect_y3_part_2;
-                bool contradictory_4 = suspect_y4_part_2;
-                if (!(2u <= redundancy_contradictions_0)) {
+                suspects_y4 = (maglev_5dof_flag(least_upto_score_y4) + waited) != 0u;
+                y1_held = maglev_5dof_max(maglev_5dof_min(y1_accepted - ((least_upto_score_y1) ? r_suspect_y1 : 0.0f),
+                    0.0322f), 0.0168f);
+                y2_held = maglev_5dof_max(maglev_5dof_min(y2_accepted + ((least_upto_score_y2) ? r_suspect_y1 : 0.0f),
+                    0.0366f), 0.0124f);
+                y3_held = maglev_5dof_max(maglev_5dof_min(y3_accepted - ((least_upto_score_y3) ? r_suspect_y1 : 0.0f),
+                    0.0322f), 0.0168f);
+                y4_held = maglev_5dof_max(maglev_5dof_min(y4_accepted + ((least_upto_score_y4) ? r_suspect_y1 : 0.0f),
+                    0.0366f), 0.0124f);
+                determined = waited == 0u;
+                bool contradictory = least_upto_score_y1;
+                bool contradictory_2 = least_upto_score_y2;
+                bool contradictory_3 = least_upto_score_y3;
+                bool contradictory_4 = least_upto_score_y4;
+                if (redundancy_contradictions_0 < 2u) {
                     contradictory = false;
                     contradictory_2 = false;
                     contradictory_3 = false;
                     contradictory_4 = false;
                 }
-                redundancy_excluded_y1_part = maglev_5dof_flag(contradictory);
-                redundancy_excluded_y2_part = maglev_5dof_flag(contradictory_2);
-                redundancy_excluded_y3_part = maglev_5dof_flag(contradictory_3);
-                redundancy_excluded_y4_part = maglev_5dof_flag(contradictory_4);
-                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 : (redundancy_contradictions_0 + 1u);
-                const float redundancy_stuck_0_part_2 = ((suspect_y1_test_3 && contradictory) ? 1.0f : 0.0f) + ((suspect_y1_test_5 && contradictory_2) ? 1.0f : 0.0f) + ((suspect_y1_test_6 && contradictory_3) ? 1.0f : 0.0f);
-                redundancy_stuck_0_part = maglev_5dof_flag(0.0f < (redundancy_stuck_0_part_2 + ((suspect_y1_test_7 && contradictory_4) ? 1.0f : 0.0f) + (float)redundancy_stuck_0));
-                redundancy_undecided_0_part = waited;
+                redundancy_excluded_y1_next = maglev_5dof_flag(contradictory);
+                redundancy_excluded_y2_next = maglev_5dof_flag(contradictory_2);
+                redundancy_excluded_y3_next = maglev_5dof_flag(contradictory_3);
+                redundancy_excluded_y4_next = maglev_5dof_flag(contradictory_4);
+                redundancy_contradictions_0_next = (10u <= redundancy_contradictions_0) ? redundancy_contradictions_0 :
+                    (redundancy_contradictions_0 + 1u);
+                const uint32_t redundancy_stuck_0_part = maglev_5dof_flag(still_y1_at_least_3 && contradictory) +
+                    maglev_5dof_flag(still_y2_at_least_3 && contradictory_2) + maglev_5dof_flag(still_y3_at_least_3 &&
+                    contradictory_3);
+                redundancy_stuck_0_next = maglev_5dof_flag((redundancy_stuck_0_part +
+                    maglev_5dof_flag(still_y4_at_least_3 && contradictory_4) + redundancy_stuck_0) != 0u);
+                redundancy_undecided_0_next = waited;
             }
         } else {
-            bool moved = true;
-            if (!(!same_y4 && (redundancy_excluded_y4 != 0u) && good_y4)) {
-                if (!(!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3)) {
-                    if (!(!same_y2 && (redundancy_excluded_y2 != 0u) && good_y2)) {
-                        moved = !same_y1 && (redundancy_excluded_y1 != 0u) && good_y1;
-                    }
-                }
-            }
-            const uint32_t doubted = ((redundancy_stuck_0 != 0u) && moved) ? 1u : redundancy_undecided_0;
-            const uint32_t incomplete_suspect_y1 = redundancy_excluded_y1 + doubted;
-            suspect_y1_part_3 = (float)incomplete_suspect_y1;
-            const uint32_t incomplete_suspect_y2 = redundancy_excluded_y2 + doubted;
-            suspect_y2_part = (float)incomplete_suspect_y2;
-            const uint32_t incomplete_suspect_y3 = redundancy_excluded_y3 + doubted;
-            suspect_y3_part = (float)incomplete_suspect_y3;
-            const uint32_t incomplete_suspect_y4 = redundancy_excluded_y4 + doubted;
-            suspect_y4_part = (float)incomplete_suspect_y4;
-            const float gaps_sufficient_part = (((usable_y1) ? false : true) ? 1.0f : 0.0f) + (((usable_y2) ? false : true) ? 1.0f : 0.0f) + (((usable_y3) ? false : true) ? 1.0f : 0.0f);
-            const float missing = gaps_sufficient_part + (((usable_y4) ? false : true) ? 1.0f : 0.0f);
-            sufficient_gaps_sufficient = missing <= 2.0f;
-            const bool y1_held_test = missing <= 1.0f;
-            float y1_held_part = y1_expected;
-            float y2_held_part = y2_expected;
-            float y3_held_part = y3_expected;
-            float predicted = suspect_y1_part;
-            if (y1_held_test) {
-                y1_held_part = y1_accepted - r_suspect_y1;
-                y2_held_part = y2_accepted + r_suspect_y1;
-                y3_held_part = y3_accepted - r_suspect_y1;
+            const bool suspect_y1_test_2 = (redundancy_stuck_0 != 0u) && ((!same_y4 && (redundancy_excluded_y4 != 0u) &&
+                good_y4) || (!same_y3 && (redundancy_excluded_y3 != 0u) && good_y3) || (!same_y2 &&
+                (redundancy_excluded_y2 != 0u) && good_y2) || (!same_y1 && (redundancy_excluded_y1 != 0u) && good_y1));
+            const uint32_t doubted = (suspect_y1_test_2) ? 1u : redundancy_undecided_0;
+            suspects_y1 = (redundancy_excluded_y1 + doubted) != 0u;
+            suspects_y2 = (redundancy_excluded_y2 + doubted) != 0u;
+            suspects_y3 = (redundancy_excluded_y3 + doubted) != 0u;
+            suspects_y4 = (redundancy_excluded_y4 + doubted) != 0u;
+            const uint32_t missing = maglev_5dof_flag(!usable_y1) + maglev_5dof_flag(!usable_y2) +
+                maglev_5dof_flag(!usable_y3) + maglev_5dof_flag(!usable_y4);
+            gaps_sufficient = missing <= 2u;
+            const bool missing_at_most_1 = missing <= 1u;
+            float predicted_y1 = y1_expected;
+            float predicted_y2 = y2_expected;
+            float predicted_y3 = y3_expected;
+            float predicted_y4 = suspect_y1_part;
+            if (missing_at_most_1) {
+                predicted_y1 = y1_accepted - r_suspect_y1;
+                predicted_y2 = y2_accepted + r_suspect_y1;
+                predicted_y3 = y3_accepted - r_suspect_y1;
             } else {
-                predicted = y4_expected;
+                predicted_y4 = y4_expected;
             }
-            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : y1_held_part, 0.0322f), 0.0168f);
-            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : y2_held_part, 0.0366f), 0.0124f);
-            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : y3_held_part, 0.0322f), 0.0168f);
-            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted, 0.0366f), 0.0124f);
-            regular_2 = y1_held_test && !(doubted != 0u);
-            redundancy_undecided_0_part = doubted;
+            y1_held = maglev_5dof_max(maglev_5dof_min((usable_y1) ? y1_accepted : predicted_y1, 0.0322f), 0.0168f);
+            y2_held = maglev_5dof_max(maglev_5dof_min((usable_y2) ? y2_accepted : predicted_y2, 0.0366f), 0.0124f);
+            y3_held = maglev_5dof_max(maglev_5dof_min((usable_y3) ? y3_accepted : predicted_y3, 0.0322f), 0.0168f);
+            y4_held = maglev_5dof_max(maglev_5dof_min((usable_y4) ? y4_accepted : predicted_y4, 0.0366f), 0.0124f);
+            determined = missing_at_most_1 && (doubted == 0u);
+            redundancy_undecided_0_next = doubted;
         }
-        const bool unusual_suspect_y1 = 0.0f < suspect_y1_part_3;
-        suspect_y1 = unusual_suspect_y1;
-        const bool unusual_suspect_y2 = 0.0f < suspect_y2_part;
-        suspect_y2 = unusual_suspect_y2;
-        const bool unusual_suspect_y3 = 0.0f < suspect_y3_part;
-        suspect_y3 = unusual_suspect_y3;
-        const bool unusual_suspect_y4 = 0.0f < suspect_y4_part;
-        suspect_y4 = unusual_suspect_y4;
-        gaps_sufficient = sufficient_gaps_sufficient;
-        const bool usable_x_suspect_x = ((faults & 0x00000010u) == 0u) && !(redundancy_excluded_x != 0u);
-        const uint32_t unusual_suspect_x = (suspect_y1_test && (guard_ready != 0u) && usable_x_suspect_x) ? 1u : redundancy_excluded_x;
-        const bool determined = regular_2;
-        bool regular_part = determined;
-        if (!(usable_x_suspect_x && !(unusual_suspect_x != 0u))) {
-            x_trusted = false;
-            x_held = observer_x_q;
-            regular_part = false;
-        }
-        const bool usable_z_suspect_z = ((faults & 0x00000020u) == 0u) && !(redundancy_excluded_z != 0u);
-        const uint32_t flag_suspect_z = (suspect_y1_test_2 && (guard_ready != 0u) && usable_z_suspect_z) ? 1u : redundancy_excluded_z;
-        if (usable_z_suspect_z && !(flag_suspect_z != 0u)) {
-            regular = regular_part;
-        } else {
-            z_trusted = false;
-            z_held = observer_z_q;
-            regular = false;
-        }
+        suspect_y1 = suspects_y1;
+        suspect_y2 = suspects_y2;
+        suspect_y3 = suspects_y3;
+        suspect_y4 = suspects_y4;
+        const bool usable_z = ((faults & 0x00000020u) == 0u) && (redundancy_excluded_z == 0u);
+        const uint32_t flag_suspect_z = (frozen_z && (guard_ready != 0u) && usable_z) ? 1u : redundancy_excluded_z;
+        const bool unusual_z_trusted = usable_z && (flag_suspect_z == 0u);
+        const bool usable_x = ((faults & 0x00000010u) == 0u) && (redundancy_excluded_x == 0u);
+        const uint32_t suspects_x = (frozen_x && (guard_ready != 0u) && usable_x) ? 1u : redundancy_excluded_x;
+        const bool unusual_x_trusted = usable_x && (suspects_x == 0u);
+        regular = unusual_z_trusted && unusual_x_trusted && determined;
         theta_measured = determined;
-        if (flag_suspect_z != 0u) {
-            redundancy_degraded_part = 1u;
-        } else {
-            if (unusual_suspect_x != 0u) {
-                redundancy_degraded_part = 1u;
-            } else {
-                if (unusual_suspect_y4) {
-                    redundancy_degraded_part = 1u;
-                } else {
-                    redundancy_degraded_part = (unusual_suspect_y3) ? 1u : ((unusual_suspect_y2) ? 1u : ((unusual_suspect_y1) ? 1u : redundancy_degraded));
-                }
-            }
-        }
-        suspect_x = unusual_suspect_x;
+        redundancy_degraded_next = ((flag_suspect_z != 0u) || (suspects_x != 0u) || suspects_y4 || suspects_y3 ||
+            suspects_y2 || suspects_y1) ? 1u : redundancy_degraded;
+        suspect_x = suspects_x;
         suspect_z = flag_suspect_z;
+        x_trusted = unusual_x_trusted;
+        z_trusted = unusual_z_trusted;
+        x_held = (unusual_x_trusted) ? x_accepted : observer_x_q;
+        z_held = (unusual_z_trusted) ? z_accepted : observer_z_q;
         degraded = guard_ready;
-        redundancy_excluded_x_part = unusual_suspect_x;
-        redundancy_excluded_z_part = flag_suspect_z;
+        redundancy_excluded_x_next = suspects_x;
+        redundancy_excluded_z_next = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->y1_expected = y1_expected;
@@ -797,7 +783,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
 
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch (continued) */
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
@@ -821,7 +807,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const bool sufficient = gaps_sufficient && (x_trusted || z_trusted);
         enough = sufficient;
         const float nu_theta_disturbance = theta - observer_theta_q;
-        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance), 200.0f);
+        theta_disturbance = maglev_5dof_limit(state->observer_theta_d + (observer_theta_gamma * nu_theta_disturbance),
+            200.0f);
         theta_estimate = observer_theta_q + (observer_theta_alpha * nu_theta_disturbance);
         const float theta_rate_part = state->observer_theta_v + (observer_theta_beta * nu_theta_disturbance);
         theta_rate = theta_rate_part;
@@ -874,7 +861,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float z_commutation = ((latched != 0u) && lost_2) ? 0.2f : z_held;
     out->z_commutation = z_commutation;
 
-    /* safe_output: slew to the safe output once latched */
+    /* safe_output: slew to the safe output once latched (continued) */
     if (suspect_y1) {
         faults |= 0x00000800u;
     }
@@ -909,41 +896,46 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         out->i_q1 = state->safe_output_last_u_z;
         out->i_q3 = state->safe_output_last_u_z;
 
-        /* guard: range acceptance, hold, latch */
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
-        /* sufficiency: it can land, is probed */
+        /* sufficiency: it can land, is probed (continued) */
         const bool free = regular && (observer_y_q < 0.0305f);
 
         /* errors: tracking errors, F(14)
          *     e_y = y - y_ref_held; likewise e_x, e_z, e_phi, e_theta */
         const float e_y = y - y_ref_held;
         const float filter_y_r_next = maglev_5dof_filter(&state->filter_y, guard_ready, e_y);
-        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y, filter_y_r_next);
+        const float w_y_tracking = maglev_5dof_regulator(&state->regulator_y, &regulator_y_regulator, e_y,
+            filter_y_r_next);
         const float e_x = x_held - x_ref_held;
         const float filter_x_r_next = maglev_5dof_filter(&state->filter_x, guard_ready, e_x);
         const float e_z = z_held - z_ref_held;
         const float filter_z_r_next = maglev_5dof_filter(&state->filter_z, guard_ready, e_z);
         const float e_phi = phi - phi_ref_held;
         const float filter_phi_r_next = maglev_5dof_filter(&state->filter_phi, guard_ready, e_phi);
-        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi, filter_phi_r_next);
+        const float w_phi_tracking = maglev_5dof_regulator(&state->regulator_phi, &regulator_phi_regulator, e_phi,
+            filter_phi_r_next);
         const float e_theta = theta - theta_ref_held;
         const float filter_theta_r_next = maglev_5dof_filter(&state->filter_theta, guard_ready, e_theta);
-        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator, e_theta, filter_theta_r_next);
+        const float w_theta_tracking = maglev_5dof_regulator(&state->regulator_theta, &regulator_theta_regulator,
+            e_theta, filter_theta_r_next);
 
-        /* landing: ramps and state feedback */
+        /* landing: ramps and state feedback (continued) */
         const bool waiting = !regular && (guard_ready != 0u);
         const uint32_t landing_left = state->landing_left;
-        const bool w_phi_test = landing_left <= 1u;
+        const bool landing_left_at_most_1 = landing_left <= 1u;
         uint32_t landing = 1u;
-        if (waiting && w_phi_test) {
+        if (waiting && landing_left_at_most_1) {
             state->landing_landing = 1u;
         } else {
             landing = landing_landing;
         }
-        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted, x_held, state->delay_a_x_last, x_unchanged);
-        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted, z_held, state->delay_a_z_last, z_unchanged);
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted,
+            x_held, state->delay_a_x_last, x_unchanged);
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted,
+            z_held, state->delay_a_z_last, z_unchanged);
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -953,41 +945,48 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            /* observer_z: predictive observer, alpha-beta-gamma */
+            /* observer_z: predictive observer, alpha-beta-gamma (continued) */
             float r_w_y = landing_r_y;
-            float w_y_part = y_rate;
-            float w_x_unprobed_part = observer_x.estimate;
-            float w_x_unprobed_part_2 = observer_x.rate;
-            float w_z_unprobed_part = observer_z.estimate;
-            float w_z_unprobed_part_2 = observer_z.rate;
+            float dr_w_y = y_rate;
+            float r_w_x = observer_x.estimate;
+            float dr_w_x = observer_x.rate;
+            float r_w_z = observer_z.estimate;
+            float dr_w_z = observer_z.rate;
             if (landing_landing != 0u) {
-                w_y_part = state->landing_dr_y;
-                w_x_unprobed_part = state->landing_r_x;
-                w_x_unprobed_part_2 = state->landing_dr_x;
-                w_z_unprobed_part = state->landing_r_z;
-                w_z_unprobed_part_2 = state->landing_dr_z;
+                dr_w_y = state->landing_dr_y;
+                r_w_x = state->landing_r_x;
+                dr_w_x = state->landing_dr_x;
+                r_w_z = state->landing_r_z;
+                dr_w_z = state->landing_dr_z;
             } else {
                 r_w_y = y_estimate;
             }
-            const float w_y_part_2 = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
-            const float w_y_part_3 = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + (maglev_5dof_limit(1000.0f * (w_y_part_2 - w_y_part), 2.0f) - y_disturbance);
-            w_y = w_y_part_3;
-            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - observer_x.disturbance);
-            w_x_unprobed = w_x_unprobed_part_3;
-            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - observer_z.disturbance);
-            w_z_unprobed = w_z_unprobed_part_3;
-            const float landing_dr_y_next = maglev_5dof_slew(w_y_part, w_y_part_2, 0.002f);
-            const float landing_r_y_part_2 = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (w_y_part + landing_dr_y_next)), 0.0326f), -0.5f) : y_estimate;
-            landing_r_y_part = landing_r_y_part_2;
-            state->landing_dr_y = landing_dr_y_next;
+            const float target_w_y = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f),
+                0.001f);
+            const float demand_w_y = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (dr_w_y - y_rate)) +
+                (maglev_5dof_limit(1000.0f * (target_w_y - dr_w_y), 2.0f) - y_disturbance);
+            w_y = demand_w_y;
+            const float demand_w_x = (900.0f * (r_w_x - observer_x.estimate)) + (60.0f * (dr_w_x - observer_x.rate)) +
+                (maglev_5dof_limit(-1000.0f * dr_w_x, 4.0f) - observer_x.disturbance);
+            w_x_unprobed = demand_w_x;
+            const float demand_w_z = (900.0f * (r_w_z - observer_z.estimate)) + (60.0f * (dr_w_z - observer_z.rate)) +
+                (maglev_5dof_limit(-1000.0f * dr_w_z, 4.0f) - observer_z.disturbance);
+            w_z_unprobed = demand_w_z;
+            const float faster_w_y = maglev_5dof_slew(dr_w_y, target_w_y, 0.002f);
+            const float ahead_w_y = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (dr_w_y
+                + faster_w_y)), 0.0326f), -0.5f) : y_estimate;
+            landing_r_y_part = ahead_w_y;
+            state->landing_dr_y = faster_w_y;
 
-            /* landing: ramps and state feedback */
-            const float landing_r_x_part = maglev_5dof_slew(w_x_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_r_x_part)), 0.5f) : observer_x.estimate;
-            state->landing_dr_x = maglev_5dof_limit(landing_r_x_part, 10.0f);
-            const float faster_landing_r_z = maglev_5dof_slew(w_z_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster_landing_r_z)), 0.5f) : observer_z.estimate;
-            state->landing_dr_z = maglev_5dof_limit(faster_landing_r_z, 10.0f);
+            /* landing: ramps and state feedback (continued) */
+            const float faster_w_x = maglev_5dof_slew(dr_w_x, 0.0f, 0.004f);
+            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(r_w_x + (0.0005f * (dr_w_x + faster_w_x)),
+                0.5f) : observer_x.estimate;
+            state->landing_dr_x = maglev_5dof_limit(faster_w_x, 10.0f);
+            const float faster_w_z = maglev_5dof_slew(dr_w_z, 0.0f, 0.004f);
+            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(r_w_z + (0.0005f * (dr_w_z + faster_w_z)),
+                0.5f) : observer_z.estimate;
+            state->landing_dr_z = maglev_5dof_limit(faster_w_z, 10.0f);
             w_phi = -11250.0f * phi;
             w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -1078,7 +1077,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_1 = thrust_per_ampere_1_squared * half_a_over_h2_1;
         const float half_c_1 = thrust_per_ampere_1_squared * (half_c_over_h2 + thrust_per_ampere_1_part);
         const float safe_output_last_u_z_squared = safe_output_last_u_z * safe_output_last_u_z;
-        const float half_load_1 = half_a_1 + (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 * safe_output_last_i_d1)));
+        const float half_load_1 = half_a_1 + (half_c_1 * (safe_output_last_u_z_squared + (safe_output_last_i_d1 *
+            safe_output_last_i_d1)));
         const float inverse_b_1 = 1.0f / sqrtf(thrust_per_ampere_1_squared + (16.0f * (half_a_1 * half_c_1)));
         const float thrust_per_ampere_2_part = slot_pull / (y2_held + gap_offset);
         const float thrust_per_ampere_2_argument = 16384.0f * (thrust_per_ampere_2_part - 3.4332275e-05f);
@@ -1088,7 +1088,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float half_a_2 = thrust_per_ampere_2_squared * half_a_over_h2_2;
         const float half_c_2 = thrust_per_ampere_2_squared * (half_c_over_h2 + thrust_per_ampere_2_part);
         const float safe_output_last_u_x_squared = safe_output_last_u_x * safe_output_last_u_x;
-        const float half_load_2 = half_a_2 + (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 * safe_output_last_i_d2)));
+        const float half_load_2 = half_a_2 + (half_c_2 * (safe_output_last_u_x_squared + (safe_output_last_i_d2 *
+            safe_output_last_i_d2)));
         const float inverse_b_2 = 1.0f / sqrtf(thrust_per_ampere_2_squared + (16.0f * (half_a_2 * half_c_2)));
         const float thrust_per_ampere_3_part = slot_pull / (y3_held + gap_offset);
         const float thrust_per_ampere_1_argument_2 = thrust_per_ampere_3_part - 4.196167e-05f;
@@ -1097,7 +1098,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_3_squared = thrust_per_ampere_3 * thrust_per_ampere_3;
         const float half_a_3 = thrust_per_ampere_3_squared * half_a_over_h2_3;
         const float half_c_3 = thrust_per_ampere_3_squared * (half_c_over_h2 + thrust_per_ampere_3_part);
-        const float half_load_3 = half_a_3 + (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 * safe_output_last_i_d3)));
+        const float half_load_3 = half_a_3 + (half_c_3 * (safe_output_last_u_z_squared + (safe_output_last_i_d3 *
+            safe_output_last_i_d3)));
         const float inverse_b_3 = 1.0f / sqrtf(thrust_per_ampere_3_squared + (16.0f * (half_a_3 * half_c_3)));
         const float thrust_per_ampere_4_part = slot_pull / (y4_held + gap_offset);
         const float thrust_per_ampere_2_argument_2 = 16384.0f * (thrust_per_ampere_4_part - 3.4332275e-05f);
@@ -1106,13 +1108,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float thrust_per_ampere_4_squared = thrust_per_ampere_4 * thrust_per_ampere_4;
         const float half_a_4 = thrust_per_ampere_4_squared * half_a_over_h2_4;
         const float half_c_4 = thrust_per_ampere_4_squared * (half_c_over_h2 + thrust_per_ampere_4_part);
-        const float half_load_4 = half_a_4 + (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 * safe_output_last_i_d4)));
+        const float half_load_4 = half_a_4 + (half_c_4 * (safe_output_last_u_x_squared + (safe_output_last_i_d4 *
+            safe_output_last_i_d4)));
         const float inverse_b_4 = 1.0f / sqrtf(thrust_per_ampere_4_squared + (16.0f * (half_a_4 * half_c_4)));
         const float half_force = (half_M_y * (w_y - G)) + (half_load_1 + half_load_2 + half_load_3 + half_load_4);
-        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 - half_load_1);
-        const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 - half_load_4);
+        const float half_force_phi = (half_I_over_r * (w_phi + (compensated_k_s_phi * phi))) + (half_load_3 -
+            half_load_1);
+        const float half_force_theta = (half_I_over_r * (w_theta + (compensated_k_s_theta * theta))) + (half_load_2 -
+            half_load_4);
         const float inverse_b_2_plus_inverse_b_4 = inverse_b_2 + inverse_b_4;
-        const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) + ((inverse_b_2 - inverse_b_4) * half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
+        const float half_force_1_3_part = (inverse_b_2_plus_inverse_b_4 * half_force) + ((inverse_b_2 - inverse_b_4) *
+            half_force_theta) - ((inverse_b_3 - inverse_b_1) * half_force_phi);
         const float half_force_1_3 = half_force_1_3_part / (inverse_b_1 + inverse_b_3 + inverse_b_2_plus_inverse_b_4);
         const float half_force_2_4 = half_force - half_force_1_3;
         const float i_d1_balanced = maglev_5dof_limit((half_force_1_3 - half_force_phi) * inverse_b_1, direct_limit);
@@ -1120,7 +1126,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float i_d3_balanced = maglev_5dof_limit((half_force_1_3 + half_force_phi) * inverse_b_3, direct_limit);
         const float i_d4_balanced = maglev_5dof_limit((half_force_2_4 - half_force_theta) * inverse_b_4, direct_limit);
 
-        /* probe_x: probe at rest */
+        /* probe_x: probe at rest (continued) */
         const uint32_t probe_x_sample = state->probe_x_sample;
         const bool runs_w_x = 1u <= probe_x_sample;
         if (runs_w_x || (40u <= x_unchanged)) {
@@ -1147,16 +1153,17 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->probe_x_attempt = 0u;
         }
 
-        /* decoupling: direct and thrust currents, F(8), F(12) */
+        /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_x_demand_part = thrust_per_ampere_2 + thrust_per_ampere_4;
         const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
-        const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
+        const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced,
+            i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
 
-        /* landing: ramps and state feedback */
-        state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
+        /* landing: ramps and state feedback (continued) */
+        state->landing_left = (waiting) ? ((landing_left_at_most_1) ? 1u : (landing_left - 1u)) : 5u;
 
-        /* probe_z: probe at rest */
+        /* probe_z: probe at rest (continued) */
         const uint32_t probe_z_sample = state->probe_z_sample;
         const bool runs_w_z = 1u <= probe_z_sample;
         if (runs_w_z || (40u <= z_unchanged)) {
@@ -1183,10 +1190,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             state->probe_z_attempt = 0u;
         }
 
-        /* decoupling: direct and thrust currents, F(8), F(12) */
+        /* decoupling: direct and thrust currents, F(8), F(12) (continued) */
         const float u_z_demand_part = thrust_per_ampere_1 + thrust_per_ampere_3;
         const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
-        const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
+        const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced,
+            i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
         const float excess_x = u_x_computed - u_x_demand;
         const float excess_z = u_z_computed - u_z_demand;
@@ -1194,29 +1202,34 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* handover: direct currents without x or z */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
-            /* safe_output: slew to the safe output once latched */
-            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
+            /* safe_output: slew to the safe output once latched (continued) */
+            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer :
+                ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
             const bool of_x = 0.0f < transfer;
             const float part = fabsf(transfer);
             const float part_z = (of_x) ? 0.0f : part;
-            const float i_d1_computed_part = 1.0f - part_z;
+            const float remainder_z = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
-            const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
+            const float handed_z = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = i_d1_computed_part * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d1 = remainder_z * maglev_5dof_limit(i_d1_balanced + handed_z,
+                room_i_d1_computed);
             out->i_d1 = state->safe_output_last_i_d1;
-            const float i_d2_computed_part = 1.0f - part_x;
-            const float i_d2_computed_part_2 = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
-            const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
-            state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            const float remainder_x = 1.0f - part_x;
+            const float handed_x = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
+            const float i_d2_computed_part = 4.9497476f - fabsf(u_x_computed);
+            state->safe_output_last_i_d2 = remainder_x * maglev_5dof_limit(i_d2_balanced + handed_x,
+                i_d2_computed_part);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = i_d1_computed_part * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d3 = remainder_z * maglev_5dof_limit(i_d3_balanced + handed_z,
+                room_i_d1_computed);
             out->i_d3 = state->safe_output_last_i_d3;
-            state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
+            state->safe_output_last_i_d4 = remainder_x * maglev_5dof_limit(i_d4_balanced + handed_x,
+                i_d2_computed_part);
             out->i_d4 = state->safe_output_last_i_d4;
             state->handover_transfer = transfer;
         } else {
-            /* safe_output: slew to the safe output once latched */
+            /* safe_output: slew to the safe output once latched (continued) */
             state->safe_output_last_i_d1 = i_d1_balanced;
             out->i_d1 = i_d1_balanced;
             state->safe_output_last_i_d2 = i_d2_balanced;
@@ -1225,6 +1238,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             out->i_d3 = i_d3_balanced;
             state->safe_output_last_i_d4 = i_d4_balanced;
             out->i_d4 = i_d4_balanced;
+
+            /* handover: direct currents without x or z (continued) */
+            state->handover_transfer = 0.0f;
         }
 
         /* accelerations: F(6)
@@ -1251,59 +1267,61 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->delay_w_phi_last = w_phi;
         state->delay_w_theta_last = w_theta;
 
-        /* observer_y: predictive observer, alpha-beta-gamma */
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_y_q = y_rate + (0.001f * (delay_w_y_last + y_disturbance));
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.0005f * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.0005f * (y_rate + faster_observer_y_q)),
+            0.0345f), 0.0145f);
         state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, 4.0f);
 
-        /* observer_phi: predictive observer, alpha-beta-gamma */
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_phi_q = phi_rate + (0.001f * (delay_w_phi_last + phi_disturbance));
         state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.0005f * (phi_rate + faster_observer_phi_q)), 0.02f);
         state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, 4.0f);
 
-        /* observer_theta: predictive observer, alpha-beta-gamma */
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         const float faster_observer_theta_q = theta_rate + (0.001f * (delay_w_theta_last + theta_disturbance));
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.0005f * (theta_rate + faster_observer_theta_q)), 0.031f);
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.0005f * (theta_rate + faster_observer_theta_q)),
+            0.031f);
         state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, 4.0f);
 
-        /* landing: ramps and state feedback */
+        /* landing: ramps and state feedback (continued) */
         state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
-        /* redundancy: parity, innovations, frozen codes */
+        /* redundancy: parity, innovations, frozen codes (continued) */
         state->redundancy_code_y1 = y1_accepted;
-        state->redundancy_still_y1 = still_still_y1;
-        state->redundancy_excluded_y1 = redundancy_excluded_y1_part;
+        state->redundancy_still_y1 = still_y1;
+        state->redundancy_excluded_y1 = redundancy_excluded_y1_next;
         state->redundancy_code_y2 = y2_accepted;
-        state->redundancy_still_y2 = still_still_y2;
-        state->redundancy_excluded_y2 = redundancy_excluded_y2_part;
+        state->redundancy_still_y2 = still_y2;
+        state->redundancy_excluded_y2 = redundancy_excluded_y2_next;
         state->redundancy_code_y3 = y3_accepted;
-        state->redundancy_still_y3 = still_still_y3;
-        state->redundancy_excluded_y3 = redundancy_excluded_y3_part;
+        state->redundancy_still_y3 = still_y3;
+        state->redundancy_excluded_y3 = redundancy_excluded_y3_next;
         state->redundancy_code_y4 = y4_accepted;
-        state->redundancy_still_y4 = still_still_y4;
-        state->redundancy_excluded_y4 = redundancy_excluded_y4_part;
+        state->redundancy_still_y4 = still_y4;
+        state->redundancy_excluded_y4 = redundancy_excluded_y4_next;
         state->redundancy_code_x = x_accepted;
         state->redundancy_still_x = x_unchanged;
-        state->redundancy_excluded_x = redundancy_excluded_x_part;
-        state->redundancy_doubts_x = redundancy_doubts_x_part;
-        state->redundancy_before_x = suspect_y1_part_2;
+        state->redundancy_excluded_x = redundancy_excluded_x_next;
+        state->redundancy_doubts_x = redundancy_doubts_x_next;
+        state->redundancy_before_x = before_x;
         state->redundancy_code_z = z_accepted;
         state->redundancy_still_z = z_unchanged;
-        state->redundancy_excluded_z = redundancy_excluded_z_part;
-        state->redundancy_doubts_z = redundancy_doubts_z_part;
-        state->redundancy_before_z = before;
+        state->redundancy_excluded_z = redundancy_excluded_z_next;
+        state->redundancy_doubts_z = redundancy_doubts_z_next;
+        state->redundancy_before_z = before_z;
         state->redundancy_contradictions_0 = redundancy_contradictions_0_next;
-        state->redundancy_stuck_0 = redundancy_stuck_0_part;
-        state->redundancy_undecided_0 = redundancy_undecided_0_part;
-        state->redundancy_degraded = redundancy_degraded_part;
+        state->redundancy_stuck_0 = redundancy_stuck_0_next;
+        state->redundancy_undecided_0 = redundancy_undecided_0_next;
+        state->redundancy_degraded = redundancy_degraded_next;
 
-        /* observer_y: predictive observer, alpha-beta-gamma */
+        /* observer_y: predictive observer, alpha-beta-gamma (continued) */
         state->observer_y_d = y_disturbance;
 
-        /* observer_phi: predictive observer, alpha-beta-gamma */
+        /* observer_phi: predictive observer, alpha-beta-gamma (continued) */
         state->observer_phi_d = phi_disturbance;
 
-        /* observer_theta: predictive observer, alpha-beta-gamma */
+        /* observer_theta: predictive observer, alpha-beta-gamma (continued) */
         state->observer_theta_d = theta_disturbance;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
         if (diagnostics != NULL) {
@@ -1337,11 +1355,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
-    const float missed_calls = in->missed_calls;
     if (degraded != 0u) {
         faults |= 0x00020000u;
     }
-    const uint32_t fault_word = ((0.0f <= missed_calls) && (missed_calls <= 40.0f)) ? faults : (faults | 0x00040000u);
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
@@ -1382,11 +1398,11 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
-        diagnostics->faults = fault_word;
-        if ((diagnostics->latch_cause == 0u) && ((fault_word & 0x80000000u) != 0u)) {
-            diagnostics->latch_cause = fault_word;
+        diagnostics->faults = faults;
+        if ((diagnostics->latch_cause == 0u) && ((faults & 0x80000000u) != 0u)) {
+            diagnostics->latch_cause = faults;
         }
     }
 #endif
-    return fault_word;
+    return faults;
 }

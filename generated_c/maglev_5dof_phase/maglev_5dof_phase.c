@@ -70,15 +70,18 @@ void maglev_5dof_phase_init(maglev_5dof_phase_state_t *state)
 }
 
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)
-uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out)
 {
     return maglev_5dof_phase_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out,
+uint32_t maglev_5dof_phase_step_diagnosed(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out,
     maglev_5dof_phase_diagnostics_t *diagnostics)
 #else
-uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in, maglev_5dof_phase_output_t *out)
+uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5dof_phase_input_t *in,
+    maglev_5dof_phase_output_t *out)
 #endif
 {
     static const float root_2 = 1.4142135f;                     /* 1; sqrt(2) */
@@ -92,16 +95,26 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
 #endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
-    const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u, &faults);
-    const float i_d2_held = maglev_5dof_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2, 0x00000002u, &faults);
-    const float i_d3_held = maglev_5dof_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3, 0x00000004u, &faults);
-    const float i_d4_held = maglev_5dof_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4, 0x00000008u, &faults);
-    const float i_q1_held = maglev_5dof_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1, 0x00000010u, &faults);
-    const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u, &faults);
-    const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u, &faults);
-    const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u, &faults);
-    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u, &faults);
-    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u, &faults);
+    const float i_d1_held = maglev_5dof_phase_hold_within(in->i_d1, 4.9497476f, &state->guard_last_i_d1, 0x00000001u,
+        &faults);
+    const float i_d2_held = maglev_5dof_phase_hold_within(in->i_d2, 4.9497476f, &state->guard_last_i_d2, 0x00000002u,
+        &faults);
+    const float i_d3_held = maglev_5dof_phase_hold_within(in->i_d3, 4.9497476f, &state->guard_last_i_d3, 0x00000004u,
+        &faults);
+    const float i_d4_held = maglev_5dof_phase_hold_within(in->i_d4, 4.9497476f, &state->guard_last_i_d4, 0x00000008u,
+        &faults);
+    const float i_q1_held = maglev_5dof_phase_hold_within(in->i_q1, 4.9497476f, &state->guard_last_i_q1, 0x00000010u,
+        &faults);
+    const float i_q2_held = maglev_5dof_phase_hold_within(in->i_q2, 4.9497476f, &state->guard_last_i_q2, 0x00000020u,
+        &faults);
+    const float i_q3_held = maglev_5dof_phase_hold_within(in->i_q3, 4.9497476f, &state->guard_last_i_q3, 0x00000040u,
+        &faults);
+    const float i_q4_held = maglev_5dof_phase_hold_within(in->i_q4, 4.9497476f, &state->guard_last_i_q4, 0x00000080u,
+        &faults);
+    const float x_held = maglev_5dof_phase_hold_within(in->x_commutation, 0.1f, &state->guard_last_x, 0x00000100u,
+        &faults);
+    const float z_held = maglev_5dof_phase_hold_within(in->z_commutation, 0.1f, &state->guard_last_z, 0x00000200u,
+        &faults);
 
     /* advance: positions 1.5 samples later, when the currents act
      *     x_acting = last_x_next + 1.5 * (last_x_next - (last_x if 1 <= left_x, else x_held)); likewise
@@ -195,20 +208,20 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
         const bool of_x = 0.0f < transfer;
         const float part = fabsf(transfer);
         const float part_x = (of_x) ? part : 0.0f;
-        const float handed = 0.5f * (part_x * (i_d2_held + i_d4_held));
-        cosine_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed, 4.9497476f - fabsf(i_q1_held));
+        const float handed_z = 0.5f * (part_x * (i_d2_held + i_d4_held));
+        cosine_i_a1 = maglev_5dof_phase_limit(i_d1_held + handed_z, 4.9497476f - fabsf(i_q1_held));
         const float whole = maglev_5dof_phase_min(0.04f * (105.0f - (float)unknown), 1.0f);
         const float part_z = (of_x) ? 0.0f : part;
-        const float share = whole * (1.0f - part_z);
-        waves_z_cosine = share * turned_sine;
-        waves_z_sine = share * turned_cosine;
-        const float i_a2_part = 0.5f * (part_z * (i_d1_held + i_d3_held));
-        cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held + i_a2_part, 4.9497476f - fabsf(i_q2_held));
-        const float i_a2_part_2 = whole * (1.0f - part_x);
-        waves_x_cosine_i_a2_2 = i_a2_part_2 * waves_x_cosine_i_a2;
-        waves_x_sine_i_a2_2 = i_a2_part_2 * waves_x_sine_i_a2;
-        cosine_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed, 4.9497476f - fabsf(i_q3_held));
-        cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held + i_a2_part, 4.9497476f - fabsf(i_q4_held));
+        const float share_z = whole * (1.0f - part_z);
+        waves_z_cosine = share_z * turned_sine;
+        waves_z_sine = share_z * turned_cosine;
+        const float handed_x = 0.5f * (part_z * (i_d1_held + i_d3_held));
+        cosine_i_a2 = maglev_5dof_phase_limit(i_d2_held + handed_x, 4.9497476f - fabsf(i_q2_held));
+        const float share_x = whole * (1.0f - part_x);
+        waves_x_cosine_i_a2_2 = share_x * waves_x_cosine_i_a2;
+        waves_x_sine_i_a2_2 = share_x * waves_x_sine_i_a2;
+        cosine_i_a3 = maglev_5dof_phase_limit(i_d3_held + handed_z, 4.9497476f - fabsf(i_q3_held));
+        cosine_i_a4 = maglev_5dof_phase_limit(i_d4_held + handed_x, 4.9497476f - fabsf(i_q4_held));
         state->commutation_transfer = transfer;
         state->commutation_unknown = unknown;
     } else {
@@ -219,24 +232,24 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a1 = cosine_i_a1_2;
     /*@ admit -9.900485f <= i_a1 <= 9.900485f; */
     out->i_a1 = i_a1;
-    const float i_b1_part = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_i_a1 * waves_z_sine));
-    const float half_cosine_i_a1_2 = 0.5f * cosine_i_a1_2;
-    const float i_b1 = i_b1_part - half_cosine_i_a1_2;
+    const float other_z = half_root_3 * ((i_q1_held * waves_z_cosine) + (cosine_i_a1 * waves_z_sine));
+    const float half_z = 0.5f * cosine_i_a1_2;
+    const float i_b1 = other_z - half_z;
     /*@ admit -9.900485f <= i_b1 <= 9.900485f; */
     out->i_b1 = i_b1;
-    const float i_c1 = -(half_cosine_i_a1_2 + i_b1_part);
+    const float i_c1 = -(half_z + other_z);
     /*@ admit -9.900485f <= i_c1 <= 9.900485f; */
     out->i_c1 = i_c1;
     const float cosine_i_a2_2 = (cosine_i_a2 * waves_x_cosine_i_a2_2) - (i_q2_held * waves_x_sine_i_a2_2);
     const float i_a2 = cosine_i_a2_2;
     /*@ admit -9.900485f <= i_a2 <= 9.900485f; */
     out->i_a2 = i_a2;
-    const float i_b2_part = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_i_a2 * waves_x_sine_i_a2_2));
-    const float half_cosine_i_a2_2 = 0.5f * cosine_i_a2_2;
-    const float i_b2 = i_b2_part - half_cosine_i_a2_2;
+    const float other_x = half_root_3 * ((i_q2_held * waves_x_cosine_i_a2_2) + (cosine_i_a2 * waves_x_sine_i_a2_2));
+    const float half_x = 0.5f * cosine_i_a2_2;
+    const float i_b2 = other_x - half_x;
     /*@ admit -9.900485f <= i_b2 <= 9.900485f; */
     out->i_b2 = i_b2;
-    const float i_c2 = -(half_cosine_i_a2_2 + i_b2_part);
+    const float i_c2 = -(half_x + other_x);
     /*@ admit -9.900485f <= i_c2 <= 9.900485f; */
     out->i_c2 = i_c2;
     const float cosine_i_a3_2 = (cosine_i_a3 * waves_z_cosine) - (i_q3_held * waves_z_sine);
@@ -255,12 +268,12 @@ uint32_t maglev_5dof_phase_step(maglev_5dof_phase_state_t *state, const maglev_5
     const float i_a4 = current_cosine;
     /*@ admit -9.900485f <= i_a4 <= 9.900485f; */
     out->i_a4 = i_a4;
-    const float other = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_i_a4 * waves_x_sine_i_a2_2));
-    const float half = 0.5f * current_cosine;
-    const float i_b4 = other - half;
+    const float i_b4_part = half_root_3 * ((i_q4_held * waves_x_cosine_i_a2_2) + (cosine_i_a4 * waves_x_sine_i_a2_2));
+    const float half_current_cosine = 0.5f * current_cosine;
+    const float i_b4 = i_b4_part - half_current_cosine;
     /*@ admit -9.900485f <= i_b4 <= 9.900485f; */
     out->i_b4 = i_b4;
-    const float i_c4 = -(half + other);
+    const float i_c4 = -(half_current_cosine + i_b4_part);
     /*@ admit -9.900485f <= i_c4 <= 9.900485f; */
     out->i_c4 = i_c4;
 #if defined(MAGLEV_5DOF_PHASE_DIAGNOSTICS)

@@ -14,11 +14,6 @@
 #error "floating-point arithmetic in a wider type rounds elsewhere: use -msse2 -mfpmath=sse or the like"
 #endif
 
-static inline float planar_6dof_leadlag_min(float a, float b)
-{
-    return (a < b) ? a : b;
-}
-
 static inline float planar_6dof_leadlag_max(float a, float b)
 {
     return (a > b) ? a : b;
@@ -130,7 +125,8 @@ PLANAR_6DOF_LEADLAG_INLINE float planar_6dof_leadlag_filter(planar_6dof_leadlag_
     const float prediction_p = now + angle_part;
     const float prediction_s = angle_part + a;
     float angle = now;
-    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <= parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
+    if ((ready != 0u) && (fabsf(prediction_p) <= parameters->largest_prediction) && (fabsf(prediction_s) <=
+            parameters->largest_prediction) && (fabsf(a) <= parameters->largest_prediction)) {
         state->p = prediction_p;
         state->s = prediction_s;
         state->h = a;
@@ -152,7 +148,8 @@ typedef struct {
  * (24); lead-lag, (25)
  *     d_x = gain * (x_ref_held - x) + lead + integral
  *     lead_next = lead_input * (x_ref_held - x) + lead_pole * lead */
-PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const planar_6dof_leadlag_loop_state_t *state,
+PLANAR_6DOF_LEADLAG_INLINE planar_6dof_leadlag_loop_output_t planar_6dof_leadlag_loop_output(const
+    planar_6dof_leadlag_loop_state_t *state,
     float gain, float ref_held, float value)
 {
     const float error = ref_held - value;
@@ -176,20 +173,22 @@ void planar_6dof_leadlag_init(planar_6dof_leadlag_state_t *state)
     /* A member that is not named is 0. */
     *state = (planar_6dof_leadlag_state_t){
         .guard_left = 5u,
-        .sensing_scale = 1.0f,
     };
 }
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out)
+uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out)
 {
     return planar_6dof_leadlag_step_diagnosed(state, in, out, NULL);
 }
 
-uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out,
+uint32_t planar_6dof_leadlag_step_diagnosed(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out,
     planar_6dof_leadlag_diagnostics_t *diagnostics)
 #else
-uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in, planar_6dof_leadlag_output_t *out)
+uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const planar_6dof_leadlag_input_t *in,
+    planar_6dof_leadlag_output_t *out)
 #endif
 {
     static const float m_weight = 0.033025026f;                 /* 1/V^2; (0.08 / (0.15 A))^2, A = 2.93479 V */
@@ -231,8 +230,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
     static const float sensing_power_1 = 0.11621765f;           /* 1/V^2; fit of the power in the calculated field */
     static const float sensing_power_2 = -0.0013770753f;        /* 1/V^6; fit of the power in the calculated field */
     static const float sensing_amplitude_weight = 0.02322072f;  /* 1/V^2; 2 W / A^2 */
-    static const float sensing_first_scale_gain = 0.032194078f; /* 1/V^2; 1 / (4 g_0 A^2) */
-    static const float sensing_scale_gain = 3.219408e-05f;      /* 1/V^2; 0.001 / (4 g_0 A^2) */
     static const float loop_x_gain = 2515.072f;                 /* A/m; (21): gain on the error */
     static const float loop_x_lead_input = -1799.755f;          /* A/m; (21): gain times (lead_pole - zero) */
     static const float loop_y_gain = 2515.072f;                 /* A/m; (21): gain on the error */
@@ -270,44 +267,61 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
 #endif
     /* guard: range acceptance, hold, latch */
     uint32_t faults = 0u;
-    const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u, &faults);
-    const float V_ay_held = planar_6dof_leadlag_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u, &faults);
-    const float V_bx_held = planar_6dof_leadlag_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u, &faults);
-    const float V_by_held = planar_6dof_leadlag_replace_within(in->V_by, 5.0f, guard_refused_V_by, 0x00000008u, &faults);
-    const float V_cx_held = planar_6dof_leadlag_replace_within(in->V_cx, 5.0f, guard_refused_V_cx, 0x00000010u, &faults);
-    const float V_cy_held = planar_6dof_leadlag_replace_within(in->V_cy, 5.0f, guard_refused_V_cy, 0x00000020u, &faults);
+    const float V_ax_held = planar_6dof_leadlag_replace_within(in->V_ax, 5.0f, guard_refused_V_ax, 0x00000001u,
+        &faults);
+    const float V_ay_held = planar_6dof_leadlag_replace_within(in->V_ay, 5.0f, guard_refused_V_ay, 0x00000002u,
+        &faults);
+    const float V_bx_held = planar_6dof_leadlag_replace_within(in->V_bx, 5.0f, guard_refused_V_bx, 0x00000004u,
+        &faults);
+    const float V_by_held = planar_6dof_leadlag_replace_within(in->V_by, 5.0f, guard_refused_V_by, 0x00000008u,
+        &faults);
+    const float V_cx_held = planar_6dof_leadlag_replace_within(in->V_cx, 5.0f, guard_refused_V_cx, 0x00000010u,
+        &faults);
+    const float V_cy_held = planar_6dof_leadlag_replace_within(in->V_cy, 5.0f, guard_refused_V_cy, 0x00000020u,
+        &faults);
     const float d1_held = planar_6dof_leadlag_hold_within(in->d1, 0.0005f, &state->guard_last_d1, 0x00000040u, &faults);
     const float d2_held = planar_6dof_leadlag_hold_within(in->d2, 0.0005f, &state->guard_last_d2, 0x00000080u, &faults);
     const float d3_held = planar_6dof_leadlag_hold_within(in->d3, 0.0005f, &state->guard_last_d3, 0x00000100u, &faults);
-    const float x_ref_held = planar_6dof_leadlag_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u, &faults);
-    const float y_ref_held = planar_6dof_leadlag_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u, &faults);
-    const float phi_ref_held = planar_6dof_leadlag_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref, 0x00000800u, &faults);
-    const float z_ref_held = planar_6dof_leadlag_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u, &faults);
-    const float theta_ref_held = planar_6dof_leadlag_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref, 0x00002000u, &faults);
-    const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref, 0x00004000u, &faults);
+    const float x_ref_held = planar_6dof_leadlag_hold_within(in->x_ref, 0.11f, &state->guard_last_x_ref, 0x00000200u,
+        &faults);
+    const float y_ref_held = planar_6dof_leadlag_hold_within(in->y_ref, 0.1f, &state->guard_last_y_ref, 0x00000400u,
+        &faults);
+    const float phi_ref_held = planar_6dof_leadlag_hold_within(in->phi_ref, 0.008f, &state->guard_last_phi_ref,
+        0x00000800u, &faults);
+    const float z_ref_held = planar_6dof_leadlag_hold_within(in->z_ref, 0.0002f, &state->guard_last_z_ref, 0x00001000u,
+        &faults);
+    const float theta_ref_held = planar_6dof_leadlag_hold_within(in->theta_ref, 0.002f, &state->guard_last_theta_ref,
+        0x00002000u, &faults);
+    const float psi_ref_held = planar_6dof_leadlag_hold_within(in->psi_ref, 0.002f, &state->guard_last_psi_ref,
+        0x00004000u, &faults);
 
-    /* sensing: position and yaw, (1)-(5) */
+    /* sensing: position and yaw, (1)-(5)
+     *     ratio_x = limit((V_ax_held - filter_phi_p * V_ay_held) * (filter_phi_p * V_ay_held - V_bx_held) /
+     *         (max((V_ax_held - filter_phi_p * V_ay_held)^2, (filter_phi_p * V_ay_held - V_bx_held)^2) +
+     *         least_square), 1)
+     *     ratio_y = limit(-((V_ay_held + filter_phi_p * V_ax_held) * (V_cy_held + filter_phi_p * V_ax_held) /
+     *         (max((V_ay_held + filter_phi_p * V_ax_held)^2, (V_cy_held + filter_phi_p * V_ax_held)^2) +
+     *         least_square)), 1) */
     const uint32_t sensing_contradiction_confirmed = state->sensing_contradiction_confirmed;
 
-    /* guard: range acceptance, hold, latch */
+    /* guard: range acceptance, hold, latch (continued) */
     bool complete = false;
-    bool other_amplitude = false;
     if (sensing_contradiction_confirmed != 0u) {
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) (continued) */
         const float sensing_first_r_1 = state->sensing_first_r_1;
         const float sensing_first_r_2 = state->sensing_first_r_2;
         const float sensing_first_m_x = state->sensing_first_m_x;
         const float sensing_first_m_y = state->sensing_first_m_y;
-        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 * sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y * sensing_first_m_y)));
+        const float suspect_V_ax_part = (sensing_first_r_1 * sensing_first_r_1) + (sensing_first_r_2 *
+            sensing_first_r_2) + (m_weight * ((sensing_first_m_x * sensing_first_m_x) + (sensing_first_m_y *
+            sensing_first_m_y)));
         const bool is_jump = squared_jump < suspect_V_ax_part;
         const float size_x = fabsf(sensing_first_m_x);
         const bool m_exceeds_x = significant_m < size_x;
         const float size_y = fabsf(sensing_first_m_y);
         const bool m_exceeds_y = significant_m < size_y;
-        const float sensing_first_r_2_size = fabsf(sensing_first_r_2);
-        const bool r_exceeds_x = significant_r < sensing_first_r_2_size;
-        const float sensing_first_r_1_size = fabsf(sensing_first_r_1);
-        const bool r_exceeds_y = significant_r < sensing_first_r_1_size;
+        const bool r_exceeds_x = significant_r < fabsf(sensing_first_r_2);
+        const bool r_exceeds_y = significant_r < fabsf(sensing_first_r_1);
         bool suspect_V_ax_test;
         bool suspect_V_ay_test;
         bool suspect_V_bx_test = m_exceeds_x;
@@ -315,16 +329,16 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         bool suspect_V_cx_test;
         bool suspect_V_cy_test = m_exceeds_y;
         if (is_jump) {
-            const bool below_nearly_zero_m = size_x < nearly_zero_m;
-            const float suspect_V_ax_part_2 = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
-            suspect_V_ax_test = r_exceeds_x && (!below_nearly_zero_m || (suspect_V_ax_part_2 < small_m));
-            const bool nearly_zero = size_y < nearly_zero_m;
-            const float change = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
-            suspect_V_ay_test = r_exceeds_y && (!nearly_zero || (change < small_m));
-            suspect_V_bx_test = (suspect_V_ax_part_2 + nearly_zero_m) < size_x;
-            suspect_V_by_test = r_exceeds_y && nearly_zero;
-            suspect_V_cx_test = r_exceeds_x && below_nearly_zero_m;
-            suspect_V_cy_test = (change + nearly_zero_m) < size_y;
+            const bool nearly_zero_x = size_x < nearly_zero_m;
+            const float change_x = fabsf(sensing_first_r_2 * ((2.0f * state->sensing_first_s_x) + sensing_first_r_2));
+            suspect_V_ax_test = r_exceeds_x && (!nearly_zero_x || (change_x < small_m));
+            const bool nearly_zero_y = size_y < nearly_zero_m;
+            const float change_y = fabsf(sensing_first_r_1 * ((2.0f * state->sensing_first_s_y) + sensing_first_r_1));
+            suspect_V_ay_test = r_exceeds_y && (!nearly_zero_y || (change_y < small_m));
+            suspect_V_bx_test = (change_x + nearly_zero_m) < size_x;
+            suspect_V_by_test = r_exceeds_y && nearly_zero_y;
+            suspect_V_cx_test = r_exceeds_x && nearly_zero_x;
+            suspect_V_cy_test = (change_y + nearly_zero_m) < size_y;
         } else {
             const bool any_r_exceeds = r_exceeds_x || r_exceeds_y;
             suspect_V_ax_test = any_r_exceeds || m_exceeds_x;
@@ -332,15 +346,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             suspect_V_by_test = any_r_exceeds;
             suspect_V_cx_test = any_r_exceeds;
         }
-        const bool both_m_exceed_suspect_V_ax = m_exceeds_x && m_exceeds_y;
-        const bool common = both_m_exceed_suspect_V_ax && (sensing_first_r_1_size <= significant_r) && (sensing_first_r_2_size <= significant_r) && (fabsf(sensing_first_m_x - sensing_first_m_y) < (0.25f * fabsf(sensing_first_m_x + sensing_first_m_y)));
-        const bool is_any = (max_known_yaw < fabsf(state->sensing_first_phi)) || (both_m_exceed_suspect_V_ax && !is_jump) || common;
-        const bool suspect_V_ax = suspect_V_ax_test || is_any;
-        const bool suspect_V_ay = suspect_V_ay_test || is_any;
-        const bool suspect_V_bx = suspect_V_bx_test || is_any;
-        const bool suspect_V_by = suspect_V_by_test || is_any;
-        const bool suspect_V_cx = suspect_V_cx_test || is_any;
-        const bool suspect_V_cy = suspect_V_cy_test || is_any;
+        const bool is_ambiguous = (max_known_yaw < fabsf(state->sensing_first_phi)) || (m_exceeds_x && m_exceeds_y &&
+            !is_jump);
+        const bool suspect_V_ax = suspect_V_ax_test || is_ambiguous;
+        const bool suspect_V_ay = suspect_V_ay_test || is_ambiguous;
+        const bool suspect_V_bx = suspect_V_bx_test || is_ambiguous;
+        const bool suspect_V_by = suspect_V_by_test || is_ambiguous;
+        const bool suspect_V_cx = suspect_V_cx_test || is_ambiguous;
+        const bool suspect_V_cy = suspect_V_cy_test || is_ambiguous;
         if (suspect_V_ax) {
             faults |= 0x00008000u;
         }
@@ -359,7 +372,6 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         if (suspect_V_cy) {
             faults |= 0x00100000u;
         }
-        other_amplitude = common;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
             diagnostics->suspect_V_ax = suspect_V_ax ? 1.0f : 0.0f;
@@ -409,7 +421,7 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         state->safe_output_last_i_CC = planar_6dof_leadlag_slew(state->safe_output_last_i_CC, 0.0f, slew_i_AA);
         out->i_CC = state->safe_output_last_i_CC;
 
-        /* guard: range acceptance, hold, latch */
+        /* guard: range acceptance, hold, latch (continued) */
         state->guard_latched = 1u;
         faults |= 0x80000000u;
     } else {
@@ -419,158 +431,155 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         /* filter_x: Kalman filter, (6)-(16) */
         const float filter_x_p = state->filter_x.p;
 
-        /* sensing: position and yaw, (1)-(5) */
+        /* sensing: position and yaw, (1)-(5) (continued) */
+        const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
+        const float X_c = filter_phi_p_times_V_ay - V_bx_held;
+        const float X_s = V_ax_held - filter_phi_p_times_V_ay;
+        const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
+        const float ratio_y_part = V_cy_held + filter_phi_p_times_V_ax;
+        const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
+        const float Y_s = V_ay_held + filter_phi_p_times_V_ax;
+        const float Y_s_squared = Y_s * Y_s;
+        const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared *
+            sensing_slope_1)));
+        const float r_1 = V_by_held - V_ay_held - (h1 * filter_phi_p);
+        const float X_c_squared = X_c * X_c;
+        const float X_s_squared = X_s * X_s;
+        const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s -
+            ratio_y_part);
+        const float r_2 = V_cx_held - V_ax_held + (h2 * filter_phi_p);
+        const float X_s_times_X_c = X_s * X_c;
+        const float product_m_x = X_s_times_X_c * X_s_times_X_c;
+        const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x
+            * sensing_power_2))));
+        const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
+        const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
+        const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 +
+            (product_m_y * sensing_power_2))));
+        const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
+        const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
+        const bool contradicts = (guard_ready != 0u) && complete && (squared_confirmation < squared) &&
+            ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared));
+        const bool accept = !contradicts && complete;
         const float filter_y_p = state->filter_y.p;
         float x_raw = filter_x_p;
         float y_raw = filter_y_p;
-        float phi_raw_part = filter_phi_p;
-        bool accepted_within_x = false;
-        float sensing_within_x_next = 0.0f;
-        float sensing_within_y_next = 0.0f;
-        if (complete) {
-            const float sensing_scale = state->sensing_scale;
-            const float filter_phi_p_times_V_ay = filter_phi_p * V_ay_held;
-            const float X_s = sensing_scale * (V_ax_held - filter_phi_p_times_V_ay);
-            const float X_s_squared = X_s * X_s;
-            const float X_c = sensing_scale * (filter_phi_p_times_V_ay - V_bx_held);
-            const float X_c_squared = X_c * X_c;
-            const float X_s_times_X_c = X_s * X_c;
-            const float product_m_x = X_s_times_X_c * X_s_times_X_c;
-            const float m_x = X_s_squared + X_c_squared - (sensing_power_0 + (product_m_x * (sensing_power_1 + (product_m_x * sensing_power_2))));
-            const float filter_phi_p_times_V_ax = filter_phi_p * V_ax_held;
-            const float Y_s = sensing_scale * (V_ay_held + filter_phi_p_times_V_ax);
-            const float Y_s_squared = Y_s * Y_s;
-            const float ratio_y_part = sensing_scale * (V_cy_held + filter_phi_p_times_V_ax);
-            const float ratio_y_part_squared = ratio_y_part * ratio_y_part;
-            const float Y_s_times_ratio_y_part = Y_s * ratio_y_part;
-            const float product_m_y = Y_s_times_ratio_y_part * Y_s_times_ratio_y_part;
-            const float m_y = Y_s_squared + ratio_y_part_squared - (sensing_power_0 + (product_m_y * (sensing_power_1 + (product_m_y * sensing_power_2))));
-            const float h1 = X_c + X_s - (ratio_y_part * ratio_y_part_squared * (sensing_slope_0 + (Y_s_squared * sensing_slope_1)));
-            const float r_1 = (sensing_scale * (V_by_held - V_ay_held)) - (h1 * filter_phi_p);
-            const float h2 = (X_c * X_c_squared * (sensing_slope_0 + (X_s_squared * sensing_slope_1))) + (Y_s - ratio_y_part);
-            const float r_2 = (sensing_scale * (V_cx_held - V_ax_held)) + (h2 * filter_phi_p);
-            const float squared = (r_1 * r_1) + (r_2 * r_2) + (m_weight * ((m_x * m_x) + (m_y * m_y)));
-            const uint32_t sensing_contradiction_left = state->sensing_contradiction_left;
-            if ((guard_ready != 0u) && (squared_confirmation < squared) && ((sensing_contradiction_left != 0u) || (squared_residual_limit < squared))) {
-                state->sensing_contradiction_left = 4u;
-                if (sensing_contradiction_left != 0u) {
-                    state->sensing_contradiction_confirmed = 1u;
+        float phi_raw_part = 0.0f;
+        float within_x;
+        float within_y;
+        if (accept) {
+            const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
+            /*@ admit -1.0f <= ratio_x <= 1.0f; */
+            const float ratio_x_squared = ratio_x * ratio_x;
+            const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 +
+                (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
+            float sensing_within_x_next;
+            if (X_s_squared <= X_c_squared) {
+                if (X_c < 0.0f) {
+                    if (0.0f < f_x_raw) {
+                        sensing_within_x_next = f_x_raw - half_pitch;
+                    } else {
+                        sensing_within_x_next = f_x_raw + half_pitch;
+                    }
                 } else {
-                    state->sensing_first_m_x = m_x;
-                    state->sensing_first_m_y = m_y;
-                    state->sensing_first_r_1 = r_1;
-                    state->sensing_first_r_2 = r_2;
-                    state->sensing_first_s_x = X_s;
-                    state->sensing_first_s_y = Y_s;
-                    state->sensing_first_phi = filter_phi_p;
+                    sensing_within_x_next = f_x_raw;
                 }
             } else {
-                const float ratio_x = X_s_times_X_c / (planar_6dof_leadlag_max(X_s_squared, X_c_squared) + least_square);
-                /*@ admit -1.0f <= ratio_x <= 1.0f; */
-                const float ratio_x_squared = ratio_x * ratio_x;
-                const float f_x_raw = ratio_x * (sensing_position_1 + (ratio_x_squared * (sensing_position_3 + (ratio_x_squared * (sensing_position_5 + (ratio_x_squared * sensing_position_7))))));
-                float within_x_2;
-                if (X_s_squared <= X_c_squared) {
-                    if (X_c < 0.0f) {
-                        if (0.0f < f_x_raw) {
-                            within_x_2 = f_x_raw - half_pitch;
-                        } else {
-                            within_x_2 = f_x_raw + half_pitch;
-                        }
-                    } else {
-                        within_x_2 = f_x_raw;
+                sensing_within_x_next = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
+            }
+            const float sensing_offset_x = state->sensing_offset_x;
+            const float off_x_raw = sensing_within_x_next - (filter_x_p - sensing_offset_x);
+            float offset_x = sensing_offset_x;
+            if (half_pitch < fabsf(off_x_raw)) {
+                if (0.0f < off_x_raw) {
+                    if (-pitch <= sensing_offset_x) {
+                        const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
+                        offset_x = sensing_offset_x_minus_pitch;
+                        state->sensing_offset_x = sensing_offset_x_minus_pitch;
                     }
                 } else {
-                    within_x_2 = ((X_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_x_raw;
-                }
-                const float sensing_offset_x = state->sensing_offset_x;
-                const float off_x_raw = within_x_2 - (filter_x_p - sensing_offset_x);
-                float offset_x = sensing_offset_x;
-                if (half_pitch < fabsf(off_x_raw)) {
-                    if (0.0f < off_x_raw) {
-                        if (-pitch <= sensing_offset_x) {
-                            const float sensing_offset_x_minus_pitch = sensing_offset_x - pitch;
-                            offset_x = sensing_offset_x_minus_pitch;
-                            state->sensing_offset_x = sensing_offset_x_minus_pitch;
-                        }
-                    } else {
-                        if (sensing_offset_x <= pitch) {
-                            const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
-                            offset_x = sensing_offset_x_plus_pitch;
-                            state->sensing_offset_x = sensing_offset_x_plus_pitch;
-                        }
+                    if (sensing_offset_x <= pitch) {
+                        const float sensing_offset_x_plus_pitch = sensing_offset_x + pitch;
+                        offset_x = sensing_offset_x_plus_pitch;
+                        state->sensing_offset_x = sensing_offset_x_plus_pitch;
                     }
                 }
-                x_raw = within_x_2 + offset_x;
-                sensing_within_x_next = within_x_2;
-                const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared) + least_square));
-                /*@ admit -1.0f <= ratio_y <= 1.0f; */
-                const float ratio_y_squared = ratio_y * ratio_y;
-                const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 + (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
-                float position;
-                if (Y_s_squared <= ratio_y_part_squared) {
-                    if (-ratio_y_part < 0.0f) {
-                        if (0.0f < f_y_raw) {
-                            position = f_y_raw - half_pitch;
-                        } else {
-                            position = f_y_raw + half_pitch;
-                        }
+            }
+            x_raw = sensing_within_x_next + offset_x;
+            within_x = sensing_within_x_next;
+            const float ratio_y = -(Y_s_times_ratio_y_part / (planar_6dof_leadlag_max(Y_s_squared, ratio_y_part_squared)
+                + least_square));
+            /*@ admit -1.0f <= ratio_y <= 1.0f; */
+            const float ratio_y_squared = ratio_y * ratio_y;
+            const float f_y_raw = ratio_y * (sensing_position_1 + (ratio_y_squared * (sensing_position_3 +
+                (ratio_y_squared * (sensing_position_5 + (ratio_y_squared * sensing_position_7))))));
+            float at;
+            if (Y_s_squared <= ratio_y_part_squared) {
+                if (-ratio_y_part < 0.0f) {
+                    if (0.0f < f_y_raw) {
+                        at = f_y_raw - half_pitch;
                     } else {
-                        position = f_y_raw;
+                        at = f_y_raw + half_pitch;
                     }
                 } else {
-                    position = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+                    at = f_y_raw;
                 }
-                const float sensing_offset_y = state->sensing_offset_y;
-                const float off_y_raw = position - (filter_y_p - sensing_offset_y);
-                float offset_y = sensing_offset_y;
-                if (half_pitch < fabsf(off_y_raw)) {
-                    if (0.0f < off_y_raw) {
-                        if (-pitch <= sensing_offset_y) {
-                            const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
-                            offset_y = sensing_offset_y_minus_pitch;
-                            state->sensing_offset_y = sensing_offset_y_minus_pitch;
-                        }
-                    } else {
-                        if (sensing_offset_y <= pitch) {
-                            const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
-                            offset_y = sensing_offset_y_plus_pitch;
-                            state->sensing_offset_y = sensing_offset_y_plus_pitch;
-                        }
+            } else {
+                at = ((Y_s < 0.0f) ? -quarter_pitch : quarter_pitch) - f_y_raw;
+            }
+            const float sensing_offset_y = state->sensing_offset_y;
+            const float off_y_raw = at - (filter_y_p - sensing_offset_y);
+            float offset_y = sensing_offset_y;
+            if (half_pitch < fabsf(off_y_raw)) {
+                if (0.0f < off_y_raw) {
+                    if (-pitch <= sensing_offset_y) {
+                        const float sensing_offset_y_minus_pitch = sensing_offset_y - pitch;
+                        offset_y = sensing_offset_y_minus_pitch;
+                        state->sensing_offset_y = sensing_offset_y_minus_pitch;
+                    }
+                } else {
+                    if (sensing_offset_y <= pitch) {
+                        const float sensing_offset_y_plus_pitch = sensing_offset_y + pitch;
+                        offset_y = sensing_offset_y_plus_pitch;
+                        state->sensing_offset_y = sensing_offset_y_plus_pitch;
                     }
                 }
-                y_raw = position + offset_y;
-                sensing_within_y_next = position;
-                if (1u <= sensing_contradiction_left) {
-                    state->sensing_contradiction_left = sensing_contradiction_left - 1u;
-                }
-                const float sensing_scale_part = planar_6dof_leadlag_min(sensing_scale - (((guard_ready < 1u) ? sensing_first_scale_gain : sensing_scale_gain) * (m_x + m_y)), 1.2f);
-                state->sensing_scale = planar_6dof_leadlag_max(sensing_scale_part, 0.84f);
-                const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
-                const float yaw_correction = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) / ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
-                phi_raw_part = filter_phi_p + yaw_correction;
-                accepted_within_x = true;
             }
-#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-            if (diagnostics != NULL) {
-                diagnostics->m_x = m_x;
-                diagnostics->m_y = m_y;
-                diagnostics->r_1 = r_1;
-                diagnostics->r_2 = r_2;
-            }
-#endif
+            y_raw = at + offset_y;
+            state->sensing_within_x = sensing_within_x_next;
+            within_y = at;
+            state->sensing_within_y = at;
+            const float h3 = (X_s * (Y_s + ratio_y_part)) + (Y_s * (X_s - X_c));
+            const float phi_raw_part_2 = ((h1 * r_1) - (h2 * r_2) + (sensing_amplitude_weight * (h3 * (m_x - m_y)))) /
+                ((h1 * h1) + (h2 * h2) + (2.0f * (sensing_amplitude_weight * (h3 * h3))) + least_information);
+            phi_raw_part = phi_raw_part_2;
+        } else {
+            within_x = state->sensing_within_x;
+            within_y = state->sensing_within_y;
         }
+        const float phi_raw = planar_6dof_leadlag_limit(filter_phi_p + phi_raw_part, max_yaw);
+        if (contradicts) {
+            state->sensing_contradiction_left = 4u;
+        } else {
+            if (accept && (sensing_contradiction_left != 0u)) {
+                state->sensing_contradiction_left = sensing_contradiction_left - 1u;
+            }
+        }
+        if (contradicts && (sensing_contradiction_left != 0u)) {
+            state->sensing_contradiction_confirmed = 1u;
+        }
+        if (contradicts && (sensing_contradiction_left == 0u)) {
+            state->sensing_first_m_x = m_x;
+            state->sensing_first_m_y = m_y;
+            state->sensing_first_r_1 = r_1;
+            state->sensing_first_r_2 = r_2;
+            state->sensing_first_s_x = X_s;
+            state->sensing_first_s_y = Y_s;
+            state->sensing_first_phi = filter_phi_p;
+        }
+        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
         const float x = planar_6dof_leadlag_filter(&state->filter_x, &filter_x_filter, guard_ready, x_raw);
         const float y = planar_6dof_leadlag_filter(&state->filter_y, &filter_y_filter, guard_ready, y_raw);
-        const float phi_raw = planar_6dof_leadlag_limit(phi_raw_part, max_yaw);
-        const float phi = planar_6dof_leadlag_filter(&state->filter_phi, &filter_phi_filter, guard_ready, phi_raw);
-        if (accepted_within_x) {
-            state->sensing_within_x = sensing_within_x_next;
-            state->sensing_within_y = sensing_within_y_next;
-        } else {
-            sensing_within_x_next = state->sensing_within_x;
-            sensing_within_y_next = state->sensing_within_y;
-        }
 
         /* vertical_kinematics: z and tilts from distances
          *     z = 0.5 * (0.5 * (d1_held + d2_held) + d3_held)
@@ -579,20 +588,26 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float z = 0.5f * (front_z + d3_held);
         const float theta = half_over_laser_arm * (d3_held - front_z);
         const float psi = half_over_laser_arm * (d1_held - d2_held);
-        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x, loop_x_gain, x_ref_held, x);
-        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y, loop_y_gain, y_ref_held, y);
-        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi, loop_phi_gain, phi_ref_held, phi);
-        const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z, loop_z_gain, z_ref_held, z);
+        const planar_6dof_leadlag_loop_output_t loop_x_output = planar_6dof_leadlag_loop_output(&state->loop_x,
+            loop_x_gain, x_ref_held, x);
+        const planar_6dof_leadlag_loop_output_t loop_y_output = planar_6dof_leadlag_loop_output(&state->loop_y,
+            loop_y_gain, y_ref_held, y);
+        const planar_6dof_leadlag_loop_output_t loop_phi_output = planar_6dof_leadlag_loop_output(&state->loop_phi,
+            loop_phi_gain, phi_ref_held, phi);
+        const planar_6dof_leadlag_loop_output_t loop_z_output = planar_6dof_leadlag_loop_output(&state->loop_z,
+            loop_z_gain, z_ref_held, z);
 
         /* loop_z: lead-lag, (23)
          *     d_z = gain * (z_ref_held - z) + lead + integral */
         state->loop_z.lead = loop_z_lead_input * loop_z_output.error;
-        const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta, loop_theta_gain, theta_ref_held, theta);
+        const planar_6dof_leadlag_loop_output_t loop_theta_output = planar_6dof_leadlag_loop_output(&state->loop_theta,
+            loop_theta_gain, theta_ref_held, theta);
 
         /* loop_theta: lead-lag, (24)
          *     d_theta = gain * (theta_ref_held - theta) + lead + integral */
         state->loop_theta.lead = loop_theta_lead_input * loop_theta_output.error;
-        const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi, loop_psi_gain, psi_ref_held, psi);
+        const planar_6dof_leadlag_loop_output_t loop_psi_output = planar_6dof_leadlag_loop_output(&state->loop_psi,
+            loop_psi_gain, psi_ref_held, psi);
 
         /* loop_psi: lead-lag, (25)
          *     d_psi = gain * (psi_ref_held - psi) + lead + integral */
@@ -613,9 +628,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float cos_phi_argument = phi * phi;
         const float cos_i_CQ = cos_phi_polynomial(cos_phi_argument);
         const float sin_i_CQ = phi * sin_phi_polynomial(cos_phi_argument);
-        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d), planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
+        const float i_CQ = planar_6dof_leadlag_limit((cos_i_CQ * loop_x_output.d) + (sin_i_CQ * loop_y_output.d),
+            planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit));
         const float yaw = planar_6dof_leadlag_limit(loop_phi_output.d + i_CQ, quadrature_limit);
-        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ * loop_x_output.d)), quadrature_limit - fabsf(yaw));
+        const float half = planar_6dof_leadlag_limit(0.5f * ((cos_i_CQ * loop_y_output.d) - (sin_i_CQ *
+            loop_x_output.d)), quadrature_limit - fabsf(yaw));
         const float i_AQ = half - yaw;
         const float i_BQ = half + yaw;
         const float front_i_AD = loop_z_output.d - loop_theta_output.d;
@@ -631,15 +648,18 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float lifts = i_AD + i_BD;
         const float achieved_theta = (allocation_rear_share * i_CD) - (allocation_front_share * lifts);
 
-        /* loop_z: lead-lag, (23) */
-        const float integral = (loop_z_integral_decay * state->loop_z.integral) + (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
+        /* loop_z: lead-lag, (23) (continued) */
+        const float integral = (loop_z_integral_decay * state->loop_z.integral) +
+            (loop_z_integral_input_times_allocation_rear_share * (lifts + i_CD));
         state->loop_z.integral = integral;
 
-        /* loop_theta: lead-lag, (24) */
-        state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) + (loop_theta_integral_input * achieved_theta);
+        /* loop_theta: lead-lag, (24) (continued) */
+        state->loop_theta.integral = (loop_theta_integral_decay * state->loop_theta.integral) +
+            (loop_theta_integral_input * achieved_theta);
 
-        /* loop_psi: lead-lag, (25) */
-        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) + (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
+        /* loop_psi: lead-lag, (25) (continued) */
+        const float integral_3 = (loop_psi_integral_decay * state->loop_psi.integral) +
+            (loop_psi_integral_input_times_allocation_half * (i_AD - i_BD));
         state->loop_psi.integral = integral_3;
 
         /* commutation: phase currents, (17) inverted
@@ -648,10 +668,11 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
          *     distance_front = within_y - (b * cos(phi) - quarter_pitch)
          *     i_CA_computed = limit((1 - 8 * (quarter_sine_rear * sqrt(1 - quarter_sine_rear^2))^2) * i_CQ -
          *         quarter_sine_rear * sqrt(1 - quarter_sine_rear^2) * (4 - 8 * quarter_sine_rear^2) * i_CD, 1.26) */
-        const float distance_rear = sensing_within_x_next - (c * sin_i_CQ);
+        const float distance_rear = within_x - (c * sin_i_CQ);
         const float quarter_sine_rear = distance_rear * quarter_sine_rear_polynomial(distance_rear * distance_rear);
-        const float distance_front = sensing_within_y_next - ((b * cos_i_CQ) - quarter_pitch);
-        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front * distance_front);
+        const float distance_front = within_y - ((b * cos_i_CQ) - quarter_pitch);
+        const float quarter_sine_front = distance_front * quarter_sine_front_polynomial(distance_front *
+            distance_front);
         const float quarter_sine_front_squared = quarter_sine_front * quarter_sine_front;
         const float h_i_AA_computed = quarter_sine_front * sqrtf(1.0f - quarter_sine_front_squared);
         const float front_1 = h_i_AA_computed * (4.0f - (8.0f * quarter_sine_front_squared));
@@ -667,12 +688,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_AA_computed = (angles_A_1 * i_AQ) + (i_AA_computed_part_2 * i_AD);
         /*@ admit -1.26f <= i_AA_computed <= 1.26f; */
         out->i_AA = i_AA_computed;
-        const float i_AB_computed_part = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
+        const float beta_A = half_root_3 * ((angles_A_1 * i_AD) - (i_AA_computed_part_2 * i_AQ));
         const float half_i_AA_computed = 0.5f * i_AA_computed;
-        const float i_AB_computed = i_AB_computed_part - half_i_AA_computed;
+        const float i_AB_computed = beta_A - half_i_AA_computed;
         /*@ admit -1.26f <= i_AB_computed <= 1.26f; */
         out->i_AB = i_AB_computed;
-        const float i_AC_computed = -(half_i_AA_computed + i_AB_computed_part);
+        const float i_AC_computed = -(half_i_AA_computed + beta_A);
         /*@ admit -1.26f <= i_AC_computed <= 1.26f; */
         out->i_AC = i_AC_computed;
         const float angles_B_1 = cc + i_AA_computed_part_times_sy;
@@ -680,12 +701,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_BA_computed = (angles_B_1 * i_BQ) - (angles_B_2 * i_BD);
         /*@ admit -1.26f <= i_BA_computed <= 1.26f; */
         out->i_BA = i_BA_computed;
-        const float i_BB_computed_part = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
+        const float beta_B = half_root_3 * ((angles_B_2 * i_BQ) + (angles_B_1 * i_BD));
         const float half_i_BA_computed = 0.5f * i_BA_computed;
-        const float i_BB_computed = i_BB_computed_part - half_i_BA_computed;
+        const float i_BB_computed = beta_B - half_i_BA_computed;
         /*@ admit -1.26f <= i_BB_computed <= 1.26f; */
         out->i_BB = i_BB_computed;
-        const float i_BC_computed = -(half_i_BA_computed + i_BB_computed_part);
+        const float i_BC_computed = -(half_i_BA_computed + beta_B);
         /*@ admit -1.26f <= i_BC_computed <= 1.26f; */
         out->i_BC = i_BC_computed;
         const float quarter_sine_rear_squared = quarter_sine_rear * quarter_sine_rear;
@@ -695,12 +716,12 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         const float i_CA_computed = (cos_i_CA_computed * i_CQ) - (sin_i_CA_computed * i_CD);
         /*@ admit -1.26f <= i_CA_computed <= 1.26f; */
         out->i_CA = i_CA_computed;
-        const float beta = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
+        const float beta_C = half_root_3 * ((sin_i_CA_computed * i_CQ) + (cos_i_CA_computed * i_CD));
         const float half_i_CA_computed = 0.5f * i_CA_computed;
-        const float i_CB_computed = beta - half_i_CA_computed;
+        const float i_CB_computed = beta_C - half_i_CA_computed;
         /*@ admit -1.26f <= i_CB_computed <= 1.26f; */
         out->i_CB = i_CB_computed;
-        const float i_CC_computed = -(half_i_CA_computed + beta);
+        const float i_CC_computed = -(half_i_CA_computed + beta_C);
         /*@ admit -1.26f <= i_CC_computed <= 1.26f; */
         state->safe_output_last_i_AA = i_AA_computed;
         state->safe_output_last_i_AB = i_AB_computed;
@@ -714,11 +735,15 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
         out->i_CC = i_CC_computed;
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
         if (diagnostics != NULL) {
+            diagnostics->r_1 = r_1;
+            diagnostics->r_2 = r_2;
+            diagnostics->m_x = m_x;
+            diagnostics->m_y = m_y;
             diagnostics->x_raw = x_raw;
             diagnostics->y_raw = y_raw;
+            diagnostics->within_x = within_x;
+            diagnostics->within_y = within_y;
             diagnostics->phi_raw = phi_raw;
-            diagnostics->within_x = sensing_within_x_next;
-            diagnostics->within_y = sensing_within_y_next;
             diagnostics->x = x;
             diagnostics->y = y;
             diagnostics->phi = phi;
@@ -742,21 +767,14 @@ uint32_t planar_6dof_leadlag_step(planar_6dof_leadlag_state_t *state, const plan
             diagnostics->achieved_phi = achieved_phi;
             diagnostics->achieved_theta = achieved_theta;
             diagnostics->saturated |= (fabsf(phi_raw) >= max_yaw) ? 0x00000001u : 0u;
-            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit - fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
+            diagnostics->saturated |= (fabsf(i_CQ) >= planar_6dof_leadlag_max(quadrature_limit -
+                fabsf(loop_phi_output.d), half_quadrature_limit)) ? 0x00000002u : 0u;
             diagnostics->saturated |= (fabsf(i_AD) >= direct_limit) ? 0x00000004u : 0u;
             diagnostics->saturated |= (fabsf(i_BD) >= direct_limit) ? 0x00000008u : 0u;
             diagnostics->saturated |= (fabsf(i_CD) >= direct_limit) ? 0x00000010u : 0u;
         }
 #endif
     }
-    if (other_amplitude) {
-        faults |= 0x20000000u;
-    }
-#if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
-    if (diagnostics != NULL) {
-        diagnostics->other_amplitude = other_amplitude ? 1.0f : 0.0f;
-    }
-#endif
 
 #if defined(PLANAR_6DOF_LEADLAG_DIAGNOSTICS)
     if (diagnostics != NULL) {

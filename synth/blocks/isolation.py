@@ -35,19 +35,22 @@ def isolate(
     predictions, so rule 3 does not hold for it. The rules are weights, not decisions: at most one sensor is chosen, and
     a chain of decisions about it would have outcomes that no input reaches.
     """
-    candidate = {n: _one(ca.logic_and(still[n] >= FRESH, E[n] > CANDIDATE * size)) for n in names}
+    least_E = CANDIDATE * size
+    candidate = {n: _one(ca.logic_and(still[n] >= FRESH, E[n] > least_E)) for n in names}
     moving = sum((_one(still[n] < FRESH) for n in names), start=ca.SX(0))
     others_move = _one(moving == len(names) - 1)
     alone = {n: _one(still[n] >= STILL) * others_move for n in names}
     candidates = sum(candidate.values(), start=ca.SX(0))
     first = _one(candidates > 0)
-    score = {n: E[n] + PREFERENCE * (candidate[n] - first + (1 - first) * alone[n]) for n in names}
-    best, next = ca.SX(-PREFERENCE), ca.SX(-PREFERENCE)
+    second_rule = 1 - first
+    preferred = {n: second_rule * alone[n] for n in names}
+    score = {n: E[n] + PREFERENCE * (candidate[n] - first + preferred[n]) for n in names}
+    best, second = ca.SX(-PREFERENCE), ca.SX(-PREFERENCE)
     for n in names:
-        next = ca.fmax(next, ca.fmin(best, score[n]))
+        second = ca.fmax(second, ca.fmin(best, score[n]))
         best = ca.fmax(best, score[n])
     by_code = candidates + sum(alone.values(), start=ca.SX(0)) > 0
-    distinct = best - next > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
+    distinct = best - second > ca.if_else(by_code, LEAD["by code"], LEAD["by innovation"]) * size
     return score, best, ca.logic_and(distinct, ca.logic_or(by_code, ca.logic_not(undecided)))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from synth import store
 from synth.block import Block
 from synth.emit import pipeline
-from synth.emit.c import diagnostics, header, layout, manifest
+from synth.emit.c import diagnostics, header, layout, lines, manifest
 from synth.emit.lower import Program
 
 
@@ -47,7 +47,7 @@ def emit(
     printed = pipeline.reduce(rounded, scalar, libm, error)
     layout.layout(rounded, scalar)
     outlined, memory = pipeline.outline(printed, scalar)
-    source = pipeline.source(outlined, memory)
+    source = list(lines.wrapped(pipeline.source(outlined, memory)))
     texts = {
         f"{block.name}.c": "".join(f"{line.text}\n" for line in source),
         f"{block.name}.h": header.header(rounded, memory, outlined.program, header_notes),

@@ -4,7 +4,7 @@ record          x_{k+1} = step(x_k, u_k) from `init`, by the compiled C
 random_steps    x random in its declared bounds, u random in its range, at its ends, beyond, or NaN
 resampled       existing steps with some entries of x resampled
 fault_steps     every input bad, alone and all at once, for 1 sample up to the latch, and latched until outputs settle
-contradictory   existing steps in which some readings disagree or stand still, with the flags of redundancy resampled
+contradictory   existing steps in which some readings disagree, stand still or are refused, with flags resampled
 edge_steps      every input alone at an end of its range, at the next number beyond, or at a special number such as -0
 perturbed       existing steps with x and u perturbed
 rarest          the steps with the least frequent flags
@@ -112,10 +112,11 @@ def resampled(controller: host.Controller, steps: Steps, name: str) -> Steps:
 
 
 def contradictory(controller: host.Controller, steps: Steps) -> Steps:
-    """Return steps in which some readings differ from the others by any size, or are those of the sample before.
+    """Return steps in which some readings differ from the others by any size, are those of the sample before, or NaN.
 
-    The whole-number states of `blocks.redundancy`, of the landing and of the probe are resampled. The result is empty
-    for a controller that replaces no readings.
+    For a refused reading the code before it serves. Some predictions have moved since the last change of a code. The
+    whole-number states of `blocks.redundancy`, of the landing and of the probe are resampled. The result is empty for a
+    controller that replaces no readings.
     """
     measurements = ((controller.manifest["safety"] or {}).get("judgement") or {}).get("measurements", [])
     rng, n = np.random.default_rng(SEED + 4), len(steps) if measurements else 0
@@ -130,6 +131,16 @@ def contradictory(controller: host.Controller, steps: Steps) -> Steps:
         if f["ctype"] in _INTEGERS and not f["name"].startswith("guard_"):
             values = _replace_some(rng, _uniform(rng, f, n), (f["low"], f["high"]), 0.4)
             states[f["name"]] = np.where(rng.uniform(size=n) < 0.5, values, states[f["name"]])
+    for f in (f for f in _fields(controller, "state") if f["name"].startswith("redundancy_before_")):
+        size = rng.choice((-1, 1), n) * (f["high"] - f["low"]) * 10.0 ** rng.uniform(-4, 0, n)
+        moved = np.clip(states[f["name"]] + size, f["low"], f["high"])
+        states[f["name"]] = np.where(rng.uniform(size=n) < 0.5, moved, states[f["name"]])
+    for f in (f for f in _fields(controller, "input") if f["name"] in measurements):
+        refused, name = rng.uniform(size=n) < 0.05, f["name"]
+        inputs[name] = np.where(refused, np.nan, inputs[name])
+        states[f"guard_last_{name}"] = np.where(
+            refused, states[f"redundancy_code_{name}"], states[f"guard_last_{name}"]
+        )
     return Steps("contradictions", states, inputs)
 
 

@@ -118,7 +118,7 @@ class Expressions:
         if op == "parameter":
             return Text(node.name if self.p.by_value else f"parameters->{node.name}")
         if op == "not":
-            return Text("!" + self.condition(args[0]).inside(7), 7)
+            return self.negation(args[0])
         if op in ("and", "or"):
             sign, strength = INFIX[op]
             terms = [self.condition(a).beside(strength) for a in args]
@@ -139,9 +139,16 @@ class Expressions:
             return Text(f"({self.operand(args[0]).c} & {mask(node)}) == 0u", 2)
         if op == "clamp":
             return Text(f"{self.name}_limit({self.value(args[0]).c}, {self.value(args[2]).c})")
-        whole = self.kinds[k] == "integer" or self._counts(node)
-        sides = [self.integer(a) if whole else self.value(a) for a in args]
-        return self._operation(node, sides)
+        if self.kinds[k] == "integer" or self._counts(node):
+            return self._count_or_comparison(node)
+        return self._operation(node, [self.value(a) for a in args])
+
+    def _count_or_comparison(self, node: Node) -> Text:
+        """Return a sum or a comparison of counts."""
+        if self._is_sign(node):
+            counted, sign = (node.args[1], "!=") if node.op == "lt" else (node.args[0], "==")
+            return Text(f"{self.integer(counted).beside(2)} {sign} 0u", 2)
+        return self._operation(node, [self.integer(a) for a in node.args])
 
     def _truth(self, args: tuple[int, ...]) -> Text:
         """Return a choice between truth values: c && b for (c ? b : false), c || b for (c ? true : b)."""
@@ -161,7 +168,13 @@ class Expressions:
         numbers = [self.p.nodes[a] for a in node.args if self.kinds[a] == "number"]
         whole = "integer" in kinds and kinds <= {"integer", "number"} and all(map(carriers.is_whole, numbers))
         whole = whole and node.args[0] != node.args[-1]
-        return node.op in LOGICAL and whole and (node.op in ("eq", "ne") or all(n.value > 0 for n in numbers))
+        sizes = all(n.value > 0 for n in numbers) or self._is_sign(node)
+        return node.op in LOGICAL and whole and (node.op in ("eq", "ne") or sizes)
+
+    def _is_sign(self, node: Node) -> bool:
+        """Tell whether a node is 0 < a or a <= 0: for an unsigned a, that it is not 0, or is."""
+        zero = {"lt": 0, "le": 1}.get(node.op)
+        return zero is not None and self.p.nodes[node.args[zero]] == Node("literal", value=0.0)
 
     def _operation(self, node: Node, sides: list[Text]) -> Text:
         op = node.op
@@ -215,8 +228,20 @@ class Expressions:
         if self.kinds[k] == "logical":
             return self.operand(k)
         if self.kinds[k] == "integer":
-            return Text(f"{self.operand(k).inside(3)} != 0u", 2)
+            return Text(f"{self.operand(k).beside(2)} != 0u", 2)
         return self._equal([self.operand(k), literal(0.0, self.scalar)], False)
+
+    def negation(self, k: int) -> Text:
+        """Return the negation of node k as a truth value: of a count, and of an unnamed comparison of counts, its own.
+
+        A comparison of numbers that may be NaN is not the reverse of another one.
+        """
+        node, reverse = self.p.nodes[k], {"lt": "le", "le": "lt"}
+        if self.kinds[k] == "integer":
+            return Text(f"{self.operand(k).beside(2)} == 0u", 2)
+        if node.op in reverse and self._counts(node) and self.text[k].strength < ATOM:
+            return self._count_or_comparison(Node(reverse[node.op], node.args[::-1]))
+        return Text("!" + self.condition(k).inside(7), 7)
 
     def _equal(self, sides: list[Text], holds: bool) -> Text:
         """Return the comparison of two real numbers by a function: compilers warn about == between them."""

@@ -11,14 +11,16 @@ from synth.errors import EmitError
 def kinds(p: Program) -> list[str]:
     """Return the kind of each node: "logical", "integer", "real", or "number" for a literal of either of the last two.
 
-    A difference of integers may be negative. It is an integer only if integer states alone use it.
+    A sum of truth values is an integer. A difference of integers may be negative. It is an integer only if integer
+    states alone use it.
     """
     kind_of: list[str] = []
     counted = _only_in_counters(p)
     for k, node in enumerate(p.nodes):
         args = [kind_of[a] for a in node.args]
         whole = all(
-            k == "integer" or (k == "number" and is_whole(p.nodes[a])) for a, k in zip(node.args, args, strict=True)
+            k in ("integer", "logical") or (k == "number" and is_whole(p.nodes[a]))
+            for a, k in zip(node.args, args, strict=True)
         )
         kind = "real"
         if node.op in LOGICAL:
@@ -33,10 +35,14 @@ def kinds(p: Program) -> list[str]:
             kind = p.typed[node.name]
         elif node.op == "choose":
             kind = _kind_of_choice(p, node, args[1:])
-        elif whole and "integer" in args and (node.op == "add" or (node.op == "sub" and k in counted)):
+        elif whole and (_is_sum(node, args) or (node.op == "sub" and "integer" in args and k in counted)):
             kind = "integer"
         kind_of.append(kind)
     return kind_of
+
+
+def _is_sum(node: Node, kinds: Sequence[str]) -> bool:
+    return node.op == "add" and ("integer" in kinds or "logical" in kinds)
 
 
 def _only_in_counters(p: Program) -> set[int]:

@@ -1,7 +1,10 @@
 """Lines of C with the equation that each computes, and the comments that open a section."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from textwrap import wrap
+
+WIDTH = 120  # columns of a line of code
 
 
 @dataclass(frozen=True)
@@ -10,6 +13,19 @@ class Line:
 
     text: str
     tag: str = ""
+
+
+def wrapped(lines: Iterable[Line]) -> Iterator[Line]:
+    """Yield the lines with code in at most WIDTH columns; what is continued is indented beyond a block of its own."""
+    for line in lines:
+        text = line.text.lstrip()
+        if len(line.text) <= WIDTH or text.startswith(("/*", "*", "#")):
+            yield line
+            continue
+        indent = " " * (len(line.text) - len(text))
+        further = indent + " " * (8 if text.endswith("{") else 4)
+        rows = wrap(text, WIDTH, initial_indent=indent, subsequent_indent=further, break_on_hyphens=False)
+        yield from (replace(line, text=row) for row in rows)
 
 
 def opening(title: Sequence[str], equations: Sequence[str]) -> list[str]:

@@ -4,13 +4,15 @@ force_x - force_y        force_x_minus_force_y
 y * y                    y_squared
 value of a polynomial, its argument     cos_phi, cos_phi_argument
 comparison with a constant              above_limit, below_limit
+comparison with a whole number          left_at_least_3, left_above_3, left_positive
+choices that change a state             left_next
 value of a variable of the law          its name; with the signal that it serves where several values have this name
 a value with a longer name, on the way to the signal `r_1`: r_1_part, or r_1_test for a truth value
 """
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from synth.emit.c.locals import LOADS
 from synth.emit.lower import LOGICAL, Node, Program
@@ -26,17 +28,23 @@ _FACTORS = {0.5: "half", 2.0: "twice", 0.25: "quarter"}
 class Naming:
     """Makes names for the nodes of a program; `named` holds those that have one, and grows as names are given."""
 
-    def __init__(self, p: Program, named: Mapping[int, str]) -> None:
+    def __init__(self, p: Program, named: Mapping[int, str], shared: Mapping[int, int]) -> None:
         self.p, self.named = p, dict(named)
+        self.sharing: dict[int, list[int]] = {}
+        for choice, root in shared.items():
+            self.sharing.setdefault(root, []).append(choice)
+        self.changes = {k: state for state, end in p.next.items() for k in _changing_choices(p, state, end)}
         self.served = _signal_of_node(p)
         self.made: set[str] = set()
         self.labels = Counter(p.labels.values())
         self.users = p.users()
 
     def name(self, k: int) -> str:
-        """Return a name for node k, which may be in use."""
-        node = self.p.nodes[k]
-        made = self._label(k) or self._function(k) or self._made(node)
+        """Return a name for node k and the choices that share its variable, which may be in use."""
+        node, sharing = self.p.nodes[k], [*self.sharing.get(k, ())[::-1], k]
+        states = [self.changes[c] for c in sharing if c in self.changes]
+        made = next((label for c in sharing if (label := self._label(c))), "")
+        made = made or (f"{states[0]}_next" if states else "") or self._function(k) or self._made(node)
         if not made or len(made) > LONGEST:
             truth = node.op in LOGICAL or node.op == "accepted" or self._is_truth(node)
             made = f"{self.served[k]}_{'test' if truth else 'part'}" if self.served[k] else "value"
@@ -64,11 +72,24 @@ class Naming:
         if node.op in ("lt", "le") and "constant" in (operands[0].op, operands[1].op):
             first = operands[0].op == "constant"
             return f"above_{operands[0].name}" if first else f"below_{operands[1].name}"
+        if node.op in ("lt", "le") and "literal" in (operands[0].op, operands[1].op):
+            return self._comparison(node, operands)
         if node.op in ("sin", "cos") and self._operand(node.args[0]):
             return f"{node.op}_{self._operand(node.args[0])}"
         if readers and all(n.op == "polynomial" for n in readers):
             return f"{readers[0].name.removesuffix(_POLYNOMIAL)}_argument"
         return ""
+
+    def _comparison(self, node: Node, operands: list[Node]) -> str:
+        """Return a name for a comparison with a whole number, "" for another one."""
+        first = operands[0].op == "literal"
+        number, compared = operands[0 if first else 1].value, self._operand(node.args[1 if first else 0])
+        if not compared or not number.is_integer() or number < 0:
+            return ""
+        if number == 0:
+            return f"{compared}_{'positive' if node.op == 'lt' else 'not_negative'}" if first else ""
+        words = {("lt", True): "above", ("le", True): "at_least", ("lt", False): "below", ("le", False): "at_most"}
+        return f"{compared}_{words[node.op, first]}_{int(number)}"
 
     def _made(self, node: Node) -> str:
         """Return a name made from an operation and the names of its operands, "" where one of them has none."""
@@ -94,6 +115,16 @@ class Naming:
             owner = self.p.owner(node.name)
             return node.name.removeprefix(f"{owner}_") if owner else node.name
         return node.name.split(".")[-1] if node.op in ("argument", "result", "constant", "parameter") else ""
+
+
+def _changing_choices(p: Program, state: str, k: int) -> Iterator[int]:
+    """Yield the choices between a state and its change, from its next value inwards."""
+    while p.nodes[k].op == "choose":
+        changed = [a for a in p.nodes[k].args[1:] if p.nodes[a] != Node("state", name=state)]
+        yield k
+        if len(changed) != 1:
+            break
+        k = changed[0]
 
 
 def _signal_of_node(p: Program) -> list[str]:

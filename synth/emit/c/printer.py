@@ -59,12 +59,12 @@ class _Printer:
         self.p, self.statements, self.kinds = program, statements, kinds(program)
         self.locals = variables.assign(block, program, statements, self.kinds)
         self.users = program.users()
-        self.naming = naming.Naming(program, self.locals.name)
+        self.naming = naming.Naming(program, self.locals.name, self.locals.shared)
         self.c = Expressions(program, self.kinds, scalar, block.name, late)
         self.returned: dict[str, str] = {}
         self.block, self.watched = block, diagnostics.NO_DIAGNOSTICS
         self.equations = {prose(program.titles[part]): rows for part, rows in program.equations.items()}
-        self.printed: list[Line] = []
+        self.printed, self.opened = list[Line](), set[str]()  # lines, and titles of the sections so far
         self.tag = self.shown = ""
         self.late, self.waiting = late, dict[str, str]()  # text of a load that no line has read yet, and its state
 
@@ -180,7 +180,7 @@ class _Printer:
             value = "" if start is None else f" = {self.c.as_kind(start, self.kinds[c]).c}"
             self._put(f"{self.c.ctype(c)} {name}{value};", depth)
             self.c.text[c] = Text(name)
-        condition, tag = self.c.condition(s.condition), self.tag
+        condition, negation, tag = self.c.condition(s.condition), self.c.negation(s.condition), self.tag
         before = self._with_title(depth)
         sides = []
         for side in (s.then, s.other):
@@ -192,7 +192,7 @@ class _Printer:
             self._put(f"if ({condition.c}) {{", depth)
             self.printed += then
         else:
-            self._put(f"if (!{condition.inside(7)}) {{", depth)
+            self._put(f"if ({negation.c}) {{", depth)
             self.printed += other
         if then and other:
             self._put("} else {", depth)
@@ -280,7 +280,9 @@ class _Printer:
                 not self.printed or self.printed[-1].text.strip() in ("", "{") or self.printed[-1].text.endswith("{")
             )
             self.printed += [] if opened else [Line("")]
-            rows = opening([self.tag], self.equations.pop(self.tag, ()))
+            title = f"{self.tag} (continued)" if self.tag in self.opened else self.tag
+            self.opened.add(self.tag)
+            rows = opening([title], self.equations.pop(self.tag, ()))
             self.printed += [Line("    " * depth + row, self.tag) for row in rows]
         self.shown = self.tag
         return self.printed

@@ -28,7 +28,7 @@ _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
 }
 
 
-class _Folder:
+class Folder:
     """The nodes of the new program, each once (value numbering), in the order of computation."""
 
     def __init__(self) -> None:
@@ -64,14 +64,14 @@ class _Folder:
         return self.place(node) if replacement is None else replacement
 
 
-def _neg(f: _Folder, a: int) -> int | None:
+def _neg(f: Folder, a: int) -> int | None:
     if (l := f.number(a)) is not None:
         return f.literal(-l)
     l, x = f.split_factor(a)
     return None if l == 1 else times(f, -l, x)
 
 
-def times(f: _Folder, l: float, x: int) -> int:
+def times(f: Folder, l: float, x: int) -> int:
     """Return the index of l x."""
     if (number := f.number(x)) is not None:
         return f.literal(l * number)
@@ -89,7 +89,7 @@ def times(f: _Folder, l: float, x: int) -> int:
     return f.place(Node("mul", (f.literal(l), x)))
 
 
-def _mul(f: _Folder, a: int, b: int) -> int | None:
+def _mul(f: Folder, a: int, b: int) -> int | None:
     (l, x), (m, y) = f.split_factor(a), f.split_factor(b)
     for number, other in ((f.number(a), b), (f.number(b), a)):
         if number is not None:
@@ -99,7 +99,7 @@ def _mul(f: _Folder, a: int, b: int) -> int | None:
     return f.place(Node("sq", (x,))) if x == y else None
 
 
-def _div(f: _Folder, a: int, b: int) -> int | None:
+def _div(f: Folder, a: int, b: int) -> int | None:
     top, bottom = f.number(a), f.number(b)
     if bottom is not None and bottom != 0:
         return times(f, 1 / bottom, a) if top is None else f.literal(top / bottom)
@@ -111,11 +111,11 @@ def _div(f: _Folder, a: int, b: int) -> int | None:
     return f.make(Node("div", (times(f, l / m, x), y)))
 
 
-def _inv(f: _Folder, a: int) -> int | None:
+def _inv(f: Folder, a: int) -> int | None:
     return _div(f, f.literal(1.0), a) if f.number(a) or f.split_factor(a)[0] != 1 else None
 
 
-def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
+def _sum(f: Folder, op: str, a: int, b: int) -> int | None:
     first, second = f.number(a), f.number(b)
     if first is not None and second is not None:
         return f.literal(_ARITHMETIC[op](first, second))
@@ -132,8 +132,8 @@ def _sum(f: _Folder, op: str, a: int, b: int) -> int | None:
     return None
 
 
-def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
-    def rule(f: _Folder, a: int, b: int) -> int | None:
+def _extreme(op: str) -> Callable[[Folder, int, int], int | None]:
+    def rule(f: Folder, a: int, b: int) -> int | None:
         first, second = f.number(a), f.number(b)
         if first is not None and second is not None:
             return f.literal(_ARITHMETIC[op](first, second))
@@ -145,7 +145,7 @@ def _extreme(op: str) -> Callable[[_Folder, int, int], int | None]:
     return rule
 
 
-def _limit(f: _Folder, a: int, b: int) -> int | None:
+def _limit(f: Folder, a: int, b: int) -> int | None:
     """Recognise max(min(x, h), -h) as a clamp of x to -h .. h."""
     if (simpler := _extreme("max")(f, a, b)) is not None:
         return simpler
@@ -158,18 +158,18 @@ def _limit(f: _Folder, a: int, b: int) -> int | None:
     return None
 
 
-def _not(f: _Folder, a: int) -> int | None:
+def _not(f: Folder, a: int) -> int | None:
     node = f.nodes[a]
     if (l := f.number(a)) is not None:
         return f.literal(float(l == 0))
     return _truth(f, node.args[0]) if node.op == "not" else None
 
 
-def _truth(f: _Folder, a: int) -> int:
+def _truth(f: Folder, a: int) -> int:
     return a if f.nodes[a].op in LOGICAL else f.place(Node("ne", (a, f.literal(0.0))))
 
 
-def _choose(f: _Folder, c: int, a: int, b: int) -> int | None:
+def _choose(f: Folder, c: int, a: int, b: int) -> int | None:
     if (l := f.number(c)) is not None:
         return a if l else b
     if f.nodes[c].op == "not":
@@ -182,7 +182,7 @@ def _choose(f: _Folder, c: int, a: int, b: int) -> int | None:
     return a if a == b else None
 
 
-def _and(f: _Folder, a: int, b: int) -> int | None:
+def _and(f: Folder, a: int, b: int) -> int | None:
     first, second = f.nodes[a], f.nodes[b]
     if first.op == second.op == "le":
         low, high = f.number(first.args[0]), f.number(second.args[1])
@@ -194,7 +194,7 @@ def _and(f: _Folder, a: int, b: int) -> int | None:
     return None
 
 
-def _or(f: _Folder, a: int, b: int) -> int | None:
+def _or(f: Folder, a: int, b: int) -> int | None:
     for number, other in ((f.number(a), b), (f.number(b), a)):
         if number is not None:
             return f.literal(1.0) if number else _truth(f, other)
@@ -244,7 +244,7 @@ def with_constant_products(p: Program) -> Program:
             merged[node] = name
             products[name] = pair
 
-    def make(f: _Folder, node: Node, old: Node) -> int:
+    def make(f: Folder, node: Node, old: Node) -> int:
         if old not in merged:
             return f.place(node)
         return f.place(Node("mul", (f.place(Node("constant", name=merged[old])), f.nodes[node.args[1]].args[1])))
@@ -252,9 +252,9 @@ def with_constant_products(p: Program) -> Program:
     return _rebuild(replace(p, products=products), make)
 
 
-def _rebuild(p: Program, make: Callable[[_Folder, Node, Node], int]) -> Program:
+def _rebuild(p: Program, make: Callable[[Folder, Node, Node], int]) -> Program:
     """Return the program rebuilt node by node: `make` gets the node with new arguments, and the old node."""
-    f = _Folder()
+    f = Folder()
     index: list[int] = []
     for node in p.nodes:
         index.append(make(f, replace(node, args=tuple(index[a] for a in node.args)), node))
@@ -274,7 +274,7 @@ def _share_divisions(p: Program) -> Program:
         if len(guard_sets) > 1 and frozenset.intersection(*guard_sets) in guard_sets
     }
 
-    def make(f: _Folder, node: Node, old: Node) -> int:
+    def make(f: Folder, node: Node, old: Node) -> int:
         if node.op != "div" or old.args[1] not in shared:
             return f.place(node)
         top, inverse = node.args[0], f.place(Node("inv", node.args[1:]))

@@ -122,7 +122,7 @@ class _Builder:
         places = [self._place(k) for k in self.form.results]
         next = {part.local[state]: self._place(k) for state, k in part.next.items()}
         made = self._program(next)
-        naming = Naming(made, {})
+        naming = Naming(made, {}, {})
         results = [
             Argument(self.names.free(self._common(column) or naming.name(at)), self.kind[column[0]])
             for at, (_, column) in zip(places, self._columns("results"), strict=True)

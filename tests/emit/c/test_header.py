@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ from tests.emit.passes.test_guards import F32
 
 GENERATED = Path(__file__).parents[3] / "generated_c"
 NAMES = sorted(path.parent.name for path in GENERATED.glob("*/manifest.json"))
-LOCAL = re.compile(r"^ +(?:const )?(?:float|bool|uint32_t) (\w+)(?: = .*)?;$", re.MULTILINE)
+LOCAL = re.compile(r"^ +(?:const )?(?:float|bool|uint32_t) (\w+)(?: = [^;]*)?;$", re.MULTILINE)
 
 
 def committed(name: str) -> dict[str, str]:
@@ -86,11 +87,11 @@ def test_sizes_are_asserted(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_committed_c_has_no_unnamed_local_and_no_long_comment(name: str) -> None:
+def test_committed_c_has_no_unnamed_local_and_no_long_line(name: str) -> None:
     text = committed(name)[f"{name}.c"]
     names = LOCAL.findall(text)
     assert names and not [n for n in names if re.fullmatch(r"t\d+", n)]
-    assert not [line for line in text.splitlines() if line.lstrip().startswith(("/*", "*")) and len(line) > 120]
+    assert not [line for line in text.splitlines() if len(line) > 120]
     assert "(1.0f != 0.0f)" not in text
 
 
@@ -103,8 +104,14 @@ def test_the_header_says_when_a_law_decides_on_the_latch() -> None:
     assert "When a measurement is refused in 5 samples in a row" in said["planar_6dof_lqg"]
 
 
-def test_at_most_a_quarter_of_the_locals_is_named_after_the_signal_that_it_serves() -> None:
+def unnamed_share(designs: Sequence[str]) -> float:
+    """Return the share of the locals that are named after the signal that they serve."""
+    names = [n for design in designs for n in LOCAL.findall(committed(design)[f"{design}.c"])]
+    return len([n for n in names if re.search(r"_(part|test)(_\d+)?$|^value(_\d+)?$", n)]) / len(names)
+
+
+def test_at_most_a_fifth_of_the_locals_is_named_after_the_signal_that_it_serves() -> None:
     """Others have the name of a signal, of a variable of the law, or one made from their operation."""
-    names = [n for design in NAMES for n in LOCAL.findall(committed(design)[f"{design}.c"])]
-    unnamed = [n for n in names if re.search(r"_(part|test)(_\d+)?$|^value(_\d+)?$", n)]
-    assert 0 < len(unnamed) <= len(names) / 4
+    assert 0 < unnamed_share(NAMES) <= 0.2
+    for design in ("maglev_5dof", "maglev_5dof_phase", "planar_6dof_leadlag", "planar_6dof_lqg"):
+        assert unnamed_share([design]) <= 0.1

@@ -16,7 +16,7 @@ def fold_nodes(*nodes: Node, leaves: list[Node] = LEAVES) -> Program:
 def tree(program: Program, k: int | None = None) -> str:
     """Write a node as a text, operations before their arguments."""
     node = program.nodes[program.outputs["y"] if k is None else k]
-    if node.op in ("input", "constant"):
+    if node.op in ("input", "constant", "state"):
         return node.name
     if node.op == "literal":
         return f"{node.value:g}"
