@@ -53,7 +53,7 @@ def examples() -> Mapping[str, Call]:
         "glsdc_estimator.guarded": guarded,
         "glsdc_model.covariance": {"noise": [1e-3, 1e-3], "model_error": [1e-3, 0.0]},
         "glsdc_integrity.thresholds": {"freedom": 4, "false_alarm": 1e-3, "risk": 1e-3, "together": 2},
-        "screening.screen": {"time": Discrete(1e-3), "channels": coils, "groups": [["a"], ["b"]], "repeats": 3},
+        "screening.screen": {"time": Discrete(1e-3), "channels": coils, "groups": [("a",), ("b",)], "repeats": 3},
         "axis.kalman": noise,
         "axis.servo": asked,
         "axis.decouple": {"axes": [axis.servo(**asked)]},

@@ -16,8 +16,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import config, random_steps, reference, reference_guard, reference_rounding
-from designs.hall_position.four import verification as four
+from designs.hall_position import (
+    config,
+    random_steps,
+    reference,
+    reference_guard,
+    reference_rounding,
+    verification_four,
+)
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
@@ -86,7 +92,7 @@ def verify(progress: Progress, whole: bool) -> Evidence:
         checks += endurance.checks(
             name, EstimatorConfig(config.array(name)), BODIES, FULL_SAMPLES if whole else QUICK_SAMPLES
         )
-    some_agreements, some = four.verify(progress, whole)
+    some_agreements, some = verification_four.verify(progress, whole)
     return Evidence(config.NAME, (*agreements, *some_agreements), (*checks, *some))
 
 

@@ -117,7 +117,7 @@ def estimator(
         states=[
             *_states(of),
             *(glsdc_monitor.states(monitor) if monitor else []),
-            *(glsdc_search.states(search, of.unknowns) if search else []),
+            *(search.states(of.unknowns) if search else []),
         ],
         constants=constants,
         tag=tag,
@@ -240,7 +240,7 @@ def _check_search(of: Model, monitor: Monitor | None, search: Search | None) -> 
         return
     if monitor is None:
         raise ModelError("the search accepts what passes the test of the residuals: give integrity, too")
-    glsdc_search.check(search, of.unknowns)
+    search.check(of.unknowns)
 
 
 def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:

@@ -62,6 +62,25 @@ class Search:
         widths = {u.name: u.width for u in unknowns}
         return {name: widths[name] * g**-i for i, name in enumerate(self.agreement, 1)}
 
+    def check(self, unknowns: Sequence[Unknown]) -> None:
+        """Raise SignalError unless some unknowns are searched, and each is one."""
+        names = [u.name for u in unknowns]
+        if not self.agreement or not set(self.agreement) <= set(names):
+            searched = ", ".join(self.agreement) or "none"
+            raise SignalError(f"the searched unknowns are {searched}: give some of {', '.join(names)}")
+
+    def states(self, unknowns: Sequence[Unknown]) -> list[State]:
+        """Return the states of the search."""
+        count = Signal("start_number", "1", 0, self.starts, "starts of this sweep so far, all of them while tracking")
+        number = Signal("candidates", "1", 0, 2, "solutions in this sweep so far, 2 for more than one")
+        missed = Signal(
+            "missed", "1", 0, self.patience, "samples in a row without an accepted solution; the last: lost"
+        )
+        age = Signal("age", "1", 0, self.dwell - 1, "samples since this start")
+        begun = [State(_begin(u), u.start) for u in unknowns if u.name in self.agreement]
+        counts = [State(s, 0, True) for s in (count, number, missed, *([age] if self.dwell > 1 else []))]
+        return [*counts, *(State(_candidate(u), u.start) for u in unknowns), *begun]
+
 
 @dataclass(frozen=True, eq=False)
 class Sample:
@@ -71,25 +90,6 @@ class Sample:
     solved: Exprs
     converged: ca.SX
     accepted: ca.SX
-
-
-def check(of: Search, unknowns: Sequence[Unknown]) -> None:
-    """Raise SignalError unless some unknowns are searched, and each is one."""
-    names = [u.name for u in unknowns]
-    if not of.agreement or not set(of.agreement) <= set(names):
-        searched = ", ".join(of.agreement) or "none"
-        raise SignalError(f"the searched unknowns are {searched}: give some of {', '.join(names)}")
-
-
-def states(of: Search, unknowns: Sequence[Unknown]) -> list[State]:
-    """Return the states of the search."""
-    count = Signal("start_number", "1", 0, of.starts, "starts of this sweep so far, all of them while tracking")
-    number = Signal("candidates", "1", 0, 2, "solutions in this sweep so far, 2 for more than one")
-    missed = Signal("missed", "1", 0, of.patience, "samples in a row without an accepted solution; at the end: lost")
-    age = Signal("age", "1", 0, of.dwell - 1, "samples since this start")
-    begun = [State(_begin(u), u.start) for u in unknowns if u.name in of.agreement]
-    counts = [State(s, 0, True) for s in (count, number, missed, *([age] if of.dwell > 1 else []))]
-    return [*counts, *(State(_candidate(u), u.start) for u in unknowns), *begun]
 
 
 def _begin(of: Unknown) -> Signal:

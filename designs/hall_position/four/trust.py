@@ -77,7 +77,7 @@ class World:
 
 
 @cache
-def compiled(tuning: Tuning) -> host.Controller:
+def compile_estimator(tuning: Tuning) -> host.Controller:
     """Return the estimator's C in single precision."""
     return build.compile_block(config.block(tuning), np.float32, error=SURROGATE_ERROR[np.float32])
 
@@ -123,7 +123,7 @@ def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0,
     start, other = (_draw(REACH, bodies, rng) for _ in range(2))
     kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
     flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
-    states, outcomes = _tracked(tuning, start, speed, heading), []
+    states, outcomes = _tracking_states(tuning, start, speed, heading), []
     for k in range(BEFORE + AFTER):
         pose = start.displaced(speed * k * TIME.period_s, heading)
         V = of.read(pose) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
@@ -131,7 +131,7 @@ def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0,
             pair, before = (np.where(flip[:, None], v[:, ::-1], v) for v in (V[each, sensor], kept))
             failed = FAULTS[fault](pair, before, k - BEFORE)
             V[each, sensor] = np.where(flip[:, None], failed[:, ::-1], failed)
-        batch = compiled(tuning).batch(states, motions.by_input(np.clip(V, -END, END)))
+        batch = compile_estimator(tuning).batch(states, motions.by_input(np.clip(V, -END, END)))
         states = batch.states
         if k >= BEFORE:
             outcomes.append(_errors(batch.outputs, pose))
@@ -143,9 +143,9 @@ def _draw(reach: float, bodies: int, rng: np.random.Generator) -> Pose:
     return Pose(X, Y, rng.uniform(-YAW, YAW, bodies))
 
 
-def _tracked(tuning: Tuning, at: Pose, speed: float, heading: Array) -> host.Records:
+def _tracking_states(tuning: Tuning, at: Pose, speed: float, heading: Array) -> host.Records:
     """Return the states of estimators that have tracked bodies up to poses."""
-    array, states = config.array(), np.repeat(compiled(tuning).init()[None], len(at.X))
+    array, states = config.array(), np.repeat(compile_estimator(tuning).init()[None], len(at.X))
     step = array.wave_number * speed * TIME.period_s
     for a, place, moved in (("x", at.X, np.cos(heading)), ("y", at.Y, np.sin(heading))):
         turns = np.round(place / array.pitch)
@@ -191,11 +191,11 @@ def cold_start(tuning: Tuning, field: str, bodies: int, samples: int = 120, seed
     half = array.pitch / 2 - MARGIN
     pose = _draw(half, bodies, rng)
     exact = world(field, bodies, rng).read(pose)
-    states, first = np.repeat(compiled(tuning).init()[None], bodies), np.zeros(bodies, int)
+    states, first = np.repeat(compile_estimator(tuning).init()[None], bodies), np.zeros(bodies, int)
     wrong = np.zeros(bodies, bool)
     for k in range(1, samples + 1):
         V = exact + array.deviation * rng.standard_normal(exact.shape)
-        batch = compiled(tuning).batch(states, motions.by_input(V))
+        batch = compile_estimator(tuning).batch(states, motions.by_input(V))
         states = batch.states
         valid, error, _, _ = _errors(batch.outputs, pose)
         first = np.where(valid & (first == 0), k, first)

@@ -256,7 +256,9 @@ def test_evidence_is_of_all_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         endurance, "checks", lambda name, kind, bodies, n: [replace(check, name=f"{name} {bodies * n}")]
     )
-    monkeypatch.setattr(verification.four, "verify", lambda say, whole: ([], [replace(check, name=f"four {whole}")]))
+    monkeypatch.setattr(
+        verification.verification_four, "verify", lambda say, whole: ([], [replace(check, name=f"four {whole}")])
+    )
     for whole, sizes, samples in (
         (True, verification.FULL_STEPS, 10_000_000),
         (False, verification.QUICK_STEPS, 100_000),

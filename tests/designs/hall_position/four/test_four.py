@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from designs.hall_position import reference_four
-from designs.hall_position.four import config, trust, verification
+from designs.hall_position import verification_four as verification
+from designs.hall_position.four import config, trust
 from designs.hall_position.reference_glsdc import Setup
 from models import hall_motions as motions
 from models.hall_motions import Numbers, Pose
@@ -91,7 +92,7 @@ def test_no_cold_start_is_wrong_by_pitches() -> None:
 
 
 def travel(V: Numbers) -> dict[str, Numbers]:
-    return dict(trust.compiled(config.USUAL).replay(motions.by_input(V)).outputs)
+    return dict(trust.compile_estimator(config.USUAL).replay(motions.by_input(V)).outputs)
 
 
 def test_pitches_are_counted_in_motion_and_no_further_than_declared() -> None:

@@ -1,7 +1,7 @@
 """Verification of the C of four sensors against a NumPy reference, CasADi, CasADi's own C, and in single precision.
 
 The steps are those of `stimuli`: from the states of the C in double precision along motions with faults, and from the
-same states with the pose, its motion and the counters drawn anew. Where a test or a level is within NEAR of its limit,
+same states with the pose, its motion and the counters at random. Where a test or a level is within NEAR of its limit,
 rounding decides: such steps are counted and left out.
 """
 
