@@ -31,6 +31,7 @@ from synth import stage
 from synth.analyse import parity
 from synth.block import Block, Exprs, Step, build
 from synth.blocks import landing, predictor, probe, redundancy
+from synth.fault import Fault
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
 
@@ -56,6 +57,9 @@ SENSORS = tuple(s.name for s in INTERFACE.sensors)
 REASON = (
     "a gap encoder that is refused or excluded is replaced; without x, z or two gap encoders the platen lands and then "
     "latches on the stop; without three it latches as said above; "
+)
+DEGRADED = Fault(
+    len(INTERFACE.inputs) + len(SENSORS), "degraded", about="readings are refused, replaced or contradict each other"
 )
 INTERFACE_OF_ALL = replace(INTERFACE, suspected=SENSORS, reason=REASON + INTERFACE.reason)
 
@@ -121,7 +125,7 @@ def observer(axis: Axis) -> Block:
         bandwidth=BANDWIDTH[axis.name],
         rate=RATES[axis.name],
         disturbance=DISTURBANCES[axis.name],
-        trusted=f"{axis.name}_trusted" if axis.excess else None,
+        flags=predictor.Flags(f"{axis.name}_trusted", f"{axis.name}_unchanged") if axis.excess else None,
         gain=THRUST_GAIN if axis.excess else None,
     )
 
@@ -161,6 +165,7 @@ def laws(plant: Plant, corrected: bool = True, anti_windup: bool = True) -> list
     law = control.laws(plant, corrected, anti_windup)
     changed = {"decoupling": handover.BALANCED, **{f"regulator_{a.name}": tracking for a in AXES}}
     readings = redundancy.block(TIME, [INTERFACE.signals[n] for n in SENSORS], relations(plant), DECISION)
+    readings = replace(readings, faults=(DEGRADED,))
     descent = landing.block(TIME, courses(plant), [a.demand for a in AXES], control.BAD_SAMPLES)
     return [
         readings.renamed({"sufficient": "gaps_sufficient", "determined": "theta_measured"}),

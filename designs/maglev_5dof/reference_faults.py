@@ -38,7 +38,7 @@ PAIR, PUSH = 4 * QUARTER + 3, STEP / (QUARTER * T) ** 2  # samples, m/s^2
 BANDWIDTH = (120.0, 60.0, 60.0, 120.0, 120.0)  # rad/s, of y, x, z, phi, theta
 RANGES = ((0.0145, 0.0345), (-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02), (-0.031, 0.031))  # m, rad
 RATES, DISTURBANCES = (4.0, 2.0, 2.0, 4.0, 4.0), (50.0, 20.0, 20.0, 200.0, 200.0)
-LEARNING, GAINS = 30.0, (0.8, 1.2)
+LEARNING, GAINS, LEAK = 30.0, (0.8, 1.2), 1 / 32
 POLES = np.array([60.0, 30.0, 30.0, 0.0, 40.0])  # rad/s, of the landing; phi is left to its spring
 WITHOUT_GAPS = np.array([60.0, 30.0, 30.0, 0.0, 14.0])  # rad/s: theta is predicted
 PHI_SPRING = 0.75 * 15_000.0  # 1/s^2, the compensated part
@@ -105,6 +105,7 @@ def readings(state: Columns, y: Array, good: Flags, q: Array) -> tuple[Array, Fl
         "regular": calm | regular,
         "sufficient": calm | (missing <= 2),
         "trusted": calm | trusted,
+        "degraded": ~calm & ready,
     }
     return np.where(calm, y, np.clip(value, low, high)), ~calm & suspects, next
 
@@ -137,7 +138,9 @@ def _group(
     return np.where(replaced, value - sign * r, value), named, next
 
 
-def observe(state: Columns, q: Array, trusted: Flags, ready: Flags) -> tuple[Array, Array, Array, dict[str, Array]]:
+def observe(
+    state: Columns, q: Array, trusted: Flags, still: Array, ready: Flags
+) -> tuple[Array, Array, Array, dict[str, Array]]:
     """Return position, rate and disturbance (5, n) after the correction by the pose q, and the next states."""
     p = by_row([exp(-w * T) for w in BANDWIDTH], q)
     before, v, d = (reference.rows(state, [f"observer_{s}_{n}" for s in AXES]) for n in "qvd")
@@ -145,18 +148,25 @@ def observe(state: Columns, q: Array, trusted: Flags, ready: Flags) -> tuple[Arr
     low, high = (by_row(ends, q) for ends in zip(*RANGES, strict=True))
     rate, most = by_row(RATES, q), by_row(DISTURBANCES, q)
     position = np.where(ready, before + (1 - p**3) * nu, q)
-    v = np.where(ready, v + 1.5 * (1 - p) ** 2 * (1 + p) / T * nu, 0.0)
+    correction = 1.5 * (1 - p) ** 2 * (1 + p) / T * nu
+    learnt = reference.rows(state, ["observer_x_learnt", "observer_z_learnt"])
+    corrected = v + correction
+    corrected[1:3] = np.where(trusted, corrected[1:3], v[1:3] - learnt)
+    since = np.where(ready & trusted & (still >= 1), (1 - LEAK) * learnt + correction[1:3], 0.0)
+    v = np.where(ready, corrected, 0.0)
     d = np.where(ready, np.clip(d + (1 - p) ** 3 / T**2 * nu, -most, most), 0.0)
     d[1:3] = np.where(trusted, d[1:3], 0.0)
     demand = reference.rows(state, [f"delay_{DEMANDS[s]}_last" for s in AXES])
     g = reference.rows(state, ["observer_x_g", "observer_z_g"])
-    learnt = np.clip(g + LEARNING * T * demand[1:3] * d[1:3], *GAINS)
+    after_gain = np.clip(g + LEARNING * T * demand[1:3] * d[1:3], *GAINS)
     demand[1:3] *= g
     a = demand + d
     next_q, next_v = np.clip(position + T * (v + T / 2 * a), low, high), np.clip(v + T * a, -rate, rate)
     next = {f"observer_{s}_{n}": row for n, all in zip("qvd", (next_q, next_v, d), strict=True)
             for s, row in zip(AXES, all, strict=True)}  # fmt: skip
-    return position, v, d, next | {"observer_x_g": learnt[0], "observer_z_g": learnt[1]}
+    for s, of_gain, of_rate in zip("xz", after_gain, since, strict=True):
+        next |= {f"observer_{s}_g": of_gain, f"observer_{s}_learnt": of_rate}
+    return position, v, d, next
 
 
 def land(
@@ -231,9 +241,10 @@ def step(
     ready, was_latched = np.asarray(state["guard_ready"]) > 0, np.asarray(state["guard_latched"]) > 0
     q = reference.rows(state, [f"observer_{s}_q" for s in AXES])
     used, suspects, after_readings = readings(state, values[:SENSORS], good, q)
-    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined")}
+    flag = {n: after_readings.pop(n) for n in ("regular", "sufficient", "trusted", "determined", "degraded")}
     pose = reference.pose(used, k.parameters.r)
-    q, v, d, after_observers = observe(state, pose, flag["trusted"], ready)
+    still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
+    q, v, d, after_observers = observe(state, pose, flag["trusted"], still, ready)
     memory, last = reference.rows(state, MEMORY), reference.rows(state, LAST)
     filters, eta = np.split(memory.reshape(len(STATES), len(AXES), *memory.shape[1:]), 2)
     e = pose - values[SENSORS:]
@@ -241,7 +252,6 @@ def step(
     w, after_landing = land(
         state, reference.demand(e, rate, eta, k), (q, v, d), pose[3], flag["regular"], flag["determined"]
     )
-    still = np.array([after_readings[f"redundancy_still_{s}"] for s in "xz"])
     w[1:3], after_probe = probe(w[1:3], e[1:3], state, still, flag["regular"] & (state["observer_y_q"] < LIFTED))
     computed, excess = reference.currents(w, pose, used[:4], last, k)
     transfer, computed = without_positions(state, computed, flag["trusted"])
@@ -266,7 +276,12 @@ def step(
     after |= {n: np.where(latched, state[n], x) for n, x in next.items()}
     out = np.where(latched, np.clip([*SAFE.values()], last.T - SLEW, last.T + SLEW).T, computed)
     after |= zip(LAST, out, strict=True)
-    word = (word & 0x7FF) | (1 << np.arange(11, 17)) @ suspects | (latched.astype(np.uint32) << 31)
+    word = (
+        (word & 0x7FF)
+        | (1 << np.arange(11, 17)) @ suspects
+        | (flag["degraded"].astype(np.uint32) << 17)
+        | (latched.astype(np.uint32) << 31)
+    )
     outputs = dict(zip(OUTPUTS, np.concatenate([out[:4], out[reference.QUADRATURE]]), strict=True))
     positions = np.where(latched & ~flag["trusted"], LOST, used[4:])
     outputs |= {"x_commutation": positions[0], "z_commutation": positions[1]}

@@ -123,6 +123,69 @@ static inline float half_a_over_h2_2_polynomial(float t)
     return 0.079422385f + (t * (0.020285927f + (t * (0.008864189f + (t * (0.0048612426f + (t * (0.001367154f + (t * 0.0020529632f)))))))));
 }
 
+typedef struct {
+    float disturbance;
+    float estimate;
+    float rate;
+} maglev_5dof_observer_t;
+
+/* observer_x, observer_z: predictive observer, alpha-beta-gamma
+ *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
+ *         set, else 0
+ *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
+ *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
+ *         0
+ *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
+ *         x_disturbance)), 0.1)
+ *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
+ *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
+ *         set, else 0) if guard_ready is set, else 0
+ *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
+ *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
+MAGLEV_5DOF_INLINE maglev_5dof_observer_t maglev_5dof_observer(maglev_5dof_observer_state_t *state, uint32_t ready,
+    bool trusted, float held, float a_before, uint32_t unchanged)
+{
+    static const float gamma = 197.49799f;                      /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
+    static const float alpha = 0.16472979f;                     /* 1; triple pole exp(-w T), w = 60 rad/s */
+    static const float beta = 9.877862f;                        /* 1/s; triple pole exp(-w T), w = 60 rad/s */
+
+    float d_next = 0.0f;
+    float q = held;
+    float rate_part = 0.0f;
+    float g_part = 0.0f;
+    if (ready != 0u) {
+        const float q_2 = state->q;
+        const float nu = held - q_2;
+        const float v = state->v;
+        const float learnt = state->learnt;
+        if (trusted) {
+            const float d_part = maglev_5dof_limit(state->d + (gamma * nu), 20.0f);
+            d_next = d_part;
+            const float correction = beta * nu;
+            rate_part = v + correction;
+            if (1u <= unchanged) {
+                state->learnt = (0.96875f * learnt) + correction;
+            } else {
+                state->learnt = 0.0f;
+            }
+            g_part = 0.03f * (a_before * d_part);
+        } else {
+            rate_part = v - learnt;
+            state->learnt = 0.0f;
+        }
+        q = q_2 + (alpha * nu);
+    } else {
+        state->learnt = 0.0f;
+    }
+    const float g = state->g;
+    const float faster = rate_part + (0.001f * ((g * a_before) + d_next));
+    state->q = maglev_5dof_limit(q + (0.0005f * (rate_part + faster)), 0.1f);
+    state->v = maglev_5dof_limit(faster, 2.0f);
+    state->d = d_next;
+    state->g = maglev_5dof_max(maglev_5dof_min(g + g_part, 1.2f), 0.8f);
+    return (maglev_5dof_observer_t){.disturbance = d_next, .estimate = q, .rate = rate_part};
+}
+
 /* filter_y, filter_x, filter_z, filter_phi, filter_theta: derivative filter
  *     s_next = fade * s + (e_y - q_prev if guard_ready is set, else 0)
  *     r_next = fade * r + s_next + rho * s */
@@ -239,8 +302,8 @@ void maglev_5dof_init(maglev_5dof_state_t *state)
         .redundancy_doubts_x = 10u,
         .redundancy_doubts_z = 10u,
         .observer_y_q = 0.0245f,
-        .observer_x_g = 1.0f,
-        .observer_z_g = 1.0f,
+        .observer_x.g = 1.0f,
+        .observer_z.g = 1.0f,
         .landing_left = 5u,
         .probe_x_towards = 0.46666667f,
         .probe_z_towards = 0.46666667f,
@@ -282,12 +345,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     static const float observer_y_alpha = 0.30232367f;          /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_beta = 36.192043f;            /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_y_gamma = 1445.947f;            /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
-    static const float observer_x_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_x_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_x_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_z_alpha = 0.16472979f;          /* 1; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_z_beta = 9.877862f;             /* 1/s; triple pole exp(-w T), w = 60 rad/s */
-    static const float observer_z_gamma = 197.49799f;           /* 1/s^2; triple pole exp(-w T), w = 60 rad/s */
     static const float observer_phi_alpha = 0.30232367f;        /* 1; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_phi_beta = 36.192043f;          /* 1/s; triple pole exp(-w T), w = 120 rad/s */
     static const float observer_phi_gamma = 1445.947f;          /* 1/s^2; triple pole exp(-w T), w = 120 rad/s */
@@ -327,20 +384,24 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     x_disturbance = (limit(d + gamma * (x_held - q), 20) if x_trusted is set, else 0) if guard_ready is
      *         set, else 0
      *     x_estimate = q + alpha * (x_held - q) if guard_ready is set, else x_held
-     *     x_rate = v + beta * (x_held - q) if guard_ready is set, else 0
-     *     q_next = limit(x_estimate + 0.001 * (x_rate + 0.0005 * (g * delay_a_x_last + x_disturbance)), 0.1)
+     *     x_rate = (v + beta * (x_held - q) if x_trusted is set, else v - learnt) if guard_ready is set, else
+     *         0
+     *     q_next = limit(x_estimate + 0.0005 * (x_rate + x_rate + 0.001 * (g * delay_a_x_last +
+     *         x_disturbance)), 0.1)
      *     v_next = limit(x_rate + 0.001 * (g * delay_a_x_last + x_disturbance), 2)
+     *     learnt_next = ((0.96875 * learnt + beta * (x_held - q) if 1 <= x_unchanged, else 0) if x_trusted is
+     *         set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_x_last * limit(d + gamma * (x_held - q), 20)) if x_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_x_q = state->observer_x_q;
+    const float observer_x_q = state->observer_x.q;
 
     /* probe_x: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else free) if 0 < sample or 40 <=
-     *         x_unchanged, else 0
+     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
+     *         <= x_unchanged, else 0
      *     attempt_next = ((((attempt if x_unanswered, else attempt + 1) if 15 <= x_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 0 < sample, else attempt) if 0 < sample or 40 <= x_unchanged, else 0
-     *     towards_next = (towards if 0 < sample, else (-0.466667 if 0 < e_x, else 0.466667)) if 0 < sample or
-     *         40 <= x_unchanged, else towards */
+     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= x_unchanged, else 0
+     *     towards_next = (towards if 1 <= sample, else (-0.466667 if 0 < e_x, else 0.466667)) if 1 <= sample
+     *         or 40 <= x_unchanged, else towards */
     const uint32_t probe_x_attempt = state->probe_x_attempt;
     const bool x_unanswered = 5u <= probe_x_attempt;
 
@@ -348,8 +409,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     phi_estimate = q + alpha * (phi - q) if guard_ready is set, else phi
      *     phi_rate = v + beta * (phi - q) if guard_ready is set, else 0
      *     phi_disturbance = limit(d + gamma * (phi - q), 200) if guard_ready is set, else 0
-     *     q_next = limit(phi_estimate + 0.001 * (phi_rate + 0.0005 * (delay_w_phi_last + phi_disturbance)),
-     *         0.02)
+     *     q_next = limit(phi_estimate + 0.0005 * (phi_rate + phi_rate + 0.001 * (delay_w_phi_last +
+     *         phi_disturbance)), 0.02)
      *     v_next = limit(phi_rate + 0.001 * (delay_w_phi_last + phi_disturbance), 4) */
     const float observer_phi_q = state->observer_phi_q;
 
@@ -357,8 +418,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     y_disturbance = limit(d + gamma * (y - q), 50) if guard_ready is set, else 0
      *     y_estimate = q + alpha * (y - q) if guard_ready is set, else y
      *     y_rate = v + beta * (y - q) if guard_ready is set, else 0
-     *     q_next = max(min(y_estimate + 0.001 * (y_rate + 0.0005 * (delay_w_y_last + y_disturbance)), 0.0345),
-     *         0.0145)
+     *     q_next = max(min(y_estimate + 0.0005 * (y_rate + y_rate + 0.001 * (delay_w_y_last + y_disturbance)),
+     *         0.0345), 0.0145)
      *     v_next = limit(y_rate + 0.001 * (delay_w_y_last + y_disturbance), 4) */
     const float observer_y_q = state->observer_y_q;
 
@@ -366,7 +427,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     theta_disturbance = limit(d + gamma * (theta - q), 200) if guard_ready is set, else 0
      *     theta_estimate = q + alpha * (theta - q) if guard_ready is set, else theta
      *     theta_rate = v + beta * (theta - q) if guard_ready is set, else 0
-     *     q_next = limit(theta_estimate + 0.001 * (theta_rate + 0.0005 * (delay_w_theta_last +
+     *     q_next = limit(theta_estimate + 0.0005 * (theta_rate + theta_rate + 0.001 * (delay_w_theta_last +
      *         theta_disturbance)), 0.031)
      *     v_next = limit(theta_rate + 0.001 * (delay_w_theta_last + theta_disturbance), 4) */
     const float observer_theta_q = state->observer_theta_q;
@@ -375,20 +436,24 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     z_disturbance = (limit(d + gamma * (z_held - q), 20) if z_trusted is set, else 0) if guard_ready is
      *         set, else 0
      *     z_estimate = q + alpha * (z_held - q) if guard_ready is set, else z_held
-     *     z_rate = v + beta * (z_held - q) if guard_ready is set, else 0
-     *     q_next = limit(z_estimate + 0.001 * (z_rate + 0.0005 * (g * delay_a_z_last + z_disturbance)), 0.1)
+     *     z_rate = (v + beta * (z_held - q) if z_trusted is set, else v - learnt) if guard_ready is set, else
+     *         0
+     *     q_next = limit(z_estimate + 0.0005 * (z_rate + z_rate + 0.001 * (g * delay_a_z_last +
+     *         z_disturbance)), 0.1)
      *     v_next = limit(z_rate + 0.001 * (g * delay_a_z_last + z_disturbance), 2)
+     *     learnt_next = ((0.96875 * learnt + beta * (z_held - q) if 1 <= z_unchanged, else 0) if z_trusted is
+     *         set, else 0) if guard_ready is set, else 0
      *     g_next = max(min(g + ((0.03 * (delay_a_z_last * limit(d + gamma * (z_held - q), 20)) if z_trusted is
      *         set, else 0) if guard_ready is set, else 0), 1.2), 0.8) */
-    const float observer_z_q = state->observer_z_q;
+    const float observer_z_q = state->observer_z.q;
 
     /* probe_z: probe at rest
-     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 0 < sample, else free) if 0 < sample or 40 <=
-     *         z_unchanged, else 0
+     *     sample_next = ((0 if 15 <= sample, else sample + 1) if 1 <= sample, else free) if 1 <= sample or 40
+     *         <= z_unchanged, else 0
      *     attempt_next = ((((attempt if z_unanswered, else attempt + 1) if 15 <= z_unchanged, else 0) if 15 <=
-     *         sample, else attempt) if 0 < sample, else attempt) if 0 < sample or 40 <= z_unchanged, else 0
-     *     towards_next = (towards if 0 < sample, else (-0.466667 if 0 < e_z, else 0.466667)) if 0 < sample or
-     *         40 <= z_unchanged, else towards */
+     *         sample, else attempt) if 1 <= sample, else attempt) if 1 <= sample or 40 <= z_unchanged, else 0
+     *     towards_next = (towards if 1 <= sample, else (-0.466667 if 0 < e_z, else 0.466667)) if 1 <= sample
+     *         or 40 <= z_unchanged, else towards */
     const uint32_t probe_z_attempt = state->probe_z_attempt;
     const bool z_unanswered = 5u <= probe_z_attempt;
 
@@ -398,7 +463,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
      *     still_y1_next = (still_y1 if 8 <= still_y1, else still_y1 + 1) if y1_accepted == code_y1, else 0;
      *         likewise still_y2_next, still_y3_next, still_y4_next
      *     doubts_x_next = doubts_x if x_accepted == code_x, else (10 if 4e-05 < |observer_x_q - x_accepted|,
-     *         else (doubts_x - 1 if 0 < doubts_x, else 0)); likewise doubts_z_next */
+     *         else (doubts_x - 1 if 1 <= doubts_x, else 0)); likewise doubts_z_next */
     const uint32_t redundancy_degraded = state->redundancy_degraded;
     const float suspect_y1_part = y1_accepted - y2_accepted + y3_accepted;
     const float r_suspect_y1 = suspect_y1_part - y4_accepted;
@@ -416,7 +481,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (4e-05f < fabsf(observer_x_q - x_accepted)) {
             redundancy_doubts_x_part = 10u;
         } else {
-            if (0.0f < (float)redundancy_doubts_x) {
+            if (1u <= redundancy_doubts_x) {
                 redundancy_doubts_x_part = redundancy_doubts_x - 1u;
             } else {
                 redundancy_doubts_x_part = 0u;
@@ -425,7 +490,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     bool suspect_y1_test = false;
     if (3u <= x_unchanged) {
-        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && ((float)redundancy_doubts_x <= 0.0f)) || x_unanswered);
+        suspect_y1_test = (-0.0499f < x_accepted) && (x_accepted < 0.0499f) && (((4e-05f < fabsf(observer_x_q - suspect_y1_part_2)) && (redundancy_doubts_x < 1u)) || x_unanswered);
     }
     const uint32_t redundancy_doubts_z = state->redundancy_doubts_z;
     uint32_t z_unchanged = 0u;
@@ -439,7 +504,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         if (4e-05f < fabsf(observer_z_q - z_accepted)) {
             redundancy_doubts_z_part = 10u;
         } else {
-            if (0.0f < (float)redundancy_doubts_z) {
+            if (1u <= redundancy_doubts_z) {
                 redundancy_doubts_z_part = redundancy_doubts_z - 1u;
             } else {
                 redundancy_doubts_z_part = 0u;
@@ -448,7 +513,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     }
     bool suspect_y1_test_2 = false;
     if (3u <= z_unchanged) {
-        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && ((float)redundancy_doubts_z <= 0.0f)) || z_unanswered);
+        suspect_y1_test_2 = (-0.0499f < z_accepted) && (z_accepted < 0.0499f) && (((4e-05f < fabsf(observer_z_q - before)) && (redundancy_doubts_z < 1u)) || z_unanswered);
     }
     const uint32_t redundancy_excluded_y1 = state->redundancy_excluded_y1;
     const uint32_t redundancy_excluded_y2 = state->redundancy_excluded_y2;
@@ -499,6 +564,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float z_held = z_accepted;
     bool regular = true;
     bool theta_measured = true;
+    uint32_t degraded = 0u;
     uint32_t redundancy_excluded_y1_part = redundancy_excluded_y1;
     uint32_t redundancy_excluded_y2_part = redundancy_excluded_y2;
     uint32_t redundancy_excluded_y3_part = redundancy_excluded_y3;
@@ -709,6 +775,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
         suspect_x = unusual_suspect_x;
         suspect_z = flag_suspect_z;
+        degraded = guard_ready;
         redundancy_excluded_x_part = unusual_suspect_x;
         redundancy_excluded_z_part = flag_suspect_z;
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
@@ -724,8 +791,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     /* landing: ramps and state feedback
      *     left_next = (1 if left <= 1, else left - 1) if not regular and guard_ready, else 5
      *     landing_next = 1 if not regular and guard_ready and left <= 1, else landing
-     *     dr_x_next = max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is set, else
-     *         x_rate) - 0.004) if landing_next is set, else dr_x; likewise dr_z_next */
+     *     dr_x_next = limit(max(min(0, (dr_x if landing is set, else x_rate) + 0.004), (dr_x if landing is
+     *         set, else x_rate) - 0.004), 10) if landing_next is set, else dr_x; likewise dr_z_next */
     const uint32_t landing_landing = state->landing_landing;
     const float landing_r_y = state->landing_r_y;
     const bool landed = (landing_landing != 0u) && (0.0314f <= landing_r_y);
@@ -734,29 +801,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     const float y2_minus_y4 = y2_held - y4_held;
     const float theta = y2_minus_y4 * theta_polynomial(y2_minus_y4 * y2_minus_y4);
     const float y = 0.25f * (y1_held + y2_held + y3_held + y4_held);
-    const float nu_z_disturbance = z_held - observer_z_q;
-    const float delay_a_z_last = state->delay_a_z_last;
-    float z_disturbance = 0.0f;
-    float i_d1_computed_part = 0.0f;
-    float observer_z_g_part = 0.0f;
-    if (z_trusted) {
-        const float z_disturbance_part = maglev_5dof_limit(state->observer_z_d + (observer_z_gamma * nu_z_disturbance), 20.0f);
-        z_disturbance = z_disturbance_part;
-        observer_z_g_part = 0.03f * (delay_a_z_last * z_disturbance_part);
-    } else {
-        i_d1_computed_part = -1.0f;
-    }
-    const float nu_x_disturbance = x_held - observer_x_q;
-    const float delay_a_x_last = state->delay_a_x_last;
-    float x_disturbance = 0.0f;
-    float observer_x_g_part = 0.0f;
-    if (x_trusted) {
-        const float x_disturbance_part = maglev_5dof_limit(state->observer_x_d + (observer_x_gamma * nu_x_disturbance), 20.0f);
-        x_disturbance = x_disturbance_part;
-        observer_x_g_part = 0.03f * (delay_a_x_last * x_disturbance_part);
-    } else {
-        i_d1_computed_part = 1.0f;
-    }
     const float y3_minus_y1 = y3_held - y1_held;
     const float phi = y3_minus_y1 * phi_polynomial(y3_minus_y1 * y3_minus_y1);
     const float pole = (theta_measured) ? 40.0f : 14.0f;
@@ -768,10 +812,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
     float y_disturbance = 0.0f;
     float y_estimate = y;
     float y_rate = 0.0f;
-    float x_estimate = x_held;
-    float x_rate = 0.0f;
-    float z_estimate = z_held;
-    float z_rate = 0.0f;
     float phi_estimate = phi;
     float phi_rate = 0.0f;
     float phi_disturbance = 0.0f;
@@ -790,10 +830,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         y_disturbance = maglev_5dof_limit(state->observer_y_d + (observer_y_gamma * nu_y_disturbance), 50.0f);
         y_estimate = observer_y_q + (observer_y_alpha * nu_y_disturbance);
         y_rate = state->observer_y_v + (observer_y_beta * nu_y_disturbance);
-        x_estimate = observer_x_q + (observer_x_alpha * nu_x_disturbance);
-        x_rate = state->observer_x_v + (observer_x_beta * nu_x_disturbance);
-        z_estimate = observer_z_q + (observer_z_alpha * nu_z_disturbance);
-        z_rate = state->observer_z_v + (observer_z_beta * nu_z_disturbance);
         const float nu_phi_estimate = phi - observer_phi_q;
         phi_estimate = observer_phi_q + (observer_phi_alpha * nu_phi_estimate);
         phi_rate = state->observer_phi_v + (observer_phi_beta * nu_phi_estimate);
@@ -803,11 +839,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             diagnostics->sufficient = sufficient ? 1.0f : 0.0f;
         }
 #endif
-    } else {
-        x_disturbance = 0.0f;
-        z_disturbance = 0.0f;
-        observer_x_g_part = 0.0f;
-        observer_z_g_part = 0.0f;
     }
     const uint32_t guard_latched = state->guard_latched;
     uint32_t latched_part = guard_latched;
@@ -911,6 +942,8 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         } else {
             landing = landing_landing;
         }
+        const maglev_5dof_observer_t observer_x = maglev_5dof_observer(&state->observer_x, guard_ready, x_trusted, x_held, state->delay_a_x_last, x_unchanged);
+        const maglev_5dof_observer_t observer_z = maglev_5dof_observer(&state->observer_z, guard_ready, z_trusted, z_held, state->delay_a_z_last, z_unchanged);
         const float w_x_tracking = maglev_5dof_regulator_output(&state->regulator_x, e_x, filter_x_r_next);
         const float w_z_tracking = maglev_5dof_regulator_output(&state->regulator_z, e_z, filter_z_r_next);
         float w_phi;
@@ -920,14 +953,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         float w_z_unprobed;
         float landing_r_y_part = landing_r_y;
         if (landing != 0u) {
-            w_phi = -11250.0f * phi;
-            w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+            /* observer_z: predictive observer, alpha-beta-gamma */
             float r_w_y = landing_r_y;
             float w_y_part = y_rate;
-            float w_x_unprobed_part = x_estimate;
-            float w_x_unprobed_part_2 = x_rate;
-            float w_z_unprobed_part = z_estimate;
-            float w_z_unprobed_part_2 = z_rate;
+            float w_x_unprobed_part = observer_x.estimate;
+            float w_x_unprobed_part_2 = observer_x.rate;
+            float w_z_unprobed_part = observer_z.estimate;
+            float w_z_unprobed_part_2 = observer_z.rate;
             if (landing_landing != 0u) {
                 w_y_part = state->landing_dr_y;
                 w_x_unprobed_part = state->landing_r_x;
@@ -940,20 +972,34 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
             const float w_y_part_2 = maglev_5dof_max(maglev_5dof_min(0.005f + (25.0f * (0.031f - r_w_y)), 0.08f), 0.001f);
             const float w_y_part_3 = (3600.0f * (r_w_y - y_estimate)) + (120.0f * (w_y_part - y_rate)) + (maglev_5dof_limit(1000.0f * (w_y_part_2 - w_y_part), 2.0f) - y_disturbance);
             w_y = w_y_part_3;
-            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - x_estimate)) + (60.0f * (w_x_unprobed_part_2 - x_rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - x_disturbance);
+            const float w_x_unprobed_part_3 = (900.0f * (w_x_unprobed_part - observer_x.estimate)) + (60.0f * (w_x_unprobed_part_2 - observer_x.rate)) + (maglev_5dof_limit(-1000.0f * w_x_unprobed_part_2, 4.0f) - observer_x.disturbance);
             w_x_unprobed = w_x_unprobed_part_3;
-            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - z_estimate)) + (60.0f * (w_z_unprobed_part_2 - z_rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - z_disturbance);
+            const float w_z_unprobed_part_3 = (900.0f * (w_z_unprobed_part - observer_z.estimate)) + (60.0f * (w_z_unprobed_part_2 - observer_z.rate)) + (maglev_5dof_limit(-1000.0f * w_z_unprobed_part_2, 4.0f) - observer_z.disturbance);
             w_z_unprobed = w_z_unprobed_part_3;
             const float landing_dr_y_next = maglev_5dof_slew(w_y_part, w_y_part_2, 0.002f);
             const float landing_r_y_part_2 = (landing_landing != 0u) ? maglev_5dof_max(maglev_5dof_min(r_w_y + (0.0005f * (w_y_part + landing_dr_y_next)), 0.0326f), -0.5f) : y_estimate;
             landing_r_y_part = landing_r_y_part_2;
             state->landing_dr_y = landing_dr_y_next;
-            const float landing_dr_x_next = maglev_5dof_slew(w_x_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_dr_x_next)), 0.5f) : x_estimate;
-            state->landing_dr_x = landing_dr_x_next;
-            const float faster = maglev_5dof_slew(w_z_unprobed_part_2, 0.0f, 0.004f);
-            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster)), 0.5f) : z_estimate;
-            state->landing_dr_z = faster;
+
+            /* landing: ramps and state feedback */
+            const float landing_r_x_part = maglev_5dof_slew(w_x_unprobed_part_2, 0.0f, 0.004f);
+            state->landing_r_x = (landing_landing != 0u) ? maglev_5dof_limit(w_x_unprobed_part + (0.0005f * (w_x_unprobed_part_2 + landing_r_x_part)), 0.5f) : observer_x.estimate;
+            state->landing_dr_x = maglev_5dof_limit(landing_r_x_part, 10.0f);
+            const float faster_landing_r_z = maglev_5dof_slew(w_z_unprobed_part_2, 0.0f, 0.004f);
+            state->landing_r_z = (landing_landing != 0u) ? maglev_5dof_limit(w_z_unprobed_part + (0.0005f * (w_z_unprobed_part_2 + faster_landing_r_z)), 0.5f) : observer_z.estimate;
+            state->landing_dr_z = maglev_5dof_limit(faster_landing_r_z, 10.0f);
+            w_phi = -11250.0f * phi;
+            w_theta = -((pole * pole * theta_estimate) + w_theta_part + theta_disturbance);
+#if defined(MAGLEV_5DOF_DIAGNOSTICS)
+            if (diagnostics != NULL) {
+                diagnostics->x_disturbance = observer_x.disturbance;
+                diagnostics->x_estimate = observer_x.estimate;
+                diagnostics->x_rate = observer_x.rate;
+                diagnostics->z_disturbance = observer_z.disturbance;
+                diagnostics->z_estimate = observer_z.estimate;
+                diagnostics->z_rate = observer_z.rate;
+            }
+#endif
         } else {
             /* regulator_y: F(14)-(16)
              *     w_y_tracking = k_e * e_y + k_de * de_y + k_sum * sum + k_p1 * p1 + k_q1 * q1
@@ -1076,7 +1122,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* probe_x: probe at rest */
         const uint32_t probe_x_sample = state->probe_x_sample;
-        const bool runs_w_x = 0.0f < (float)probe_x_sample;
+        const bool runs_w_x = 1u <= probe_x_sample;
         if (runs_w_x || (40u <= x_unchanged)) {
             if (runs_w_x) {
                 const uint32_t w_x_part = probe_x_attempt + 1u;
@@ -1106,17 +1152,13 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_x_demand = -M_x * w_x_unprobed / u_x_demand_part;
         const float room_u_x_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d2_balanced * i_d2_balanced, i_d4_balanced * i_d4_balanced));
         const float u_x_computed = maglev_5dof_limit(u_x_demand, room_u_x_computed);
-        state->safe_output_last_u_x = u_x_computed;
-        out->i_q2 = u_x_computed;
-        out->i_q4 = u_x_computed;
 
         /* landing: ramps and state feedback */
         state->landing_left = (waiting) ? ((w_phi_test) ? 1u : (landing_left - 1u)) : 5u;
-        state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
         /* probe_z: probe at rest */
         const uint32_t probe_z_sample = state->probe_z_sample;
-        const bool runs_w_z = 0.0f < (float)probe_z_sample;
+        const bool runs_w_z = 1u <= probe_z_sample;
         if (runs_w_z || (40u <= z_unchanged)) {
             if (runs_w_z) {
                 const uint32_t w_z_part = probe_z_attempt + 1u;
@@ -1146,34 +1188,29 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         const float u_z_demand = -M_z * w_z_unprobed / u_z_demand_part;
         const float room_u_z_computed = sqrtf(squared_current_limit - maglev_5dof_max(i_d1_balanced * i_d1_balanced, i_d3_balanced * i_d3_balanced));
         const float u_z_computed = maglev_5dof_limit(u_z_demand, room_u_z_computed);
-        out->i_q1 = u_z_computed;
-        out->i_q3 = u_z_computed;
         const float excess_x = u_x_computed - u_x_demand;
-        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
         const float excess_z = u_z_computed - u_z_demand;
-        state->safe_output_last_u_z = u_z_computed;
-        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
 
         /* handover: direct currents without x or z */
         const float handover_transfer = state->handover_transfer;
         if (lost_1 || lost_2 || (0.0f < (handover_transfer * handover_transfer))) {
             /* safe_output: slew to the safe output once latched */
-            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : i_d1_computed_part, 0.04f);
+            const float transfer = maglev_5dof_slew(handover_transfer, (lost_1 && lost_2) ? handover_transfer : ((x_trusted) ? ((z_trusted) ? 0.0f : -1.0f) : 1.0f), 0.04f);
             const bool of_x = 0.0f < transfer;
             const float part = fabsf(transfer);
             const float part_z = (of_x) ? 0.0f : part;
-            const float i_d1_computed_part_2 = 1.0f - part_z;
+            const float i_d1_computed_part = 1.0f - part_z;
             const float part_x = (of_x) ? part : 0.0f;
             const float handed = 0.5f * (part_x * (i_d2_balanced + i_d4_balanced));
             const float room_i_d1_computed = 4.9497476f - fabsf(u_z_computed);
-            state->safe_output_last_i_d1 = i_d1_computed_part_2 * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d1 = i_d1_computed_part * maglev_5dof_limit(i_d1_balanced + handed, room_i_d1_computed);
             out->i_d1 = state->safe_output_last_i_d1;
             const float i_d2_computed_part = 1.0f - part_x;
             const float i_d2_computed_part_2 = 0.5f * (part_z * (i_d1_balanced + i_d3_balanced));
             const float i_d2_computed_part_3 = 4.9497476f - fabsf(u_x_computed);
             state->safe_output_last_i_d2 = i_d2_computed_part * maglev_5dof_limit(i_d2_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d2 = state->safe_output_last_i_d2;
-            state->safe_output_last_i_d3 = i_d1_computed_part_2 * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
+            state->safe_output_last_i_d3 = i_d1_computed_part * maglev_5dof_limit(i_d3_balanced + handed, room_i_d1_computed);
             out->i_d3 = state->safe_output_last_i_d3;
             state->safe_output_last_i_d4 = i_d2_computed_part * maglev_5dof_limit(i_d4_balanced + i_d2_computed_part_2, i_d2_computed_part_3);
             out->i_d4 = state->safe_output_last_i_d4;
@@ -1201,8 +1238,16 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         /* delay: delay of one sample
          *     w_y_last_next = w_y; likewise a_x_last_next, a_z_last_next, w_phi_last_next, w_theta_last_next */
         const float delay_w_y_last = state->delay_w_y_last;
+        out->i_q2 = u_x_computed;
+        out->i_q4 = u_x_computed;
+        out->i_q1 = u_z_computed;
+        out->i_q3 = u_z_computed;
+        maglev_5dof_regulator_update(&state->regulator_x, e_x, excess_x);
+        maglev_5dof_regulator_update(&state->regulator_z, e_z, excess_z);
         const float delay_w_phi_last = state->delay_w_phi_last;
         const float delay_w_theta_last = state->delay_w_theta_last;
+        state->safe_output_last_u_x = u_x_computed;
+        state->safe_output_last_u_z = u_z_computed;
         state->delay_w_y_last = w_y;
         state->delay_a_x_last = a_x;
         state->delay_a_z_last = a_z;
@@ -1210,19 +1255,22 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         state->delay_w_theta_last = w_theta;
 
         /* observer_y: predictive observer, alpha-beta-gamma */
-        const float a_observer_y_q = delay_w_y_last + y_disturbance;
-        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.001f * (y_rate + (0.0005f * a_observer_y_q))), 0.0345f), 0.0145f);
-        state->observer_y_v = maglev_5dof_limit(y_rate + (0.001f * a_observer_y_q), 4.0f);
+        const float faster_observer_y_q = y_rate + (0.001f * (delay_w_y_last + y_disturbance));
+        state->observer_y_q = maglev_5dof_max(maglev_5dof_min(y_estimate + (0.0005f * (y_rate + faster_observer_y_q)), 0.0345f), 0.0145f);
+        state->observer_y_v = maglev_5dof_limit(faster_observer_y_q, 4.0f);
 
         /* observer_phi: predictive observer, alpha-beta-gamma */
-        const float a_observer_phi_q = delay_w_phi_last + phi_disturbance;
-        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.001f * (phi_rate + (0.0005f * a_observer_phi_q))), 0.02f);
-        state->observer_phi_v = maglev_5dof_limit(phi_rate + (0.001f * a_observer_phi_q), 4.0f);
+        const float faster_observer_phi_q = phi_rate + (0.001f * (delay_w_phi_last + phi_disturbance));
+        state->observer_phi_q = maglev_5dof_limit(phi_estimate + (0.0005f * (phi_rate + faster_observer_phi_q)), 0.02f);
+        state->observer_phi_v = maglev_5dof_limit(faster_observer_phi_q, 4.0f);
 
         /* observer_theta: predictive observer, alpha-beta-gamma */
-        const float a_observer_theta_q = delay_w_theta_last + theta_disturbance;
-        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.001f * (theta_rate + (0.0005f * a_observer_theta_q))), 0.031f);
-        state->observer_theta_v = maglev_5dof_limit(theta_rate + (0.001f * a_observer_theta_q), 4.0f);
+        const float faster_observer_theta_q = theta_rate + (0.001f * (delay_w_theta_last + theta_disturbance));
+        state->observer_theta_q = maglev_5dof_limit(theta_estimate + (0.0005f * (theta_rate + faster_observer_theta_q)), 0.031f);
+        state->observer_theta_v = maglev_5dof_limit(faster_observer_theta_q, 4.0f);
+
+        /* landing: ramps and state feedback */
+        state->landing_r_y = maglev_5dof_min(landing_r_y_part, 0.0326f);
 
         /* redundancy: parity, innovations, frozen codes */
         state->redundancy_code_y1 = y1_accepted;
@@ -1254,22 +1302,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
 
         /* observer_y: predictive observer, alpha-beta-gamma */
         state->observer_y_d = y_disturbance;
-
-        /* observer_x: predictive observer, alpha-beta-gamma */
-        const float observer_x_g = state->observer_x_g;
-        const float a_observer_x_q = (observer_x_g * delay_a_x_last) + x_disturbance;
-        state->observer_x_q = maglev_5dof_limit(x_estimate + (0.001f * (x_rate + (0.0005f * a_observer_x_q))), 0.1f);
-        state->observer_x_v = maglev_5dof_limit(x_rate + (0.001f * a_observer_x_q), 2.0f);
-        state->observer_x_d = x_disturbance;
-        state->observer_x_g = maglev_5dof_max(maglev_5dof_min(observer_x_g + observer_x_g_part, 1.2f), 0.8f);
-
-        /* observer_z: predictive observer, alpha-beta-gamma */
-        const float observer_z_g = state->observer_z_g;
-        const float a_observer_z_q = (observer_z_g * delay_a_z_last) + z_disturbance;
-        state->observer_z_q = maglev_5dof_limit(z_estimate + (0.001f * (z_rate + (0.0005f * a_observer_z_q))), 0.1f);
-        state->observer_z_v = maglev_5dof_limit(z_rate + (0.001f * a_observer_z_q), 2.0f);
-        state->observer_z_d = z_disturbance;
-        state->observer_z_g = maglev_5dof_max(maglev_5dof_min(observer_z_g + observer_z_g_part, 1.2f), 0.8f);
 
         /* observer_phi: predictive observer, alpha-beta-gamma */
         state->observer_phi_d = phi_disturbance;
@@ -1308,6 +1340,9 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         }
 #endif
     }
+    if (degraded != 0u) {
+        faults |= 0x00020000u;
+    }
 #if defined(MAGLEV_5DOF_DIAGNOSTICS)
     if (diagnostics != NULL) {
         diagnostics->x_unanswered = x_unanswered ? 1.0f : 0.0f;
@@ -1329,6 +1364,7 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y4_held = y4_held;
         diagnostics->regular = regular ? 1.0f : 0.0f;
         diagnostics->theta_measured = theta_measured ? 1.0f : 0.0f;
+        diagnostics->degraded = (float)degraded;
         diagnostics->landed = landed ? 1.0f : 0.0f;
         diagnostics->theta = theta;
         diagnostics->y = y;
@@ -1339,12 +1375,6 @@ uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t 
         diagnostics->y_disturbance = y_disturbance;
         diagnostics->y_estimate = y_estimate;
         diagnostics->y_rate = y_rate;
-        diagnostics->x_disturbance = x_disturbance;
-        diagnostics->x_estimate = x_estimate;
-        diagnostics->x_rate = x_rate;
-        diagnostics->z_disturbance = z_disturbance;
-        diagnostics->z_estimate = z_estimate;
-        diagnostics->z_rate = z_rate;
         diagnostics->phi_estimate = phi_estimate;
         diagnostics->phi_rate = phi_rate;
         diagnostics->phi_disturbance = phi_disturbance;

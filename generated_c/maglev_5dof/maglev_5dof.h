@@ -10,8 +10,8 @@
  * outputs move to the safe output (a gap encoder that is refused or excluded is replaced; without x, z or two gap
  * encoders the platen lands and then latches on the stop; without three it latches as said above; zero current pulls
  * the platen up below 28.7 mm; 2.5 A rms lowers it from 18.1 mm and above; measured on 17 plants, each sensor lost in
- * turn: at rest the machine reaches 0.00041 m/s (x) and hits a stop at 0.0055 m/s (y); in motion the machine reaches
- * 0.0041 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
+ * turn: at rest the machine reaches 0.00051 m/s (x) and hits a stop at 0.0055 m/s (y); in motion the machine reaches
+ * 0.004 m/s (z) and 0.46 rad/s (theta) and hits a stop at 0.018 m/s (y)): i_d1, i_d2, i_d3, i_d4 to 2.5 A at 100 A/s;
  * i_q1, i_q2, i_q3, i_q4 to 0 A at 100 A/s.
  *
  * Keep calling the step while it is latched, because the outputs move in its calls only. Call init again only with the
@@ -49,6 +49,14 @@ typedef struct {
     float s;                            /* m: fading sum of the differences */
     float r;                            /* m: filtered rate over h */
 } maglev_5dof_filter_state_t;
+
+typedef struct {
+    float q;                            /* m, -0.1 .. 0.1: prediction */
+    float v;                            /* m/s, -2 .. 2: predicted rate */
+    float d;                            /* m/s^2, -20 .. 20: disturbance */
+    float learnt;                       /* m/s, -63.8505 .. 63.8505: rate learnt since its code changed */
+    float g;                            /* 1, 0.8 .. 1.2: learnt gain */
+} maglev_5dof_observer_state_t;
 
 typedef struct {
     float y1;                           /* m, 0.0168 .. 0.0322: gap of motor 1 */
@@ -137,14 +145,8 @@ typedef struct {
     float observer_y_q;                 /* m, 0.0145 .. 0.0345: prediction */
     float observer_y_v;                 /* m/s, -4 .. 4: predicted rate */
     float observer_y_d;                 /* m/s^2, -50 .. 50: disturbance */
-    float observer_x_q;                 /* m, -0.1 .. 0.1: prediction */
-    float observer_x_v;                 /* m/s, -2 .. 2: predicted rate */
-    float observer_x_d;                 /* m/s^2, -20 .. 20: disturbance */
-    float observer_x_g;                 /* 1, 0.8 .. 1.2: learnt gain */
-    float observer_z_q;                 /* m, -0.1 .. 0.1: prediction */
-    float observer_z_v;                 /* m/s, -2 .. 2: predicted rate */
-    float observer_z_d;                 /* m/s^2, -20 .. 20: disturbance */
-    float observer_z_g;                 /* 1, 0.8 .. 1.2: learnt gain */
+    maglev_5dof_observer_state_t observer_x;
+    maglev_5dof_observer_state_t observer_z;
     float observer_phi_q;               /* rad, -0.02 .. 0.02: prediction */
     float observer_phi_v;               /* rad/s, -4 .. 4: predicted rate */
     float observer_phi_d;               /* rad/s^2, -200 .. 200: disturbance */
@@ -177,11 +179,11 @@ typedef struct {
 #if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
 _Static_assert(sizeof(maglev_5dof_input_t) == 44u, "size of maglev_5dof_input_t");
 _Static_assert(sizeof(maglev_5dof_output_t) == 40u, "size of maglev_5dof_output_t");
-_Static_assert(sizeof(maglev_5dof_state_t) == 452u, "size of maglev_5dof_state_t");
+_Static_assert(sizeof(maglev_5dof_state_t) == 460u, "size of maglev_5dof_state_t");
 #else
 extern char maglev_5dof_input_size_is_44[(sizeof(maglev_5dof_input_t) == 44u) ? 1 : -1];
 extern char maglev_5dof_output_size_is_40[(sizeof(maglev_5dof_output_t) == 40u) ? 1 : -1];
-extern char maglev_5dof_state_size_is_452[(sizeof(maglev_5dof_state_t) == 452u) ? 1 : -1];
+extern char maglev_5dof_state_size_is_460[(sizeof(maglev_5dof_state_t) == 460u) ? 1 : -1];
 #endif
 
 /* Put the state to its initial values. The caller owns it. */
@@ -207,6 +209,7 @@ void maglev_5dof_init(maglev_5dof_state_t *state);
  *   bit 15  x: contradicts the others
  *   bit 16  z: contradicts the others
  *   bit 31  latched: safe output until init
+ *   bit 17  readings are refused, replaced or contradict each other
  */
 uint32_t maglev_5dof_step(maglev_5dof_state_t *state, const maglev_5dof_input_t *in, maglev_5dof_output_t *out);
 
@@ -239,6 +242,7 @@ typedef struct {
     float z_unchanged;                  /* 1: samples without a change of the code */
     float regular;                      /* 1: every coordinate is measured */
     float theta_measured;               /* 1: every coordinate of the groups is measured */
+    float degraded;                     /* 1: a reading is refused, replaced or contradicted, or a sensor was a suspect */
     float free;                         /* 1: no stop holds it */
     float y;                            /* m: gap at the centre */
     float phi;                          /* rad: rotation about X */

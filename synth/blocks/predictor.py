@@ -4,12 +4,19 @@
 
     innovation  nu = measured - q
     correction  q+ = q + alpha nu,   v+ = v + beta nu / T,   d+ = d + gamma nu / T^2
-    prediction  q' = q+ + T v+ + T^2/2 (g a + d+),   v' = v+ + T (g a + d+)
+    prediction  v' = v+ + T (g a + d+),   q' = q+ + T/2 (v+ + v')
 
 All three poles of the error are exp(-w T): alpha = 1 - p^3, beta = 3/2 (1 - p)^2 (1 + p), gamma = (1 - p)^3. The
 prediction of a sample is a state, so a Block that decides whether to believe a measurement may read it in the same
 sample. Where the measurement is replaced by the prediction, nu is 0 and the observer runs open. It
 starts at the measurement, at rest: until the flag ``ready`` is set, q is the measurement, v and d are 0.
+
+A code that stands still says only in which count the coordinate is. Once the measurement is not trusted, what the rate
+learnt since its code last changed is taken back, because a frozen code teaches a wrong rate before it is noticed:
+
+    l' = (1 - LEAK) l + beta nu / T while the code is unchanged, 0 when it changes;   v+ = v - l
+
+The leak bounds l without a limit, which would cost more than the product.
 
 The gain g is 1, or is learnt from the disturbance that moves with the demand, g' = g + rate T a d+ (gradient of d^2),
 inside bounds. Without a trusted measurement g stays, and d is 0 where it is `forgotten`: a disturbance that is only the
@@ -31,7 +38,9 @@ from synth.errors import SignalError
 from synth.signals import Signal, dimension
 from synth.timing import Discrete
 
-__all__ = ["Gain", "block", "delay"]
+__all__ = ["Flags", "Gain", "block", "delay"]
+
+LEAK = 1 / 32  # of the learnt rate, in a sample: a code that is frozen in motion is noticed within 20 samples
 
 
 @arguments.checked
@@ -45,6 +54,15 @@ class Gain:
 
 
 @arguments.checked
+@dataclass(frozen=True)
+class Flags:
+    """Names of the inputs that say whether the measurement is used, and for how many samples it is unchanged."""
+
+    trusted: str
+    unchanged: str
+
+
+@arguments.checked
 def block(
     name: str,
     time: Discrete,
@@ -54,27 +72,32 @@ def block(
     bandwidth: float,
     rate: float,
     disturbance: float,
-    trusted: str | None = None,
+    flags: Flags | None = None,
     gain: Gain | None = None,
 ) -> Block:
     """Return the observer of `measured` with the poles -`bandwidth` rad/s.
 
     `demand` is that of the sample before where the loop has a delay of one sample (`delay`). The outputs are
     ``<q>_expected``, the prediction for this sample, and ``<q>_estimate``, ``<q>_rate`` and ``<q>_disturbance`` after
-    the correction; q is `name`. `rate` and `disturbance` bound the states v and d. With the flag `trusted` the
-    disturbance is 0 and the gain stays in samples in which the flag is 0.
+    the correction; q is `name`. `rate` and `disturbance` bound the states v and d. With `flags`, in samples in which
+    the measurement is not trusted, the disturbance is 0, the gain stays, and the rate that was learnt since the
+    measurement last changed is taken back.
 
     Raises SignalError for a bandwidth that is not positive or not below 1/T, bounds that are not positive, units of
-    measurement and demand that do not fit, or a learnt gain without `trusted` or with bounds that exclude 1.
+    measurement and demand that do not fit, or a learnt gain without `flags` or with bounds that exclude 1.
     """
     T = time.period_s
-    _check(name, T, measured, demand, bandwidth, (rate, disturbance), trusted, gain)
+    _check(name, T, measured, demand, bandwidth, (rate, disturbance), flags, gain)
     p = math.exp(-bandwidth * T)
-    unit, fastest = measured.unit, rate + 1.5 * (1 - p) ** 2 * (1 + p) / T * (measured.high - measured.low)
+    beta = 1.5 * (1 - p) ** 2 * (1 + p) / T
+    unit, largest = measured.unit, beta * (measured.high - measured.low)  # of the change of the rate in a sample
+    bound = 1.01 * largest / LEAK  # with room for rounding
+    learnt = Signal("learnt", f"{unit}/s", -bound, bound, "rate learnt since its code changed")
+    fastest = rate + (learnt.high if flags else largest)
     source = f"triple pole exp(-w T), w = {bandwidth:g} rad/s"
     constants = [
         Constant("alpha", 1 - p**3, "1", source),
-        Constant("beta", 1.5 * (1 - p) ** 2 * (1 + p) / T, "1/s", source),
+        Constant("beta", beta, "1/s", source),
         Constant("gamma", (1 - p) ** 3 / T**2, "1/s^2", source),
     ]
     expected = Signal(f"{name}_expected", unit, measured.low, measured.high, f"{name} predicted for this sample")
@@ -84,17 +107,24 @@ def block(
         Signal(f"{name}_rate", f"{unit}/s", -fastest, fastest, f"rate of {name} after the correction"),
         Signal(f"{name}_disturbance", f"{unit}/s^2", -disturbance, disturbance, "acceleration that the demand lacks"),
     ]
-    flags = [Signal("ready", "1", 0, 1, "an earlier sample was complete")]
-    flags += [Signal(trusted, "1", 0, 1, "the measurement is used")] if trusted else []
+    inputs = [measured, demand, Signal("ready", "1", 0, 1, "an earlier sample was complete")]
+    if flags:
+        inputs.append(Signal(flags.trusted, "1", 0, 1, "the measurement is used"))
+        inputs.append(Signal(flags.unchanged, "1", 0, 1e6, "samples without a change of the code"))
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         nu = u[measured.name] - x["q"]
-        q, v = x["q"] + k["alpha"] * nu, x["v"] + k["beta"] * nu
-        d = clip(x["d"] + k["gamma"] * nu, signals[3])
-        d = ca.if_else(u[trusted], d, 0.0) if trusted else d
+        correction, next = k["beta"] * nu, {}
+        q, v, d = x["q"] + k["alpha"] * nu, x["v"] + correction, clip(x["d"] + k["gamma"] * nu, signals[3])
+        if flags:
+            trusted = u[flags.trusted]
+            v, d = ca.if_else(trusted, v, x["v"] - x["learnt"]), ca.if_else(trusted, d, 0.0)
+            since = ca.if_else(u[flags.unchanged] >= 1, (1 - LEAK) * x["learnt"] + correction, 0.0)
+            next["learnt"] = ca.if_else(u["ready"], ca.if_else(trusted, since, 0.0), 0.0)
         q, v, d = (ca.if_else(u["ready"], new, first) for new, first in ((q, u[measured.name]), (v, 0.0), (d, 0.0)))
         a = (x["g"] * u[demand.name] if gain else u[demand.name]) + d
-        next = {"q": q + T * (v + T / 2 * a), "v": v + T * a, "d": d}
+        faster = v + T * a
+        next |= {"q": q + T / 2 * (v + faster), "v": faster, "d": d}
         if gain:
             next["g"] = x["g"] + gain.rate * T * (u[demand.name] * d)
         return Step(dict(zip((s.name for s in signals), (x["q"], q, v, d), strict=True)), next)
@@ -104,9 +134,10 @@ def block(
         State(Signal("v", f"{unit}/s", -rate, rate, "predicted rate"), 0.0),
         State(Signal("d", f"{unit}/s^2", -disturbance, disturbance, "disturbance"), 0.0),
     ]
+    states += [State(learnt, 0.0)] if flags else []
     states += [State(Signal("g", "1", gain.low, gain.high, "learnt gain"), 1.0)] if gain else []
     return build(
-        f"observer_{name}", time, law, inputs=[measured, demand, *flags], outputs=signals, states=states,
+        f"observer_{name}", time, law, inputs=inputs, outputs=signals, states=states,
         constants=constants, tag="predictive observer, alpha-beta-gamma",
     )  # fmt: skip
 
@@ -135,7 +166,7 @@ def _check(
     demand: Signal,
     bandwidth: float,
     bounds: tuple[float, float],
-    trusted: str | None,
+    flags: Flags | None,
     gain: Gain | None,
 ) -> None:
     if not 0 < bandwidth * T < 1:
@@ -146,8 +177,8 @@ def _check(
         raise SignalError(
             f"observer '{name}': the demand is in {demand.unit}, but {measured.name} needs {measured.unit}/s^2"
         )
-    if gain and not (trusted and 0 < gain.low <= 1 <= gain.high and gain.rate > 0):
+    if gain and not (flags and 0 < gain.low <= 1 <= gain.high and gain.rate > 0):
         raise SignalError(
             f"observer '{name}' learns its gain in {gain.low} .. {gain.high} at {gain.rate}: give bounds about 1, a "
-            "positive rate and the flag `trusted`"
+            "positive rate and `flags`"
         )

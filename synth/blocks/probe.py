@@ -70,7 +70,7 @@ def block(time: Discrete, sensor: str, error: Signal, demand: Signal, probe: Pro
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         w, still = u[f"{demand.name}_unprobed"], u[f"{sensor}_unchanged"]
-        runs, waits = x["sample"] > 0, still >= probe.quiet
+        runs, waits = x["sample"] >= 1, still >= probe.quiet
         active = ca.logic_or(runs, waits)
         ends = x["sample"] >= pair
         sample = ca.if_else(runs, ca.if_else(ends, 0, x["sample"] + 1), u["free"])

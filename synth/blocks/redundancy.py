@@ -70,7 +70,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
     and ``complete``, and with a probe ``<s>_unanswered`` of each sensor with a gate. Its outputs are ``<s>_held`` and
     ``suspect_<s>``, of each sensor with a gate also ``<s>_trusted`` and ``<s>_unchanged``, and ``regular``,
     ``determined`` and ``sufficient``. While all readings are good and agree and no sensor was ever a suspect, they
-    pass, and nothing else is computed.
+    pass, and nothing else is computed. ``degraded`` says that this is not so, once ready.
 
     Raises SignalError for a relation of unknown sensors or of fewer than two, a sensor in two relations, a sensor
     without a relation and without a gate, or numbers of samples below 1.
@@ -101,9 +101,9 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
             still, expected = next[f"still_{n}"], u[f"{n}_expected"]
             before = ca.if_else(same[n], x[f"before_{n}"], expected)
             gate, doubts = decision.gate[n], x[f"doubts_{n}"]
-            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts > 0, doubts - 1, 0))
+            changed = ca.if_else(ca.fabs(expected - y[n]) > gate, DOUBTS, ca.if_else(doubts >= 1, doubts - 1, 0))
             next |= {f"before_{n}": before, f"doubts_{n}": ca.if_else(same[n], doubts, changed)}
-            moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts <= 0)
+            moves = ca.logic_and(ca.fabs(expected - before) > gate, doubts < 1)
             suspicious = ca.logic_or(moves, u[f"{n}_unanswered"]) if decision.at_rest else moves
             frozen = _is_frozen(decision.travel[n], y[n], still, suspicious)
             calm = ca.logic_and(calm, ca.logic_not(frozen))
@@ -121,6 +121,7 @@ def block(time: Discrete, sensors: Sequence[Signal], relations: Sequence[Relatio
         usual = {f"{n}_held": y[n] for n in names} | {f"suspect_{n}": ca.SX(0) for n in names}
         output = {n: ca.if_else(calm, usual.get(n, ca.SX(1)), v) for n, v in unusual.items()}
         output |= {f"{n}_unchanged": next[f"still_{n}"] for n in singles}
+        output["degraded"] = ca.if_else(calm, 0, u["ready"])
         decisions = {n: v for n, v in next.items() if not n.startswith(("code_", "still_", "before_", "doubts_"))}
         zeros = {f"contradictions_{i}": ca.SX(0) for i in range(len(relations))}
         next |= {n: ca.if_else(calm, zeros.get(n, x[n]), v) for n, v in (decisions | {"degraded": degraded}).items()}
@@ -262,6 +263,7 @@ def _outputs(sensors: Sequence[Signal], singles: Sequence[str]) -> list[Signal]:
         *held, *flags, *unchanged,
         _flag("regular", "every coordinate is measured"), _flag("sufficient", "the machine can be controlled"),
         _flag("determined", "every coordinate of the groups is measured"),
+        _flag("degraded", "a reading is refused, replaced or contradicted, or a sensor was a suspect"),
     ]  # fmt: skip
 
 

@@ -17,20 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from synth.block import Block
 from synth.errors import DesignError, SignalError
 from synth.execute import compile as host_compiler
+from synth.execute import struct_layout
 
 Records = NDArray[np.void]
 Columns = dict[str, NDArray[Any]]
 
 SCALARS = {"float": np.float32, "double": np.float64, "uint32_t": np.uint32, "int32_t": np.int32}
 _GLUE_FILE = "synth_host.c"
-_LAYOUT = """#include <stddef.h>
-#include <stdint.h>
-{includes}
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
-#pragma GCC diagnostic error "-Wpointer-sign"
-#define AGREES(claim, holds) typedef char claim[(holds) ? 1 : -1]
-{claims}
-"""
 _GLUE = """{layout}
 void synth_host_init({state} *state) {{ {init}(state); }}
 
@@ -195,21 +188,6 @@ def dtype(role: str, manifest: Mapping[str, Any]) -> np.dtype[np.void]:
         ) from error
 
 
-def layout(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
-    """Return compile-time assertions in C that the headers lay out the structs as the manifest states.
-
-    Raises DesignError when there is no header.
-    """
-    headers = sorted(name for name in files if name.endswith(".h"))
-    if not headers:
-        raise DesignError(f"emitted C: found {sorted(files)}, need the header beside the source: add the .h file")
-    structs = manifest["structs"]
-    return _LAYOUT.format(
-        includes="\n".join(f'#include "{name}"' for name in headers),
-        claims="\n".join(line for role in structs for line in _claims(role, structs[role])),
-    )
-
-
 def records(manifest: Mapping[str, Any], struct: np.dtype[np.void], inputs: Mapping[str, ArrayLike], n: int) -> Records:
     """Return n input structs from columns (n,) or constants by name, as `Controller.records` does."""
     known = struct.names or ()
@@ -280,24 +258,8 @@ def _prototype(library: ctypes.CDLL, name: str, *arguments: type) -> Any:
 def _glue(files: Mapping[str, str], manifest: Mapping[str, Any]) -> str:
     structs = manifest["structs"]
     return _GLUE.format(
-        layout=layout(files, manifest),
+        layout=struct_layout.assertions(files, manifest),
         init=manifest["functions"]["init"],
         step=manifest["functions"]["step"],
         **{role: structs[role]["type"] for role in structs},
     )
-
-
-def _claims(role: str, struct: Mapping[str, Any]) -> list[str]:
-    """Return the layout of a struct as compile-time assertions; the compiler prints the name of one that fails."""
-    T, size = struct["type"], struct["size"]
-    lines = [f"AGREES(manifest_{role}_has_{size}_bytes, sizeof({T}) == {size});"]
-    for field in struct["fields"]:
-        name, offset, count, ctype = (field[key] for key in ("name", "offset", "count", "ctype"))
-        path = field.get("path", name)
-        member, address = f"manifest_{role}_{name}", "" if count > 1 else "&"
-        lines += [
-            f"AGREES({member}_at_{offset}, offsetof({T}, {path}) == {offset});",
-            f"AGREES({member}_has_{count}, sizeof((({T} *)0)->{path}) == {count} * sizeof({ctype}));",
-            f"static inline const {ctype} *{member}_is_{ctype}(const {T} *s) {{ return {address}s->{path}; }}",
-        ]
-    return lines

@@ -1,38 +1,32 @@
 """A plant for fast simulation: polynomials, fitted to each set of parameters, for its functions of one variable.
 
-    f(v; p) -> sum_j c_j(p) t^j,   t = (2 v - low - high)/(high - low),   v in low .. high
-
-v is an expression that every path from the states to f passes through, such as the gap of a motor. Chebyshev
-interpolation gives the coefficients; the least degree is taken whose error, measured between the nodes on plants at the
-corners of their tolerances, is below a bound relative to the largest |f|. Functions that are the same but for their
-variable share coefficients. Expressions of the parameters alone are evaluated once for each plant. The rest of the
-plant is left as it is.
+`univariate_fits` states the polynomials. Their variable is an expression that every path from the states to the
+function passes through, such as the gap of a motor; their degree is chosen on plants at the corners of their
+tolerances. Functions that are the same but for their variable share coefficients. Expressions of the parameters alone
+are evaluated once for each plant. The rest of the plant is left as it is.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from synth.emit import lower, numeric
-from synth.emit.approx import univariate
-from synth.emit.approx.univariate import Univariate
 from synth.emit.lower import Node, Program
 from synth.emit.proof import ranges
 from synth.emit.proof.ranges import Range
 from synth.plant import Plant
 from synth.signals import Signal, signal_names
+from synth.simulate import univariate_fits
+from synth.simulate.univariate_fits import Fit
 
 Array = NDArray[np.float64]
 
 ERROR = 1e-10  # of a polynomial, relative to the largest value of its function
 MARGIN = 0.05  # of a signal's range, added at both ends: the stages of an integration step leave the range
-DEGREES = range(4, 31)
 CORNERS = 16  # plants at corners of their tolerances on which a degree is chosen
 OUTSIDE = "outside"  # the output that is 1 where a variable has left the range of its polynomials
 
@@ -42,20 +36,6 @@ class Coefficients(NamedTuple):
 
     values: Array
     error: Array
-
-
-@dataclass(frozen=True, eq=False)
-class _Fit:
-    """A polynomial of `degree` in t for a function of the lowered program, on low .. high of its variable."""
-
-    function: Univariate
-    low: float
-    high: float
-    degree: int
-
-    def variable(self, t: Array) -> Array:
-        """Return the variable at t in -1 .. 1."""
-        return 0.5 * ((self.high - self.low) * t + (self.high + self.low))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +58,7 @@ class FastPlant:
     plant: Plant
     error: float
     lowered: Program
-    fits: tuple[_Fit, ...]
+    fits: tuple[Fit, ...]
     expressions: tuple[_Expressions, _Expressions]
 
     @property
@@ -117,8 +97,10 @@ class FastPlant:
         """Return the parameters' values for plants that differ from this one in their physical parameters."""
         p = np.array([plant.values for plant in plants], dtype=np.float64).T
         known = _by_node(self.lowered, self.plant, p)
-        rows = [_fit_coefficients(self.lowered, fit, known) for fit in self.fits]
-        errors = [_error(self.lowered, fit, c, known) for fit, c in zip(self.fits, rows, strict=True)]
+        rows = [univariate_fits.interpolate(self.lowered, fit, known) for fit in self.fits]
+        errors = [
+            univariate_fits.largest_error(self.lowered, fit, c, known) for fit, c in zip(self.fits, rows, strict=True)
+        ]
         for each in self.expressions:
             values = numeric.evaluate(each.source, each.nodes.values(), _by_node(each.source, self.plant, p))
             rows += [np.broadcast_to(values[k], (1, len(plants))) for k in each.nodes.values()]
@@ -137,11 +119,11 @@ def fast_plant(plant: Plant, error: float = ERROR) -> FastPlant:
     corners = np.array([each.values for each in _corners(plant)]).T
     R = ranges.analyse(f, _bounds(plant, corners), np.float64)
     known = _by_node(f, plant, corners)
-    fits: list[_Fit] = []
+    fits: list[Fit] = []
     replaced: dict[int, tuple[int, int]] = {}
-    for group in _equal_functions(f, R):
+    for group in univariate_fits.equal_functions(f, R):
         low, high = min(R[each.variable].low for each in group), max(R[each.variable].high for each in group)
-        if fit := _least_degree(f, group[0], known, low, high, error):
+        if fit := univariate_fits.least_degree(f, group[0], known, low, high, error):
             replaced |= {each.root: (each.variable, len(fits)) for each in group}
             fits.append(fit)
     expressions = (_hoist_parameters(_rewritten(f, replaced, fits), "f"), _hoist_parameters(h, "h"))
@@ -186,87 +168,11 @@ def _by_node(program: Program, plant: Plant, p: Array) -> dict[int, Array]:
     return {k: rows[n.name] for k, n in enumerate(program.nodes) if n.op == "constant"}
 
 
-def _equal_functions(program: Program, R: Sequence[Range]) -> list[list[Univariate]]:
-    groups: dict[str, list[Univariate]] = {}
-    for f in univariate.find(program, R):
-        groups.setdefault(_key(program, f), []).append(f)
-    return list(groups.values())
-
-
-def _key(program: Program, f: Univariate) -> str:
-    """Return the expression of a function in its variable; equal functions of different variables have equal keys.
-
-    The rows follow the expression, not the order of the program's nodes.
-    """
-    place, rows, waiting = {f.variable: 0}, list[tuple[object, ...]](), [f.root]
-    while waiting:
-        k = waiting[-1]
-        node = program.nodes[k]
-        missing = [] if k in place else [a for a in node.args if a not in place]
-        waiting += missing[::-1]
-        if not missing:
-            waiting.pop()
-        if not missing and k not in place:
-            place[k] = len(place)
-            rows.append((node.op, *(place[a] for a in node.args), node.name, node.value))
-    return repr(rows)
-
-
-def _least_degree(
-    program: Program, f: Univariate, known: Mapping[int, Array], low: float, high: float, error: float
-) -> _Fit | None:
-    for degree in DEGREES:
-        fit = _Fit(f, low, high, degree)
-        if _error(program, fit, _fit_coefficients(program, fit, known), known).max() <= error:
-            return fit
-    return None
-
-
-def _values(program: Program, fit: _Fit, t: Array, known: Mapping[int, Array]) -> Array:
-    """Return the function (points, plants) at t."""
-    variable = {fit.function.variable: fit.variable(t)[:, np.newaxis]}
-    return np.asarray(numeric.evaluate(program, [fit.function.root], {**known, **variable})[fit.function.root])
-
-
-def _fit_coefficients(program: Program, fit: _Fit, known: Mapping[int, Array]) -> Array:
-    """Return the coefficients (degree + 1, plants), lowest power first."""
-    n = fit.degree + 1
-    angle = np.pi * (np.arange(n) + 0.5) / n
-    values = _values(program, fit, np.cos(angle), known)
-    series = [_weighted_sum(np.cos(j * angle), values) * (2.0 if j else 1.0) / n for j in range(n)]
-    powers = _powers(n)
-    return np.array([_weighted_sum(powers[:, j], np.array(series)) for j in range(n)])
-
-
-@cache
-def _powers(n: int) -> Array:
-    """Return the coefficients of the first n Chebyshev polynomials in their rows, lowest power first."""
-    return np.array([np.pad(chebyshev.cheb2poly(row), (0, n - 1 - j)) for j, row in enumerate(np.eye(n))])
-
-
-def _weighted_sum(weights: Array, rows: Array) -> Array:
-    """Return the weighted sum of rows (n, plants) in a fixed order: a matrix product rounds as its library decides."""
-    total = np.zeros(rows.shape[1:])
-    for weight, row in zip(weights.tolist(), rows, strict=True):
-        total = total + weight * row
-    return total
-
-
-def _error(program: Program, fit: _Fit, coefficients: Array, known: Mapping[int, Array]) -> Array:
-    """Return the largest error (plants,) between the nodes, relative to the largest value."""
-    t = np.linspace(-1.0, 1.0, 4 * fit.degree + 1)
-    value = np.zeros((len(t), 1)) + coefficients[-1]
-    for c in coefficients[-2::-1]:
-        value = c + t[:, np.newaxis] * value
-    truth = _values(program, fit, t, known)
-    return np.asarray(np.abs(value - truth).max(axis=0) / np.abs(truth).max(axis=0))
-
-
 def _coefficient(fit: int, power: int) -> str:
     return f"c{fit}_{power}"
 
 
-def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: Sequence[_Fit]) -> Program:
+def _rewritten(program: Program, replaced: Mapping[int, tuple[int, int]], fits: Sequence[Fit]) -> Program:
     """Return the program with polynomials and with the output OUTSIDE; `replaced` maps a root to (variable, fit)."""
     nodes: list[Node] = []
     known: dict[Node, int] = {}

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from designs.maglev_5dof import control, experiments
 from designs.maglev_5dof.design import DESIGN
+from designs.maglev_5dof.fault_handling import DEGRADED
 from synth import stage as stages
 from synth.emit import write
 from synth.execute import host
@@ -68,7 +69,8 @@ def test_one_bad_sample_is_held_and_flagged_and_the_loop_recovers(emitted_rig: R
     signal = next(g.signal for g in INPUTS if g.signal.name == name)
     in_range = signal.low <= bad <= signal.high
     trajectory = emitted_rig.run(1.5, {"y": 0.025}, {}, overrides={name: Override(mask, np.full(len(time), bad))})
-    expected = np.where(mask & (not in_range), 1 << NAMES.index(name), 0)
+    bits = 1 << NAMES.index(name) | (1 << DEGRADED.bit if name in MEASURED else 0)
+    expected = np.where(mask & (not in_range), bits, 0)
     np.testing.assert_array_equal(trajectory.faults, expected)
     assert np.max(np.abs(trajectory["y"][-100:] - 0.025)) < 2e-5
     assert experiments.motor_currents(trajectory).max() <= LIMIT
