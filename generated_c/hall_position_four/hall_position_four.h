@@ -101,7 +101,7 @@ typedef struct {
     uint32_t estimator_excluded;        /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
     uint32_t estimator_start_number;    /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
     uint32_t estimator_candidates;      /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
-    uint32_t estimator_missed;          /* 1, 0 .. 8: samples in a row without an accepted solution; at the end: lost */
+    uint32_t estimator_missed;          /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
     uint32_t estimator_age;             /* 1, 0 .. 3: samples since this start */
     float estimator_candidate_phase_x;  /* rad, -3.14159 .. 3.14159: phase_x of the first solution of this sweep */
     float estimator_candidate_phase_y;  /* rad, -3.14159 .. 3.14159: phase_y of the first solution of this sweep */
