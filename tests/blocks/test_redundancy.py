@@ -160,7 +160,9 @@ def test_the_observer_learns_gain_and_disturbance_and_predicts_without_measureme
     for k in range(6000):
         a = 0.6 * np.sin(5.0 * k * T)
         lost = k >= 5000
-        out = runner(x=out["q_expected"] if lost and k > 5000 else x, w=a, ready=float(k > 0), ok=1.0 - lost, unchanged=0.0)
+        out = runner(
+            x=out["q_expected"] if lost and k > 5000 else x, w=a, ready=float(k > 0), ok=1.0 - lost, unchanged=0.0
+        )
         out["q_expected"] = float(runner.state[0])
         x, v = x + T * v + T * T / 2 * gain * a, v + T * gain * a
     state = dict(zip([s.name for s in runner.block.states], runner.state, strict=True))
