@@ -3,7 +3,7 @@
 sensors, set-points --> controller --> drive, such as a commutation --> amplifiers --> plant
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,12 +21,13 @@ class Companion:
 
     `inputs` returns its inputs (N,) by name for test vectors, from the recorded inputs and outputs of the controller;
     by default each is the output or else the input of the controller with its name. `gains` returns the document of its
-    gains.json.
+    gains.json. `header_notes` are sentences of its C's header, by default those of the stage.
     """
 
     block: Block
     inputs: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, Any]] | None = None
     gains: Gains | None = None
+    header_notes: Sequence[str] = ()
 
     def select_inputs(self, inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs (N,) by name for test vectors; `inputs` and `outputs` are those of the controller."""

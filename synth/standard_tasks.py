@@ -89,7 +89,7 @@ def _emit_companion(
 ) -> EmittedCode:
     """Return the files of a companion; its test vectors follow from the inputs and the replay of the controller."""
     document = {"design": companion.gains(scalar)} if companion.gains else None
-    error, notes = stage.surrogate_error.get(scalar), stage.header_notes
+    error, notes = stage.surrogate_error.get(scalar), companion.header_notes or stage.header_notes
     files = write.emit(companion.block, scalar, document, error=error, header_notes=notes)
     companion_inputs = companion.select_inputs(inputs, replay.outputs)
     companion_replay = host.load(files.files, files.manifest).replay(companion_inputs)

@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any
 
 from designs.hall_position import config, random_steps, reference_guard, stimuli, verification
+from designs.hall_position.four import config as four
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.loop import experiments
 from designs.hall_position.paper import rows
@@ -20,16 +21,20 @@ def report(*arguments: Any) -> str:
     return page.report(*arguments)
 
 
+EQUATIONS = f"(n) is equation (n) of {papers.KAWATO}."
 CONTROLLER, THREE = config.controller(), config.block(config.THREE)
 DESIGN = stage.design(
     CONTROLLER,
     CONTROLLER.interface.plant,
-    header_notes=[f"(n) is equation (n) of {papers.KAWATO}."],
+    header_notes=[config.UNPROTECTED, EQUATIONS],
     reference=partial(reference_guard.step, random_steps.setup()),
     surrogate_error=estimator.SURROGATE_ERROR,
     recording=lambda rig: stimuli.recording(config.NAME, rig.controller.scalar),
     gains=partial(config.gains, config.NAME),
-    companions=[Companion(THREE, stimuli.vectors_of_three, partial(config.gains, config.THREE))],
+    companions=[
+        Companion(THREE, stimuli.vectors_of_three, partial(config.gains, config.THREE), [EQUATIONS]),
+        Companion(four.block(), four.vectors, four.gains, [four.PRECONDITIONS]),
+    ],
     verify=lambda of, progress, whole: verification.verify(progress, whole),
     simulate=lambda of, progress: experiments.run(progress),
     audit=lambda of: rows.rows(),

@@ -39,12 +39,17 @@ def step(setup: Setup, states: Columns, inputs: Columns) -> tuple[dict[str, Arra
     """Return next states, outputs and fault words (N,), states by their names in the C."""
     held, refused = hold_voltages(setup, states, inputs)
     outputs, after = reference.step(setup, estimator_states(states), held, refused)
+    next, word = advance(setup, states, held, refused)
+    return next | {f"{PREFIX}{n}": v for n, v in after.items()}, outputs, word
+
+
+def advance(setup: Setup, states: Columns, held: Array, refused: Array) -> tuple[dict[str, Array], Array]:
+    """Return the next states of the guard, and the fault words (N,)."""
     flat, names = refused.reshape(len(refused), -1), channels(setup)
     bad, left = np.any(flat, axis=1), np.asarray(states["guard_left"], dtype=np.int64)
     latched = (np.asarray(states["guard_latched"]) > 0) | (bad & (left <= 1))
-    next = {f"{PREFIX}{n}": v for n, v in after.items()}
-    next |= {f"guard_last_{n}": v for n, v in zip(names, held.reshape(len(held), -1).T, strict=True)}
+    next = {f"guard_last_{n}": v for n, v in zip(names, held.reshape(len(held), -1).T, strict=True)}
     next |= {"guard_left": np.where(bad, np.maximum(left - 1, 1), BAD_SAMPLES), "guard_latched": 1 * latched}
     next |= {"guard_ready": np.where(bad, states["guard_ready"], 1)}
     word = (flat * (1 << np.arange(len(names)))).sum(axis=1).astype(np.uint32) | np.where(latched, LATCH, 0)
-    return next, outputs, word.astype(np.uint32)
+    return next, word.astype(np.uint32)

@@ -16,7 +16,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designs.hall_position import config, random_steps, reference, reference_guard, reference_rounding
+from designs.hall_position import (
+    config,
+    random_steps,
+    reference,
+    reference_guard,
+    reference_rounding,
+    verification_four,
+)
 from designs.hall_position.glsdc import estimator
 from designs.hall_position.random_steps import Subject
 from designs.hall_position.trust import endurance
@@ -70,7 +77,7 @@ def witnesses(subject: Subject) -> Witnesses:
 
 
 def verify(progress: Progress, whole: bool) -> Evidence:
-    """Compare all witnesses of both estimators, over FULL_STEPS or over QUICK_STEPS numbers of steps."""
+    """Compare all witnesses of the estimators, over FULL_STEPS or over QUICK_STEPS numbers of steps."""
     agreements: list[agree.Agreement] = []
     checks: list[Check] = []
     for name in config.PLACES:
@@ -85,7 +92,8 @@ def verify(progress: Progress, whole: bool) -> Evidence:
         checks += endurance.checks(
             name, EstimatorConfig(config.array(name)), BODIES, FULL_SAMPLES if whole else QUICK_SAMPLES
         )
-    return Evidence(config.NAME, tuple(agreements), tuple(checks))
+    some_agreements, some = verification_four.verify(progress, whole)
+    return Evidence(config.NAME, (*agreements, *some_agreements), (*checks, *some))
 
 
 def compare_witnesses(

@@ -9,6 +9,9 @@
  * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. an estimator
  * moves nothing: once latched it continues, and the fault word shows the latch.
  *
+ * Two sensors have no fault protection: a failed sensor may leave no residual, and an estimate may be valid and wrong.
+ * The deviations hold for the field of the model.
+ *
  * (n) is equation (n) of Y. Kawato, W.-J. Kim, "A Novel Multi-DOF Precision Positioning Methodology Using Two-Axis
  * Hall-Effect Sensors".
  *

@@ -21,7 +21,7 @@ Sources: Kawato, Kim, "A Novel Multi-DOF Precision Positioning Methodology Using
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -30,13 +30,15 @@ from scipy.stats import qmc
 
 from synth import arguments
 from synth.block import Block, Constant, Exprs, State, Step, build, clip
-from synth.blocks import glsdc, glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_solution, safety
+from synth.blocks import glsdc, glsdc_jacobian, glsdc_linearisation, glsdc_monitor, glsdc_search, glsdc_solution, safety
 from synth.blocks.glsdc import NamedExpressions, Solution, Vector
 from synth.blocks.glsdc_integrity import Integrity
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_model import Implicit, Measurement, Phase, Unknown
 from synth.blocks.glsdc_monitor import Monitor
+from synth.blocks.glsdc_search import Sample, Search
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Iteration, Normal, Problem
+from synth.blocks.screening import SCREENED
 from synth.composition import compose
 from synth.errors import ModelError
 from synth.signals import Signal, signal_names
@@ -68,17 +70,19 @@ def estimator(
     constants: Sequence[Constant] = (),
     iteration: Iteration | None = None,
     integrity: Integrity | None = None,
+    search: Search | None = None,
     tag: str = "weighted least squares",
 ) -> Block:
     """Return the Block from ``<channel>_held`` and ``complete`` to the unknowns.
 
     `h` maps the unknowns and `constants` to a value for each channel; a periodic unknown q has cos_q and sin_q besides.
     R (m, m) is the covariance of the channels; `glsdc_model.covariance` makes one from noise and model error. `angles`
-    are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`, too.
+    are the channels whose range is one turn. h has the cosine and the sine of each of the `phases`, too. With a
+    `search` (`glsdc_search`) the estimate begins anywhere; without one it begins at the start of each unknown.
 
     Outputs are each unknown, ``deviation_<unknown>``, ``chi_square`` (the least cost, WSSE), ``converged``, ``weak``
     and ``valid``; with `integrity` also ``protection_<unknown>``, and with exclusion ``excluded``, the number of the
-    channel that is left out.
+    channel or group that is left out; with a `search` ``tracking`` and ``lost``.
 
     Raises ModelError for a covariance that does not fit, fewer channels and priors than unknowns, a largest deviation
     that single precision does not resolve, or integrity without redundancy; SignalError for names that are repeated, an
@@ -87,21 +91,34 @@ def estimator(
     of = glsdc_jacobian.model(h, arguments.matrix("R", R), channels, angles, unknowns, phases, constants)
     _check_resolution(of, constants)
     monitor = None if integrity is None else glsdc_monitor.monitor(of, integrity)
+    _check_search(of, monitor, search)
 
     def law(u: Exprs, x: Exprs, k: Exprs) -> Step:
         named: NamedExpressions = []
+        x = glsdc_monitor.with_rejection(monitor, u, x) if monitor else x
         weights = glsdc_monitor.weights(monitor, x) if monitor else None
         problem = _problem(of, u, x, ca.vcat([k[c.name] for c in constants]), weights, named)
         solution = glsdc_solution.solve(problem, Iteration() if iteration is None else iteration)
-        return _step(of, monitor, problem, solution, u, x, named)
+        return _step(Monitored(of, monitor, search), problem, solution, u, x, named)
 
     return build(
         name,
         time,
         law,
-        inputs=[*(replace(s, name=f"{s.name}_held") for s in of.channels), COMPLETE],
-        outputs=[*_outputs(of), *(glsdc_monitor.outputs(monitor) if monitor else [])],
-        states=[*_states(of), *(glsdc_monitor.states(monitor) if monitor else [])],
+        inputs=[
+            *(replace(s, name=f"{s.name}_held") for s in of.channels),
+            *(glsdc_monitor.inputs(monitor) if monitor and monitor.integrity.screened else [COMPLETE]),
+        ],
+        outputs=[
+            *_outputs(of),
+            *(glsdc_monitor.outputs(monitor) if monitor else []),
+            *([glsdc_search.TRACKING, glsdc_search.LOST] if search else []),
+        ],
+        states=[
+            *_states(of),
+            *(glsdc_monitor.states(monitor) if monitor else []),
+            *(search.states(of.unknowns) if search else []),
+        ],
         constants=constants,
         tag=tag,
     )
@@ -127,33 +144,61 @@ def _problem(
     return Problem(of, glsdc_linearisation.predict(of, values, measured, constants, named), offsets, weights)
 
 
+@dataclass(frozen=True, eq=False)
+class Monitored:
+    """A model with its monitor and its search, if it has them."""
+
+    model: Model
+    monitor: Monitor | None
+    search: Search | None
+
+
 def _step(
-    of: Model,
-    monitor: Monitor | None,
-    problem: Problem,
-    solution: Solution[Normal],
-    u: Exprs,
-    x: Exprs,
-    named: NamedExpressions,
+    estimator: Monitored, problem: Problem, solution: Solution[Normal], u: Exprs, x: Exprs, named: NamedExpressions
 ) -> Step:
+    of, monitor, search = estimator.model, estimator.monitor, estimator.search
     normal, unknowns = solution.last.normal, of.unknowns
     variances = glsdc.variances(normal.factors)
     roots = [of.scale * ca.sqrt(variance) for variance in variances]
     sigmas = [clip(root, _deviation(v)) for v, root in zip(unknowns, roots, strict=True)]
     cost = ca.fmax(solution.last.cost - normal.decrease, 0)
     weak = _is_weak(of, normal, variances)
-    good = ca.logic_and(ca.logic_and(solution.converged, u[COMPLETE.name]), ca.logic_not(weak))
+    complete = u[SCREENED.name if monitor and monitor.integrity.screened else COMPLETE.name]
+    accepted = ca.logic_and(complete, ca.logic_not(weak))
+    good = ca.logic_and(solution.converged, accepted)
     starts = problem.prediction.values
     pose = {v.name: v.wrap(p + d) for v, p, d in zip(unknowns, starts, solution.at, strict=True)}
     next = pose | _motions(of, solution, x)
     output = pose | {_deviation(v).name: sigma for v, sigma in zip(unknowns, sigmas, strict=True)}
     output |= {CHI_SQUARE.name: clip(cost / of.scale**2, CHI_SQUARE)}
     if monitor:
-        judgement = glsdc_monitor.judge(monitor, solution, cost, sigmas, x)
-        good, output = ca.logic_and(good, judgement.passes), output | dict(judgement.levels)
+        judgement = glsdc_monitor.judge(monitor, solution, search is not None, cost, sigmas, x)
+        accepted, output = ca.logic_and(accepted, judgement.passes), output | dict(judgement.levels)
+        good = ca.logic_and(ca.logic_and(good, judgement.passes), judgement.within)
         if monitor.integrity.exclude:
             output, next = output | {"excluded": x["excluded"]}, next | {"excluded": judgement.next_excluded}
+        if search:
+            good, tracked = _track(
+                estimator, problem, Sample(starts, pose, solution.converged, accepted), good, next, x
+            )
+            output, next = output | dict(tracked[0]), next | dict(tracked[1])
     return Step(output | {"converged": solution.converged, "weak": weak, "valid": good}, next, named)
+
+
+def _track(
+    of: Monitored, problem: Problem, sample: Sample, good: ca.SX, next: Exprs, x: Exprs
+) -> tuple[ca.SX, tuple[Exprs, Exprs]]:
+    """Return whether the estimate is valid, and what the search changes in outputs and in next states."""
+    search = of.search
+    assert search is not None
+    tracking, lost = glsdc_search.is_tracking(search, x), glsdc_search.is_lost(search, x)
+    changed = glsdc_search.advance(search, of.model.unknowns, sample, x)
+    for name in (_motion(v).name for v in of.model.unknowns if v.velocity_gain):
+        changed[name] = tracking * ca.if_else(sample.accepted, next[name], x[name])
+    if "excluded" in next:
+        changed["excluded"] = tracking * next["excluded"]
+    valid = ca.logic_and(good, ca.logic_and(tracking, ca.logic_not(lost)))
+    return valid, ({"tracking": tracking, "lost": lost}, changed)
 
 
 def _is_weak(of: Model, normal: Normal, variances: Vector) -> ca.SX:
@@ -188,6 +233,14 @@ def _outputs(of: Model) -> list[Signal]:
 def _states(of: Model) -> list[State]:
     motions = [State(_motion(u), 0.0) for u in of.unknowns if u.velocity_gain]
     return [*(State(u.signal, u.start) for u in of.unknowns), *motions]
+
+
+def _check_search(of: Model, monitor: Monitor | None, search: Search | None) -> None:
+    if search is None:
+        return
+    if monitor is None:
+        raise ModelError("the search accepts what passes the test of the residuals: give integrity, too")
+    search.check(of.unknowns)
 
 
 def _check_resolution(of: Model, constants: Sequence[Constant]) -> None:

@@ -20,7 +20,11 @@ most T_1, P(chi2(n-1) > T_1) = risk / 2. All hypotheses that pass must agree: wi
 
 The true hypothesis passes with 1 - risk/2, and its estimate is within k sigma: again at most the risk.
 
-A prior counts as a measurement without faults. The faults are those of a single channel, the errors are normal with the
+Channels that fail together, as the two of a sensor, form a group, with columns W_G and S = W_G'W_G - W_G'H N^-1 H'W_G.
+Its factors S = L D L' turn the columns into independent ones, x <- L^-1 x, u <- L^-1 u, s <- D, and each term above
+into a sum over the group: x_i' S^-1 x_i for x_ij^2 / s_j, and u' S^-1 u for u_j^2 / s_j, with n - g freedoms left.
+
+A prior counts as a measurement without faults. The faults are those of a single group, the errors are normal with the
 covariance R, and h is linear over the separations of hypotheses that pass.
 
 Sources: Brown, "A Baseline GPS RAIM Scheme", Navigation 39 (1992); Walter, Enge, "Weighted RAIM for Precision
@@ -40,7 +44,7 @@ from synth.block import clip
 from synth.blocks import glsdc
 from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Vector
 from synth.blocks.glsdc_linearisation import Linearisation
-from synth.errors import ModelError
+from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 
 DETECTABLE = 1e-3  # least s_j of a unit w_j: below, single precision does not tell a fault from a motion
@@ -53,7 +57,10 @@ class Integrity:
     """What is asked of the monitor: `limits` of the protection levels by unknown, in its unit (alert limits).
 
     `false_alarm`: probability that a sample without fault fails the test. `risk`: largest probability that a sample is
-    valid and an unknown errs by more than its protection level. With `exclude`, a faulty channel is excluded.
+    valid and an unknown errs by more than its protection level. With `exclude`, a faulty channel is excluded, or its
+    group: `groups` are the channels that fail together, and any other channel is a group by itself, after these.
+    `screened`: a check in front, as `screening.screen`, gives the number of a group to exclude, ``rejected``, and
+    ``screened`` in place of ``complete``.
 
     Raises ModelError for a probability or a limit out of its range.
     """
@@ -62,11 +69,27 @@ class Integrity:
     false_alarm: float = numeric.between(0, 1e-5, 0.5)
     risk: float = numeric.between(0, 1e-4, 0.5)
     exclude: bool = False
+    groups: Sequence[Sequence[str]] = ()
+    screened: bool = False
 
     def __post_init__(self) -> None:
         numeric.check_fields(self)
         for name, limit in self.limits.items():
             numeric.positive(f"the limit of the protection level of '{name}'", limit)
+
+    def index_groups(self, names: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+        """Return the groups as indices of all channels, which have these names.
+
+        Raises SignalError for a group without channels, a name that is no channel, and one that is listed twice.
+        """
+        listed = [name for group in self.groups for name in group]
+        strangers = [n for n in listed if n not in names]
+        repeated = [n for n in listed if listed.count(n) > 1]
+        if strangers or repeated or not all(self.groups):
+            wrong = f"'{(strangers or repeated)[0]}'" if strangers or repeated else "no channel"
+            raise SignalError(f"a group has {wrong}: give each of {', '.join(names)} in one group at most")
+        alone = [[name] for name in names if name not in listed]
+        return tuple(tuple(names.index(n) for n in group) for group in (*self.groups, *alone))
 
 
 @dataclass(frozen=True)
@@ -80,12 +103,13 @@ class Thresholds:
 
 
 @arguments.checked
-def thresholds(freedom: int, false_alarm: float, risk: float) -> Thresholds:
-    """Return the thresholds of a test with `freedom` degrees of freedom.
+def thresholds(freedom: int, false_alarm: float, risk: float, together: int = 1) -> Thresholds:
+    """Return the thresholds of a test with `freedom` degrees of freedom, and of a group of channels that fail together.
 
-    Raises ModelError for no freedom, and for a probability out of 0 .. 0.5.
+    Raises ModelError for no freedom, no channel in the group, and for a probability out of 0 .. 0.5.
     """
     n = numeric.whole("the degrees of freedom", freedom, 1, MOST_FREEDOM)
+    left = n - numeric.whole("the number of channels that fail together", together, 1, MOST_FREEDOM)
     false_alarm, risk = (
         numeric.above(name, p, 0, 0.5) for name, p in (("the false alarm", false_alarm), ("the risk", risk))
     )
@@ -102,41 +126,92 @@ def thresholds(freedom: int, false_alarm: float, risk: float) -> Thresholds:
     high = 1.0
     while miss(high) > 0:
         high *= 2
-    hypothesis = float(stats.chi2.isf(risk / 2, n - 1)) if n > 1 else float("inf")
+    hypothesis = float(stats.chi2.isf(risk / 2, left)) if left > 0 else float("inf")
     return Thresholds(test, float(optimize.brentq(miss, 0.0, high)), float(stats.norm.isf(risk / 4)), hypothesis)
 
 
 @dataclass(frozen=True, eq=False)
 class Hypotheses:
-    """For each channel, of a unit w_j: slope H'w_j and move x_j, (n,), and the gain 1/s_j.
+    """For each channel, of a unit w_j: slope H'w_j (n,), and after L^-1 of its group the move x_j (n,) and gain 1/s_j.
 
-    `detectable`: every s_j is large enough to be known.
+    `groups` are the indices of the channels that fail together, and `mixing` the rows of L of each group below its
+    diagonal. `detectable`: every s_j is large enough to be known.
     """
 
+    groups: Sequence[Sequence[int]]
     slopes: Sequence[Vector]
     moves: Sequence[Vector]
     gains: Vector
+    mixing: Sequence[Sequence[Vector]]
     detectable: ca.SX
 
 
-def hypotheses(factors: LdlFactors, linear: Linearisation, floors: Sequence[float], ratio: float) -> Hypotheses:
-    """Return the hypotheses of each channel.
+def hypotheses(
+    groups: Sequence[Sequence[int]],
+    factors: LdlFactors,
+    linear: Linearisation,
+    floors: Sequence[float],
+    ratio: float,
+) -> Hypotheses:
+    """Return the hypotheses of each group.
 
     With least pivots f (n,), |x_ij| <= f_i^(-1/2) and |L^-1 H'w_j| <= ratio f^(1/2) up to rounding: these limit them.
     """
-    slopes, moves, gains, detectable = [], [], [], ca.SX(1)
+    slopes, units = [], []
     for w in linear.directions:
-        slope = [dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))]
-        forward = glsdc.substitute_forward(factors, slope, [ratio * sqrt(f) for f in floors])
-        unit = LdlNormalEquations(factors, forward)
-        separable = 1 - unit.decrease
-        slopes.append(slope)
-        moves.append(
-            [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(unit.step, floors, strict=True)]
-        )
-        detectable = ca.logic_and(detectable, separable > DETECTABLE)
-        gains.append(1 / ca.fmax(separable, DETECTABLE))
-    return Hypotheses(slopes, moves, gains, detectable)
+        slopes.append([dot_sparse(w, [row[i] for row in linear.rows]) for i in range(len(floors))])
+        forward = glsdc.substitute_forward(factors, slopes[-1], [ratio * sqrt(f) for f in floors])
+        units.append(LdlNormalEquations(factors, forward))
+    moves = [
+        [clip(x, Signal("x", "1", -2 / sqrt(f), 2 / sqrt(f))) for x, f in zip(unit.step, floors, strict=True)]
+        for unit in units
+    ]
+    gains, mixing, detectable = [ca.SX(0)] * len(units), [], ca.SX(1)
+    for group in groups:
+        members = _separabilities(group, units, linear)
+        for j, gain in zip(group, members.inverse, strict=True):
+            gains[j], detectable = gain, ca.logic_and(detectable, gain < (1 - ROUNDING) / DETECTABLE)
+        mixed = [_decorrelate([moves[j][i] for j in group], members.lower) for i in range(len(floors))]
+        for k, j in enumerate(group):
+            moves[j] = [column[k] for column in mixed]
+        mixing.append(members.lower)
+    return Hypotheses(groups, slopes, moves, gains, mixing, detectable)
+
+
+def _separabilities(group: Sequence[int], units: Sequence[LdlNormalEquations], linear: Linearisation) -> LdlFactors:
+    """Return the factors of S = W_G'W_G - W_G'H N^-1 H'W_G (g, g), each pivot DETECTABLE at least."""
+    S = []
+    for k, a in enumerate(group):
+        products = zip(units[a].forward, units[a].factors.inverse, strict=True)
+        weighted = [z * d for z, d in products]
+        row = [
+            dot_sparse(linear.directions[a], _dense(linear.directions[b], len(units)))
+            - glsdc.dot(weighted, units[b].forward)
+            for b in group[:k]
+        ]
+        S.append([*row, 1 - units[a].decrease])
+    return glsdc.factorise_information(S, [DETECTABLE] * len(group), 1 / sqrt(DETECTABLE))[0]
+
+
+def _dense(direction: Mapping[int, ca.SX], m: int) -> list[ca.SX]:
+    return [direction.get(k, ca.SX(0)) for k in range(m)]
+
+
+def _decorrelate(values: Vector, lower: Sequence[Vector]) -> list[ca.SX]:
+    """Return L^-1 values (g,), with the rows of L below its diagonal."""
+    solved: list[ca.SX] = []
+    for row, value in zip(lower, values, strict=True):
+        solved.append(reduce(lambda left, term: left - term[0] * term[1], zip(row, solved, strict=True), value))
+    return solved
+
+
+def decorrelate(of: Hypotheses, scores: Vector) -> list[ca.SX]:
+    """Return the scores u_j (m,) after L^-1 of each group."""
+    solved = list(scores)
+    for group, lower in zip(of.groups, of.mixing, strict=True):
+        for j, u in zip(group, _decorrelate([scores[j] for j in group], lower), strict=True):
+            solved[j] = u
+    return solved
 
 
 def dot_sparse(weights: Mapping[int, ca.SX], values: Vector) -> ca.SX:
@@ -145,14 +220,19 @@ def dot_sparse(weights: Mapping[int, ca.SX], values: Vector) -> ca.SX:
 
 
 def detected_level(of: Hypotheses, i: int, thresholds: Thresholds, scale: float, sigma: ca.SX) -> ca.SX:
-    """Return s (L max_j x_ij^2 / s_j)^(1/2) + k sigma_i: the protection level of an estimate that passes the test."""
-    worst = reduce(ca.fmax, [x[i] ** 2 * gain for x, gain in zip(of.moves, of.gains, strict=True)])
+    """Return s (L max_G x_i' S^-1 x_i)^(1/2) + k sigma_i: the protection level of an estimate that passes the test."""
+    worst = reduce(ca.fmax, [_added_variance(of, group, i) for group in of.groups], ca.SX(0))
     return scale * sqrt(thresholds.noncentrality) * ca.sqrt(worst) + thresholds.deviations * sigma
 
 
+def _added_variance(of: Hypotheses, group: Sequence[int], i: int) -> ca.SX:
+    """Return x_i' S^-1 x_i of a group: what its exclusion adds to the variance of unknown i, over s^2."""
+    return glsdc.total(of.moves[j][i] ** 2 * of.gains[j] for j in group)
+
+
 def costs(of: Hypotheses, scores: Vector, cost: ca.SX) -> list[ca.SX]:
-    """Return the cost c_j s^2 of each hypothesis; `scores` are u_j (m,), `cost` is c s^2 with all channels."""
-    return [cost - u**2 * gain for u, gain in zip(scores, of.gains, strict=True)]
+    """Return the cost c_j s^2 of each hypothesis; `scores` are u_j (m,) by `decorrelate`, `cost` is c s^2 of all."""
+    return [cost - glsdc.total(scores[j] ** 2 * of.gains[j] for j in group) for group in of.groups]
 
 
 def most_likely(costs: Vector) -> ca.SX:
@@ -165,7 +245,7 @@ def most_likely(costs: Vector) -> ca.SX:
 
 @dataclass(frozen=True, eq=False)
 class Full:
-    """The solution with all channels: its displacement (n,), its variances (n,) over s^2, and the scores u_j (m,)."""
+    """The solution with all channels: displacement (n,), variances (n,) over s^2, and scores u_j (m,), decorrelated."""
 
     step: Vector
     variances: Vector
@@ -173,9 +253,10 @@ class Full:
 
 
 def separated_level(of: Hypotheses, i: int, full: Full, passing: Vector, reported: ca.SX, deviations: float) -> ca.SX:
-    """Return max |q_ji - reported| + k max sigma_ji over the `passing` hypotheses (m,); `deviations` is k s."""
+    """Return max |q_ji - reported| + k max sigma_ji over the `passing` hypotheses; `deviations` is k s."""
     apart, added = ca.SX(0), ca.SX(0)
-    for x, gain, u, passes in zip(of.moves, of.gains, full.scores, passing, strict=True):
-        apart = ca.fmax(apart, ca.if_else(passes, ca.fabs(full.step[i] - x[i] * (u * gain) - reported), 0))
-        added = ca.fmax(added, ca.if_else(passes, x[i] ** 2 * gain, 0))
+    for group, passes in zip(of.groups, passing, strict=True):
+        separation = glsdc.total(of.moves[j][i] * (full.scores[j] * of.gains[j]) for j in group)
+        apart = ca.fmax(apart, ca.if_else(passes, ca.fabs(full.step[i] - separation - reported), 0))
+        added = ca.fmax(added, ca.if_else(passes, _added_variance(of, group, i), 0))
     return apart + deviations * ca.sqrt(full.variances[i] + added)

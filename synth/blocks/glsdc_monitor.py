@@ -3,12 +3,15 @@
     excluded = 0:  valid needs c <= T;      protection levels of the test
     excluded = k:  valid needs c_k <= T_1;  protection levels of the separations from hypothesis k
 
-A converged sample whose c exceeds T excludes the channel of the hypothesis with the least cost from the next sample on;
-one whose c does not takes every channel in again. c and the hypotheses are of all channels, linear about the estimate
-in use. Nothing is valid where a fault of some channel is not detectable.
+A converged sample whose c exceeds T excludes the group of the hypothesis with the least cost from the next sample on;
+one whose c does not takes every channel in again. A group is a channel, or several that fail together. One that a check
+in front has refused is excluded in the same sample. The c and the hypotheses that decide on this are of all channels,
+linear about the estimate in use, or with a search about the prediction of the track: a large fault moves the estimate
+out of the linear range, and not the prediction. Nothing is valid where a fault of some group is not detectable.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import casadi as ca
@@ -16,11 +19,12 @@ import numpy as np
 
 from synth.block import Exprs, State, clip
 from synth.blocks import glsdc, glsdc_integrity, glsdc_solution
-from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Solution, Vector, dot
+from synth.blocks.glsdc import LdlFactors, LdlNormalEquations, Solution, Trial, Vector, dot
 from synth.blocks.glsdc_integrity import ROUNDING, Full, Hypotheses, Integrity, Thresholds
 from synth.blocks.glsdc_jacobian import Model
 from synth.blocks.glsdc_linearisation import Linearisation
 from synth.blocks.glsdc_solution import DYNAMIC_RANGE, Normal
+from synth.blocks.screening import SCREENED
 from synth.errors import ModelError, SignalError
 from synth.signals import Signal
 
@@ -29,19 +33,24 @@ LEVEL_RANGE = 100.0  # limits: a larger protection level is not resolved
 
 @dataclass(frozen=True, eq=False)
 class Monitor:
-    """The monitor of a model, and its thresholds."""
+    """The monitor of a model, its `groups` of channels by index, its thresholds, and T_1 of each group."""
 
     model: Model
     integrity: Integrity
+    groups: tuple[tuple[int, ...], ...]
     thresholds: Thresholds
+    hypothesis: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """Whether the sample passes, its protection levels by unknown, and the number of the channel to exclude next."""
+    """Whether the sample passes its test, its protection levels by unknown and whether they are within their limits,
+    and the number of the group to exclude next.
+    """
 
     passes: ca.SX
     levels: Exprs
+    within: ca.SX
     next_excluded: ca.SX
 
 
@@ -49,8 +58,10 @@ def monitor(model: Model, integrity: Integrity) -> Monitor:
     """Return the monitor of a model.
 
     Raises SignalError for limits of other names, and ModelError without redundancy, for a prior about the prediction,
-    or exclusion with dependent channels or an Implicit model.
+    or exclusion with dependent channels or residuals that mix channels of several groups.
     """
+    groups = integrity.index_groups([s.name for s in model.channels])
+    largest = max(map(len, groups))
     names, priors = [u.name for u in model.unknowns], [u for u in model.unknowns if u.prior < np.inf]
     if not integrity.limits or not set(integrity.limits) <= set(names):
         raise SignalError(f"the limits are of {', '.join(integrity.limits) or 'none'}: give some of {', '.join(names)}")
@@ -60,17 +71,29 @@ def monitor(model: Model, integrity: Integrity) -> Monitor:
                 f"the prior of '{u.name}' is about the prediction, which carries a fault from sample to sample, past "
                 "the test: give a prior_value, or no prior"
             )
+    if integrity.screened and not integrity.exclude:
+        raise ModelError("the channels are screened without exclusion: a refused group needs exclude=True")
     if integrity.exclude and not model.is_diagonal:
         raise ModelError("R has covariances: exclusion needs channels whose errors are independent")
-    if integrity.exclude and model.is_implicit:
-        raise ModelError("the model is Implicit: exclusion needs residuals of single channels, give h")
+    if integrity.exclude and not _is_blockwise(model, groups):
+        raise ModelError("a residual depends on channels of several groups: exclusion needs residuals of one each")
     freedom = len(model.channels) + len(priors) - len(names)
-    if freedom < (2 if integrity.exclude else 1):
+    if freedom < (1 + largest if integrity.exclude else 1):
         raise ModelError(
             f"{len(model.channels)} channels and {len(priors)} priors for {len(names)} unknowns: a test needs one more "
-            "channel than unknowns, exclusion two more"
+            f"channel than unknowns, exclusion of {largest} together {1 + largest} more"
         )
-    return Monitor(model, integrity, glsdc_integrity.thresholds(freedom, integrity.false_alarm, integrity.risk))
+    by_size = {
+        n: glsdc_integrity.thresholds(freedom, integrity.false_alarm, integrity.risk, n) for n in map(len, groups)
+    }
+    hypothesis = tuple(by_size[len(group)].hypothesis for group in groups)
+    return Monitor(model, integrity, groups, by_size[largest], hypothesis)
+
+
+def _is_blockwise(model: Model, groups: Sequence[Sequence[int]]) -> bool:
+    """Whether the error of a channel acts on residuals of its own group only."""
+    acting = model.function.sparsity_out(2)
+    return all(acting.has_nz(i, j) <= (i in group) for group in groups for j in group for i in range(acting.size1()))
 
 
 def states(of: Monitor) -> list[State]:
@@ -85,25 +108,48 @@ def outputs(of: Monitor) -> list[Signal]:
 
 
 def _level(of: Monitor, name: str, unit: str) -> Signal:
-    about = f"protection level of {name}: a fault in one channel moves it by more only with the declared risk"
+    fault = "one channel" if all(len(group) == 1 for group in of.groups) else "one group of channels"
+    about = f"protection level of {name}: a fault in {fault} moves it by more only with the declared risk"
     return Signal(f"protection_{name}", unit, 0, LEVEL_RANGE * of.integrity.limits[name], about)
 
 
 def excluded_number(of: Monitor) -> Signal:
-    """Return the signal with the number of the excluded channel, 0 for none."""
-    return Signal("excluded", "1", 0, len(of.model.channels), "number of the channel excluded as faulty, 0 for none")
+    """Return the signal with the number of the excluded group, 0 for none."""
+    what = "channel" if all(len(group) == 1 for group in of.groups) else "group of channels"
+    return Signal("excluded", "1", 0, len(of.groups), f"number of the {what} excluded as faulty, 0 for none")
+
+
+def inputs(of: Monitor) -> list[Signal]:
+    """Return the results of the check in front of channels that are screened."""
+    about = "number of the group of channels that is refused or frozen, 0 for none"
+    return [SCREENED, Signal("rejected", "1", 0, len(of.groups), about)]
+
+
+def with_rejection(of: Monitor, u: Exprs, x: Exprs) -> Exprs:
+    """Return the states with the group that is excluded in this sample: the refused one, else the one of the states."""
+    if not of.integrity.screened:
+        return x
+    excluded = clip(ca.if_else(u["rejected"] > 0, u["rejected"], x["excluded"]), excluded_number(of))
+    return {**x, "excluded": excluded}
 
 
 def weights(of: Monitor, x: Exprs) -> Vector | None:
     """Return the weight of each channel (m,), 0 for the excluded one; None without exclusion."""
-    numbers = range(1, len(of.model.channels) + 1)
-    return [x["excluded"] != j for j in numbers] if of.integrity.exclude else None
+    if not of.integrity.exclude:
+        return None
+    number = {j: k for k, group in enumerate(of.groups, 1) for j in group}
+    included = {k: x["excluded"] != k for k in range(1, len(of.groups) + 1)}
+    return [included[number[j]] for j in range(len(of.model.channels))]
 
 
-def judge(of: Monitor, solution: Solution[Normal], cost: ca.SX, sigmas: Vector, x: Exprs) -> Judgement:
-    """Return the judgement of a sample with its least cost c s^2 and its deviations (n,)."""
+def judge(of: Monitor, solution: Solution[Normal], tracked: bool, cost: ca.SX, sigmas: Vector, x: Exprs) -> Judgement:
+    """Return the judgement of a sample with its least cost c s^2 and its deviations (n,).
+
+    The hypotheses are linear about the prediction if it is `tracked`, else about the solution.
+    """
     if of.integrity.exclude:
-        return _judge_hypotheses(of, solution, cost, sigmas, x)
+        decides = ca.SX(1) if tracked else solution.converged
+        return _judge_hypotheses(of, solution, solution.first if tracked else solution.last, decides, cost, sigmas, x)
     normal = solution.last.normal
     faults = _hypotheses(of, normal.factors, normal.linear)
     levels = {
@@ -114,32 +160,47 @@ def judge(of: Monitor, solution: Solution[Normal], cost: ca.SX, sigmas: Vector, 
     return _judgement(of, passes, levels, faults, ca.SX(0))
 
 
-def _judge_hypotheses(of: Monitor, solution: Solution[Normal], cost: ca.SX, sigmas: Vector, x: Exprs) -> Judgement:
-    model, normal, variance = of.model, solution.last.normal, of.model.scale**2
+def _judge_hypotheses(
+    of: Monitor,
+    solution: Solution[Normal],
+    about: Trial[Normal],
+    decides: ca.SX,
+    cost: ca.SX,
+    sigmas: Vector,
+    x: Exprs,
+) -> Judgement:
+    model, normal, variance = of.model, about.normal, of.model.scale**2
     factors, in_range = glsdc_solution.factorise(model, normal.linear.rows, normal.linear.rows)
     faults = _hypotheses(of, factors, normal.linear)
-    full, full_cost = _full(of, factors, normal, faults, solution)
+    full, full_cost = _full(of, factors, faults, about)
     costs = glsdc_integrity.costs(faults, full.scores, full_cost)
-    passing = [c <= of.thresholds.hypothesis * variance + ROUNDING * full_cost for c in costs]
+    passing = [c <= limit * variance + ROUNDING * full_cost for c, limit in zip(costs, of.hypothesis, strict=True)]
     none, levels = x["excluded"] == 0, {}
     for i in _limit_indices(of):
-        reported = solution.at[i] - solution.last.at[i]
+        reported = solution.at[i] - about.at[i]
         separated = glsdc_integrity.separated_level(
             faults, i, full, passing, reported, of.thresholds.deviations * model.scale
         )
         detected = glsdc_integrity.detected_level(faults, i, of.thresholds, model.scale, sigmas[i])
         levels[i] = ca.if_else(none, detected, separated)
     test = full_cost <= of.thresholds.test * variance
-    passes = ca.logic_and(in_range, ca.if_else(none, test, cost <= of.thresholds.hypothesis * variance))
+    limit = ca.if_else(none, of.thresholds.test, _excluded_threshold(of, x))
+    passes = ca.logic_and(in_range, cost <= limit * variance)
     best = ca.if_else(test, 0, glsdc_integrity.most_likely(costs))
-    return _judgement(of, passes, levels, faults, ca.if_else(solution.converged, best, x["excluded"]))
+    excluded = clip(ca.if_else(decides, best, x["excluded"]), excluded_number(of))
+    return _judgement(of, passes, levels, faults, excluded)
 
 
-def _full(
-    of: Monitor, factors: LdlFactors, normal: Normal, faults: Hypotheses, solution: Solution[Normal]
-) -> tuple[Full, ca.SX]:
-    """Return the solution with all channels, and its cost c s^2."""
-    e, model = normal.linear.residuals, of.model
+def _excluded_threshold(of: Monitor, x: Exprs) -> ca.SX | float:
+    """Return T_1 of the excluded group."""
+    if len(set(of.hypothesis)) == 1:
+        return of.hypothesis[0]
+    return glsdc.total((x["excluded"] == k) * limit for k, limit in enumerate(of.hypothesis, 1))
+
+
+def _full(of: Monitor, factors: LdlFactors, faults: Hypotheses, about: Trial[Normal]) -> tuple[Full, ca.SX]:
+    """Return the solution with all channels, linear about a trial, and its cost c s^2."""
+    normal, e, model = about.normal, about.normal.linear.residuals, of.model
     gradient = glsdc_solution.gradient_of(normal.linear.rows, e, normal.pulls)
     forward = glsdc.substitute_forward(factors, gradient, glsdc_solution.forward_bounds(model))
     all_channels = LdlNormalEquations(factors, forward)
@@ -147,15 +208,22 @@ def _full(
     step = [clip(d, Signal("step", "1", -b, b)) for d, b in zip(all_channels.step, bounds, strict=True)]
     scores = [
         glsdc_integrity.dot_sparse(w, e) - dot(slope, step)
-        for w, slope in zip(normal.linear.directions, faults.slopes, strict=True)
+        for w, slope in zip(_single(of, normal.linear).directions, faults.slopes, strict=True)
     ]
-    prior_cost = solution.last.cost - solution.last.squares
+    prior_cost = about.cost - about.squares
     cost = ca.fmax(dot(e, e) + prior_cost - all_channels.decrease, 0)
-    return Full(step, glsdc.variances(factors), scores), cost
+    return Full(step, glsdc.variances(factors), glsdc_integrity.decorrelate(faults, scores)), cost
 
 
 def _hypotheses(of: Monitor, factors: LdlFactors, linear: Linearisation) -> Hypotheses:
-    return glsdc_integrity.hypotheses(factors, linear, of.model.floors, DYNAMIC_RANGE)
+    return glsdc_integrity.hypotheses(of.groups, factors, _single(of, linear), of.model.floors, DYNAMIC_RANGE)
+
+
+def _single(of: Monitor, linear: Linearisation) -> Linearisation:
+    """Return a linearisation with the unit vectors of each group's own residuals, which span the same hypotheses."""
+    if not _is_blockwise(of.model, of.groups):
+        return linear
+    return replace(linear, directions=[{j: ca.SX(1)} for j in range(len(of.model.channels))])
 
 
 def _limit_indices(of: Monitor) -> list[int]:
@@ -163,10 +231,10 @@ def _limit_indices(of: Monitor) -> list[int]:
 
 
 def _judgement(of: Monitor, passes: ca.SX, levels: dict[int, ca.SX], faults: Hypotheses, excluded: ca.SX) -> Judgement:
-    by_name = {}
+    by_name, within = {}, faults.detectable
     for i, level in levels.items():
         u = of.model.unknowns[i]
         signal = _level(of, u.name, u.signal.unit)
         by_name[signal.name] = clip(ca.if_else(faults.detectable, level, signal.high), signal)
-        passes = ca.logic_and(passes, by_name[signal.name] <= of.integrity.limits[u.name])
-    return Judgement(passes, by_name, excluded)
+        within = ca.logic_and(within, by_name[signal.name] <= of.integrity.limits[u.name])
+    return Judgement(passes, by_name, within, excluded)

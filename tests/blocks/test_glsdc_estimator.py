@@ -375,9 +375,12 @@ def test_a_value_out_of_range_is_refused(make: Any, message: str) -> None:
         ({"h": lambda q, k: None}, SignalError, "h returns None"),
         ({"h": Implicit(lambda q, y, k: {"range_a": y["range_a"]})}, SignalError, "missing"),
         (
-            {"h": Implicit(lambda q, y, k: {n: v - q["x"] - q["y"] for n, v in y.items()}), "integrity": EXCLUDING},
+            {
+                "h": Implicit(lambda q, y, k: {n: v - q["x"] - y["range_a"] for n, v in y.items()}),
+                "integrity": EXCLUDING,
+            },
             ModelError,
-            "model is Implicit",
+            "channels of several groups",
         ),
     ],
 )

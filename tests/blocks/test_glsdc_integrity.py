@@ -201,7 +201,7 @@ def run_without_levels(of: Problem) -> Columns:
     ("of", "exclude", "message"),
     [
         (beacons.ranges(3, bias=True), False, "a test needs one more"),
-        (beacons.ranges(3), True, "exclusion two more"),
+        (beacons.ranges(3), True, "exclusion of 1 together 2 more"),
     ],
 )
 def test_integrity_without_redundancy_is_refused(of: Problem, exclude: bool, message: str) -> None:

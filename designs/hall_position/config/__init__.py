@@ -28,6 +28,10 @@ from synth.timing import Discrete
 
 NAME, THREE = "hall_position", "hall_position_three"
 TIME = Discrete(1 / 800)
+UNPROTECTED = (
+    "Two sensors have no fault protection: a failed sensor may leave no residual, and an estimate may be valid and "
+    "wrong. The deviations hold for the field of the model."
+)
 LAYOUT = 5  # degrees of yaw to either side, for which the layout of three sensors is optimised
 PLACES: Mapping[str, tuple[Pair, ...]] = MappingProxyType(
     {NAME: PUBLISHED[:2], THREE: layouts.LAYOUTS[LAYOUT]}

@@ -246,7 +246,7 @@ def test_motions_cross_pitches_turn_around_and_latch() -> None:
     )
 
 
-def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_evidence_is_of_all_estimators(monkeypatch: pytest.MonkeyPatch) -> None:
     heard: list[str] = []
     check = Check("magnified", 0.0, 1.0, "1")
     monkeypatch.setattr(verification, "witnesses", lambda of: of.name)
@@ -256,11 +256,15 @@ def test_evidence_is_of_both_estimators(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(
         endurance, "checks", lambda name, kind, bodies, n: [replace(check, name=f"{name} {bodies * n}")]
     )
+    monkeypatch.setattr(
+        verification.verification_four, "verify", lambda say, whole: ([], [replace(check, name=f"four {whole}")])
+    )
     for whole, sizes, samples in (
         (True, verification.FULL_STEPS, 10_000_000),
         (False, verification.QUICK_STEPS, 100_000),
     ):
         evidence = verification.verify(heard.append, whole)
         expected = [f"{name} {each}" for name in config.PLACES for each in (sizes, samples)]
+        expected.append(f"four {whole}")
         assert evidence.design == PAIR and [c.name for c in evidence.checks] == expected
     assert verification.FULL_STEPS["motions"] == 100_000 and len(heard) == 8

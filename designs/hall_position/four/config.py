@@ -1,0 +1,83 @@
+"""Configuration of the estimator of four sensors, at places with small protection levels.
+
+The places have the least 97 % quantile, over the pitch and yaws within 10 degrees, of the levels in X, Y and the yaw
+(over 40 rad/m) that a search of 20,000 random layouts and 250 perturbations of each of the five best has reached.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from designs.hall_position import config
+from designs.hall_position.four import estimator
+from designs.hall_position.four.parameters import Tuning
+from designs.hall_position.glsdc import channels
+from models import hall_motions as motions
+from models.hall_array import Pair
+from models.hall_motions import Numbers, Pose
+from models.hall_stage import Stage
+from models.hall_two_waves import PlanarArray as Array
+from synth.block import Block
+from synth.emit.c import digits
+
+NAME = "hall_position_four"
+PLACES: tuple[Pair, ...] = ((0.046, -0.072), (-0.178, -0.277), (-0.399, -0.478), (0.259, 0.122))  # pitches
+USUAL = Tuning()
+# Residual of a voltage after a calibration with an error map, and limits in proportion to it.
+CALIBRATED = Tuning(model_error=5e-3, position_limit=5e-4, yaw_limit=0.022)
+PRECONDITIONS = (
+    "At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It "
+    "rests until the first valid sample. Protection levels hold for voltages within 60 mV rms of the model, and a "
+    "fault of one sensor. A lost track needs init."
+)
+VECTORS, SEED = 1000, 2011
+REST, DISPLACEMENT, START = 150, (0.12, -0.09, -0.08), (0.011, -0.016, 0.03)  # samples; m, m, rad
+REFUSED, DEAD, FROZEN = slice(300, 304), slice(450, 550), slice(700, 760)  # samples of faults
+
+
+def array() -> Array:
+    """Return the array: positions, field in V and noise."""
+    made = Stage().array(PLACES)
+    alpha, beta = (digits.significant(v, config.DIGITS) for v in (made.alpha, made.beta))
+    return replace(made, alpha=alpha, beta=beta)
+
+
+@cache
+def block(tuning: Tuning = USUAL) -> Block:
+    """Return the guarded estimator."""
+    return estimator.guarded_estimator(NAME, array(), config.TIME, tuning)
+
+
+def gains(scalar: type[np.floating]) -> dict[str, Any]:
+    """Return the content of gains.json."""
+    of = array()
+    return {
+        "model": "a (alpha sin(w X) + beta sin(5 w X)), a the amplitude, likewise in Y, the fabricated matrix at 3 mm",
+        "alpha_V": of.alpha,
+        "beta_V": of.beta,
+        "pitch_m": of.pitch,
+        "deviation_V": of.deviation,
+        "positions_pitches": [list(place) for place in PLACES],
+        "period_s": config.TIME.period_s,
+        "method": "weighted least squares with integrity monitoring, exclusion of a sensor, and a sweep of starts",
+        "tuning": {k: digits.significant(v, 12) if isinstance(v, float) else v for k, v in asdict(USUAL).items()},
+        "bad_samples": channels.BAD_SAMPLES,
+    }
+
+
+def vectors(inputs: Mapping[str, Any], outputs: Mapping[str, Any]) -> dict[str, Numbers]:
+    """Return the inputs of the test vectors, in the scalar type of the `inputs` of two sensors.
+
+    The body rests and then moves; a voltage is out of range, a sensor is dead, and a converter freezes.
+    """
+    scalar = inputs["V_ax"].dtype.type
+    progress = np.clip((np.arange(VECTORS) - REST) / (VECTORS - REST), 0, 1)
+    along = progress - np.sin(2 * np.pi * progress) / (2 * np.pi)
+    pose = Pose(*(start + by * along for start, by in zip(START, DISPLACEMENT, strict=True)))
+    V = motions.noisy(array(), pose, SEED)
+    V[REFUSED, 0, 1], V[DEAD, 2] = 9.0, 0.0
+    V[FROZEN, 3, 0] = V[FROZEN.start, 3, 0]
+    return motions.by_input(V.astype(scalar))

@@ -1,0 +1,206 @@
+"""How often an estimate of four sensors is valid, and valid and wrong, over fields and faults that it does not know.
+
+    own         the field of the model                     calibrated   the same, and RESIDUAL V rms in each voltage
+    fabricated  the finite matrix of fabricated blocks     built        the same with remanence +-2 %, tilt +-1 deg and
+                                                                        place +-0.1 mm of blocks; places of sensors
+                                                                        +-0.1 mm, their angles +-1 deg, gains +-1 %
+
+The amplitude is anywhere within +-10 %. Bodies rest, or move at up to SPEED, tracked from the start. After BEFORE
+samples a voltage, or both of a sensor, fails. `wrong` is an error above 0.5 mm or 20 mrad.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from designs.hall_position.config import TIME
+from designs.hall_position.four import config
+from designs.hall_position.four.parameters import Tuning
+from designs.hall_position.glsdc.estimator import SURROGATE_ERROR
+from models import built_matrix, hall_bench
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
+from synth.errors import ModelError
+from synth.execute import build, host
+from synth.statespace import Array
+
+WRONG, WRONG_YAW = 5e-4, 0.02  # m, rad
+FIELDS = ("own", "calibrated", "fabricated", "built")
+RESIDUAL = 4e-3  # V rms
+AMPLITUDE, GAIN, ANGLE, PLACE = 0.1, 0.01, np.radians(1), 1e-4  # relative, relative, rad, m
+REACH, YAW, SPEED = 0.035, 0.16, 0.2  # m, rad, m/s
+BEFORE, AFTER, SEEDS = 4, 12, 3  # samples, samples, matrices as built
+OFFSET, DRIFT, END = 0.3, 0.02, 5.0  # V, V a sample, V
+MARGIN = 1e-3  # m, of cold starts to the edge of the pitch
+Fault = Callable[[Numbers, Numbers, int], Numbers]  # (N, 2) now, (N, 2) kept from the failure, samples since
+
+
+def _first(value: Callable[[Numbers, Numbers, int], Numbers | float]) -> Fault:
+    return lambda V, kept, k: np.column_stack([np.broadcast_to(value(V[:, 0], kept[:, 0], k), len(V)), V[:, 1]])
+
+
+FAULTS: Mapping[str, Fault] = {
+    "none": lambda V, kept, k: V,
+    "dead voltage": _first(lambda v, kept, k: 0.0),
+    "dead sensor": lambda V, kept, k: 0 * V,
+    "stuck voltage": _first(lambda v, kept, k: kept),
+    "stuck sensor": lambda V, kept, k: kept,
+    "saturated": _first(lambda v, kept, k: END),
+    "offset": _first(lambda v, kept, k: v + OFFSET),
+    "halved voltage": _first(lambda v, kept, k: v / 2),
+    "halved sensor": lambda V, kept, k: V / 2,
+    "drift": _first(lambda v, kept, k: v + DRIFT * k),
+}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Shares of samples that are `valid`, and that are valid and `wrong`, and of bodies that were ever so.
+
+    `ratio` is the rms error over the deviation, of valid positions; `error` the largest of these, m.
+    """
+
+    valid: float
+    wrong: float
+    wrong_bodies: float
+    ratio: float
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Bodies (N,) in a field: how to read the voltages (N, 4, 2) at their poses."""
+
+    read: Callable[[Pose], Numbers]
+
+
+@cache
+def compile_estimator(tuning: Tuning) -> host.Controller:
+    """Return the estimator's C in single precision."""
+    return build.compile_block(config.block(tuning), np.float32, error=SURROGATE_ERROR[np.float32])
+
+
+def world(field: str, bodies: int, rng: np.random.Generator) -> World:
+    """Return bodies in a field; raise ModelError for an unknown one."""
+    if field not in FIELDS:
+        raise ModelError(f"'{field}' is not a known field: give one of {', '.join(FIELDS)}")
+    array, scale = config.array(), 1 + AMPLITUDE * rng.uniform(-1, 1, (bodies, 1, 1))
+    if field in ("own", "calibrated"):
+        residual = (RESIDUAL if field == "calibrated" else 0.0) * rng.standard_normal((bodies, 4, 2))
+        return World(lambda pose: scale * motions.volts(array, pose) + residual)
+    seeds = SEEDS if field == "built" else 1
+    scale = scale * (1 + (GAIN if field == "built" else 0.0) * rng.uniform(-1, 1, (bodies, 4, 2)))
+    turn = (ANGLE if field == "built" else 0.0) * rng.uniform(-1, 1, (bodies, 4))
+    benches = [_bench(field, seed) for seed in range(seeds)]
+
+    def read(pose: Pose) -> Numbers:
+        poses, V = np.column_stack([pose.X, pose.Y, pose.yaw]), np.zeros((bodies, 4, 2))
+        for k, bench in enumerate(benches):
+            V[k::seeds] = hall_bench.static_voltages(bench, poses[k::seeds]).reshape(-1, 4, 2)
+        c, s = np.cos(turn), np.sin(turn)
+        return scale * np.stack([c * V[..., 0] - s * V[..., 1], s * V[..., 0] + c * V[..., 1]], axis=-1)
+
+    return World(read)
+
+
+@cache
+def _bench(field: str, seed: int) -> hall_bench.Bench:
+    places, rng = np.array(config.array().positions), np.random.default_rng(seed)
+    if field == "built":
+        places = places + PLACE * rng.uniform(-1, 1, places.shape)
+        return hall_bench.Bench(tuple(map(tuple, places)), built_matrix.Tolerances(seed=seed))
+    return hall_bench.Bench(tuple(map(tuple, places)), built_matrix.Tolerances(0.0, 0.0, 0.0))
+
+
+def run(tuning: Tuning, field: str, fault: str, bodies: int, speed: float = 0.0, seed: int = 0) -> Outcome:
+    """Simulate a fault of bodies that are tracked; raise ModelError for an unknown field or fault."""
+    if fault not in FAULTS:
+        raise ModelError(f"'{fault}' is not a known fault: give one of {', '.join(FAULTS)}")
+    rng = np.random.default_rng(seed)
+    of, heading, sensor = world(field, bodies, rng), rng.uniform(0, 2 * np.pi, bodies), rng.integers(4, size=bodies)
+    start, other = (_draw(REACH, bodies, rng) for _ in range(2))
+    kept = of.read(other)[np.arange(bodies), sensor]  # of a sensor that is stuck where it was before
+    flip, each = rng.random(bodies) < 0.5, np.arange(bodies)
+    states, outcomes = _tracking_states(tuning, start, speed, heading), []
+    for k in range(BEFORE + AFTER):
+        pose = start.displaced(speed * k * TIME.period_s, heading)
+        V = of.read(pose) + config.array().deviation * rng.standard_normal((bodies, 4, 2))
+        if k >= BEFORE:
+            pair, before = (np.where(flip[:, None], v[:, ::-1], v) for v in (V[each, sensor], kept))
+            failed = FAULTS[fault](pair, before, k - BEFORE)
+            V[each, sensor] = np.where(flip[:, None], failed[:, ::-1], failed)
+        batch = compile_estimator(tuning).batch(states, motions.by_input(np.clip(V, -END, END)))
+        states = batch.states
+        if k >= BEFORE:
+            outcomes.append(_errors(batch.outputs, pose))
+    return _outcome(*(np.array(each) for each in zip(*outcomes, strict=True)))
+
+
+def _draw(reach: float, bodies: int, rng: np.random.Generator) -> Pose:
+    X, Y = rng.uniform(-reach, reach, (2, bodies))
+    return Pose(X, Y, rng.uniform(-YAW, YAW, bodies))
+
+
+def _tracking_states(tuning: Tuning, at: Pose, speed: float, heading: Array) -> host.Records:
+    """Return the states of estimators that have tracked bodies up to poses."""
+    array, states = config.array(), np.repeat(compile_estimator(tuning).init()[None], len(at.X))
+    step = array.wave_number * speed * TIME.period_s
+    for a, place, moved in (("x", at.X, np.cos(heading)), ("y", at.Y, np.sin(heading))):
+        turns = np.round(place / array.pitch)
+        states[f"estimator_phase_{a}"] = states[f"metres_last_{a}"] = array.wave_number * (place - turns * array.pitch)
+        states[f"metres_pitch_{a}"], states[f"estimator_motion_phase_{a}"] = turns, step * moved
+    states["estimator_yaw"], states["estimator_start_number"], states["metres_counting"] = at.yaw, tuning.starts, 1
+    return states
+
+
+def _errors(outputs: Mapping[str, Numbers], pose: Pose) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+    """Return validity, error in m and in rad, and squared error over variance, (N,) each."""
+    along = [outputs[axis].astype(float) - getattr(pose, axis) for axis in "XY"]
+    squares = sum((e / outputs[f"deviation_{axis}"]) ** 2 for e, axis in zip(along, "XY", strict=True))
+    return outputs["valid"] > 0, np.hypot(*along), np.abs(outputs["yaw"] - pose.yaw), np.asarray(squares) / 2
+
+
+def _outcome(valid: Numbers, error: Numbers, turn: Numbers, squares: Numbers) -> Outcome:
+    wrong = valid & ((error > WRONG) | (turn > WRONG_YAW))
+    good = valid.any()
+    return Outcome(
+        valid=float(valid.mean()),
+        wrong=float(wrong.mean()),
+        wrong_bodies=float(wrong.any(axis=0).mean()),
+        ratio=float(np.sqrt(squares[valid].mean())) if good else 0.0,
+        error=float(error[valid].max(initial=0.0)),
+    )
+
+
+@dataclass(frozen=True)
+class ColdStart:
+    """Shares of bodies that are tracked at the end and that were ever valid; samples until valid; bodies ever wrong."""
+
+    tracked: float
+    valid: float
+    median: float
+    longest: int
+    wrong: int
+
+
+def cold_start(tuning: Tuning, field: str, bodies: int, samples: int = 120, seed: int = 1) -> ColdStart:
+    """Return the result from init of bodies at rest anywhere in the pitch, less MARGIN; wrong is a pitch or more."""
+    rng, array = np.random.default_rng(seed), config.array()
+    half = array.pitch / 2 - MARGIN
+    pose = _draw(half, bodies, rng)
+    exact = world(field, bodies, rng).read(pose)
+    states, first = np.repeat(compile_estimator(tuning).init()[None], bodies), np.zeros(bodies, int)
+    wrong = np.zeros(bodies, bool)
+    for k in range(1, samples + 1):
+        V = exact + array.deviation * rng.standard_normal(exact.shape)
+        batch = compile_estimator(tuning).batch(states, motions.by_input(V))
+        states = batch.states
+        valid, error, _, _ = _errors(batch.outputs, pose)
+        first = np.where(valid & (first == 0), k, first)
+        wrong |= valid & (error > array.pitch / 4)
+    ever = first[first > 0]
+    tracked = float((batch.outputs["tracking"] > 0).mean())
+    median, longest = (float(np.median(ever)), int(ever.max())) if ever.size else (np.inf, 0)
+    return ColdStart(tracked, float((first > 0).mean()), median, longest, int(wrong.sum()))

@@ -1,0 +1,150 @@
+"""Verification of the C of four sensors against a NumPy reference, CasADi, CasADi's own C, and in single precision.
+
+The steps are those of `stimuli`: from the states of the C in double precision along motions with faults, and from the
+same states with the pose, its motion and the counters at random. Where a test or a level is within NEAR of its limit,
+rounding decides: such steps are counted and left out. So are weak ones, where the C limits a pivot and the reference
+does not; that both call them weak is compared. Chi-square is a difference of costs of up to a hundred.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designs.hall_position import reference_four
+from designs.hall_position.four import config, stimuli
+from designs.hall_position.glsdc import estimator
+from designs.hall_position.reference_glsdc import Setup
+from synth.check import Check
+from synth.simulate import ensemble
+from synth.verify import agree, suite
+from synth.verify.agree import Agreement, StepResults
+from synth.verify.sampling import Columns
+from synth.verify.suite import Witnesses
+
+FULL_BODIES, QUICK_BODIES = 120, 12
+FLOOR = 1.0  # m, rad, V: differences of outputs are absolute below it
+COST_FLOOR = 100.0  # of chi_square
+DECISIONS = ("converged", "weak", "excluded", "tracking", "lost", "valid")
+MAX_NEAR = 0.005  # share of steps where rounding may decide
+NEAR = 1e-7  # relative change of the voltages
+SINGLE, SINGLE_YAW, SINGLE_LEVEL, OTHER_DECISIONS = 1e-7, 1e-5, 1e-3, 0.01  # m, rad, relative, share
+PERTURBED = {"phase_x": 0.3, "phase_y": 0.3, "yaw": 0.05, "motion_phase_x": 0.1, "motion_phase_y": 0.1}  # rad
+COUNTERS = ("start_number", "missed", "age", "candidates", "excluded")
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Steps: states and inputs (N,) by name."""
+
+    what: str
+    states: Columns
+    inputs: Columns
+
+
+def setup() -> Setup:
+    """Return the numbers of the reference."""
+    array = config.array()
+    return Setup(vars(array) | vars(config.USUAL) | {"wave_number": array.wave_number})
+
+
+def witnesses() -> Witnesses:
+    """Return the witnesses of the estimator."""
+    return suite.witnesses(config.block(), partial(reference_four.step, setup()), estimator.SURROGATE_ERROR)
+
+
+def verify(progress: Callable[[str], None], whole: bool) -> tuple[list[Agreement], list[Check]]:
+    """Compare all witnesses over many bodies, or over few."""
+    progress(f"{config.NAME}: witnesses")
+    return compare(witnesses(), FULL_BODIES if whole else QUICK_BODIES, progress)
+
+
+def compare(of: Witnesses, bodies: int, progress: Callable[[str], None]) -> tuple[list[Agreement], list[Check]]:
+    """Return the agreements and the checks of all witnesses."""
+    agreements: list[Agreement] = []
+    checks: list[Check] = []
+    along = steps_along(of, bodies)
+    for steps in (along, perturbed_steps(of, along)):
+        progress(steps.what)
+        clear = ~near_decision(of, steps)
+        share = float(np.mean(~clear))
+        weak = [of.by_name[n](steps.states, steps.inputs).outputs["weak"] for n in ("reference", "c64")]
+        differs = float(np.sum((weak[0] != weak[1]) & clear))
+        checks.append(Check(f"{steps.what}: weak in one of reference against c64 only", differs, 0, "1"))
+        clear &= weak[1] == 0
+        checks.append(Check(f"{steps.what}: share where rounding may decide", share, MAX_NEAR, "1"))
+        c64 = suite.select(of.by_name["c64"](steps.states, steps.inputs), clear)
+        for name in suite.WITNESS_NAMES:
+            stepped = suite.select(of.by_name[name](steps.states, steps.inputs), clear)
+            one = agree.compare(steps.what, (name, _scaled(stepped)), ("c64", _scaled(c64)), FLOOR, of.block)
+            agreements.append(one)
+            checks += suite.exact_checks([one], f"max({FLOOR:g}, |y|)")
+        checks += _single_checks(of, steps)
+    return agreements, checks
+
+
+def _scaled(of: StepResults) -> StepResults:
+    """Return results with chi-square over its floor."""
+    return replace(of, outputs={**of.outputs, "chi_square": of.outputs["chi_square"] / COST_FLOOR})
+
+
+def steps_along(of: Witnesses, bodies: int) -> Steps:
+    """Return the consecutive steps of the C in double precision from init."""
+    inputs = stimuli.inputs(bodies)
+    batches = list(ensemble.replay(of.c64, inputs))
+    before = np.concatenate([ensemble.initial_states(of.c64, bodies), *(batch.states for batch in batches[:-1])])
+    states = {s.name: before[s.name] for s in of.block.states}
+    return Steps(f"{config.NAME}, motions", states, {n: v.ravel() for n, v in inputs.items()})
+
+
+def perturbed_steps(of: Witnesses, along: Steps) -> Steps:
+    """Return the steps from perturbed poses and motions, with counters anywhere in their ranges."""
+    rng, states = np.random.default_rng(0), {n: v.copy() for n, v in along.states.items()}
+    bounds = {s.name: s.signal for s in of.block.states}
+    for name, size in PERTURBED.items():
+        full = f"estimator_{name}"
+        shifted = states[full] + size * rng.uniform(-1, 1, len(states[full]))
+        states[full] = np.clip(shifted, bounds[full].low, bounds[full].high)
+    for name in COUNTERS:
+        full = f"estimator_{name}"
+        states[full] = rng.integers(0, int(bounds[full].high) + 1, len(states[full]))
+    return Steps(f"{config.NAME}, perturbed steps", states, along.inputs)
+
+
+def near_decision(of: Witnesses, steps: Steps) -> NDArray[np.bool_]:
+    """Return whether a decision of the reference changes when its voltages change by NEAR."""
+    rng = np.random.default_rng(1)
+    nearby: dict[str, NDArray[np.float64]] = {}
+    for n, v in steps.inputs.items():
+        change = NEAR * rng.standard_normal(len(v))
+        nearby[n] = np.where(v == steps.states[f"screen_last_{n}"], v, v * (1 + change))  # a repeated code stays one
+    first, second = (of.by_name["reference"](steps.states, u) for u in (steps.inputs, nearby))
+    differs = np.zeros(len(first.faults), bool)
+    for name in DECISIONS:
+        differs |= first.outputs[name] != second.outputs[name]
+    for name in (f"estimator_{n}" for n in COUNTERS):
+        differs |= first.states[name] != second.states[name]
+    return differs
+
+
+def _single_checks(of: Witnesses, steps: Steps) -> list[Check]:
+    """Compare positions and levels where both precisions take the same decisions, and count the other steps."""
+    double, single = suite.in_both_precisions(of, steps.states, steps.inputs)
+    same = suite.same_decisions(of.block, double, single)
+    for name in DECISIONS:
+        same &= double.outputs[name] == single.outputs[name]
+    valid = same & (double.outputs["valid"] > 0)
+    checks = [Check(f"{steps.what}: decisions that differ in single precision", 1 - same.mean(), OTHER_DECISIONS, "1")]
+    for name, limit, unit in (("X", SINGLE, "m"), ("Y", SINGLE, "m"), ("yaw", SINGLE_YAW, "rad")):
+        gap = _gap(double, single, name)[valid].max(initial=0.0)
+        checks.append(Check(f"{steps.what}: {name}, single less double, where valid", float(gap), limit, unit))
+    for name in ("protection_X", "protection_Y", "protection_yaw"):
+        gap = (_gap(double, single, name) / double.outputs[name])[valid].max(initial=0.0)
+        checks.append(Check(f"{steps.what}: {name}, single less double", float(gap), SINGLE_LEVEL, "of itself"))
+    return checks
+
+
+def _gap(first: StepResults, second: StepResults, name: str) -> NDArray[np.float64]:
+    return np.abs(second.outputs[name].astype(np.float64) - first.outputs[name])

@@ -1,0 +1,176 @@
+/* hall_position_four: one step every 0.00125 s, float. Generated: do not edit.
+ *
+ * Call hall_position_four_init once, then hall_position_four_step once every 0.00125 s with the inputs of that sample,
+ * and write its outputs to the hardware. Nothing else may change the state.
+ *
+ * The three pointers are not null and point to objects that do not overlap. One state serves one machine; steps on
+ * different states may run at the same time.
+ *
+ * When a measurement is refused in 5 samples in a row, the last of them sets the latch bit until init. an estimator
+ * moves nothing: once latched it continues, and the fault word shows the latch.
+ *
+ * At init the body is within half a pitch of the counted origin along X and Y, and within 10 degrees of yaw. It rests
+ * until the first valid sample. Protection levels hold for voltages within 60 mV rms of the model, and a fault of one
+ * sensor. A lost track needs init.
+ *
+ * The gains were computed for the numbers of the plant in hall_position_four.c: for another mass or geometry, generate
+ * the files again. gains.json and manifest.json say where each number comes from.
+ *
+ * With HALL_POSITION_FOUR_DIAGNOSTICS defined, for the .c as well, hall_position_four_step_diagnosed also says which
+ * signals it computed, what is saturated and why it latched. Without it nothing is paid for that.
+ *
+ * Compile with -std=c99 -O2 -ffp-contract=off -fno-math-errno. With -ffp-contract=fast results differ by rounding.
+ * -ffast-math, -ffinite-math-only and floating-point arithmetic in a wider type are refused by #error.
+ */
+#ifndef HALL_POSITION_FOUR_H
+#define HALL_POSITION_FOUR_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    float V_ax;                         /* V, -5 .. 5: Hall sensor a, axis x */
+    float V_ay;                         /* V, -5 .. 5: Hall sensor a, axis y */
+    float V_bx;                         /* V, -5 .. 5: Hall sensor b, axis x */
+    float V_by;                         /* V, -5 .. 5: Hall sensor b, axis y */
+    float V_cx;                         /* V, -5 .. 5: Hall sensor c, axis x */
+    float V_cy;                         /* V, -5 .. 5: Hall sensor c, axis y */
+    float V_dx;                         /* V, -5 .. 5: Hall sensor d, axis x */
+    float V_dy;                         /* V, -5 .. 5: Hall sensor d, axis y */
+} hall_position_four_input_t;
+
+typedef struct {
+    float X;                            /* m, -0.508 .. 0.508: position of the body's origin along X */
+    float Y;                            /* m, -0.508 .. 0.508: position of the body's origin along Y */
+    float deviation_X;                  /* m, 0 .. 0.00202127: standard deviation of X, limited */
+    float deviation_Y;                  /* m, 0 .. 0.00202127: standard deviation of Y, limited */
+    float protection_X;                 /* m, 0 .. 0.5: protection level of X: a fault in one group of channels moves it by more only with the declared risk */
+    float protection_Y;                 /* m, 0 .. 0.5: protection level of Y: a fault in one group of channels moves it by more only with the declared risk */
+    float yaw;                          /* rad, -0.20944 .. 0.20944 */
+    float amplitude;                    /* 1, 0.75 .. 1.25: field over that of the model */
+    float deviation_yaw;                /* rad, 0 .. 0.1: standard deviation of yaw, limited */
+    float deviation_amplitude;          /* 1, 0 .. 0.2: standard deviation of amplitude, limited */
+    float protection_yaw;               /* rad, 0 .. 22: protection level of yaw: a fault in one group of channels moves it by more only with the declared risk */
+    float chi_square;                   /* 1, 0 .. 1e+09: weighted sum of squared residuals, and of the priors */
+    float converged;                    /* 1, 0 .. 1: the last correction is small */
+    float weak;                         /* 1, 0 .. 1: the channels do not determine every unknown to its largest deviation */
+    float excluded;                     /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
+    float tracking;                     /* 1, 0 .. 1: a sweep of start points has found a single solution, which is followed */
+    float lost;                         /* 1, 0 .. 1: the track is lost: nothing is valid until init */
+    float valid;                        /* 1, 0 .. 1: converged, tracked, passes its test, within its protection levels and pitches */
+} hall_position_four_output_t;
+
+typedef struct {
+    float guard_last_V_ax;              /* V, -5 .. 5: last good value */
+    float guard_last_V_ay;              /* V, -5 .. 5: last good value */
+    float guard_last_V_bx;              /* V, -5 .. 5: last good value */
+    float guard_last_V_by;              /* V, -5 .. 5: last good value */
+    float guard_last_V_cx;              /* V, -5 .. 5: last good value */
+    float guard_last_V_cy;              /* V, -5 .. 5: last good value */
+    float guard_last_V_dx;              /* V, -5 .. 5: last good value */
+    float guard_last_V_dy;              /* V, -5 .. 5: last good value */
+    uint32_t guard_left;                /* 1, 1 .. 5: samples with a bad measurement until it latches */
+    uint32_t guard_latched;             /* 1, 0 .. 1: safe output until init */
+    uint32_t guard_ready;               /* 1, 0 .. 1: every measurement was good at once */
+    float screen_last_V_ax;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_ay;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_bx;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_by;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_cx;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_cy;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_dx;             /* V, -5 .. 5: of the last sample */
+    float screen_last_V_dy;             /* V, -5 .. 5: of the last sample */
+    uint32_t screen_repeats_V_ax;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_ay;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_bx;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_by;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_cx;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_cy;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_dx;       /* 1, 0 .. 6: samples in a row with the same code */
+    uint32_t screen_repeats_V_dy;       /* 1, 0 .. 6: samples in a row with the same code */
+    float estimator_phase_x;            /* rad, -3.14159 .. 3.14159 */
+    float estimator_phase_y;            /* rad, -3.14159 .. 3.14159 */
+    float estimator_yaw;                /* rad, -0.20944 .. 0.20944 */
+    float estimator_amplitude;          /* 1, 0.75 .. 1.25: field over that of the model */
+    float estimator_motion_phase_x;     /* rad, -0.5 .. 0.5: predicted change of phase_x a sample */
+    float estimator_motion_phase_y;     /* rad, -0.5 .. 0.5: predicted change of phase_y a sample */
+    float estimator_motion_yaw;         /* rad, -0.1 .. 0.1: predicted change of yaw a sample */
+    uint32_t estimator_excluded;        /* 1, 0 .. 4: number of the group of channels excluded as faulty, 0 for none */
+    uint32_t estimator_start_number;    /* 1, 0 .. 24: starts of this sweep so far, all of them while tracking */
+    uint32_t estimator_candidates;      /* 1, 0 .. 2: solutions in this sweep so far, 2 for more than one */
+    uint32_t estimator_missed;          /* 1, 0 .. 8: samples in a row without an accepted solution; the last: lost */
+    uint32_t estimator_age;             /* 1, 0 .. 3: samples since this start */
+    float estimator_candidate_phase_x;  /* rad, -3.14159 .. 3.14159: phase_x of the first solution of this sweep */
+    float estimator_candidate_phase_y;  /* rad, -3.14159 .. 3.14159: phase_y of the first solution of this sweep */
+    float estimator_candidate_yaw;      /* rad, -0.20944 .. 0.20944: yaw of the first solution of this sweep */
+    float estimator_candidate_amplitude;/* 1, 0.75 .. 1.25: amplitude of the first solution of this sweep */
+    float estimator_begin_phase_x;      /* rad, -3.14159 .. 3.14159: phase_x of this start */
+    float estimator_begin_phase_y;      /* rad, -3.14159 .. 3.14159: phase_y of this start */
+    float estimator_begin_yaw;          /* rad, -0.20944 .. 0.20944: yaw of this start */
+    float metres_last_x;                /* rad, -3.14159 .. 3.14159: phase of the last sample */
+    float metres_last_y;                /* rad, -3.14159 .. 3.14159: phase of the last sample */
+    float metres_pitch_x;               /* 1, -9 .. 9: pitches along x */
+    float metres_pitch_y;               /* 1, -9 .. 9: pitches along y */
+    uint32_t metres_counting;           /* 1, 0 .. 1: the last sample was tracked */
+} hall_position_four_state_t;
+
+/* The layout is the same on every target. */
+#if defined(__STDC_VERSION__) && (__STDC_VERSION__ >= 201112L)
+_Static_assert(sizeof(hall_position_four_input_t) == 32u, "size of hall_position_four_input_t");
+_Static_assert(sizeof(hall_position_four_output_t) == 72u, "size of hall_position_four_output_t");
+_Static_assert(sizeof(hall_position_four_state_t) == 204u, "size of hall_position_four_state_t");
+#else
+extern char hall_position_four_input_size_is_32[(sizeof(hall_position_four_input_t) == 32u) ? 1 : -1];
+extern char hall_position_four_output_size_is_72[(sizeof(hall_position_four_output_t) == 72u) ? 1 : -1];
+extern char hall_position_four_state_size_is_204[(sizeof(hall_position_four_state_t) == 204u) ? 1 : -1];
+#endif
+
+/* Put the state to its initial values. The caller owns it. */
+void hall_position_four_init(hall_position_four_state_t *state);
+
+/* Compute one sample: read `in`, write `out`, advance `state`.
+ * It returns the fault bits:
+ *   bit  0  V_ax: not finite or outside its range
+ *   bit  1  V_ay: not finite or outside its range
+ *   bit  2  V_bx: not finite or outside its range
+ *   bit  3  V_by: not finite or outside its range
+ *   bit  4  V_cx: not finite or outside its range
+ *   bit  5  V_cy: not finite or outside its range
+ *   bit  6  V_dx: not finite or outside its range
+ *   bit  7  V_dy: not finite or outside its range
+ *   bit 31  latched: safe output until init
+ */
+uint32_t hall_position_four_step(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out);
+
+#if defined(HALL_POSITION_FOUR_DIAGNOSTICS)
+/* Signals of the last step that was not latched, and what happened. Set it
+ * to zero when you call init. Bits of `saturated`: 0 phase_x, 1 phase_y, 2 yaw. */
+typedef struct {
+    float rejected;                     /* 1: number of the group of channels that is refused or frozen */
+    float screened;                     /* 1: no group of channels is faulty, or a single one, which is rejected */
+    float phase_x;                      /* rad */
+    float phase_y;                      /* rad */
+    float deviation_phase_x;            /* rad: standard deviation of phase_x, limited */
+    float deviation_phase_y;            /* rad: standard deviation of phase_y, limited */
+    float phases_valid;                 /* 1: converged, complete, not weak, and passes the integrity monitor if there is one */
+    float protection_phase_x;           /* rad: protection level of phase_x: a fault in one group of channels moves it by more only with the declared risk */
+    float protection_phase_y;           /* rad: protection level of phase_y: a fault in one group of channels moves it by more only with the declared risk */
+    uint32_t samples;                   /* steps that had this struct */
+    uint32_t faults;                    /* fault word of the last step */
+    uint32_t latch_cause;               /* fault word of the step that latched, 0 before */
+    uint32_t saturated;                 /* signals at their limits in the last step */
+} hall_position_four_diagnostics_t;
+
+/* The step; `diagnostics` may be null. */
+uint32_t hall_position_four_step_diagnosed(hall_position_four_state_t *state, const hall_position_four_input_t *in, hall_position_four_output_t *out,
+    hall_position_four_diagnostics_t *diagnostics);
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,155 @@
+"""Cold start and track of a least-squares estimator: a sweep of start points, and one accepted solution among them.
+
+    searching   start k is q_k = q_(k-1) + increment, wrapped into the range;  increments are those of Roberts'
+                sequence, width_i g^-i with g^(d+1) = g + 1, which fills the ranges of d unknowns evenly
+                corrections continue from a start for `dwell` samples, unless they converge before
+                an accepted solution that has converged is the candidate;  a second candidate does not agree with it
+    tracking    begins after a sweep of `starts` with a single candidate, at the candidate; else the next sweep begins
+                an accepted solution is the next prediction; without one the prediction goes on
+    lost        `patience` samples in a row without an accepted solution: nothing is valid until init
+
+A solution is accepted if it is complete and not weak, and its residuals pass the test. The body rests
+during a sweep, which takes `starts` to `starts` times `dwell` samples.
+
+Source: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences" (2018), additive recurrence R_d.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import casadi as ca
+from scipy import optimize
+
+from synth import numeric
+from synth.block import Exprs, State, clip
+from synth.blocks.glsdc import Vector
+from synth.blocks.glsdc_model import Unknown
+from synth.errors import SignalError
+from synth.signals import Signal
+
+MOST = 10_000  # starts, and samples of patience
+LOST = Signal("lost", "1", 0, 1, "the track is lost: nothing is valid until init")
+TRACKING = Signal("tracking", "1", 0, 1, "a sweep of start points has found a single solution, which is followed")
+
+
+@dataclass(frozen=True)
+class Search:
+    """The number of `starts` of a sweep, each for `dwell` samples, and the `patience` in samples until a track is lost.
+
+    `agreement` are the unknowns that are searched, with the largest difference, in their units, of two solutions that
+    count as one. Any other unknown starts where it starts after init.
+
+    Raises ModelError for a number out of its range.
+    """
+
+    starts: int
+    agreement: Mapping[str, float]
+    patience: int
+    dwell: int = 1
+
+    def __post_init__(self) -> None:
+        numeric.whole("the number of starts", self.starts, 1, MOST)
+        numeric.whole("the dwell", self.dwell, 1, MOST)
+        numeric.whole("the patience", self.patience, 1, MOST)
+        for name, value in self.agreement.items():
+            numeric.positive(f"the agreement of '{name}'", value)
+
+    def increments(self, unknowns: Sequence[Unknown]) -> dict[str, float]:
+        """Return by how much each searched unknown moves from a start to the next."""
+        d = len(self.agreement)
+        g = float(optimize.brentq(lambda v: v ** (d + 1) - v - 1, 1.0, 2.0))
+        widths = {u.name: u.width for u in unknowns}
+        return {name: widths[name] * g**-i for i, name in enumerate(self.agreement, 1)}
+
+    def check(self, unknowns: Sequence[Unknown]) -> None:
+        """Raise SignalError unless some unknowns are searched, and each is one."""
+        names = [u.name for u in unknowns]
+        if not self.agreement or not set(self.agreement) <= set(names):
+            searched = ", ".join(self.agreement) or "none"
+            raise SignalError(f"the searched unknowns are {searched}: give some of {', '.join(names)}")
+
+    def states(self, unknowns: Sequence[Unknown]) -> list[State]:
+        """Return the states of the search."""
+        count = Signal("start_number", "1", 0, self.starts, "starts of this sweep so far, all of them while tracking")
+        number = Signal("candidates", "1", 0, 2, "solutions in this sweep so far, 2 for more than one")
+        missed = Signal(
+            "missed", "1", 0, self.patience, "samples in a row without an accepted solution; the last: lost"
+        )
+        age = Signal("age", "1", 0, self.dwell - 1, "samples since this start")
+        begun = [State(_begin(u), u.start) for u in unknowns if u.name in self.agreement]
+        counts = [State(s, 0, True) for s in (count, number, missed, *([age] if self.dwell > 1 else []))]
+        return [*counts, *(State(_candidate(u), u.start) for u in unknowns), *begun]
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A sample: unknowns at the prediction and as solved (n,), whether they have converged and are accepted."""
+
+    predicted: Vector
+    solved: Exprs
+    converged: ca.SX
+    accepted: ca.SX
+
+
+def _begin(of: Unknown) -> Signal:
+    s = of.signal
+    return Signal(f"begin_{s.name}", s.unit, s.low, s.high, f"{s.name} of this start")
+
+
+def _candidate(of: Unknown) -> Signal:
+    s = of.signal
+    return Signal(f"candidate_{s.name}", s.unit, s.low, s.high, f"{s.name} of the first solution of this sweep")
+
+
+def is_tracking(of: Search, x: Exprs) -> ca.SX:
+    """Return whether the track has begun; it may be lost since."""
+    return x["start_number"] >= of.starts
+
+
+def is_lost(of: Search, x: Exprs) -> ca.SX:
+    """Return whether the track is lost."""
+    return x["missed"] >= of.patience
+
+
+def advance(of: Search, unknowns: Sequence[Unknown], sample: Sample, x: Exprs) -> dict[str, ca.SX]:
+    """Return the next unknowns and the next states of the search."""
+    tracking, accepted = is_tracking(of, x), sample.accepted
+    solves = ca.logic_and(sample.converged, accepted)
+    searching, first = ca.logic_not(tracking), x["candidates"] == 0
+    agrees = reduce(ca.logic_and, [_agrees(of, u, sample.solved, x) for u in unknowns if u.name in of.agreement])
+    count = ca.fmax(x["candidates"], solves * (2 - ca.logic_or(first, agrees)))
+    ends = ca.logic_or(sample.converged, x["age"] >= of.dwell - 1) if of.dwell > 1 else ca.SX(1)
+    last = ca.logic_and(ends, x["start_number"] >= of.starts - 1)
+    unique = ca.logic_and(last, count == 1)
+    adopt, next = ca.logic_and(first, solves), {}
+    increments = of.increments(unknowns)
+    for u, predicted in zip(unknowns, sample.predicted, strict=True):
+        candidate = ca.if_else(adopt, sample.solved[u.name], x[f"candidate_{u.name}"])
+        start = ca.SX(u.start)
+        if u.name in increments:
+            start = _wrap(x[f"begin_{u.name}"] + increments[u.name], u.signal)
+            next[f"begin_{u.name}"] = ca.if_else(ends, start, x[f"begin_{u.name}"])
+        sweep = ca.if_else(unique, candidate, ca.if_else(ends, start, sample.solved[u.name]))
+        track = ca.if_else(accepted, sample.solved[u.name], predicted)
+        next |= {f"candidate_{u.name}": candidate, u.name: ca.if_else(tracking, track, sweep)}
+    following = ca.if_else(last, of.starts * unique, ca.fmin(x["start_number"] + ends, of.starts - 1))
+    lost, missed = is_lost(of, x), ca.fmin(x["missed"] + 1, of.patience)
+    kept = ca.logic_and(searching, ca.logic_or(ca.logic_not(last), unique))
+    if of.dwell > 1:
+        next["age"] = ca.logic_and(searching, ca.logic_not(ends)) * ca.fmin(x["age"] + 1, of.dwell - 1)
+    return next | {
+        "start_number": ca.if_else(tracking, of.starts, following),
+        "candidates": kept * count,
+        "missed": ca.logic_and(tracking, ca.logic_or(lost, ca.logic_not(accepted))) * missed,
+    }
+
+
+def _agrees(of: Search, u: Unknown, solved: Exprs, x: Exprs) -> ca.SX:
+    """Return whether a solution is the candidate, the short way round for a periodic unknown."""
+    apart = ca.fabs(solved[u.name] - x[f"candidate_{u.name}"])
+    return (ca.fmin(apart, ca.fabs(apart - u.width)) if u.periodic else apart) <= of.agreement[u.name]
+
+
+def _wrap(value: ca.SX, into: Signal) -> ca.SX:
+    return clip(ca.if_else(value > into.high, value - (into.high - into.low), value), into)

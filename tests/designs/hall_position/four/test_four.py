@@ -1,0 +1,123 @@
+"""Four sensors: the committed C, its witnesses, and how often it is valid and wrong, with planted defects."""
+
+import json
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from designs.hall_position import reference_four
+from designs.hall_position import verification_four as verification
+from designs.hall_position.four import config, trust
+from designs.hall_position.reference_glsdc import Setup
+from models import hall_motions as motions
+from models.hall_motions import Numbers, Pose
+from synth.emit import write
+from synth.errors import ModelError
+from synth.execute import cross, host, target
+from synth.verify import agree
+from synth.verify.suite import Witnesses
+
+FOLDER = Path(__file__).parents[4] / "generated_c" / config.NAME
+BODIES = 1500
+BAR = 2e-3  # of samples that are valid and wrong
+
+
+def committed() -> tuple[dict[str, str], dict[str, object]]:
+    files = {p.name: p.read_text() for p in FOLDER.glob("*.[ch]")}
+    return files, json.loads((FOLDER / "manifest.json").read_text())
+
+
+@cache
+def sound() -> Witnesses:
+    return verification.witnesses()
+
+
+def with_reference(setup: Setup) -> Witnesses:
+    """Return the witnesses with a reference of another setup."""
+    other = agree.reference(partial(reference_four.step, setup))
+    return replace(sound(), by_name={**sound().by_name, "reference": other})
+
+
+def test_the_committed_c_is_that_of_the_block() -> None:
+    fresh = write.emit(config.block(), np.float32, error=verification.estimator.SURROGATE_ERROR[np.float32])
+    assert committed()[0][f"{config.NAME}.c"] == fresh.files[f"{config.NAME}.c"]
+    assert "rests until the first valid sample" in " ".join(committed()[0][f"{config.NAME}.h"].replace("*", "").split())
+
+
+def test_all_witnesses_agree() -> None:
+    agreements, checks = verification.compare(sound(), 6, lambda _: None)
+    assert {a.first for a in agreements} == {"reference", "casadi", "casadi_c"}
+    assert [c.name for c in checks if not c.passed] == []
+
+
+@pytest.mark.parametrize("changed", [{"amplitude_prior": 0.0601}, {"repeats": 7}, {"false_alarm": 2e-3}, {"dwell": 3}])
+def test_another_number_in_the_reference_is_detected(changed: dict[str, float]) -> None:
+    setup = verification.setup()
+    _, checks = verification.compare(with_reference(Setup({**setup.numbers, **changed})), 6, lambda _: None)
+    failed = [c.name for c in checks if not c.passed]
+    assert failed and all("reference against c64" in name or "next states of reference" in name for name in failed)
+
+
+@pytest.mark.parametrize("fault", trust.FAULTS)
+def test_calibrated_no_fault_of_a_sensor_misleads(fault: str) -> None:
+    outcome = trust.run(config.CALIBRATED, "calibrated", fault, BODIES)
+    assert outcome.wrong < BAR and outcome.valid > (0.99 if fault == "none" else 0.8)
+    if fault == "none":
+        assert 0.7 < outcome.ratio < 1.5
+
+
+@pytest.mark.parametrize("speed", [0.0, trust.SPEED])
+def test_without_calibration_and_fault_the_deviations_hold(speed: float) -> None:
+    outcome = trust.run(config.USUAL, "built", "none", BODIES, speed)
+    assert outcome.valid > 0.99 and outcome.wrong < BAR and 0.7 < outcome.ratio < 1.5
+
+
+def test_what_is_not_calibrated_shows() -> None:
+    """The deviations of a calibration do not hold without it, and most estimates are not valid."""
+    outcome = trust.run(config.CALIBRATED, "built", "none", BODIES)
+    assert outcome.valid < 0.5 and outcome.ratio > 3
+
+
+def test_a_wider_covariance_lets_faults_mislead() -> None:
+    """The planted defect: the same field and fault, tested with twelve times the deviation."""
+    assert trust.run(config.USUAL, "calibrated", "offset", BODIES).wrong > 5 * BAR
+
+
+def test_no_cold_start_is_wrong_by_pitches() -> None:
+    start = trust.cold_start(config.USUAL, "built", BODIES)
+    assert start.wrong == 0 and start.tracked > 0.999 and start.valid > 0.99 and start.longest <= 120
+
+
+def travel(V: Numbers) -> dict[str, Numbers]:
+    return dict(trust.compile_estimator(config.USUAL).replay(motions.by_input(V)).outputs)
+
+
+def test_pitches_are_counted_in_motion_and_no_further_than_declared() -> None:
+    n, rest = 3000, 120
+    X = np.concatenate([np.zeros(rest), 0.55 * np.sin(np.linspace(0, np.pi, n - rest))])  # beyond 8 pitches, and back
+    out = travel(motions.noisy(config.array(), Pose(X, 0 * X, 0 * X), 3))
+    inside = (np.arange(n) > rest) & (config.array().pitch * 8 > X) & (np.arange(n) < np.argmax(X))
+    assert out["valid"][inside].mean() > 0.95 and np.abs(out["X"] - X)[inside & (out["valid"] > 0)].max() < 5e-4
+    assert not out["valid"][np.argmax(X) :].any()
+
+
+def test_an_unknown_field_or_fault_is_refused() -> None:
+    with pytest.raises(ModelError, match="'steel' is not a known field"):
+        trust.run(config.USUAL, "steel", "none", 3)
+    with pytest.raises(ModelError, match="'rust' is not a known fault"):
+        trust.run(config.USUAL, "built", "rust", 3)
+
+
+@pytest.mark.slow
+def test_its_cost_is_known() -> None:
+    """Above the 3,600 that are asked of four sensors with protection levels: this holds what it is."""
+    if "gcc" not in cross.available():
+        pytest.skip("arm-none-eabi-gcc is not installed")
+    files, manifest = committed()
+    vectors = config.vectors({"V_ax": np.zeros(1, np.float32)}, {})
+    run = target.load(files, manifest, compiler="gcc").measure({n: v[:600] for n, v in vectors.items()})
+    assert int(run.cost.instructions.max()) <= 4600
+    assert host.load(files, manifest).period_s == 1 / 800
